@@ -1,0 +1,66 @@
+// The only door to threads. Every loop here gives the same result for any number of threads: iterations are
+// independent, and reductions are combined in index order.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace sansmesh {
+
+/// Caps the number of worker threads for everything below; 0 restores the default (all cores the process may use).
+void set_thread_count(int threads);
+int thread_count();
+
+namespace detail {
+void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
+                     const std::function<void(std::size_t, std::size_t)>& body);
+}
+
+/// Calls body(first, last) on disjoint ranges that cover [begin, end), each at most about `grain` long.
+/// The cut into ranges may depend on the thread count: body must not let it show in its results.
+template <class Body>
+void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain, Body&& body) {
+  if (begin >= end) return;
+  if (end - begin <= grain) return body(begin, end);
+  detail::parallel_ranges(begin, end, grain, body);
+}
+
+/// Calls body(i) for every i in [begin, end).
+template <class Body>
+void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& body) {
+  parallel_ranges(begin, end, grain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) body(i);
+  });
+}
+
+/// Cuts [0, n) into chunks of exactly `chunk` (the last may be shorter), maps each to a value by map(first, last) and
+/// combines the values in chunk order: deterministic floating-point reductions.
+template <class T, class Map, class Combine>
+T parallel_reduce(std::size_t n, std::size_t chunk, T init, Map&& map, Combine&& combine) {
+  const std::size_t chunks = (n + chunk - 1) / chunk;
+  std::vector<T> parts(chunks, init);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    const std::size_t first = c * chunk;
+    parts[c] = map(first, first + chunk < n ? first + chunk : n);
+  });
+  T result = init;
+  for (const T& part : parts) result = combine(result, part);
+  return result;
+}
+
+/// Runs both, possibly at the same time.
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
+
+/// Sorts by operator< in parallel; equal elements keep no particular order, so keys must be unique for determinism.
+void parallel_sort(std::vector<unsigned long>& values);
+struct KeyIndex {
+  unsigned long key;
+  unsigned index;
+  friend bool operator<(const KeyIndex& a, const KeyIndex& b) {
+    return a.key != b.key ? a.key < b.key : a.index < b.index;
+  }
+};
+void parallel_sort(std::vector<KeyIndex>& values);
+
+}  // namespace sansmesh

@@ -1,0 +1,81 @@
+// Small fixed-size vectors. Plain aggregates, so arrays of them are arrays of scalars and can be handed to
+// files, SIMD loops and other libraries without conversion.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+namespace sansmesh {
+
+/// Three components of type T: a position, a direction or a colour.
+template <class T>
+struct VecT {
+  T x{}, y{}, z{};
+
+  constexpr VecT() = default;
+  constexpr VecT(T x_, T y_, T z_) : x(x_), y(y_), z(z_) {}
+  template <class U>
+  constexpr explicit VecT(const VecT<U>& o) : x(static_cast<T>(o.x)), y(static_cast<T>(o.y)), z(static_cast<T>(o.z)) {}
+
+  constexpr T& operator[](std::size_t i) { return i == 0 ? x : i == 1 ? y : z; }
+  constexpr const T& operator[](std::size_t i) const { return i == 0 ? x : i == 1 ? y : z; }
+
+  constexpr VecT& operator+=(const VecT& o) { return x += o.x, y += o.y, z += o.z, *this; }
+  constexpr VecT& operator-=(const VecT& o) { return x -= o.x, y -= o.y, z -= o.z, *this; }
+  constexpr VecT& operator*=(T s) { return x *= s, y *= s, z *= s, *this; }
+  friend constexpr VecT operator+(VecT a, const VecT& b) { return a += b; }
+  friend constexpr VecT operator-(VecT a, const VecT& b) { return a -= b; }
+  friend constexpr VecT operator-(const VecT& a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr VecT operator*(VecT a, T s) { return a *= s; }
+  friend constexpr VecT operator*(T s, VecT a) { return a *= s; }
+  friend constexpr VecT operator/(const VecT& a, T s) { return {a.x / s, a.y / s, a.z / s}; }
+  friend constexpr bool operator==(const VecT&, const VecT&) = default;
+};
+
+using Vec3 = VecT<double>;
+using Vec3f = VecT<float>;
+
+template <class T>
+constexpr T dot(const VecT<T>& a, const VecT<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class T>
+constexpr VecT<T> cross(const VecT<T>& a, const VecT<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+template <class T>
+constexpr T squared_norm(const VecT<T>& a) {
+  return dot(a, a);
+}
+
+template <class T>
+T norm(const VecT<T>& a) {
+  return std::sqrt(dot(a, a));
+}
+
+/// a / ‖a‖, or the zero vector where a has no direction.
+template <class T>
+VecT<T> normalized(const VecT<T>& a) {
+  const T n = norm(a);
+  return n > T(0) ? a / n : VecT<T>{};
+}
+
+template <class T>
+bool is_finite(const VecT<T>& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame (t, b, n).
+/// Continuous except where n.z changes sign (Duff et al. 2017, JCGT 6(1)).
+template <class T>
+void tangent_frame(const VecT<T>& n, VecT<T>& t, VecT<T>& b) {
+  const T sign = std::copysign(T(1), n.z);
+  const T a = T(-1) / (sign + n.z);
+  const T c = n.x * n.y * a;
+  t = {T(1) + sign * n.x * n.x * a, sign * c, -sign * n.x};
+  b = {c, sign + n.y * n.y * a, -n.y};
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,31 @@
+// Indexed triangle mesh: what polygonisation returns and every writer takes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Triangles are counter-clockwise seen from outside. Optional arrays are empty or as long as `vertices`.
+struct TriangleMesh {
+  Vec3 origin;                  ///< World position = origin + vertex.
+  std::vector<Vec3f> vertices;  ///< Relative to `origin`.
+  std::vector<Triangle> triangles;
+  std::vector<Vec3f> normals;                          ///< Unit, outward.
+  std::vector<std::array<std::uint8_t, 3>> colors;     ///< RGB, 0..255.
+  std::vector<float> quality;                          ///< One scalar a vertex (error, curvature, distance), unit of its maker.
+};
+
+inline Box3f bounds(const TriangleMesh& mesh) {
+  Box3f box;
+  for (const Vec3f& p : mesh.vertices) box.extend(p);
+  return box;
+}
+
+}  // namespace sansmesh
