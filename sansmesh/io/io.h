@@ -1,0 +1,50 @@
+// Files in and out. The format follows from the file's name (".ply", ".ply.gz", …) and, where that fails, its content.
+// Every function throws FileError naming the file and the cause; outputs appear whole or not at all (they are written
+// under a temporary name in the same folder and renamed).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// What a reader found besides the data.
+struct ReadReport {
+  std::string format;                 ///< e.g. "PLY binary little endian"
+  std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"
+};
+
+/// Points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file or of a Stanford .conf alignment
+/// (several scans merged with their transforms), gzipped or not. Non-finite points are left out with a warning.
+/// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
+PointSet read_points(const std::string& file, ReadReport* report = nullptr);
+
+/// A mesh (polygons are triangulated as fans). Throws FileError as read_points, and where the file has no faces.
+TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);
+
+struct WriteOptions {
+  bool ascii = false;  ///< text instead of binary, where the format has both
+};
+
+/// Writes PLY, OBJ, STL, OFF, GLB by the name's ending.
+void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options = {});
+
+/// Writes PLY, OBJ, XYZ, CSV or PCD by the name's ending.
+void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
+
+/// Writes a PNG.
+void write_image(const std::string& file, const Image& image);
+
+/// Writes text (JSON, CSV) atomically.
+void write_text(const std::string& file, const std::string& text);
+
+/// Throws FileError early, before long work, if `file` has an ending that no writer knows (kind: "mesh", "points",
+/// "image") or its folder does not exist or cannot be written.
+void check_writable(const std::string& file, const std::string& kind);
+
+}  // namespace sansmesh

@@ -1,0 +1,51 @@
+// From samples to a mesh in one call: the front door of the library.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Which connected components of the surface are kept.
+struct ComponentChoice {
+  enum class Kind { automatic, all, count } kind = Kind::automatic;
+  int count = 1;  ///< for Kind::count: this many of the largest
+};
+
+/// All optional lengths are in the unit of the input; where absent they are derived from the data.
+struct ReconstructOptions {
+  std::optional<int> max_depth;       ///< deepest level of the block tree, 2..12
+  std::optional<double> error;        ///< accepted rms fitting error (length); default: estimated noise and spacing
+  std::optional<double> support;      ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5
+  int max_degree = 4;                 ///< largest degree of the local polynomials, 1..4
+  std::optional<double> mesh_error;   ///< accepted distance between mesh and surface (length)
+  std::optional<double> trim;         ///< cut the surface farther than this from any sample (length); 0 = choose from data
+  ComponentChoice components;
+  bool sharp = true;                  ///< reproduce creases where the data shows them
+  bool carry_colors = true;
+  bool enhance = true;                ///< well-shaped triangles (METHODS 3.3 and vertex clustering)
+};
+
+struct ReconstructReport {
+  double spacing = 0;        ///< median distance of a sample to its nearest neighbours (length)
+  double noise = 0;          ///< estimated standard deviation of the samples off the surface (length)
+  int depth = 0;             ///< deepest level of the block tree used
+  std::size_t blocks = 0;    ///< leaf blocks
+  std::size_t fits = 0;      ///< local approximations
+  int components = 0;        ///< of the mesh written
+  double aspect_mean_before = 0, aspect_deviation_before = 0;  ///< aspect ratio of the unenhanced mesh
+  double aspect_mean = 0, aspect_deviation = 0;
+  std::vector<std::string> warnings;
+};
+
+/// Points (normals are estimated or oriented if need be) → closed manifold mesh. Throws DataError where the points
+/// cannot be reconstructed (fewer than 4, all coincident, collinear or in a plane), ArgumentError for bad options.
+TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
+                         ReconstructReport* report = nullptr);
+
+}  // namespace sansmesh
