@@ -1,0 +1,30 @@
+// One local approximation of the partition of unity: a bivariate polynomial height over a local plane.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+constexpr int kMaxDegree = 4;
+/// Number of bivariate monomials up to degree d: (d+1)(d+2)/2.
+constexpr std::array<int, kMaxDegree + 1> kBasisSize{1, 3, 6, 10, 15};
+
+/// f(x) = scale · (w − g(u, v)), where (u, v, w) = frame · (x − center) / scale and g has the coefficients below in the order
+/// 1 | u v | u² uv v² | u³ u²v uv² v³ | u⁴ … v⁴. It counts within the ball of radius `radius` around `center` (METHODS §3.1).
+struct LocalFunction {
+  Vec3f center;
+  float radius = 0;
+  Vec3f xi, eta, nu;  ///< orthonormal; nu points outward
+  float scale = 1;
+  std::array<float, 15> coefficient{};
+  std::int32_t degree = 0;
+  /// Creases (METHODS §2.1, Ohtake et al. 2003): index + 1 of the next function of the same support, combined by
+  /// max (convex) or min (concave) with this one; 0 = none.
+  std::int32_t next = 0;
+  bool convex = true;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,281 @@
+#include "sansmesh/polygonize/polygonize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <bit>
+#include <limits>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/lattice.h"
+#include "sansmesh/polygonize/surface_chain.h"
+
+namespace sansmesh {
+namespace {
+
+/// A block whose simplices may cross the surface.
+struct ActiveBlock {
+  std::uint32_t block;
+  const BlockPattern* pattern;
+  std::uint32_t first;  ///< its lattice vertices: numbers[first ...], in the order of pattern->slots
+};
+
+struct Extraction {
+  const ScalarField& field;
+  BlockTree tree;
+  Vec3 origin;
+  LatticeNumbering numbering;
+  PatternTable patterns;
+  std::vector<ActiveBlock> active;
+  std::vector<std::uint32_t> numbers;
+  std::vector<float> values;    ///< field at each lattice vertex
+  std::vector<Vec3f> positions;  ///< of each lattice vertex, relative to origin (moved by the displacement, if any)
+
+  Vec3 world(const LatticePoint& p) const {
+    const double unit = tree.edge() / static_cast<double>(2u << tree.depth());
+    return tree.lower() + Vec3{p[0] * unit, p[1] * unit, p[2] * unit};
+  }
+
+  void add_block(std::uint32_t block) {
+    const BlockPattern& pattern = patterns.pattern(refinement_of(tree, block));
+    active.push_back({block, &pattern, static_cast<std::uint32_t>(numbers.size())});
+    const BlockTree::Block& b = tree[block];
+    const std::uint32_t edge = 2u << (tree.depth() - b.level);
+    for (const std::uint8_t s : pattern.slots) {
+      // Quarter edges exist only where the block is not on the deepest level, so the division is exact.
+      const std::uint32_t q[3] = {s % 5u, s / 5u % 5u, s / 25u};
+      numbers.push_back(numbering.number({b.cell[0] * edge + q[0] * edge / 4, b.cell[1] * edge + q[1] * edge / 4,
+                                          b.cell[2] * edge + q[2] * edge / 4}));
+    }
+  }
+
+  /// Evaluates the field at the lattice vertices numbered since the last call.
+  void evaluate_new() {
+    const std::size_t old = values.size(), n = numbering.points().size();
+    std::vector<Vec3> x(n - old);
+    std::vector<double> f(n - old);
+    positions.resize(n);
+    parallel_for(old, n, 8192, [&](std::size_t i) {
+      x[i - old] = world(numbering.points()[i]);
+      positions[i] = Vec3f(x[i - old] - origin);
+    });
+    field.evaluate(x, f);
+    values.resize(n);
+    parallel_for(old, n, 8192, [&](std::size_t i) { values[i] = static_cast<float>(f[i - old]); });
+  }
+
+  bool inside(std::uint32_t number) const { return values[number] < 0; }
+
+  /// Activates every block that the surface may enter: those with a small value at their centre, and from there across
+  /// every face on which the sign changes, so that no simplex of the surface is missed once its neighbour is found.
+  void activate() {
+    const std::vector<std::uint32_t> leaves = tree.leaves();
+    std::vector<Vec3> centres(leaves.size());
+    std::vector<double> at_centre(leaves.size());
+    parallel_for(0, leaves.size(), 8192, [&](std::size_t i) { centres[i] = tree.block_center(leaves[i]); });
+    field.evaluate(centres, at_centre);
+    std::vector<bool> is_active(tree.size(), false);
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      if (std::abs(at_centre[i]) > 1.3 * tree.block_edge(leaves[i])) continue;
+      is_active[leaves[i]] = true;
+      add_block(leaves[i]);
+    }
+    std::size_t done = 0;
+    while (done < active.size()) {
+      evaluate_new();
+      const std::size_t until = active.size();
+      for (; done < until; ++done) {
+        const ActiveBlock a = active[done];
+        bool any_in = false, any_out = false;
+        for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
+        if (!any_in || !any_out) continue;
+        for (std::size_t f = 0; f < 6; ++f) {
+          any_in = any_out = false;
+          for (const std::uint8_t s : a.pattern->face[f]) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
+          if (any_in && any_out) cross_face(a.block, f, is_active);
+        }
+      }
+    }
+  }
+
+  void cross_face(std::uint32_t block, std::size_t face, std::vector<bool>& is_active) {
+    const BlockTree::Block b = tree[block];
+    std::array<std::int64_t, 3> cell{b.cell[0], b.cell[1], b.cell[2]};
+    const std::size_t axis = face / 2;
+    cell[axis] += face % 2 ? 1 : -1;
+    const std::int64_t at = tree.find(b.level, cell[0], cell[1], cell[2]);
+    if (at < 0) return;
+    const auto activate_one = [&](std::uint32_t n) {
+      if (is_active[n]) return;
+      is_active[n] = true;
+      add_block(n);
+    };
+    const BlockTree::Block& n = tree[static_cast<std::size_t>(at)];
+    if (n.first_child < 0) return activate_one(static_cast<std::uint32_t>(at));
+    for (unsigned c = 0; c < 8; ++c)  // the four children that touch the face
+      if ((c >> axis & 1u) == (face % 2 ? 0u : 1u)) activate_one(static_cast<std::uint32_t>(n.first_child) + c);
+  }
+
+  /// METHODS §3.3: lattice vertices near the surface step back from it along the gradient, by a quarter of the local
+  /// lattice's block edge at most, so that fewer simplices are cut close to a corner.
+  void displace(double alpha) {
+    const std::size_t n = values.size();
+    // Edge of the smallest block around each vertex: a vertex's neighbours may be finer, and the bound is theirs.
+    std::vector<float> edge(n, std::numeric_limits<float>::max());
+    for (const ActiveBlock& a : active)
+      for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) {
+        float& e = edge[numbers[a.first + s]];
+        e = std::min(e, static_cast<float>(tree.block_edge(a.block)));
+      }
+    std::vector<Vec3> x(n), g(n);
+    std::vector<double> f(n);
+    for (std::size_t i = 0; i < n; ++i) x[i] = origin + Vec3(positions[i]);
+    field.evaluate(x, f, g);
+    parallel_for(0, n, 4096, [&](std::size_t i) {
+      const double slope = norm(g[i]);
+      const double most = 0.5 * edge[i];  // no |F| within a simplex of the surface is much larger
+      const double size = std::abs(f[i]);
+      if (!(slope > 0) || size >= most) return;
+      const double step = (most - size) / most * alpha * edge[i] / 4;
+      positions[i] += Vec3f(g[i] * ((f[i] < 0 ? -step : step) / slope));
+      x[i] = origin + Vec3(positions[i]);
+    });
+    field.evaluate(x, f);
+    // A vertex whose sign the move changed (a second sheet close by) stays where it was.
+    parallel_for(0, n, 4096, [&](std::size_t i) {
+      if ((f[i] < 0) == inside(static_cast<std::uint32_t>(i))) {
+        values[i] = static_cast<float>(f[i]);
+      } else {
+        positions[i] = Vec3f(world(numbering.points()[i]) - origin);
+      }
+    });
+  }
+
+  /// The triangles of all crossing simplices between vertices named by lattice edges, or by lattice vertices where
+  /// `merged` allows; triangles that the merging makes degenerate are left out.
+  std::vector<ChainTriangle> march(const std::vector<std::uint8_t>& merged) const {
+    constexpr std::size_t kChunk = 128;
+    const std::size_t chunks = (active.size() + kChunk - 1) / kChunk;
+    std::vector<std::vector<ChainTriangle>> parts(chunks);
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      for (std::size_t b = c * kChunk; b < std::min(active.size(), (c + 1) * kChunk); ++b) march_block(active[b], merged, parts[c]);
+    });
+    std::size_t total = 0;
+    for (const auto& p : parts) total += p.size();
+    std::vector<ChainTriangle> all;
+    all.reserve(total);
+    for (auto& p : parts) {
+      all.insert(all.end(), p.begin(), p.end());
+      p = {};
+    }
+    return all;
+  }
+
+  /// The name of the surface vertex on the lattice edge from `in` to `out`.
+  ChainVertex crossing(std::uint32_t in, std::uint32_t out, const std::vector<std::uint8_t>& merged) const {
+    const std::uint32_t near = values[out] < -values[in] ? out : in;
+    if (!merged.empty() && merged[near]) return {near, near};
+    return {in, out};
+  }
+
+  void march_block(const ActiveBlock& a, const std::vector<std::uint8_t>& merged, std::vector<ChainTriangle>& out) const {
+    const std::uint32_t* number = numbers.data() + a.first;
+    std::array<bool, 125> in{};
+    bool any_in = false, any_out = false;
+    for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) {
+      in[s] = inside(number[s]);
+      (in[s] ? any_in : any_out) = true;
+    }
+    if (!any_in || !any_out) return;
+    const auto emit = [&](const ChainVertex& p, const ChainVertex& q, const ChainVertex& r) {
+      if (!(p == q) && !(q == r) && !(p == r)) out.push_back({p, q, r});
+    };
+    for (const auto& tet : a.pattern->tets) {
+      const int mask = (in[tet[0]] ? 1 : 0) | (in[tet[1]] ? 2 : 0) | (in[tet[2]] ? 4 : 0) | (in[tet[3]] ? 8 : 0);
+      if (mask == 0 || mask == 15) continue;
+      // Even permutations bring the inside vertices first: one of v; or two v, w; or three with the odd one out last.
+      static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3}, {0, 1, 2, 3}, {1, 0, 3, 2}, {0, 1, 2, 3},
+                                                                           {2, 0, 1, 3}, {0, 2, 3, 1}, {1, 2, 0, 3}, {0, 1, 2, 3},
+                                                                           {3, 0, 2, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}, {0, 3, 1, 2},
+                                                                           {2, 3, 0, 1}, {0, 2, 3, 1}, {1, 3, 2, 0}, {0, 1, 2, 3}}};
+      const auto& o = kOrder[static_cast<std::size_t>(mask)];
+      const std::uint32_t v0 = number[tet[o[0]]], v1 = number[tet[o[1]]], v2 = number[tet[o[2]]], v3 = number[tet[o[3]]];
+      switch (std::popcount(static_cast<unsigned>(mask))) {
+        case 1: emit(crossing(v0, v1, merged), crossing(v0, v2, merged), crossing(v0, v3, merged)); break;
+        case 3: emit(crossing(v0, v3, merged), crossing(v1, v3, merged), crossing(v2, v3, merged)); break;
+        default: {
+          const ChainVertex p = crossing(v0, v2, merged), q = crossing(v0, v3, merged), r = crossing(v1, v3, merged),
+                            s = crossing(v1, v2, merged);
+          emit(p, q, r);
+          emit(p, r, s);
+        }
+      }
+    }
+  }
+};
+
+}  // namespace
+
+TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
+                        Progress& progress) {
+  if (!(options.displacement >= 0 && options.displacement < 1)) throw ArgumentError("polygonize: displacement must lie in [0, 1)");
+  progress.begin("balance blocks");
+  blocks.balance();
+  Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}};
+  progress.begin("evaluate lattice");
+  e.activate();
+  if (options.displacement > 0) e.displace(options.displacement);
+
+  progress.begin("march");
+  std::vector<std::uint8_t> merged;
+  if (options.cluster) merged.assign(e.values.size(), 1);
+  SurfaceChain chain = make_surface_chain([&](const std::vector<std::uint8_t>& m) { return e.march(m); }, merged);
+
+  progress.begin("place vertices");
+  TriangleMesh mesh;
+  mesh.origin = origin;
+  mesh.triangles = std::move(chain.triangles);
+  const std::size_t n = chain.vertices.size();
+  std::vector<Vec3> x(n), g(n);
+  std::vector<double> f(n);
+  std::vector<float> reach(n);  // how far a vertex may move: about the lattice's local edge
+  std::vector<Vec3f> start(n);
+  parallel_for(0, n, 4096, [&](std::size_t i) {
+    const ChainVertex v = chain.vertices[i];
+    if (v.a == v.b) {
+      start[i] = e.positions[v.a];
+    } else {
+      const float t = e.values[v.a] / (e.values[v.a] - e.values[v.b]);
+      start[i] = e.positions[v.a] + (e.positions[v.b] - e.positions[v.a]) * t;
+    }
+    x[i] = origin + Vec3(start[i]);
+  });
+  mesh.normals.resize(n);
+  mesh.vertices.resize(n);
+  // A root lies within half the lattice's local spacing of where its vertex starts; a longer step means a gradient
+  // that cannot be trusted.
+  std::vector<float> longest(n, 0);
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float d = squared_norm(start[t[k]] - start[t[(k + 1) % 3]]);
+      longest[t[k]] = std::max(longest[t[k]], d);
+    }
+  for (int step = 0; step < std::max(options.root_steps, 1); ++step) {
+    field.evaluate(x, f, g);
+    parallel_for(0, n, 4096, [&](std::size_t i) {
+      const double slope2 = squared_norm(g[i]);
+      if (options.root_steps > 0 && slope2 > 1e-4) {
+        Vec3 move = g[i] * (-f[i] / slope2);
+        const double most = 0.6 * std::sqrt(static_cast<double>(longest[i])), size = norm(move);
+        if (size > most) move *= most / size;
+        x[i] += move;
+      }
+      mesh.normals[i] = Vec3f(normalized(g[i]));
+    });
+  }
+  parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });
+  progress.finish();
+  return mesh;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,32 @@
+// Field → mesh: marching tetrahedra on the J₁ᴬ triangulation of a balanced block tree (METHODS §3.2), with the crossing
+// points clustered at lattice vertices so that triangles are few and well shaped.
+#pragma once
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+struct PolygonizeOptions {
+  /// Merge the crossing points nearest to the same lattice vertex (after Treece, Prager & Gee 1999, "Regularised marching
+  /// tetrahedra"), then place them on the surface. Off: one vertex a crossing lattice edge, as in the paper.
+  bool cluster = true;
+  /// α of METHODS §3.3, 0 ≤ α < 1: lattice vertices are moved away from the surface by up to α e(l)/4 before extraction.
+  /// Only meaningful without clustering. 0 = off.
+  double displacement = 0;
+  /// Newton steps that put each vertex on the zero set.
+  int root_steps = 2;
+  /// Rounds of tangential smoothing (each vertex moves towards its neighbours' mean in the tangent plane, then back onto
+  /// the surface). 0 = off.
+  int smoothing_rounds = 1;
+};
+
+/// The zero set of `field` inside the tree's cube, as a closed 2-manifold (cut open only at the cube's faces). Vertex
+/// normals are the field's normalised gradients. Deterministic for any number of threads. `blocks` is balanced first.
+/// Positions are relative to `origin`.
+TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
+                        Progress& progress);
+
+}  // namespace sansmesh

@@ -1,0 +1,34 @@
+// From marched triangles to a manifold: cancellation, separation of sheets that touch, and undoing of merges that fail.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Names a vertex of the marched surface: the crossing point on lattice edge (a inside, b outside), or, where a == b,
+/// all crossing points merged at lattice vertex a.
+struct ChainVertex {
+  std::uint32_t a, b;
+  friend bool operator==(const ChainVertex&, const ChainVertex&) = default;
+};
+using ChainTriangle = std::array<ChainVertex, 3>;
+
+struct SurfaceChain {
+  std::vector<ChainVertex> vertices;  ///< a name may occur twice: sheets that touched there were separated
+  std::vector<Triangle> triangles;
+  int rounds = 1;  ///< marches needed
+};
+
+/// `march(merged)` returns the oriented triangles (a closed chain) for a choice of lattice vertices that merge.
+/// Unmerged marching tetrahedra are a manifold; merging may fold a sheet flat (pairs of opposite triangles, which cancel),
+/// pinch it at a vertex (which is then doubled) or glue it along an edge: there the merge is undone and the march repeated.
+/// `merged` is updated; empty means that nothing merges.
+SurfaceChain make_surface_chain(const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
+                                std::vector<std::uint8_t>& merged);
+
+}  // namespace sansmesh
