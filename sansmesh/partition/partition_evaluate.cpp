@@ -331,7 +331,7 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {
     // A linear triangle of edge e leaves a mean gap of κ e²/8; the lattice's edge is half a block's.
     const double e = std::sqrt(8 * mesh_error / std::max(curvature, 1e-12));
     const int level = static_cast<int>(std::ceil(std::log2(s.edge / (2 * e)) - 0.5));
-    wanted[i] = std::clamp(level, std::max(0, s.level[i] - 1), s.level[i] + 1);
+    wanted[i] = f.next != 0 ? s.level[i] + 1 : std::clamp(level, std::max(0, s.level[i] - 1), s.level[i] + 1);
   });
   for (std::size_t i = 0; i < s.heads.size(); ++i) {
     const auto cell = morton_cell(s.cell[i]);

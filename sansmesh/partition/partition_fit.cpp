@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/local_fit.h"
 #include "sansmesh/partition/partition_state.h"
 #include "sansmesh/partition/sample_tree.h"
@@ -13,6 +14,11 @@ namespace sansmesh {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
+/// tr(G⁻¹ Σ w² m mᵀ) · Σ w / Σ w²: the degrees of freedom that a fit of each degree takes from Σ w r², in units of the
+/// weights' effective count; for w = (1 − t²)² over a disc. Less than the number of basis functions, since those that
+/// live near the rim, where the weights vanish, hardly take part.
+constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
+
 constexpr float kHalfDiagonal = 0.8660254f;  // of a unit cube
 
 /// What a trial fit of one block says about every degree; the winners are fitted again at the end.
@@ -47,58 +53,109 @@ struct Fitter {
 
 struct Workspace {
   std::vector<std::uint32_t> ids;
-  std::vector<float> weight;
   LocalSamples samples;
 };
 
-/// Indices and weights (1 − t²)² of the samples in a ball, from the given cells of a level.
-void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius, Workspace& ws) {
-  ws.ids.clear();
-  ws.weight.clear();
+/// Indices of the samples in a ball, from the given cells of a level.
+void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
+            std::vector<std::uint32_t>& ids) {
+  ids.clear();
   const auto positions = tree.positions();
   const auto& begin = tree.level(level).begin;
-  const float inverse = 1 / (radius * radius);
+  const float limit = radius * radius;
   for (const std::int32_t cell : cells) {
     if (cell < 0) continue;
-    for (std::uint32_t i = begin[static_cast<std::size_t>(cell)]; i < begin[static_cast<std::size_t>(cell) + 1]; ++i) {
-      const float t = squared_norm(positions[i] - c) * inverse;
-      if (t < 1) {
-        ws.ids.push_back(i);
-        ws.weight.push_back((1 - t) * (1 - t));
-      }
-    }
+    for (std::uint32_t i = begin[static_cast<std::size_t>(cell)]; i < begin[static_cast<std::size_t>(cell) + 1]; ++i)
+      if (squared_norm(positions[i] - c) < limit) ids.push_back(i);
   }
 }
 
-/// Local frame from the samples' normals, and the samples that face the same way in it. Returns the share of the weight
+float smooth_weight(float t) { return (1 - t) * (1 - t); }
+
+/// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the weight
 /// that faces away.
-float make_local(const SampleTree& tree, const Vec3f& c, float scale, Workspace& ws, LocalFunction& f) {
+float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f) {
   const auto positions = tree.positions();
   const auto normals = tree.normals();
-  Vec3f sum;
-  for (std::size_t k = 0; k < ws.ids.size(); ++k) sum += normals[ws.ids[k]] * ws.weight[k];
-  f.nu = normalized(sum);
-  if (f.nu == Vec3f{}) f.nu = {0, 0, 1};
-  tangent_frame(f.nu, f.xi, f.eta);
-  f.center = c;
-  f.scale = scale;
-  const float inverse = 1 / scale;
+  const float inverse = 1 / f.scale;
   ws.samples.clear();
   float kept = 0, away = 0;
-  for (std::size_t k = 0; k < ws.ids.size(); ++k) {
-    const std::uint32_t i = ws.ids[k];
+  for (const std::uint32_t i : ws.ids) {
+    const float t = squared_norm(positions[i] - middle) * inverse * inverse;
+    if (t >= 1) continue;
+    const float weight = smooth_weight(t);
     if (dot(normals[i], f.nu) < 0) {
-      away += ws.weight[k];
+      away += weight;
       continue;
     }
-    kept += ws.weight[k];
-    const Vec3f d = (positions[i] - c) * inverse;
+    kept += weight;
+    const Vec3f d = (positions[i] - f.center) * inverse;
     ws.samples.u.push_back(dot(d, f.xi));
     ws.samples.v.push_back(dot(d, f.eta));
     ws.samples.w.push_back(dot(d, f.nu));
-    ws.samples.weight.push_back(ws.weight[k]);
+    ws.samples.weight.push_back(weight);
   }
   return kept + away > 0 ? away / (kept + away) : 0;
+}
+
+/// All samples of the ball around a fitted function's foot point, whichever way they face.
+void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids, std::vector<Vec3f>& position,
+                  std::vector<Vec3f>& normal, std::vector<float>& weight) {
+  position.clear(), normal.clear(), weight.clear();
+  const float inverse = 1 / (f.scale * f.scale);
+  for (const std::uint32_t i : ids) {
+    const float t = squared_norm(tree.positions()[i] - f.center) * inverse;
+    if (t >= 1) continue;
+    position.push_back(tree.positions()[i]);
+    normal.push_back(tree.normals()[i]);
+    weight.push_back(smooth_weight(t));
+  }
+}
+
+void set_normal(LocalFunction& f, const Vec3f& nu) {
+  f.nu = nu;
+  tangent_frame(f.nu, f.xi, f.eta);
+}
+
+/// Fits all degrees around c to the samples in ws.ids. The frame's normal is the mean of the samples' normals, corrected
+/// where a first plane says that it is tilted (noisy normals). The ball is shifted along the normal until the surface
+/// passes through its middle: an off-centre ball cuts more noisy samples off on one side than on the other, a bias.
+DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws, LocalFunction& f,
+                     float* dropped = nullptr) {
+  const auto positions = tree.positions();
+  const auto normals = tree.normals();
+  const float inverse = 1 / (scale * scale);
+  Vec3f normal, mean;
+  float weight = 0;
+  for (const std::uint32_t i : ws.ids) {
+    const Vec3f d = positions[i] - c;
+    const float t = squared_norm(d) * inverse;
+    if (t >= 1) continue;
+    const float w = smooth_weight(t);
+    normal += normals[i] * w;
+    mean += d * w;
+    weight += w;
+  }
+  normal = normalized(normal);
+  if (normal == Vec3f{}) normal = {0, 0, 1};
+  set_normal(f, normal);
+  f.center = c;
+  f.scale = scale;
+  Vec3f middle = weight > 0 ? c + normal * (dot(mean, normal) / weight) : c;
+  float away = project(tree, middle, ws, f);
+  DegreeFits fits = fit_all_degrees(ws.samples, max_degree);
+  if (fits.highest >= 1) {
+    const auto plane = monomial_coefficients(fits, 1);
+    const float slope = std::hypot(plane[1], plane[2]);
+    if (slope > 0.1f && slope < 2.0f) {
+      set_normal(f, normalized(f.nu - f.xi * plane[1] - f.eta * plane[2]));
+      middle = c + f.nu * (plane[0] * scale / std::sqrt(1 + slope * slope));
+      away = project(tree, middle, ws, f);
+      fits = fit_all_degrees(ws.samples, max_degree);
+    }
+  }
+  if (dropped) *dropped = away;
+  return fits;
 }
 
 /// Coverage k (METHODS §3.1): area of the box of the projected samples / area of the projected ball.
@@ -111,17 +168,24 @@ double coverage(const LocalSamples& s) {
   return std::max(0.0f, hi[0] - lo[0]) * std::max(0.0f, hi[1] - lo[1]) / 3.14159265;
 }
 
+/// A ball shifted along the normal reaches farther from the block's centre than its radius.
+constexpr float kShift = 1.3f;
+
 /// Gathers with the support's own radius or, where too few samples are in it, with up to twice that (the parent's ball).
+/// Returns the factor, or 0 if even that ball holds too few.
 float gather_enough(const Fitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                    const SampleTree::Neighbours& parents, Workspace& ws) {
+                    const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids) {
   const Vec3f c = fitter.center(level, cell);
   const float radius = fitter.support_radius(level);
-  const auto enough = static_cast<std::size_t>(fitter.options.min_samples);
-  gather(fitter.tree, level, own, c, radius, ws);
-  if (ws.ids.size() >= enough || level == 0) return 1;
+  const auto enough = [&](float r) {
+    const auto in = std::count_if(ids.begin(), ids.end(), [&](std::uint32_t i) { return squared_norm(fitter.tree.positions()[i] - c) < r * r; });
+    return in >= fitter.options.min_samples;
+  };
+  gather(fitter.tree, level, own, c, kShift * radius, ids);
+  if (enough(radius) || level == 0) return 1;
   for (const float reach : {1.41f, 2.0f}) {
-    gather(fitter.tree, level - 1, parents, c, reach * radius, ws);
-    if (ws.ids.size() >= enough) return reach;
+    gather(fitter.tree, level - 1, parents, c, kShift * reach * radius, ids);
+    if (enough(reach * radius)) return reach;
   }
   return 0;
 }
@@ -140,13 +204,14 @@ Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const Sampl
   const auto& begin = fitter.tree.level(level).begin;
   for (const std::int32_t n : own)
     if (n >= 0) near += begin[static_cast<std::size_t>(n) + 1] - begin[static_cast<std::size_t>(n)];
-  if (near > 2 * static_cast<std::size_t>(fitter.options.max_samples)) return trial;  // case (iii)
-  trial.reach = gather_enough(fitter, level, cell, own, parents, ws);
-  if (trial.reach == 0 || ws.ids.size() > static_cast<std::size_t>(fitter.options.max_samples)) return trial;
+  if (near > 4 * static_cast<std::size_t>(fitter.options.max_samples)) return trial;  // case (iii)
+  trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
+  if (trial.reach == 0 || ws.ids.size() > 2 * static_cast<std::size_t>(fitter.options.max_samples)) return trial;
   LocalFunction f;
   const float scale = trial.reach * fitter.support_radius(level);
-  trial.dropped = make_local(fitter.tree, fitter.center(level, cell), scale, ws, f);
-  const DegreeFits fits = fit_all_degrees(ws.samples, fitter.options.max_degree);
+  const DegreeFits fits =
+      fit_local(fitter.tree, fitter.center(level, cell), scale, fitter.options.max_degree, ws, f, &trial.dropped);
+  if (ws.samples.size() > static_cast<std::size_t>(fitter.options.max_samples)) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
   for (int d = 0; d <= trial.highest; ++d) {
@@ -154,6 +219,24 @@ Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const Sampl
     trial.mean_square[k] = static_cast<float>(fits.mean_square[k]) * scale * scale;
   }
   return trial;
+}
+
+/// Residual variance of the samples about the surface, from the fits of a block and its neighbours; -1: not known.
+float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbours& around) {
+  double sum = 0, n = 0;
+  for (const std::int32_t k : around) {
+    if (k < 0) continue;
+    const Trial& o = trials[static_cast<std::size_t>(k)];
+    // The highest degree with freedom left: what it does not follow is noise, not shape.
+    int d = o.highest;
+    while (d > 1 && o.effective_count < 1.5f * kFreedom[static_cast<std::size_t>(d)]) --d;
+    if (d < 1 || o.reach != 1) continue;
+    const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
+    if (freedom < 1) continue;
+    sum += o.mean_square[static_cast<std::size_t>(d)] * o.effective_count;
+    n += freedom;
+  }
+  return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
 }  // namespace
@@ -231,45 +314,36 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
     });
   }
 
-  // Noise. On the finest level a quadratic follows the surface, so what is left over is noise (or facets, creases).
+  // Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
+  // that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood.
   progress.begin("choose scale");
-  for (int l = finest; l >= 0; --l) {
-    const auto at = static_cast<std::size_t>(l);
-    parallel_for(0, trials[at].size(), 1024, [&](std::size_t c) {
-      Trial& t = trials[at][c];
-      if (l < finest) {
-        const auto& child = tree.level(l).child;
-        const auto& begin = tree.level(l + 1).begin;
-        double sum = 0, n = 0;
-        for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
-          const double m = begin[k + 1] - begin[k];
-          if (trials[at + 1][k].noise >= 0) sum += m * trials[at + 1][k].noise, n += m;
-        }
-        t.noise = n > 0 ? static_cast<float>(sum / n) : -1;
-        return;
-      }
-      double sum = 0, n = 0;
-      for (const std::int32_t k : neighbours[at][c]) {
-        if (k < 0) continue;
-        const Trial& o = trials[at][static_cast<std::size_t>(k)];
-        const int d = std::min<int>(o.highest, 2);
-        if (d < 1 || o.reach != 1) continue;
-        const double p = kBasisSize[static_cast<std::size_t>(d)];
-        const double dof = o.effective_count - p;
-        if (dof < 1) continue;
-        sum += o.mean_square[static_cast<std::size_t>(d)] * o.effective_count;
-        n += dof;
-      }
-      t.noise = n > 0 ? static_cast<float>(sum / n) : -1;
-    });
-  }
-  std::vector<float> noises;
-  for (const Trial& t : trials[static_cast<std::size_t>(finest)])
-    if (t.noise >= 0) noises.push_back(t.noise);
   double variance = 0;
-  if (!noises.empty()) {
-    std::nth_element(noises.begin(), noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2), noises.end());
-    variance = noises[noises.size() / 2];
+  for (;; --finest) {
+    const auto at = static_cast<std::size_t>(finest);
+    parallel_for(0, trials[at].size(), 1024, [&](std::size_t c) { trials[at][c].noise = pooled_noise(trials[at], neighbours[at][c]); });
+    std::vector<float> noises;
+    for (const Trial& t : trials[at])
+      if (t.noise >= 0) noises.push_back(t.noise);
+    if (!noises.empty()) {
+      const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
+      std::nth_element(noises.begin(), middle, noises.end());
+      variance = *middle;
+      if (std::sqrt(variance) < 0.2 * fitter.support_radius(finest)) break;
+    }
+    if (finest <= 2) break;
+  }
+  for (int l = finest - 1; l >= 0; --l) {
+    const auto at = static_cast<std::size_t>(l);
+    const auto& child = tree.level(l).child;
+    const auto& begin = tree.level(l + 1).begin;
+    parallel_for(0, trials[at].size(), 1024, [&](std::size_t c) {
+      double sum = 0, n = 0;
+      for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
+        const double m = begin[k + 1] - begin[k];
+        if (trials[at + 1][k].noise >= 0) sum += m * trials[at + 1][k].noise, n += m;
+      }
+      trials[at][c].noise = n > 0 ? static_cast<float>(sum / n) : -1;
+    });
   }
   state->report.noise = std::sqrt(variance);
   const double diagonal = box.diagonal();
@@ -289,7 +363,7 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
         const auto k = static_cast<std::size_t>(d);
         raw[c][k] = kInfinite;
         if (d < 1 || d > t.highest) continue;
-        const float p = static_cast<float>(kBasisSize[k]), n = t.effective_count;
+        const float p = kFreedom[k], n = t.effective_count;
         raw[c][k] = t.mean_square[k] - noise * (1 - 2 * p / n) + t.dropped * 0.1f * radius * radius;
       }
     });
@@ -303,7 +377,7 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
           if (o < 0 || raw[static_cast<std::size_t>(o)][k] == kInfinite) continue;
           sum += raw[static_cast<std::size_t>(o)][k], n += 1;
         }
-        const float p = static_cast<float>(kBasisSize[k]);
+        const float p = kFreedom[k];
         const float risk = std::max(sum / n, noise * p / t.effective_count);
         if (risk < t.risk * (d > 1 ? 0.98f : 1.0f)) t.risk = risk, t.degree = static_cast<std::uint8_t>(d);
       }
@@ -312,16 +386,16 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
       if (l == finest) return;
       const auto& child = tree.level(l).child;
       const auto& begin = tree.level(l + 1).begin;
+      // A child without company enough for a fit counts as badly served as here; its neighbours' supports cover it.
       double sum = 0, n = 0;
-      bool viable = true;
       for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
         const double m = begin[k + 1] - begin[k];
-        viable = viable && trials[at + 1][k].best < kInfinite;
-        sum += m * trials[at + 1][k].best, n += m;
+        const float best = std::min(trials[at + 1][k].best, t.risk);
+        if (best < kInfinite) sum += m * best, n += m;
       }
-      const auto below = static_cast<float>(sum / n);
+      const float below = n > 0 ? static_cast<float>(sum / n) : kInfinite;
       const bool wanted = t.risk > accepted * accepted && below < 0.9f * t.risk;
-      if (viable && (wanted || t.risk == kInfinite)) t.leaf = false, t.best = below;
+      if (wanted || (t.risk == kInfinite && below < kInfinite)) t.leaf = false, t.best = below;
     });
   }
 
@@ -351,8 +425,11 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   state->heads.resize(leaves.size());
   state->level.resize(leaves.size());
   state->cell.resize(leaves.size());
+  std::vector<std::vector<LocalFunction>> pieces(leaves.size());
   parallel_ranges(0, leaves.size(), 128, [&](std::size_t first, std::size_t last) {
     Workspace ws;
+    std::vector<Vec3f> position, normal;
+    std::vector<float> weight;
     for (std::size_t i = first; i < last; ++i) {
       const Leaf& leaf = leaves[i];
       const auto at = static_cast<std::size_t>(leaf.level);
@@ -360,22 +437,43 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
       const Vec3f c = fitter.center(leaf.level, leaf.cell);
       const float radius = fitter.support_radius(leaf.level);
       if (t.reach == 1) {
-        gather(tree, leaf.level, neighbours[at][leaf.cell], c, radius, ws);
+        gather(tree, leaf.level, neighbours[at][leaf.cell], c, kShift * radius, ws.ids);
       } else {
         const std::int64_t parent = tree.find(leaf.level - 1, leaf.order >> 3);
-        gather(tree, leaf.level - 1, neighbours[at - 1][static_cast<std::size_t>(parent)], c, t.reach * radius, ws);
+        gather(tree, leaf.level - 1, neighbours[at - 1][static_cast<std::size_t>(parent)], c, kShift * t.reach * radius, ws.ids);
       }
       LocalFunction& f = state->functions[i];
-      make_local(tree, c, t.reach * radius, ws, f);
+      const DegreeFits fits = fit_local(tree, c, t.reach * radius, t.degree, ws, f);
       f.radius = radius;
       f.degree = t.degree;
-      f.coefficient = monomial_coefficients(fit_all_degrees(ws.samples, t.degree), t.degree);
+      f.coefficient = monomial_coefficients(fits, t.degree);
+      if (options.sharp) {
+        const double smooth = fits.mean_square[t.degree] * f.scale * f.scale;
+        if (smooth > std::max(2.0 * variance, accepted * accepted)) {
+          ball_samples(tree, f, ws.ids, position, normal, weight);
+          CreaseFit crease = fit_crease(position, normal, weight, f.center, f.scale, options.max_degree);
+          if (!crease.pieces.empty() && crease.mean_square < 0.25 * smooth) pieces[i] = std::move(crease.pieces);
+        }
+      }
       state->heads[i] = static_cast<std::uint32_t>(i);
       state->level[i] = static_cast<std::uint8_t>(leaf.level);
       state->cell[i] = leaf.order;
     }
     progress.advance(last - first);
   });
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (pieces[i].empty()) continue;
+    ++state->report.creased;
+    const float radius = state->functions[i].radius;
+    state->functions[i] = pieces[i][0];
+    state->functions[i].radius = radius;
+    std::size_t tail = i;
+    for (std::size_t k = 1; k < pieces[i].size(); ++k) {
+      state->functions.push_back(pieces[i][k]);
+      state->functions[tail].next = static_cast<std::int32_t>(state->functions.size());
+      tail = state->functions.size() - 1;
+    }
+  }
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     state->report.depth = std::max(state->report.depth, leaves[i].level);
     ++state->report.functions_of_degree[static_cast<std::size_t>(state->functions[i].degree)];

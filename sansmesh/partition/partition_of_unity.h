@@ -37,6 +37,7 @@ struct PartitionReport {
   int depth = 0;             ///< deepest level used
   std::size_t functions = 0;
   std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
+  std::size_t creased = 0;   ///< supports with a crease or corner
 };
 
 /// The far field: what the function is where no support reaches, e.g. a global inside/outside decision in units of

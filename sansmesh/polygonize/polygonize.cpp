@@ -214,6 +214,40 @@ struct Extraction {
   }
 };
 
+/// Moves each vertex towards the area-weighted mean of its triangles' centroids, within its tangent plane: evens out the
+/// spacing and leaves the shape alone (to first order).
+void smooth_tangentially(const std::vector<Triangle>& triangles, const std::vector<Vec3f>& normals, int rounds,
+                         std::vector<Vec3>& x) {
+  const std::size_t n = x.size();
+  std::vector<std::uint32_t> first(n + 1, 0), around(3 * triangles.size());
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t) ++first[v + 1];
+  for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (const std::uint32_t v : triangles[i]) around[next[v]++] = static_cast<std::uint32_t>(i);
+  std::vector<Vec3> old;
+  for (int round = 0; round < rounds; ++round) {
+    old = x;
+    parallel_for(0, n, 4096, [&](std::size_t v) {
+      Vec3 sum;
+      double weight = 0;
+      for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
+        const Triangle& t = triangles[around[i]];
+        const Vec3 a = old[t[1]] - old[t[0]], b = old[t[2]] - old[t[0]];
+        const double area = norm(cross(a, b));
+        sum += (old[t[0]] + (a + b) * (1 / 3.0)) * area;
+        weight += area;
+      }
+      if (!(weight > 0)) return;
+      const Vec3 normal(normals[v]);
+      Vec3 move = sum / weight - old[v];
+      move -= normal * dot(move, normal);
+      x[v] += move;
+    });
+  }
+}
+
 }  // namespace
 
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
@@ -260,7 +294,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
       const float d = squared_norm(start[t[k]] - start[t[(k + 1) % 3]]);
       longest[t[k]] = std::max(longest[t[k]], d);
     }
-  for (int step = 0; step < std::max(options.root_steps, 1); ++step) {
+  const auto to_surface = [&] {
     field.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const double slope2 = squared_norm(g[i]);
@@ -272,7 +306,10 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
       }
       mesh.normals[i] = Vec3f(normalized(g[i]));
     });
-  }
+  };
+  for (int step = 1; step < options.root_steps; ++step) to_surface();
+  if (options.smoothing_rounds > 0) smooth_tangentially(mesh.triangles, mesh.normals, options.smoothing_rounds, x);
+  to_surface();
   parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });
   progress.finish();
   return mesh;

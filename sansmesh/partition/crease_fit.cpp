@@ -1,0 +1,130 @@
+#include "sansmesh/partition/crease_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sansmesh {
+namespace {
+
+constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
+constexpr float kCornerSine = 0.5f;     // a normal that leaves the plane of the two sheets' normals by more makes a corner
+
+double value_at(const LocalFunction& f, const Vec3f& x) {
+  const Vec3f d = (x - f.center) / f.scale;
+  const double u = dot(d, f.xi), v = dot(d, f.eta), w = dot(d, f.nu);
+  const auto& c = f.coefficient;
+  double g = c[0] + u * c[1] + v * c[2];
+  if (f.degree >= 2) g += u * u * c[3] + u * v * c[4] + v * v * c[5];
+  return (w - g) * f.scale;
+}
+
+/// Representative normals of the sheets: the two farthest apart, and a third if one stands out of their plane.
+std::vector<Vec3f> seed_sheets(std::span<const Vec3f> normals) {
+  Vec3f mean;
+  for (const Vec3f& n : normals) mean += n;
+  const auto farthest = [&](const Vec3f& from) {
+    const Vec3f* worst = &normals[0];
+    for (const Vec3f& n : normals)
+      if (dot(n, from) < dot(*worst, from)) worst = &n;
+    return *worst;
+  };
+  const Vec3f a = farthest(normalized(mean)), b = farthest(a);
+  if (dot(a, b) > kCreaseCosine) return {};
+  std::vector<Vec3f> seeds{a, b};
+  const Vec3f across = normalized(cross(a, b));
+  float most = 0;
+  Vec3f third;
+  for (const Vec3f& n : normals)
+    if (std::abs(dot(n, across)) > most) most = std::abs(dot(n, across)), third = n;
+  if (most > kCornerSine && across != Vec3f{}) seeds.push_back(third);
+  return seeds;
+}
+
+}  // namespace
+
+CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
+                     const Vec3f& center, float scale, int max_degree) {
+  CreaseFit result;
+  if (positions.size() < 8) return result;
+  std::vector<Vec3f> sheet = seed_sheets(normals);
+  if (sheet.empty()) return result;
+  const std::size_t n = positions.size(), sheets = sheet.size();
+  std::vector<std::uint8_t> of(n);
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Vec3f> sum(sheets);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t best = 0;
+      for (std::size_t s = 1; s < sheets; ++s)
+        if (dot(normals[i], sheet[s]) > dot(normals[i], sheet[best])) best = s;
+      of[i] = static_cast<std::uint8_t>(best);
+      sum[best] += normals[i];
+    }
+    for (std::size_t s = 0; s < sheets; ++s) sheet[s] = normalized(sum[s]);
+  }
+
+  std::vector<LocalFunction> piece(sheets);
+  LocalSamples samples;
+  double squares = 0, total = 0;
+  for (std::size_t s = 0; s < sheets; ++s) {
+    LocalFunction& f = piece[s];
+    f.center = center;
+    f.scale = scale;
+    f.nu = sheet[s];
+    tangent_frame(f.nu, f.xi, f.eta);
+    samples.clear();
+    double spread = 0, count = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (of[i] != s) continue;
+      const Vec3f d = (positions[i] - center) / scale;
+      samples.u.push_back(dot(d, f.xi));
+      samples.v.push_back(dot(d, f.eta));
+      samples.w.push_back(dot(d, f.nu));
+      samples.weight.push_back(std::max(weights[i], 0.05f));
+      spread += 1 - dot(normals[i], f.nu), count += 1;
+    }
+    if (samples.size() < 4) return result;
+    // Within a sheet the normals must agree (mean deviation below about 20°): noise is not a crease.
+    if (spread > 0.06 * count) return result;
+    const DegreeFits fits = fit_all_degrees(samples, std::min(max_degree, 2));
+    if (fits.highest < 1) return result;
+    // A sheet's samples fill only part of the ball: bend it only where a plane is clearly not enough.
+    f.degree = fits.highest >= 2 && fits.mean_square[2] < 0.5 * fits.mean_square[1] ? 2 : 1;
+    f.coefficient = monomial_coefficients(fits, f.degree);
+    squares += fits.mean_square[static_cast<std::size_t>(f.degree)] * scale * scale * fits.weight_sum;
+    total += fits.weight_sum;
+  }
+  result.mean_square = squares / total;
+
+  // Sheets a, b meet in a convex crease if each lies on the inner side of the other.
+  const auto side = [&](std::size_t a, std::size_t b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (of[i] == b) sum += value_at(piece[a], positions[i]);
+    return sum < 0;
+  };
+  const auto relation = [&](std::size_t a, std::size_t b) {  // 1 convex, 0 concave, -1 neither
+    const bool ab = side(a, b), ba = side(b, a);
+    return ab == ba ? static_cast<int>(ab) : -1;
+  };
+  if (sheets == 2) {
+    const int r = relation(0, 1);
+    if (r < 0) return result;
+    piece[0].convex = r == 1;
+  } else {
+    const int ab = relation(0, 1), bc = relation(1, 2), ac = relation(0, 2);
+    if (ab < 0 || bc < 0 || ac < 0) return result;
+    // The pair that differs from the other two is joined first.
+    if (ab == bc && ab != ac) std::swap(piece[1], piece[2]);
+    if (ab == ac && ab != bc) std::swap(piece[0], piece[2]);
+    const bool odd = ab == bc && bc == ac;
+    const int first = odd ? ab : (bc == ac ? ab : ab == bc ? ac : bc);
+    const int second = odd ? ab : 1 - first;
+    piece[0].convex = first == 1;
+    piece[1].convex = second == 1;
+  }
+  result.pieces = std::move(piece);
+  return result;
+}
+
+}  // namespace sansmesh
