@@ -248,13 +248,13 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
   if (far_count == 0) return;
   float far_values[EvaluationTile::kTile];
   const float step = 1e-4f * s.edge;
-  s.far_field(std::span<const Vec3f>(far_x, far_count), std::span<float>(far_values, far_count));
+  s.sign.signed_distance(std::span<const Vec3f>(far_x, far_count), std::span<float>(far_values, far_count));
   float stepped[3][EvaluationTile::kTile];
   if (!gradients.empty()) {
     for (int k = 0; k < 3; ++k) {
       Vec3f moved[EvaluationTile::kTile];
       for (std::size_t j = 0; j < far_count; ++j) moved[j] = far_x[j], moved[j][static_cast<std::size_t>(k)] += step;
-      s.far_field(std::span<const Vec3f>(moved, far_count), std::span<float>(stepped[k], far_count));
+      s.sign.signed_distance(std::span<const Vec3f>(moved, far_count), std::span<float>(stepped[k], far_count));
     }
   }
   for (std::size_t j = 0; j < far_count; ++j) {
@@ -322,26 +322,23 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
 BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {
   const State& s = *state_;
   BlockTree tree(s.origin + Vec3(s.lower), s.edge);
-  std::vector<std::int32_t> wanted(s.heads.size());
-  parallel_for(0, s.heads.size(), 1024, [&](std::size_t i) {
-    const LocalFunction& f = s.functions[s.heads[i]];
-    // Largest principal curvature of the polynomial at the middle of its support.
-    const double a = 2 * f.coefficient[3], b = f.coefficient[4], c = 2 * f.coefficient[5];
-    const double curvature = (0.5 * std::abs(a + c) + std::sqrt(0.25 * (a - c) * (a - c) + b * b)) / f.scale;
-    // A linear triangle of edge e leaves a mean gap of κ e²/8; the lattice's edge is half a block's.
-    const double e = std::sqrt(8 * mesh_error / std::max(curvature, 1e-12));
-    const int level = static_cast<int>(std::ceil(std::log2(s.edge / (2 * e)) - 0.5));
-    wanted[i] = f.next != 0 ? s.level[i] + 1 : std::clamp(level, std::max(0, s.level[i] - 1), s.level[i] + 1);
-  });
-  for (std::size_t i = 0; i < s.heads.size(); ++i) {
-    const auto cell = morton_cell(s.cell[i]);
-    const int l = std::min<int>(wanted[i], s.level[i]), up = s.level[i] - l;
-    std::int64_t b = tree.find(l, cell[0] >> up, cell[1] >> up, cell[2] >> up);
-    while (tree[static_cast<std::size_t>(b)].level < l) {
-      tree.subdivide(static_cast<std::size_t>(b));
-      b = tree.find(l, cell[0] >> up, cell[1] >> up, cell[2] >> up);
-    }
-    if (wanted[i] > s.level[i] && tree.is_leaf(static_cast<std::size_t>(b))) tree.subdivide(static_cast<std::size_t>(b));
+  struct Item {
+    std::size_t block;
+    int level;
+    std::uint32_t cell;  // in flatness[level]
+  };
+  const int last = static_cast<int>(s.flatness.size()) - 1;
+  std::vector<Item> stack{{0, 0, 0}};
+  while (!stack.empty()) {
+    const Item item = stack.back();
+    stack.pop_back();
+    const State::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
+    if (here.gap[item.cell] <= mesh_error) continue;
+    const std::size_t first = tree.subdivide(item.block);
+    if (item.level == last) continue;  // the samples say nothing about finer scales
+    const State::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
+    for (std::uint32_t c = here.child[item.cell]; c < here.child[item.cell + 1]; ++c)
+      stack.push_back({first + (below.code[c] & 7), item.level + 1, c});
   }
   return tree;
 }

@@ -33,7 +33,14 @@ struct Trial {
   float risk = kInfinite;      ///< expected squared error of the best degree
   float best = kInfinite;      ///< of the best cut below this block
   float noise = 0;             ///< local noise variance
+  float gap = kInfinite;       ///< between the surface and linear triangles of half the block's edge (length)
 };
+
+/// A triangle of edge e on a surface of curvature κ leaves a mean gap of κ e²/8; a plane fitted to a disc of radius R leaves
+/// an rms of 0.097 κ R² under the weights (1 − t²)². Hence the gap of e = h/2, from the plane's residual.
+float gap_of_plane(double plane_mean_square, double radius, double block_edge) {
+  return static_cast<float>(std::sqrt(plane_mean_square) / (0.097 * radius * radius) * block_edge * block_edge / 32);
+}
 
 struct Fitter {
   const SampleTree& tree;
@@ -56,16 +63,17 @@ struct Workspace {
   LocalSamples samples;
 };
 
-/// Indices of the samples in a ball, from the given cells of a level.
+/// Indices of the samples in a ball (of every stride-th), from the given cells of a level.
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
-            std::vector<std::uint32_t>& ids) {
+            std::vector<std::uint32_t>& ids, std::size_t stride = 1) {
   ids.clear();
   const auto positions = tree.positions();
   const auto& begin = tree.level(level).begin;
   const float limit = radius * radius;
   for (const std::int32_t cell : cells) {
     if (cell < 0) continue;
-    for (std::uint32_t i = begin[static_cast<std::size_t>(cell)]; i < begin[static_cast<std::size_t>(cell) + 1]; ++i)
+    for (std::uint32_t i = begin[static_cast<std::size_t>(cell)]; i < begin[static_cast<std::size_t>(cell) + 1];
+         i += static_cast<std::uint32_t>(stride))
       if (squared_norm(positions[i] - c) < limit) ids.push_back(i);
   }
 }
@@ -204,14 +212,23 @@ Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const Sampl
   const auto& begin = fitter.tree.level(level).begin;
   for (const std::int32_t n : own)
     if (n >= 0) near += begin[static_cast<std::size_t>(n) + 1] - begin[static_cast<std::size_t>(n)];
-  if (near > 4 * static_cast<std::size_t>(fitter.options.max_samples)) return trial;  // case (iii)
-  trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
-  if (trial.reach == 0 || ws.ids.size() > 2 * static_cast<std::size_t>(fitter.options.max_samples)) return trial;
+  const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
+  const Vec3f c = fitter.center(level, cell);
   LocalFunction f;
+  if (near > 4 * limit) {
+    // Case (iii): subdivided without a fit. A thinned sample still tells the polygoniser how flat it is here.
+    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, near / limit);
+    const float scale = fitter.support_radius(level);
+    const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped);
+    if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
+    return trial;
+  }
+  trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
+  if (trial.reach == 0) return trial;
   const float scale = trial.reach * fitter.support_radius(level);
-  const DegreeFits fits =
-      fit_local(fitter.tree, fitter.center(level, cell), scale, fitter.options.max_degree, ws, f, &trial.dropped);
-  if (ws.samples.size() > static_cast<std::size_t>(fitter.options.max_samples)) return trial;
+  const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
+  if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
+  if (ws.samples.size() > limit) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
   for (int d = 0; d <= trial.highest; ++d) {
@@ -239,6 +256,17 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
   return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
+/// A block with a crease, and all above and below it, are not flat.
+void mark_crease(PartitionOfUnity::State& state, int level, std::uint64_t code) {
+  for (int l = 0; l < static_cast<int>(state.flatness.size()); ++l) {
+    auto& f = state.flatness[static_cast<std::size_t>(l)];
+    const std::uint64_t low = l <= level ? code >> (3 * (level - l)) : code << (3 * (l - level));
+    const std::uint64_t high = l <= level ? low : low + (std::uint64_t{1} << (3 * (l - level))) - 1;
+    for (auto it = std::lower_bound(f.code.begin(), f.code.end(), low); it != f.code.end() && *it <= high; ++it)
+      f.gap[static_cast<std::size_t>(it - f.code.begin())] = kInfinite;
+  }
+}
+
 }  // namespace
 
 void PartitionOptions::validate() const {
@@ -253,8 +281,7 @@ void PartitionOptions::validate() const {
   check(max_samples >= 50, "max_samples must be at least 50");
 }
 
-PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, FarField far_field,
-                                        Progress& progress) {
+PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, Progress& progress) {
   options.validate();
   if (points.size() < 4) throw DataError("partition of unity: at least 4 points are needed");
   if (points.normals.size() != points.size()) throw DataError("partition of unity: points need oriented normals");
@@ -266,7 +293,6 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   state->origin = points.origin;
   state->edge = 1.1f * extent;
   state->lower = box.center() - Vec3f{1, 1, 1} * (0.5f * state->edge);
-  state->far_field = std::move(far_field);
 
   progress.begin("sort samples");
   // Deep enough that the finest occupied cells hold about one sample even where the cloud is densest.
@@ -474,6 +500,35 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
       tail = state->functions.size() - 1;
     }
   }
+  // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
+  // where no support reaches.
+  std::vector<OrientedPatch> patches(leaves.size());
+  parallel_for(0, leaves.size(), 512, [&](std::size_t i) {
+    const LocalFunction& f = state->functions[i];
+    const float h = fitter.block_edge(leaves[i].level);
+    const Vec3f foot = f.center + f.nu * (f.coefficient[0] * f.scale);
+    patches[i] = {foot, f.nu * plane_area_in_cube(foot, f.nu, fitter.center(leaves[i].level, leaves[i].cell) - Vec3f{h, h, h} * 0.5f, h)};
+  });
+  state->sign = GlobalSign(patches);
+
+  // What the polygoniser will ask: how flat is the surface at the scale of each block?
+  double accuracy = 0;
+  for (const Leaf& leaf : leaves) accuracy += std::min<double>(trials[static_cast<std::size_t>(leaf.level)][leaf.cell].risk, diagonal * diagonal);
+  state->report.accuracy = std::sqrt(accuracy / static_cast<double>(leaves.size()));
+  state->flatness.resize(static_cast<std::size_t>(finest) + 1);
+  for (int l = 0; l <= finest; ++l) {
+    const auto at = static_cast<std::size_t>(l);
+    PartitionOfUnity::State::Flatness& level = state->flatness[at];
+    level.code = tree.level(l).code;
+    if (l < finest) level.child = tree.level(l).child;
+    level.gap.resize(trials[at].size());
+    for (std::size_t c = 0; c < trials[at].size(); ++c) {
+      const Trial& t = trials[at][c];
+      level.gap[c] = t.dropped > 0.02f ? kInfinite : t.gap;
+    }
+  }
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    if (!pieces[i].empty()) mark_crease(*state, leaves[i].level, leaves[i].order);
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     state->report.depth = std::max(state->report.depth, leaves[i].level);
     ++state->report.functions_of_degree[static_cast<std::size_t>(state->functions[i].degree)];

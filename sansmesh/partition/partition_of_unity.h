@@ -1,7 +1,6 @@
 // Adaptive partition of unity implicits (METHODS §3.1): F(x) = Σ f_i(x) θ_i(x) / Σ θ_i(x).
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,15 +33,12 @@ struct PartitionOptions {
 struct PartitionReport {
   double noise = 0;          ///< rms deviation of the samples from the surface (length)
   double error = 0;          ///< accepted error used (length)
+  double accuracy = 0;       ///< estimated rms error of the surface (length)
   int depth = 0;             ///< deepest level used
   std::size_t functions = 0;
   std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
   std::size_t creased = 0;   ///< supports with a crease or corner
 };
-
-/// The far field: what the function is where no support reaches, e.g. a global inside/outside decision in units of
-/// length. Called with batches, from several threads.
-using FarField = std::function<void(std::span<const Vec3f> x, std::span<float> values)>;
 
 class PartitionOfUnity : public ScalarField {
  public:
@@ -57,21 +53,20 @@ class PartitionOfUnity : public ScalarField {
   std::span<const LocalFunction> functions() const;
   const PartitionReport& report() const;
 
-  /// A balanced tree of blocks for polygonisation: fine enough that a linear interpolation over its simplices stays
-  /// within `mesh_error` (length) of the surface, refined around the samples.
+  /// A tree of blocks for polygonisation: fine enough that linear interpolation over its simplices stays within about
+  /// `mesh_error` (length) of the surface in the mean, and fine at creases and where sheets come close.
   BlockTree mesh_blocks(double mesh_error) const;
 
   struct State;  ///< internal
 
  private:
-  friend PartitionOfUnity fit_partition_of_unity(const PointSet&, const PartitionOptions&, FarField, Progress&);
+  friend PartitionOfUnity fit_partition_of_unity(const PointSet&, const PartitionOptions&, Progress&);
   explicit PartitionOfUnity(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
 /// ArgumentError for options out of range.
-PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, FarField far_field,
-                                        Progress& progress);
+PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, Progress& progress);
 
 }  // namespace sansmesh

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sansmesh/partition/global_sign.h"
 #include "sansmesh/partition/partition_of_unity.h"
 
 namespace sansmesh {
@@ -26,7 +27,15 @@ struct PartitionOfUnity::State {
   std::vector<std::uint8_t> level;           ///< of each support's block
   std::vector<std::uint64_t> cell;           ///< Morton code of each support's block
   SupportTree tree;
-  FarField far_field;
+  /// Per level, for every block with samples: gap that linear triangles would leave (length; infinite at creases and where
+  /// sheets meet). Children as in SampleTree.
+  struct Flatness {
+    std::vector<std::uint64_t> code;
+    std::vector<float> gap;
+    std::vector<std::uint32_t> child;
+  };
+  std::vector<Flatness> flatness;
+  GlobalSign sign;                           ///< the far field
   PartitionReport report;
 };
 

@@ -214,26 +214,95 @@ struct Extraction {
   }
 };
 
+/// Triangles around each vertex.
+struct Rings {
+  std::vector<std::uint32_t> first, triangle;
+  Rings(const std::vector<Triangle>& triangles, std::size_t vertices) : first(vertices + 1, 0), triangle(3 * triangles.size()) {
+    for (const Triangle& t : triangles)
+      for (const std::uint32_t v : t) ++first[v + 1];
+    for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      for (const std::uint32_t v : triangles[i]) triangle[next[v]++] = static_cast<std::uint32_t>(i);
+  }
+};
+
+/// The point nearest to x that lies on the planes (p_j, n_j) in the least-squares sense; directions that the planes leave
+/// open stay as they are.
+Vec3 meet_planes(const Vec3& x, const std::vector<Vec3>& p, const std::vector<Vec3>& n) {
+  // Gauss–Newton on Σ (n·(x + d − p))² with a Tikhonov term that is small against any crease over 20°.
+  double a[3][3] = {}, b[3] = {};
+  for (std::size_t j = 0; j < p.size(); ++j) {
+    const double r = dot(n[j], p[j] - x);
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t l = 0; l < 3; ++l) a[k][l] += n[j][k] * n[j][l];
+      b[k] += n[j][k] * r;
+    }
+  }
+  const double damping = 0.01 * static_cast<double>(p.size());
+  for (int k = 0; k < 3; ++k) a[k][k] += damping;
+  const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]}, r{b[0], b[1], b[2]};
+  const double det = dot(c0, cross(c1, c2));
+  return x + Vec3{dot(r, cross(c1, c2)), dot(c0, cross(r, c2)), dot(c0, cross(c1, r))} / det;
+}
+
+/// Moves the vertices next to a crease onto it: where the normals around a vertex differ by more than 30°, to the point
+/// where the tangent planes around it meet, if that is close and the field agrees that it is on the surface.
+std::vector<std::uint32_t> snap_to_creases(const ScalarField& field, const std::vector<Triangle>& triangles, const Rings& rings,
+                                           const std::vector<Vec3f>& normals, std::vector<Vec3>& x) {
+  std::vector<std::uint8_t> candidate(x.size(), 0);
+  std::vector<Vec3> target(x.size());
+  std::vector<float> reach(x.size(), 0);
+  parallel_ranges(0, x.size(), 2048, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3> p, n;
+    for (std::size_t v = begin; v < end; ++v) {
+      p.clear(), n.clear();
+      float least = 1;
+      double edge = 0;
+      for (std::uint32_t i = rings.first[v]; i < rings.first[v + 1]; ++i)
+        for (const std::uint32_t o : triangles[rings.triangle[i]]) {
+          if (o == v) continue;
+          least = std::min(least, dot(normals[o], normals[v]));
+          p.push_back(x[o]);
+          n.push_back(Vec3(normals[o]));
+          edge += norm(x[o] - x[v]);
+        }
+      if (least > 0.866f || p.empty()) continue;
+      edge /= static_cast<double>(p.size());
+      for (int k = 0; k < 2; ++k) p.push_back(x[v]), n.push_back(Vec3(normals[v]));
+      target[v] = meet_planes(x[v], p, n);
+      reach[v] = static_cast<float>(edge);
+      candidate[v] = norm(target[v] - x[v]) < 0.5 * edge;
+    }
+  });
+  std::vector<std::uint32_t> list;
+  for (std::size_t v = 0; v < x.size(); ++v)
+    if (candidate[v]) list.push_back(static_cast<std::uint32_t>(v));
+  std::vector<Vec3> at(list.size());
+  std::vector<double> f(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) at[i] = target[list[i]];
+  field.evaluate(at, f);
+  std::vector<std::uint32_t> moved;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (std::abs(f[i]) > 0.1 * reach[list[i]]) continue;
+    x[list[i]] = at[i];
+    moved.push_back(list[i]);
+  }
+  return moved;
+}
+
 /// Moves each vertex towards the area-weighted mean of its triangles' centroids, within its tangent plane: evens out the
 /// spacing and leaves the shape alone (to first order).
-void smooth_tangentially(const std::vector<Triangle>& triangles, const std::vector<Vec3f>& normals, int rounds,
+void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& rings, const std::vector<Vec3f>& normals, int rounds,
                          std::vector<Vec3>& x) {
-  const std::size_t n = x.size();
-  std::vector<std::uint32_t> first(n + 1, 0), around(3 * triangles.size());
-  for (const Triangle& t : triangles)
-    for (const std::uint32_t v : t) ++first[v + 1];
-  for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (const std::uint32_t v : triangles[i]) around[next[v]++] = static_cast<std::uint32_t>(i);
   std::vector<Vec3> old;
   for (int round = 0; round < rounds; ++round) {
     old = x;
-    parallel_for(0, n, 4096, [&](std::size_t v) {
+    parallel_for(0, x.size(), 4096, [&](std::size_t v) {
       Vec3 sum;
       double weight = 0;
-      for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
-        const Triangle& t = triangles[around[i]];
+      for (std::uint32_t i = rings.first[v]; i < rings.first[v + 1]; ++i) {
+        const Triangle& t = triangles[rings.triangle[i]];
         const Vec3 a = old[t[1]] - old[t[0]], b = old[t[2]] - old[t[0]];
         const double area = norm(cross(a, b));
         sum += (old[t[0]] + (a + b) * (1 / 3.0)) * area;
@@ -308,8 +377,10 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     });
   };
   for (int step = 1; step < options.root_steps; ++step) to_surface();
-  if (options.smoothing_rounds > 0) smooth_tangentially(mesh.triangles, mesh.normals, options.smoothing_rounds, x);
+  const Rings rings(mesh.triangles, n);
+  if (options.smoothing_rounds > 0) smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
   to_surface();
+  if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
   parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });
   progress.finish();
   return mesh;

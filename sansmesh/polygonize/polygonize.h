@@ -20,7 +20,9 @@ struct PolygonizeOptions {
   int root_steps = 2;
   /// Rounds of tangential smoothing (each vertex moves towards its neighbours' mean in the tangent plane, then back onto
   /// the surface). 0 = off.
-  int smoothing_rounds = 1;
+  int smoothing_rounds = 2;
+  /// Move the vertices next to a crease of the field onto it.
+  bool creases = true;
 };
 
 /// The zero set of `field` inside the tree's cube, as a closed 2-manifold (cut open only at the cube's faces). Vertex

@@ -1,0 +1,48 @@
+// Inside or outside, decided by all local functions together: the generalised winding number of their patches.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+/// A small oriented piece of surface: area vector = unit outward normal × area.
+struct OrientedPatch {
+  Vec3f position;
+  Vec3f area;
+};
+
+/// Area of {x : ⟨x − point, normal⟩ = 0} within the cube [lower, lower + edge]³. Patches cut out of the cells that they
+/// pass through tile a surface whatever the density of its samples.
+float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& lower, float edge);
+
+/// Far field of a set of patches: w(x) = Σ ⟨p − x, a⟩ / (4π ‖p − x‖³) is about 1 inside, 0 outside and 1/2 on the surface
+/// and on the membrane that closes a hole (Barill et al. 2018). Groups of patches far away count as one dipole.
+class GlobalSign {
+ public:
+  GlobalSign() = default;
+  /// Patches that are neighbours in space should be neighbours in the list.
+  explicit GlobalSign(std::span<const OrientedPatch> patches);
+
+  bool empty() const { return levels_.empty(); }
+
+  /// (1 − 2 w) · d: negative inside; d is a smooth estimate of the distance to the nearest patches (exact for a plane).
+  /// Finite everywhere, continuous up to the error of the grouping (about 1 %).
+  void signed_distance(std::span<const Vec3f> x, std::span<float> values) const;
+
+  /// The winding number alone.
+  void winding_number(std::span<const Vec3f> x, std::span<float> values) const;
+
+  /// Eight siblings side by side. radius < 0 marks an unused place.
+  struct Octet {
+    float x[8], y[8], z[8], ax[8], ay[8], az[8], area[8], radius[8];
+  };
+
+ private:
+  std::vector<std::vector<Octet>> levels_;  ///< [0]: single patches; octet i of level l holds the children of item i of level l + 1
+};
+
+}  // namespace sansmesh
