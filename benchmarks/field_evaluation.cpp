@@ -70,10 +70,7 @@ int main(int argc, char** argv) {
   const PointSet points = bumpy_ball(samples);
   Progress progress;
   std::optional<PartitionOfUnity> field;
-  const FarField far_field = [](std::span<const Vec3f> x, std::span<float> values) {
-    for (std::size_t i = 0; i < x.size(); ++i) values[i] = norm(x[i]) < 1 ? -1.0f : 1.0f;
-  };
-  const double fit = seconds_of([&] { field.emplace(fit_partition_of_unity(points, {}, far_field, progress)); });
+  const double fit = seconds_of([&] { field.emplace(fit_partition_of_unity(points, {}, progress)); });
 
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> offset(-0.02, 0.02), anywhere(-1.2, 1.2);

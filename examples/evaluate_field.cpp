@@ -17,12 +17,8 @@ int main() {
     sphere.normals.push_back(sphere.positions.back());
   }
 
-  // Far from all samples nothing is known but the side: here, outside.
-  const FarField outside = [](std::span<const Vec3f>, std::span<float> values) {
-    for (float& value : values) value = 1;
-  };
   Progress progress;
-  const PartitionOfUnity field = fit_partition_of_unity(sphere, {}, outside, progress);
+  const PartitionOfUnity field = fit_partition_of_unity(sphere, {}, progress);
 
   // One call answers a whole batch; gradients are optional. Negative is inside.
   const std::array<Vec3, 3> x{Vec3{0.99, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1.01}};
