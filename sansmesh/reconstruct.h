@@ -19,25 +19,25 @@ struct ComponentChoice {
 
 /// All optional lengths are in the unit of the input; where absent they are derived from the data.
 struct ReconstructOptions {
-  std::optional<int> max_depth;       ///< deepest level of the block tree, 2..12
-  std::optional<double> error;        ///< accepted rms fitting error (length); default: estimated noise and spacing
-  std::optional<double> support;      ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5
-  int max_degree = 4;                 ///< largest degree of the local polynomials, 1..4
-  std::optional<double> mesh_error;   ///< accepted distance between mesh and surface (length)
-  std::optional<double> trim;         ///< cut the surface farther than this from any sample (length); 0 = choose from data
+  std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
+  std::optional<double> error;       ///< accepted rms fitting error (length); default: estimated noise and spacing
+  std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5
+  int max_degree = 4;                ///< largest degree of the local polynomials, 1..4
+  std::optional<double> mesh_error;  ///< accepted distance between mesh and surface (length)
+  std::optional<double> trim;  ///< cut the surface farther than this from any sample (length); 0 = choose from data
   ComponentChoice components;
-  bool sharp = true;                  ///< reproduce creases where the data shows them
+  bool sharp = true;  ///< reproduce creases where the data shows them
   bool carry_colors = true;
-  bool enhance = true;                ///< well-shaped triangles (METHODS 3.3 and vertex clustering)
+  bool enhance = true;  ///< well-shaped triangles (METHODS 3.3 and vertex clustering)
 };
 
 struct ReconstructReport {
-  double spacing = 0;        ///< median distance of a sample to its nearest neighbours (length)
-  double noise = 0;          ///< estimated standard deviation of the samples off the surface (length)
-  int depth = 0;             ///< deepest level of the block tree used
-  std::size_t blocks = 0;    ///< leaf blocks
-  std::size_t fits = 0;      ///< local approximations
-  int components = 0;        ///< of the mesh written
+  double spacing = 0;      ///< median distance of a sample to its nearest neighbours (length)
+  double noise = 0;        ///< estimated standard deviation of the samples off the surface (length)
+  int depth = 0;           ///< deepest level of the block tree used
+  std::size_t blocks = 0;  ///< leaf blocks
+  std::size_t fits = 0;    ///< local approximations
+  int components = 0;      ///< of the mesh written
   double aspect_mean_before = 0, aspect_deviation_before = 0;  ///< aspect ratio of the unenhanced mesh
   double aspect_mean = 0, aspect_deviation = 0;
   std::vector<std::string> warnings;

@@ -17,7 +17,8 @@ namespace sansmesh {
 /// the caller through the callback. Wall time of each finished stage is kept (`timings`).
 class Progress {
  public:
-  /// Called with the stage's name and the fraction done in [0, 1], from one thread at a time, at most ~100 times a stage.
+  /// Called with the stage's name and the fraction done in [0, 1], from one thread at a time, at most ~100 times a
+  /// stage.
   using Callback = std::function<void(const std::string& stage, double fraction)>;
 
   Progress() = default;

@@ -17,9 +17,9 @@ struct TriangleMesh {
   Vec3 origin;                  ///< World position = origin + vertex.
   std::vector<Vec3f> vertices;  ///< Relative to `origin`.
   std::vector<Triangle> triangles;
-  std::vector<Vec3f> normals;                          ///< Unit, outward.
-  std::vector<std::array<std::uint8_t, 3>> colors;     ///< RGB, 0..255.
-  std::vector<float> quality;                          ///< One scalar a vertex (error, curvature, distance), unit of its maker.
+  std::vector<Vec3f> normals;                       ///< Unit, outward.
+  std::vector<std::array<std::uint8_t, 3>> colors;  ///< RGB, 0..255.
+  std::vector<float> quality;  ///< One scalar a vertex (error, curvature, distance), unit of its maker.
 };
 
 inline Box3f bounds(const TriangleMesh& mesh) {

@@ -8,7 +8,7 @@ namespace sansmesh {
 namespace {
 
 constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
-constexpr float kCornerSine = 0.5f;     // a normal that leaves the plane of the two sheets' normals by more makes a corner
+constexpr float kCornerSine = 0.5f;  // a normal that leaves the plane of the two sheets' normals by more makes a corner
 
 double value_at(const LocalFunction& f, const Vec3f& x) {
   const Vec3f d = (x - f.center) / f.scale;

@@ -1,4 +1,5 @@
-// Supports that hold a crease or a corner: one polynomial a side, joined by max or min (Ohtake et al. 2003, §4; METHODS §2.1).
+// Supports that hold a crease or a corner: one polynomial a side, joined by max or min (Ohtake et al. 2003, §4; METHODS
+// §2.1).
 #pragma once
 
 #include <span>
@@ -14,9 +15,9 @@ struct CreaseFit {
   double mean_square = 0;             ///< weighted mean squared residual of all samples (length²)
 };
 
-/// Splits the samples by their normals into two or three sheets and fits each. `center`, `scale`: of the support's frame;
-/// `weights`: of the samples. No crease where the normals spread less than about 30°, where a sheet has fewer samples
-/// than a plane needs, or where the sheets are not consistently convex or concave.
+/// Splits the samples by their normals into two or three sheets and fits each. `center`, `scale`: of the support's
+/// frame; `weights`: of the samples. No crease where the normals spread less than about 30°, where a sheet has fewer
+/// samples than a plane needs, or where the sheets are not consistently convex or concave.
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
                      const Vec3f& center, float scale, int max_degree);
 

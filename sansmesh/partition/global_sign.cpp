@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/partition/global_sign.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,9 +18,10 @@ namespace sansmesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Dipole sum Σ ⟨p − x, a⟩ / r³ and Σ area / r⁶ over the tree. A group counts as one when it is farther than twice its radius.
-void WindingSums(const std::vector<std::vector<GlobalSign::Octet>>& levels, const Vec3f& p, float* dipole, float* nearness) {
-  constexpr float kOpening2 = 4.0f;
+/// Dipole sum Σ ⟨p − x, a⟩ / r³ and Σ area / r⁶ over the tree. A group counts as one where it is farther than twice its
+/// radius.
+void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, const Vec3f& p, float* dipole,
+                float* nearness) {
   const hn::CappedTag<float, 8> d;
   const std::size_t lanes = hn::Lanes(d);
   struct Item {
@@ -33,32 +36,35 @@ void WindingSums(const std::vector<std::vector<GlobalSign::Octet>>& levels, cons
     const Item item = stack[--top];
     const GlobalSign::Octet& o = levels[item.level][item.octet];
     for (std::size_t i = 0; i < 8; i += lanes) {
-      const auto dx = hn::Sub(hn::LoadU(d, o.x + i), px), dy = hn::Sub(hn::LoadU(d, o.y + i), py), dz = hn::Sub(hn::LoadU(d, o.z + i), pz);
+      const auto dx = hn::Sub(hn::LoadU(d, o.x + i), px), dy = hn::Sub(hn::LoadU(d, o.y + i), py),
+                 dz = hn::Sub(hn::LoadU(d, o.z + i), pz);
       const auto area = hn::LoadU(d, o.area + i), radius = hn::LoadU(d, o.radius + i);
       auto r2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
       auto count = hn::Ge(radius, hn::Zero(d));
       if (item.level > 0) {
-        const auto far = hn::Gt(r2, hn::Mul(hn::Set(d, kOpening2), hn::Mul(radius, radius)));
+        const auto far = hn::Gt(r2, hn::Mul(hn::Set(d, 4.0f), hn::Mul(radius, radius)));
         const auto open = hn::AndNot(far, count);
         if (!hn::AllFalse(d, open)) {
           std::uint8_t bits[8] = {};
           hn::StoreMaskBits(d, open, bits);
-          for (std::size_t k = lanes; k-- > 0;)
-            if (bits[k / 8] >> (k % 8) & 1) stack[top++] = {item.level - 1, item.octet * 8 + static_cast<std::uint32_t>(i + k)};
+          for (unsigned b = bits[0]; b != 0; b &= b - 1)
+            stack[top++] = {item.level - 1, item.octet * 8 + static_cast<std::uint32_t>(i) +
+                                                static_cast<std::uint32_t>(std::countr_zero(b))};
         }
         count = hn::And(count, far);
-        // Groups that are opened must not divide by a distance that may be zero.
-        r2 = hn::IfThenElse(count, r2, hn::Set(d, 1.0f));
       } else {
         // A patch is a disc, not a point: soften within its radius.
         r2 = hn::MulAdd(area, hn::Set(d, 0.25f), r2);
-        r2 = hn::Max(r2, hn::Set(d, 1e-30f));
       }
-      const auto dot = hn::MulAdd(dx, hn::LoadU(d, o.ax + i), hn::MulAdd(dy, hn::LoadU(d, o.ay + i), hn::Mul(dz, hn::LoadU(d, o.az + i))));
-      const auto inverse = hn::Div(hn::Set(d, 1.0f), r2);
-      const auto term = hn::Mul(dot, hn::Mul(inverse, hn::Sqrt(inverse)));
-      sum = hn::Add(sum, hn::IfThenElseZero(count, term));
-      near = hn::Add(near, hn::IfThenElseZero(count, hn::Mul(area, hn::Mul(inverse, hn::Mul(inverse, inverse)))));
+      r2 = hn::IfThenElse(count, hn::Max(r2, hn::Set(d, 1e-12f)), hn::Set(d, 1.0f));
+      const auto dot = hn::MulAdd(dx, hn::LoadU(d, o.ax + i),
+                                  hn::MulAdd(dy, hn::LoadU(d, o.ay + i), hn::Mul(dz, hn::LoadU(d, o.az + i))));
+      // One Newton step makes the quick reciprocal root good to about 22 bits.
+      auto root = hn::ApproximateReciprocalSqrt(r2);
+      root = hn::Mul(root, hn::NegMulAdd(hn::Mul(hn::Set(d, 0.5f), r2), hn::Mul(root, root), hn::Set(d, 1.5f)));
+      const auto cube = hn::Mul(root, hn::Mul(root, root));
+      sum = hn::Add(sum, hn::IfThenElseZero(count, hn::Mul(dot, cube)));
+      near = hn::Add(near, hn::IfThenElseZero(count, hn::Mul(area, hn::Mul(cube, cube))));
     }
   }
   *dipole = hn::GetLane(hn::SumOfLanes(d, sum));
@@ -71,7 +77,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace sansmesh {
-HWY_EXPORT(WindingSums);
+HWY_EXPORT(SumSources);
 
 float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& lower, float edge) {
   // A square of the plane that is larger than the cube, cut by the cube's six sides.
@@ -80,7 +86,8 @@ float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& l
   const Vec3f middle = lower + Vec3f{edge, edge, edge} * 0.5f;
   const Vec3f foot = middle - normal * dot(middle - point, normal);
   const float size = 1.8f * edge;
-  std::array<Vec3f, 12> polygon{foot - t * size - b * size, foot + t * size - b * size, foot + t * size + b * size, foot - t * size + b * size};
+  std::array<Vec3f, 12> polygon{foot - t * size - b * size, foot + t * size - b * size, foot + t * size + b * size,
+                                foot - t * size + b * size};
   std::size_t n = 4;
   std::array<Vec3f, 12> cut;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -106,11 +113,13 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches) {
   struct Item {
     Vec3f position, area;
     float weight = 0, radius = -1;
+    Box3f box;
   };
   std::vector<Item> items;
   for (const OrientedPatch& p : patches) {
     const float a = norm(p.area);
-    if (a > 0 && is_finite(p.position)) items.push_back({p.position, p.area, a, std::sqrt(a / 3.14159265f)});
+    if (!(a > 0) || !is_finite(p.position)) continue;
+    items.push_back({p.position, p.area, a, std::sqrt(a / 3.14159265f), {p.position, p.position}});
   }
   if (items.empty()) return;
   for (;;) {
@@ -131,8 +140,13 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches) {
         group.weight += item.weight;
       }
       group.position = mean / group.weight;
-      for (std::size_t i = 8 * o; i < std::min(items.size(), 8 * o + 8); ++i)
-        group.radius = std::max(group.radius, norm(items[i].position - group.position) + items[i].radius);
+      for (std::size_t i = 8 * o; i < std::min(items.size(), 8 * o + 8); ++i) group.box.extend(items[i].box);
+      for (unsigned corner = 0; corner < 8; ++corner) {
+        const Vec3f at{corner & 1 ? group.box.lower.x : group.box.upper.x,
+                       corner & 2 ? group.box.lower.y : group.box.upper.y,
+                       corner & 4 ? group.box.lower.z : group.box.upper.z};
+        group.radius = std::max(group.radius, norm(at - group.position));
+      }
     }
     levels_.push_back(std::move(octets));
     if (above.size() == 1) break;
@@ -143,7 +157,7 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches) {
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
     float dipole = 0, nearness = 0;
-    if (!empty()) HWY_DYNAMIC_DISPATCH(WindingSums)(levels_, x[i], &dipole, &nearness);
+    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i], &dipole, &nearness);
     values[i] = dipole / (4 * 3.14159265f);
   }
 }
@@ -151,7 +165,7 @@ void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> value
 void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
     float dipole = 0, nearness = 0;
-    if (!empty()) HWY_DYNAMIC_DISPATCH(WindingSums)(levels_, x[i], &dipole, &nearness);
+    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i], &dipole, &nearness);
     // ∫ dA / r⁶ over a plane at distance d is π / (2 d⁴).
     const float distance = nearness > 0 ? std::sqrt(std::sqrt(1.5707963f / nearness)) : 0;
     values[i] = std::clamp(1 - dipole / (2 * 3.14159265f), -1.0f, 1.0f) * distance;

@@ -19,8 +19,8 @@ struct OrientedPatch {
 /// pass through tile a surface whatever the density of its samples.
 float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& lower, float edge);
 
-/// Far field of a set of patches: w(x) = Σ ⟨p − x, a⟩ / (4π ‖p − x‖³) is about 1 inside, 0 outside and 1/2 on the surface
-/// and on the membrane that closes a hole (Barill et al. 2018). Groups of patches far away count as one dipole.
+/// Far field of a set of patches: w(x) = Σ ⟨p − x, a⟩ / (4π ‖p − x‖³) is about 1 inside, 0 outside and 1/2 on the
+/// surface and on the membrane that closes a hole (Barill et al. 2018). Groups of patches far away count as one dipole.
 class GlobalSign {
  public:
   GlobalSign() = default;
@@ -42,7 +42,8 @@ class GlobalSign {
   };
 
  private:
-  std::vector<std::vector<Octet>> levels_;  ///< [0]: single patches; octet i of level l holds the children of item i of level l + 1
+  std::vector<std::vector<Octet>>
+      levels_;  ///< [0]: single patches; octet i of level l holds the children of item i of level l + 1
 };
 
 }  // namespace sansmesh

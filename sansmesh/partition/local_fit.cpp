@@ -15,8 +15,21 @@ constexpr int kMoments = 45;
 struct Exponent {
   int u, v;
 };
-constexpr std::array<Exponent, 15> kExponents{{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1},
-                                               {1, 2}, {0, 3}, {4, 0}, {3, 1}, {2, 2}, {1, 3}, {0, 4}}};
+constexpr std::array<Exponent, 15> kExponents{{{0, 0},
+                                               {1, 0},
+                                               {0, 1},
+                                               {2, 0},
+                                               {1, 1},
+                                               {0, 2},
+                                               {3, 0},
+                                               {2, 1},
+                                               {1, 2},
+                                               {0, 3},
+                                               {4, 0},
+                                               {3, 1},
+                                               {2, 2},
+                                               {1, 3},
+                                               {0, 4}}};
 
 // The Gram matrix of the monomials holds few distinct numbers: the moments up to twice the degree.
 template <int Degree>
@@ -64,17 +77,28 @@ void accumulate(const LocalSamples& s, std::array<double, kMoments>& moments, st
 DegreeFits fit_all_degrees(const LocalSamples& samples, int max_degree) {
   DegreeFits fits;
   int degree = std::min(max_degree, kMaxDegree);
-  while (degree > 0 && samples.size() < 2 * static_cast<std::size_t>(kBasisSize[static_cast<std::size_t>(degree)])) --degree;
+  while (degree > 0 && samples.size() < 2 * static_cast<std::size_t>(kBasisSize[static_cast<std::size_t>(degree)]))
+    --degree;
   if (samples.size() == 0) return fits;
   std::array<double, kMoments> m{};
   std::array<double, 15> rhs{};
   double ww = 0, w2 = 0;
   switch (degree) {
-    case 4: accumulate<4>(samples, m, rhs, ww, w2); break;
-    case 3: accumulate<3>(samples, m, rhs, ww, w2); break;
-    case 2: accumulate<2>(samples, m, rhs, ww, w2); break;
-    case 1: accumulate<1>(samples, m, rhs, ww, w2); break;
-    default: accumulate<0>(samples, m, rhs, ww, w2); break;
+    case 4:
+      accumulate<4>(samples, m, rhs, ww, w2);
+      break;
+    case 3:
+      accumulate<3>(samples, m, rhs, ww, w2);
+      break;
+    case 2:
+      accumulate<2>(samples, m, rhs, ww, w2);
+      break;
+    case 1:
+      accumulate<1>(samples, m, rhs, ww, w2);
+      break;
+    default:
+      accumulate<0>(samples, m, rhs, ww, w2);
+      break;
   }
   fits.weight_sum = m[0];
   if (!(m[0] > 0)) return fits;
@@ -88,7 +112,8 @@ DegreeFits fit_all_degrees(const LocalSamples& samples, int max_degree) {
     for (; basis < kBasisSize[static_cast<std::size_t>(d)]; ++basis) {
       const auto a = static_cast<std::size_t>(basis);
       for (std::size_t b = 0; b < a; ++b) {
-        double t = m[static_cast<std::size_t>(moment_index(kExponents[a].u + kExponents[b].u, kExponents[a].v + kExponents[b].v))];
+        double t = m[static_cast<std::size_t>(
+            moment_index(kExponents[a].u + kExponents[b].u, kExponents[a].v + kExponents[b].v))];
         for (std::size_t k = 0; k < b; ++k) t -= fits.l[a][k] * fits.l[b][k];
         fits.l[a][b] = t / fits.l[b][b];
       }

@@ -12,8 +12,9 @@ constexpr int kMaxDegree = 4;
 /// Number of bivariate monomials up to degree d: (d+1)(d+2)/2.
 constexpr std::array<int, kMaxDegree + 1> kBasisSize{1, 3, 6, 10, 15};
 
-/// f(x) = scale · (w − g(u, v)), where (u, v, w) = frame · (x − center) / scale and g has the coefficients below in the order
-/// 1 | u v | u² uv v² | u³ u²v uv² v³ | u⁴ … v⁴. It counts within the ball of radius `radius` around `center` (METHODS §3.1).
+/// f(x) = scale · (w − g(u, v)), where (u, v, w) = frame · (x − center) / scale and g has the coefficients below in the
+/// order 1 | u v | u² uv v² | u³ u²v uv² v³ | u⁴ … v⁴. It counts within the ball of radius `radius` around `center`
+/// (METHODS §3.1).
 struct LocalFunction {
   Vec3f center;
   float radius = 0;

@@ -20,9 +20,9 @@ namespace sansmesh {
 struct EvaluationTile {
   static constexpr std::size_t kTile = 64;
   alignas(64) float x[kTile], y[kTile], z[kTile];
-  alignas(64) float weight[kTile], value[kTile];               // Σ θ, Σ θ f
-  alignas(64) float gx[kTile], gy[kTile], gz[kTile];           // Σ (θ ∇f + f ∇θ)
-  alignas(64) float wx[kTile], wy[kTile], wz[kTile];           // Σ ∇θ
+  alignas(64) float weight[kTile], value[kTile];      // Σ θ, Σ θ f
+  alignas(64) float gx[kTile], gy[kTile], gz[kTile];  // Σ (θ ∇f + f ∇θ)
+  alignas(64) float wx[kTile], wy[kTile], wz[kTile];  // Σ ∇θ
 };
 }  // namespace sansmesh
 #endif
@@ -81,8 +81,8 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
 }
 
 template <bool kGradient>
-void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, const std::uint32_t* list, std::size_t count,
-                  std::size_t n, EvaluationTile& tile) {
+void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, const std::uint32_t* list,
+                  std::size_t count, std::size_t n, EvaluationTile& tile) {
   const hn::ScalableTag<float> d;
   using V = hn::Vec<decltype(d)>;
   const std::size_t lanes = hn::Lanes(d);
@@ -110,7 +110,8 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, co
         Local<kGradient>(d, *g, dx, dy, dz, hv, hx, hy, hz);
         const auto take = convex ? hn::Gt(hv, fv) : hn::Lt(hv, fv);
         fv = hn::IfThenElse(take, hv, fv);
-        if (kGradient) fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
+        if (kGradient)
+          fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
       }
       weight = hn::Add(weight, theta);
       value = hn::MulAdd(theta, fv, value);
@@ -132,8 +133,8 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, co
   }
 }
 
-void SumSupports(const LocalFunction* functions, const std::uint32_t* heads, const std::uint32_t* list, std::size_t count,
-                 std::size_t n, bool gradient, EvaluationTile& tile) {
+void SumSupports(const LocalFunction* functions, const std::uint32_t* heads, const std::uint32_t* list,
+                 std::size_t count, std::size_t n, bool gradient, EvaluationTile& tile) {
   if (gradient) {
     SumSupportsT<true>(functions, heads, list, count, n, tile);
   } else {
@@ -166,8 +167,8 @@ void SupportTree::build(std::span<const LocalFunction> functions, std::span<cons
 
 void SupportTree::query(const Box3f& box, std::vector<std::uint32_t>& found) const {
   const auto meets = [&](const Box3f& b) {
-    return b.lower.x <= box.upper.x && b.upper.x >= box.lower.x && b.lower.y <= box.upper.y && b.upper.y >= box.lower.y &&
-           b.lower.z <= box.upper.z && b.upper.z >= box.lower.z;
+    return b.lower.x <= box.upper.x && b.upper.x >= box.lower.x && b.lower.y <= box.upper.y &&
+           b.upper.y >= box.lower.y && b.lower.z <= box.upper.z && b.upper.z >= box.lower.z;
   };
   struct Item {
     std::uint32_t level, index;
@@ -207,8 +208,8 @@ namespace {
 // Where the supports' weights fade below this, the far field takes over, smoothly.
 constexpr float kFade = 0.02f;
 
-void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients,
-                   std::vector<std::uint32_t>& list, EvaluationTile& tile) {
+void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<float> values,
+                   std::span<Vec3f> gradients, std::vector<std::uint32_t>& list, EvaluationTile& tile) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
   list.clear();
@@ -226,7 +227,8 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
     const Vec3f& p = x[std::min(i, n - 1)];
     tile.x[i] = p.x, tile.y[i] = p.y, tile.z[i] = p.z;
   }
-  HWY_DYNAMIC_DISPATCH(SumSupports)(s.functions.data(), s.heads.data(), list.data(), list.size(), n, !gradients.empty(), tile);
+  HWY_DYNAMIC_DISPATCH(SumSupports)
+  (s.functions.data(), s.heads.data(), list.data(), list.size(), n, !gradients.empty(), tile);
 
   Vec3f far_x[EvaluationTile::kTile];
   std::size_t far_i[EvaluationTile::kTile], far_count = 0;
@@ -310,13 +312,20 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
     for (std::size_t t = first; t < last; ++t) {
       const std::size_t base = t * kTile, m = std::min(kTile, n - base);
       for (std::size_t i = 0; i < m; ++i) px[i] = local(at(base + i));
-      evaluate_tile(s, {px, m}, {value, m}, gradients.empty() ? std::span<Vec3f>{} : std::span<Vec3f>(gradient, m), list, tile);
+      evaluate_tile(s, {px, m}, {value, m}, gradients.empty() ? std::span<Vec3f>{} : std::span<Vec3f>(gradient, m),
+                    list, tile);
       for (std::size_t i = 0; i < m; ++i) {
         values[at(base + i)] = value[i];
         if (!gradients.empty()) gradients[at(base + i)] = Vec3(gradient[i]);
       }
     }
   });
+}
+
+std::vector<Vec3> PartitionOfUnity::seeds() const {
+  std::vector<Vec3> result(state_->foot.size());
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = state_->origin + Vec3(state_->foot[i]);
+  return result;
 }
 
 BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {

@@ -25,19 +25,19 @@ constexpr float kHalfDiagonal = 0.8660254f;  // of a unit cube
 struct Trial {
   std::array<float, kMaxDegree + 1> mean_square{};  ///< weighted mean squared residual (length²)
   float effective_count = 0;
-  float dropped = 0;      ///< share of the weight on samples that face away: a second sheet
-  float reach = 1;        ///< radius of the fit / radius of the support
+  float dropped = 0;  ///< share of the weight on samples that face away: a second sheet
+  float reach = 1;    ///< radius of the fit / radius of the support
   std::int8_t highest = -1;
   std::uint8_t degree = 0;  ///< chosen
   bool leaf = false;
-  float risk = kInfinite;      ///< expected squared error of the best degree
-  float best = kInfinite;      ///< of the best cut below this block
-  float noise = 0;             ///< local noise variance
-  float gap = kInfinite;       ///< between the surface and linear triangles of half the block's edge (length)
+  float risk = kInfinite;  ///< expected squared error of the best degree
+  float best = kInfinite;  ///< of the best cut below this block
+  float noise = 0;         ///< local noise variance
+  float gap = kInfinite;   ///< between the surface and linear triangles of half the block's edge (length)
 };
 
-/// A triangle of edge e on a surface of curvature κ leaves a mean gap of κ e²/8; a plane fitted to a disc of radius R leaves
-/// an rms of 0.097 κ R² under the weights (1 − t²)². Hence the gap of e = h/2, from the plane's residual.
+/// A triangle of edge e on a surface of curvature κ leaves a mean gap of κ e²/8; a plane fitted to a disc of radius R
+/// leaves an rms of 0.097 κ R² under the weights (1 − t²)². Hence the gap of e = h/2, from the plane's residual.
 float gap_of_plane(double plane_mean_square, double radius, double block_edge) {
   return static_cast<float>(std::sqrt(plane_mean_square) / (0.097 * radius * radius) * block_edge * block_edge / 32);
 }
@@ -55,7 +55,9 @@ struct Fitter {
                                 (static_cast<float>(c[2]) + 0.5f) * h};
   }
 
-  float support_radius(int level) const { return static_cast<float>(options.support) * kHalfDiagonal * block_edge(level); }
+  float support_radius(int level) const {
+    return static_cast<float>(options.support) * kHalfDiagonal * block_edge(level);
+  }
 };
 
 struct Workspace {
@@ -80,8 +82,8 @@ void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cel
 
 float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
-/// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the weight
-/// that faces away.
+/// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the
+/// weight that faces away.
 float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f) {
   const auto positions = tree.positions();
   const auto normals = tree.normals();
@@ -107,8 +109,8 @@ float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const 
 }
 
 /// All samples of the ball around a fitted function's foot point, whichever way they face.
-void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids, std::vector<Vec3f>& position,
-                  std::vector<Vec3f>& normal, std::vector<float>& weight) {
+void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
+                  std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight) {
   position.clear(), normal.clear(), weight.clear();
   const float inverse = 1 / (f.scale * f.scale);
   for (const std::uint32_t i : ids) {
@@ -125,11 +127,12 @@ void set_normal(LocalFunction& f, const Vec3f& nu) {
   tangent_frame(f.nu, f.xi, f.eta);
 }
 
-/// Fits all degrees around c to the samples in ws.ids. The frame's normal is the mean of the samples' normals, corrected
-/// where a first plane says that it is tilted (noisy normals). The ball is shifted along the normal until the surface
-/// passes through its middle: an off-centre ball cuts more noisy samples off on one side than on the other, a bias.
-DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws, LocalFunction& f,
-                     float* dropped = nullptr) {
+/// Fits all degrees around c to the samples in ws.ids. The frame's normal is the mean of the samples' normals,
+/// corrected where a first plane says that it is tilted (noisy normals). The ball is shifted along the normal until the
+/// surface passes through its middle: an off-centre ball cuts more noisy samples off on one side than on the other, a
+/// bias.
+DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
+                     LocalFunction& f, float* dropped = nullptr) {
   const auto positions = tree.positions();
   const auto normals = tree.normals();
   const float inverse = 1 / (scale * scale);
@@ -179,14 +182,15 @@ double coverage(const LocalSamples& s) {
 /// A ball shifted along the normal reaches farther from the block's centre than its radius.
 constexpr float kShift = 1.3f;
 
-/// Gathers with the support's own radius or, where too few samples are in it, with up to twice that (the parent's ball).
-/// Returns the factor, or 0 if even that ball holds too few.
+/// Gathers with the support's own radius or, where too few samples are in it, with up to twice that (the parent's
+/// ball). Returns the factor, or 0 if even that ball holds too few.
 float gather_enough(const Fitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
                     const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids) {
   const Vec3f c = fitter.center(level, cell);
   const float radius = fitter.support_radius(level);
   const auto enough = [&](float r) {
-    const auto in = std::count_if(ids.begin(), ids.end(), [&](std::uint32_t i) { return squared_norm(fitter.tree.positions()[i] - c) < r * r; });
+    const auto in = std::count_if(
+        ids.begin(), ids.end(), [&](std::uint32_t i) { return squared_norm(fitter.tree.positions()[i] - c) < r * r; });
     return in >= fitter.options.min_samples;
   };
   gather(fitter.tree, level, own, c, kShift * radius, ids);
@@ -296,7 +300,9 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
 
   progress.begin("sort samples");
   // Deep enough that the finest occupied cells hold about one sample even where the cloud is densest.
-  const int sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))), 3, 14);
+  const int sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
+                                        std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
+                                    3, 14);
   const SampleTree tree(points.positions, points.normals, state->lower, state->edge, sort_depth);
 
   // The finest level tried is the last on which a sample typically still has company enough for a quadratic fit.
@@ -304,7 +310,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   for (int l = 2; l <= sort_depth; ++l) {
     const auto& begin = tree.level(l).begin;
     double mean = 0;
-    for (std::size_t c = 0; c + 1 < begin.size(); ++c) mean += std::pow(static_cast<double>(begin[c + 1] - begin[c]), 2);
+    for (std::size_t c = 0; c + 1 < begin.size(); ++c)
+      mean += std::pow(static_cast<double>(begin[c + 1] - begin[c]), 2);
     if (mean / static_cast<double>(points.size()) < 4.0 && l > 2 && !options.max_depth) break;
     finest = l;
   }
@@ -346,7 +353,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   double variance = 0;
   for (;; --finest) {
     const auto at = static_cast<std::size_t>(finest);
-    parallel_for(0, trials[at].size(), 1024, [&](std::size_t c) { trials[at][c].noise = pooled_noise(trials[at], neighbours[at][c]); });
+    parallel_for(0, trials[at].size(), 1024,
+                 [&](std::size_t c) { trials[at][c].noise = pooled_noise(trials[at], neighbours[at][c]); });
     std::vector<float> noises;
     for (const Trial& t : trials[at])
       if (t.noise >= 0) noises.push_back(t.noise);
@@ -425,7 +433,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
     });
   }
 
-  // Leaves from the top; blocks that no fit could serve inherit nothing: their neighbours' supports or the far field do.
+  // Leaves from the top; blocks that no fit could serve inherit nothing: their neighbours' supports or the far field
+  // do.
   struct Leaf {
     std::uint64_t order;
     std::uint32_t cell;
@@ -466,7 +475,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
         gather(tree, leaf.level, neighbours[at][leaf.cell], c, kShift * radius, ws.ids);
       } else {
         const std::int64_t parent = tree.find(leaf.level - 1, leaf.order >> 3);
-        gather(tree, leaf.level - 1, neighbours[at - 1][static_cast<std::size_t>(parent)], c, kShift * t.reach * radius, ws.ids);
+        gather(tree, leaf.level - 1, neighbours[at - 1][static_cast<std::size_t>(parent)], c, kShift * t.reach * radius,
+               ws.ids);
       }
       LocalFunction& f = state->functions[i];
       const DegreeFits fits = fit_local(tree, c, t.reach * radius, t.degree, ws, f);
@@ -503,17 +513,22 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
   // where no support reaches.
   std::vector<OrientedPatch> patches(leaves.size());
+  state->foot.resize(leaves.size());
   parallel_for(0, leaves.size(), 512, [&](std::size_t i) {
     const LocalFunction& f = state->functions[i];
     const float h = fitter.block_edge(leaves[i].level);
     const Vec3f foot = f.center + f.nu * (f.coefficient[0] * f.scale);
-    patches[i] = {foot, f.nu * plane_area_in_cube(foot, f.nu, fitter.center(leaves[i].level, leaves[i].cell) - Vec3f{h, h, h} * 0.5f, h)};
+    state->foot[i] = foot;
+    patches[i] = {foot,
+                  f.nu * plane_area_in_cube(foot, f.nu,
+                                            fitter.center(leaves[i].level, leaves[i].cell) - Vec3f{h, h, h} * 0.5f, h)};
   });
   state->sign = GlobalSign(patches);
 
   // What the polygoniser will ask: how flat is the surface at the scale of each block?
   double accuracy = 0;
-  for (const Leaf& leaf : leaves) accuracy += std::min<double>(trials[static_cast<std::size_t>(leaf.level)][leaf.cell].risk, diagonal * diagonal);
+  for (const Leaf& leaf : leaves)
+    accuracy += std::min<double>(trials[static_cast<std::size_t>(leaf.level)][leaf.cell].risk, diagonal * diagonal);
   state->report.accuracy = std::sqrt(accuracy / static_cast<double>(leaves.size()));
   state->flatness.resize(static_cast<std::size_t>(finest) + 1);
   for (int l = 0; l <= finest; ++l) {

@@ -15,15 +15,15 @@
 namespace sansmesh {
 
 struct PartitionOptions {
-  std::optional<int> max_depth;   ///< deepest level of the tree, 2..14; default: where supports run out of samples
-  std::optional<double> error;    ///< accepted rms error of a local function (length); default: from noise and spacing
-  double support = 1.5;           ///< radius of a support / circumscribed radius of its block, 1.1..3
-  int max_degree = 4;             ///< largest polynomial degree, 1..4
-  int min_samples = 9;            ///< a support with fewer samples borrows a larger ball for its fit
-  int max_samples = 1000;         ///< beyond this a block is subdivided without fitting (METHODS case iii)
+  std::optional<int> max_depth;  ///< deepest level of the tree, 2..14; default: where supports run out of samples
+  std::optional<double> error;   ///< accepted rms error of a local function (length); default: from noise and spacing
+  double support = 1.5;          ///< radius of a support / circumscribed radius of its block, 1.1..3
+  int max_degree = 4;            ///< largest polynomial degree, 1..4
+  int min_samples = 9;           ///< a support with fewer samples borrows a larger ball for its fit
+  int max_samples = 1000;        ///< beyond this a block is subdivided without fitting (METHODS case iii)
   std::array<double, kMaxDegree + 1> coverage{0, 0, 0.4, 0.6, 0.7};  ///< least coverage k for each degree
-  double normal_spread = 0.0;     ///< least |Σ n_i| / N of a one-sheet support; below, the block is subdivided
-  bool sharp = true;              ///< split supports at creases
+  double normal_spread = 0.0;  ///< least |Σ n_i| / N of a one-sheet support; below, the block is subdivided
+  bool sharp = true;           ///< split supports at creases
 
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -31,13 +31,13 @@ struct PartitionOptions {
 
 /// What fitting learned about the data.
 struct PartitionReport {
-  double noise = 0;          ///< rms deviation of the samples from the surface (length)
-  double error = 0;          ///< accepted error used (length)
-  double accuracy = 0;       ///< estimated rms error of the surface (length)
-  int depth = 0;             ///< deepest level used
+  double noise = 0;     ///< rms deviation of the samples from the surface (length)
+  double error = 0;     ///< accepted error used (length)
+  double accuracy = 0;  ///< estimated rms error of the surface (length)
+  int depth = 0;        ///< deepest level used
   std::size_t functions = 0;
   std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
-  std::size_t creased = 0;   ///< supports with a crease or corner
+  std::size_t creased = 0;  ///< supports with a crease or corner
 };
 
 class PartitionOfUnity : public ScalarField {
@@ -56,6 +56,9 @@ class PartitionOfUnity : public ScalarField {
   /// A tree of blocks for polygonisation: fine enough that linear interpolation over its simplices stays within about
   /// `mesh_error` (length) of the surface in the mean, and fine at creases and where sheets come close.
   BlockTree mesh_blocks(double mesh_error) const;
+
+  /// A point on or near the surface in every support: where a walk along the surface may start.
+  std::vector<Vec3> seeds() const;
 
   struct State;  ///< internal
 

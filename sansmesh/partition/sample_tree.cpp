@@ -51,7 +51,9 @@ std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) { return {gather(code), gather(code >> 1), gather(code >> 2)}; }
+std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
+  return {gather(code), gather(code >> 1), gather(code >> 2)};
+}
 
 SampleTree::SampleTree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, const Vec3f& lower, float edge,
                        int depth)
@@ -114,8 +116,7 @@ SampleTree::Neighbours SampleTree::root_neighbours() const {
   return n;
 }
 
-SampleTree::Neighbours SampleTree::child_neighbours(int l, const Neighbours& of_parent,
-                                                    std::uint32_t child) const {
+SampleTree::Neighbours SampleTree::child_neighbours(int l, const Neighbours& of_parent, std::uint32_t child) const {
   const Level& here = level(l);
   const Level& below = level(l + 1);
   const unsigned octant = static_cast<unsigned>(below.code[child] & 7);
@@ -131,7 +132,8 @@ SampleTree::Neighbours SampleTree::child_neighbours(int l, const Neighbours& of_
         const std::int32_t p = of_parent[static_cast<std::size_t>(13 + px + 3 * py + 9 * pz)];
         result[slot] = -1;
         if (p < 0) continue;
-        const unsigned want = static_cast<unsigned>(x & 1) | static_cast<unsigned>(y & 1) << 1 | static_cast<unsigned>(z & 1) << 2;
+        const unsigned want =
+            static_cast<unsigned>(x & 1) | static_cast<unsigned>(y & 1) << 1 | static_cast<unsigned>(z & 1) << 2;
         const auto at = static_cast<std::size_t>(p);
         for (std::uint32_t c = here.child[at]; c < here.child[at + 1]; ++c) {
           if ((below.code[c] & 7) == want) {

@@ -10,8 +10,8 @@
 
 namespace sansmesh {
 
-/// The cells of each level that hold samples: cell c of a level holds samples begin[c] .. begin[c+1] (sorted order), and
-/// its children on the next level are child[c] .. child[c+1].
+/// The cells of each level that hold samples: cell c of a level holds samples begin[c] .. begin[c+1] (sorted order),
+/// and its children on the next level are child[c] .. child[c+1].
 class SampleTree {
  public:
   struct Level {
@@ -25,7 +25,8 @@ class SampleTree {
   using Neighbours = std::array<std::int32_t, 27>;
 
   /// Sorts the samples and builds levels 0 .. depth (depth <= 20). normals may be empty.
-  SampleTree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, const Vec3f& lower, float edge, int depth);
+  SampleTree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, const Vec3f& lower, float edge,
+             int depth);
 
   int depth() const { return static_cast<int>(levels_.size()) - 1; }
   const Level& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }

@@ -31,7 +31,8 @@ Point moved(Point p, int axis, int by) {
 
 bool edge_is_refined(std::uint32_t edges, int axis, const Point& middle) {
   const int b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
-  const int bit = 4 * axis + (middle[static_cast<std::size_t>(b)] == 4 ? 1 : 0) + (middle[static_cast<std::size_t>(c)] == 4 ? 2 : 0);
+  const int bit = 4 * axis + (middle[static_cast<std::size_t>(b)] == 4 ? 1 : 0) +
+                  (middle[static_cast<std::size_t>(c)] == 4 ? 2 : 0);
   return (edges >> bit & 1u) != 0;
 }
 
@@ -105,15 +106,17 @@ BlockPattern make_pattern(const BlockRefinement& r) {
 
 std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
   const int scale = std::countr_zero(p[0] | p[1] | p[2] | (1u << 20));
-  const std::uint64_t key = static_cast<std::uint64_t>(scale) << 57 | static_cast<std::uint64_t>(p[0] >> (scale + 3)) << 38 |
-                            static_cast<std::uint64_t>(p[1] >> (scale + 3)) << 19 | static_cast<std::uint64_t>(p[2] >> (scale + 3));
+  const std::uint64_t key =
+      static_cast<std::uint64_t>(scale) << 57 | static_cast<std::uint64_t>(p[0] >> (scale + 3)) << 38 |
+      static_cast<std::uint64_t>(p[1] >> (scale + 3)) << 19 | static_cast<std::uint64_t>(p[2] >> (scale + 3));
   if (key != last_key_) {
     const auto [it, fresh] = brick_of_.try_emplace(key, static_cast<std::uint32_t>(bricks_.size()));
     if (fresh) bricks_.emplace_back().fill(kUnset);
     last_key_ = key;
     last_brick_ = it->second;
   }
-  std::uint32_t& number = bricks_[last_brick_][(p[0] >> scale & 7) | (p[1] >> scale & 7) << 3 | (p[2] >> scale & 7) << 6];
+  std::uint32_t& number =
+      bricks_[last_brick_][(p[0] >> scale & 7) | (p[1] >> scale & 7) << 3 | (p[2] >> scale & 7) << 6];
   if (number == kUnset) {
     number = static_cast<std::uint32_t>(points_.size());
     points_.push_back(p);
@@ -126,7 +129,8 @@ BlockRefinement refinement_of(const BlockTree& tree, std::uint32_t block) {
   BlockRefinement r;
   if (b.level == tree.depth()) return r;  // nothing is finer
   const auto finer = [&](int dx, int dy, int dz) {
-    return tree.subdivided(b.level, std::int64_t{b.cell[0]} + dx, std::int64_t{b.cell[1]} + dy, std::int64_t{b.cell[2]} + dz);
+    return tree.subdivided(b.level, std::int64_t{b.cell[0]} + dx, std::int64_t{b.cell[1]} + dy,
+                           std::int64_t{b.cell[2]} + dz);
   };
   std::array<int, 3> d{};
   for (int axis = 0; axis < 3; ++axis)

@@ -1,8 +1,8 @@
 #include "sansmesh/polygonize/polygonize.h"
 
 #include <algorithm>
-#include <cmath>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include "sansmesh/core/error.h"
@@ -28,7 +28,7 @@ struct Extraction {
   PatternTable patterns;
   std::vector<ActiveBlock> active;
   std::vector<std::uint32_t> numbers;
-  std::vector<float> values;    ///< field at each lattice vertex
+  std::vector<float> values;     ///< field at each lattice vertex
   std::vector<Vec3f> positions;  ///< of each lattice vertex, relative to origin (moved by the displacement, if any)
 
   Vec3 world(const LatticePoint& p) const {
@@ -66,20 +66,41 @@ struct Extraction {
 
   bool inside(std::uint32_t number) const { return values[number] < 0; }
 
-  /// Activates every block that the surface may enter: those with a small value at their centre, and from there across
+  /// Activates the blocks at the seeds (without seeds, those with a small value at their centre), and from there across
   /// every face on which the sign changes, so that no simplex of the surface is missed once its neighbour is found.
-  void activate() {
+  void activate(const std::vector<Vec3>& seeds) {
+    std::vector<bool> is_active(tree.size(), false);
+    if (!seeds.empty()) {
+      const double scale = static_cast<double>(1u << tree.depth()) / tree.edge();
+      for (const Vec3& seed : seeds) {
+        const Vec3 p = (seed - tree.lower()) * scale;
+        const std::int64_t at =
+            tree.find(tree.depth(), static_cast<std::int64_t>(std::floor(p.x)),
+                      static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z)));
+        if (at < 0 || is_active[static_cast<std::size_t>(at)]) continue;
+        is_active[static_cast<std::size_t>(at)] = true;
+        add_block(static_cast<std::uint32_t>(at));
+      }
+    } else {
+      look_everywhere(is_active);
+    }
+    follow(is_active);
+  }
+
+  void look_everywhere(std::vector<bool>& is_active) {
     const std::vector<std::uint32_t> leaves = tree.leaves();
     std::vector<Vec3> centres(leaves.size());
     std::vector<double> at_centre(leaves.size());
     parallel_for(0, leaves.size(), 8192, [&](std::size_t i) { centres[i] = tree.block_center(leaves[i]); });
     field.evaluate(centres, at_centre);
-    std::vector<bool> is_active(tree.size(), false);
     for (std::size_t i = 0; i < leaves.size(); ++i) {
-      if (std::abs(at_centre[i]) > 1.3 * tree.block_edge(leaves[i])) continue;
+      if (std::abs(at_centre[i]) > tree.block_edge(leaves[i])) continue;
       is_active[leaves[i]] = true;
       add_block(leaves[i]);
     }
+  }
+
+  void follow(std::vector<bool>& is_active) {
     std::size_t done = 0;
     while (done < active.size()) {
       evaluate_new();
@@ -87,7 +108,8 @@ struct Extraction {
       for (; done < until; ++done) {
         const ActiveBlock a = active[done];
         bool any_in = false, any_out = false;
-        for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
+        for (std::size_t s = 0; s < a.pattern->slots.size(); ++s)
+          (inside(numbers[a.first + s]) ? any_in : any_out) = true;
         if (!any_in || !any_out) continue;
         for (std::size_t f = 0; f < 6; ++f) {
           any_in = any_out = false;
@@ -158,7 +180,8 @@ struct Extraction {
     const std::size_t chunks = (active.size() + kChunk - 1) / kChunk;
     std::vector<std::vector<ChainTriangle>> parts(chunks);
     parallel_for(0, chunks, 1, [&](std::size_t c) {
-      for (std::size_t b = c * kChunk; b < std::min(active.size(), (c + 1) * kChunk); ++b) march_block(active[b], merged, parts[c]);
+      for (std::size_t b = c * kChunk; b < std::min(active.size(), (c + 1) * kChunk); ++b)
+        march_block(active[b], merged, parts[c]);
     });
     std::size_t total = 0;
     for (const auto& p : parts) total += p.size();
@@ -178,7 +201,8 @@ struct Extraction {
     return {in, out};
   }
 
-  void march_block(const ActiveBlock& a, const std::vector<std::uint8_t>& merged, std::vector<ChainTriangle>& out) const {
+  void march_block(const ActiveBlock& a, const std::vector<std::uint8_t>& merged,
+                   std::vector<ChainTriangle>& out) const {
     const std::uint32_t* number = numbers.data() + a.first;
     std::array<bool, 125> in{};
     bool any_in = false, any_out = false;
@@ -194,15 +218,32 @@ struct Extraction {
       const int mask = (in[tet[0]] ? 1 : 0) | (in[tet[1]] ? 2 : 0) | (in[tet[2]] ? 4 : 0) | (in[tet[3]] ? 8 : 0);
       if (mask == 0 || mask == 15) continue;
       // Even permutations bring the inside vertices first: one of v; or two v, w; or three with the odd one out last.
-      static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3}, {0, 1, 2, 3}, {1, 0, 3, 2}, {0, 1, 2, 3},
-                                                                           {2, 0, 1, 3}, {0, 2, 3, 1}, {1, 2, 0, 3}, {0, 1, 2, 3},
-                                                                           {3, 0, 2, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}, {0, 3, 1, 2},
-                                                                           {2, 3, 0, 1}, {0, 2, 3, 1}, {1, 3, 2, 0}, {0, 1, 2, 3}}};
+      static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
+                                                                           {0, 1, 2, 3},
+                                                                           {1, 0, 3, 2},
+                                                                           {0, 1, 2, 3},
+                                                                           {2, 0, 1, 3},
+                                                                           {0, 2, 3, 1},
+                                                                           {1, 2, 0, 3},
+                                                                           {0, 1, 2, 3},
+                                                                           {3, 0, 2, 1},
+                                                                           {0, 3, 1, 2},
+                                                                           {1, 3, 2, 0},
+                                                                           {0, 3, 1, 2},
+                                                                           {2, 3, 0, 1},
+                                                                           {0, 2, 3, 1},
+                                                                           {1, 3, 2, 0},
+                                                                           {0, 1, 2, 3}}};
       const auto& o = kOrder[static_cast<std::size_t>(mask)];
-      const std::uint32_t v0 = number[tet[o[0]]], v1 = number[tet[o[1]]], v2 = number[tet[o[2]]], v3 = number[tet[o[3]]];
+      const std::uint32_t v0 = number[tet[o[0]]], v1 = number[tet[o[1]]], v2 = number[tet[o[2]]],
+                          v3 = number[tet[o[3]]];
       switch (std::popcount(static_cast<unsigned>(mask))) {
-        case 1: emit(crossing(v0, v1, merged), crossing(v0, v2, merged), crossing(v0, v3, merged)); break;
-        case 3: emit(crossing(v0, v3, merged), crossing(v1, v3, merged), crossing(v2, v3, merged)); break;
+        case 1:
+          emit(crossing(v0, v1, merged), crossing(v0, v2, merged), crossing(v0, v3, merged));
+          break;
+        case 3:
+          emit(crossing(v0, v3, merged), crossing(v1, v3, merged), crossing(v2, v3, merged));
+          break;
         default: {
           const ChainVertex p = crossing(v0, v2, merged), q = crossing(v0, v3, merged), r = crossing(v1, v3, merged),
                             s = crossing(v1, v2, merged);
@@ -217,7 +258,8 @@ struct Extraction {
 /// Triangles around each vertex.
 struct Rings {
   std::vector<std::uint32_t> first, triangle;
-  Rings(const std::vector<Triangle>& triangles, std::size_t vertices) : first(vertices + 1, 0), triangle(3 * triangles.size()) {
+  Rings(const std::vector<Triangle>& triangles, std::size_t vertices)
+      : first(vertices + 1, 0), triangle(3 * triangles.size()) {
     for (const Triangle& t : triangles)
       for (const std::uint32_t v : t) ++first[v + 1];
     for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
@@ -227,8 +269,8 @@ struct Rings {
   }
 };
 
-/// The point nearest to x that lies on the planes (p_j, n_j) in the least-squares sense; directions that the planes leave
-/// open stay as they are.
+/// The point nearest to x that lies on the planes (p_j, n_j) in the least-squares sense; directions that the planes
+/// leave open stay as they are.
 Vec3 meet_planes(const Vec3& x, const std::vector<Vec3>& p, const std::vector<Vec3>& n) {
   // Gauss–Newton on Σ (n·(x + d − p))² with a Tikhonov term that is small against any crease over 20°.
   double a[3][3] = {}, b[3] = {};
@@ -241,15 +283,17 @@ Vec3 meet_planes(const Vec3& x, const std::vector<Vec3>& p, const std::vector<Ve
   }
   const double damping = 0.01 * static_cast<double>(p.size());
   for (int k = 0; k < 3; ++k) a[k][k] += damping;
-  const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]}, r{b[0], b[1], b[2]};
+  const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]},
+      r{b[0], b[1], b[2]};
   const double det = dot(c0, cross(c1, c2));
   return x + Vec3{dot(r, cross(c1, c2)), dot(c0, cross(r, c2)), dot(c0, cross(c1, r))} / det;
 }
 
 /// Moves the vertices next to a crease onto it: where the normals around a vertex differ by more than 30°, to the point
 /// where the tangent planes around it meet, if that is close and the field agrees that it is on the surface.
-std::vector<std::uint32_t> snap_to_creases(const ScalarField& field, const std::vector<Triangle>& triangles, const Rings& rings,
-                                           const std::vector<Vec3f>& normals, std::vector<Vec3>& x) {
+std::vector<std::uint32_t> snap_to_creases(const ScalarField& field, const std::vector<Triangle>& triangles,
+                                           const Rings& rings, const std::vector<Vec3f>& normals,
+                                           std::vector<Vec3>& x) {
   std::vector<std::uint8_t> candidate(x.size(), 0);
   std::vector<Vec3> target(x.size());
   std::vector<float> reach(x.size(), 0);
@@ -291,10 +335,10 @@ std::vector<std::uint32_t> snap_to_creases(const ScalarField& field, const std::
   return moved;
 }
 
-/// Moves each vertex towards the area-weighted mean of its triangles' centroids, within its tangent plane: evens out the
-/// spacing and leaves the shape alone (to first order).
-void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& rings, const std::vector<Vec3f>& normals, int rounds,
-                         std::vector<Vec3>& x) {
+/// Moves each vertex towards the area-weighted mean of its triangles' centroids, within its tangent plane: evens out
+/// the spacing and leaves the shape alone (to first order).
+void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& rings, const std::vector<Vec3f>& normals,
+                         int rounds, std::vector<Vec3>& x) {
   std::vector<Vec3> old;
   for (int round = 0; round < rounds; ++round) {
     old = x;
@@ -319,14 +363,15 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& ri
 
 }  // namespace
 
-TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
-                        Progress& progress) {
-  if (!(options.displacement >= 0 && options.displacement < 1)) throw ArgumentError("polygonize: displacement must lie in [0, 1)");
+TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
+                        const PolygonizeOptions& options, Progress& progress) {
+  if (!(options.displacement >= 0 && options.displacement < 1))
+    throw ArgumentError("polygonize: displacement must lie in [0, 1)");
   progress.begin("balance blocks");
   blocks.balance();
   Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}};
   progress.begin("evaluate lattice");
-  e.activate();
+  e.activate(options.seeds);
   if (options.displacement > 0) e.displace(options.displacement);
 
   progress.begin("march");
@@ -378,7 +423,8 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   };
   for (int step = 1; step < options.root_steps; ++step) to_surface();
   const Rings rings(mesh.triangles, n);
-  if (options.smoothing_rounds > 0) smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
+  if (options.smoothing_rounds > 0)
+    smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
   to_surface();
   if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
   parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });

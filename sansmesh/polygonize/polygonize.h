@@ -2,6 +2,8 @@
 // points clustered at lattice vertices so that triangles are few and well shaped.
 #pragma once
 
+#include <vector>
+
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/scalar_field.h"
@@ -10,25 +12,28 @@
 namespace sansmesh {
 
 struct PolygonizeOptions {
-  /// Merge the crossing points nearest to the same lattice vertex (after Treece, Prager & Gee 1999, "Regularised marching
-  /// tetrahedra"), then place them on the surface. Off: one vertex a crossing lattice edge, as in the paper.
+  /// Merge the crossing points nearest to the same lattice vertex (after Treece, Prager & Gee 1999, "Regularised
+  /// marching tetrahedra"), then place them on the surface. Off: one vertex a crossing lattice edge, as in the paper.
   bool cluster = true;
-  /// α of METHODS §3.3, 0 ≤ α < 1: lattice vertices are moved away from the surface by up to α e(l)/4 before extraction.
-  /// Only meaningful without clustering. 0 = off.
+  /// α of METHODS §3.3, 0 ≤ α < 1: lattice vertices are moved away from the surface by up to α e(l)/4 before
+  /// extraction. Only meaningful without clustering. 0 = off.
   double displacement = 0;
   /// Newton steps that put each vertex on the zero set.
   int root_steps = 2;
-  /// Rounds of tangential smoothing (each vertex moves towards its neighbours' mean in the tangent plane, then back onto
-  /// the surface). 0 = off.
+  /// Rounds of tangential smoothing (each vertex moves towards its neighbours' mean in the tangent plane, then back
+  /// onto the surface). 0 = off.
   int smoothing_rounds = 2;
   /// Move the vertices next to a crease of the field onto it.
   bool creases = true;
+  /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so
+  /// seeds at the samples keep sheets far from any sample out. Empty: every block is looked at.
+  std::vector<Vec3> seeds;
 };
 
 /// The zero set of `field` inside the tree's cube, as a closed 2-manifold (cut open only at the cube's faces). Vertex
 /// normals are the field's normalised gradients. Deterministic for any number of threads. `blocks` is balanced first.
 /// Positions are relative to `origin`.
-TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
-                        Progress& progress);
+TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
+                        const PolygonizeOptions& options, Progress& progress);
 
 }  // namespace sansmesh

@@ -42,7 +42,8 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
         chain.triangles[i][k] = of_lattice[v.a];
       } else {
         const unsigned long e = static_cast<unsigned long>(v.a) << 32 | v.b;
-        chain.triangles[i][k] = first_edge + static_cast<std::uint32_t>(std::lower_bound(edges.begin(), edges.end(), e) - edges.begin());
+        chain.triangles[i][k] =
+            first_edge + static_cast<std::uint32_t>(std::lower_bound(edges.begin(), edges.end(), e) - edges.begin());
       }
     }
   });
@@ -92,15 +93,19 @@ void cancel_opposite(SurfaceChain& chain) {
   chain.triangles.resize(kept);
 }
 
-/// The fans around a vertex: link[i] = fan of its i-th corner. Returns the number of fans, or 0 if an edge of the vertex
-/// has more than two triangles (other ends in `shared`).
+/// The fans around a vertex: link[i] = fan of its i-th corner. Returns the number of fans, or 0 if an edge of the
+/// vertex has more than two triangles (other ends in `shared`).
 int fans_of(const SurfaceChain& chain, const Corners& c, std::size_t v, std::vector<std::uint32_t>& link,
             std::vector<std::uint32_t>& shared) {
   const std::uint32_t first = c.first[v], n = c.first[v + 1] - first;
   link.assign(n, kNone);
   shared.clear();
-  const auto out = [&](std::uint32_t i) { return chain.triangles[c.corner[first + i] / 3][(c.corner[first + i] % 3 + 1) % 3]; };
-  const auto back = [&](std::uint32_t i) { return chain.triangles[c.corner[first + i] / 3][(c.corner[first + i] % 3 + 2) % 3]; };
+  const auto out = [&](std::uint32_t i) {
+    return chain.triangles[c.corner[first + i] / 3][(c.corner[first + i] % 3 + 1) % 3];
+  };
+  const auto back = [&](std::uint32_t i) {
+    return chain.triangles[c.corner[first + i] / 3][(c.corner[first + i] % 3 + 2) % 3];
+  };
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::uint32_t j = i + 1; j < n; ++j)
       if (out(i) == out(j) || back(i) == back(j)) shared.push_back(out(i) == out(j) ? out(i) : back(i));
@@ -125,7 +130,10 @@ int fans_of(const SurfaceChain& chain, const Corners& c, std::size_t v, std::vec
         if (back(i) == out(j) && link[i] != link[j]) {
           const std::uint32_t from = std::max(link[i], link[j]), to = std::min(link[i], link[j]);
           for (std::uint32_t& l : link)
-            if (l == from) l = to; else if (l > from) --l;
+            if (l == from)
+              l = to;
+            else if (l > from)
+              --l;
           --fans;
           joined = true;
         }
@@ -135,8 +143,9 @@ int fans_of(const SurfaceChain& chain, const Corners& c, std::size_t v, std::vec
 
 }  // namespace
 
-SurfaceChain make_surface_chain(const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
-                                std::vector<std::uint8_t>& merged) {
+SurfaceChain make_surface_chain(
+    const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
+    std::vector<std::uint8_t>& merged) {
   for (int round = 1;; ++round) {
     SurfaceChain chain;
     {

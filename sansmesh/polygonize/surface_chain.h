@@ -25,10 +25,11 @@ struct SurfaceChain {
 };
 
 /// `march(merged)` returns the oriented triangles (a closed chain) for a choice of lattice vertices that merge.
-/// Unmerged marching tetrahedra are a manifold; merging may fold a sheet flat (pairs of opposite triangles, which cancel),
-/// pinch it at a vertex (which is then doubled) or glue it along an edge: there the merge is undone and the march repeated.
-/// `merged` is updated; empty means that nothing merges.
-SurfaceChain make_surface_chain(const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
-                                std::vector<std::uint8_t>& merged);
+/// Unmerged marching tetrahedra are a manifold; merging may fold a sheet flat (pairs of opposite triangles, which
+/// cancel), pinch it at a vertex (which is then doubled) or glue it along an edge: there the merge is undone and the
+/// march repeated. `merged` is updated; empty means that nothing merges.
+SurfaceChain make_surface_chain(
+    const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
+    std::vector<std::uint8_t>& merged);
 
 }  // namespace sansmesh

@@ -33,14 +33,16 @@ std::int64_t BlockTree::find(int level, std::int64_t i, std::int64_t j, std::int
   for (int l = level - 1; l >= 0; --l) {
     const std::int32_t first = blocks_[at].first_child;
     if (first < 0) break;
-    at = static_cast<std::size_t>(first) + static_cast<std::size_t>((i >> l & 1) | (j >> l & 1) << 1 | (k >> l & 1) << 2);
+    at = static_cast<std::size_t>(first) +
+         static_cast<std::size_t>((i >> l & 1) | (j >> l & 1) << 1 | (k >> l & 1) << 2);
   }
   return static_cast<std::int64_t>(at);
 }
 
 bool BlockTree::subdivided(int level, std::int64_t i, std::int64_t j, std::int64_t k) const {
   const std::int64_t b = find(level, i, j, k);
-  return b >= 0 && blocks_[static_cast<std::size_t>(b)].level == level && blocks_[static_cast<std::size_t>(b)].first_child >= 0;
+  return b >= 0 && blocks_[static_cast<std::size_t>(b)].level == level &&
+         blocks_[static_cast<std::size_t>(b)].first_child >= 0;
 }
 
 void BlockTree::balance() {
@@ -55,7 +57,8 @@ void BlockTree::balance() {
       for (int dz = -1; dz <= 1; ++dz)
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx) {
-            const std::int64_t i = std::int64_t{cell[0]} + dx, j = std::int64_t{cell[1]} + dy, k = std::int64_t{cell[2]} + dz;
+            const std::int64_t i = std::int64_t{cell[0]} + dx, j = std::int64_t{cell[1]} + dy,
+                               k = std::int64_t{cell[2]} + dz;
             std::int64_t at = find(l, i, j, k);
             while (at >= 0 && blocks_[static_cast<std::size_t>(at)].level < l) {
               inner[blocks_[static_cast<std::size_t>(at)].level].push_back(static_cast<std::uint32_t>(at));

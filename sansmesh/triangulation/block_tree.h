@@ -11,7 +11,8 @@
 namespace sansmesh {
 
 /// An octree over a cube, as one flat array. Node 0 is the root; the eight children of a node are consecutive, in the
-/// order x + 2y + 4z. Cells are integer: block (i, j, k) of level l is the cube lower + edge·2⁻ˡ·[(i,j,k), (i+1,j+1,k+1)].
+/// order x + 2y + 4z. Cells are integer: block (i, j, k) of level l is the cube lower + edge·2⁻ˡ·[(i,j,k),
+/// (i+1,j+1,k+1)].
 class BlockTree {
  public:
   static constexpr int kMaxLevel = 16;  ///< lattice coordinates stay within 20 bits
