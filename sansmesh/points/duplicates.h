@@ -1,0 +1,30 @@
+// Samples that are not numbers, samples given twice, clouds without volume.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/data/point_set.h"
+
+namespace sansmesh {
+
+/// What a cloud spans.
+enum class CloudShape { empty, point, line, plane, volume };
+
+/// Extents along the principal axes, relative to the largest one: below 1e-6 (plus what rounding the coordinates to
+/// float makes) there is none. Non-finite positions are ignored.
+CloudShape classify_shape(const PointSet& points);
+
+std::size_t count_non_finite(const PointSet& points);
+/// Number of different finite positions (-0 equals 0).
+std::size_t count_unique(const PointSet& points);
+
+/// 1 where the position equals that of a sample of lower index (or is not finite), 0 elsewhere.
+std::vector<std::uint8_t> find_duplicates(const PointSet& points);
+
+/// Keeps the samples whose mask is 0, with all their attributes, in order. Triangles with a removed corner go.
+/// Throws ArgumentError if the mask has another length than the cloud.
+void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
+
+}  // namespace sansmesh

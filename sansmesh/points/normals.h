@@ -1,0 +1,37 @@
+// Unoriented normals from neighbouring samples.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+
+namespace sansmesh {
+
+struct NormalOptions {
+  enum class Method {
+    covariance,  ///< plane through the neighbours: direction of least variance (Hoppe et al. 1992)
+    jet          ///< quadratic height function over that plane (Cazals & Pouget 2005): unbiased by curvature, slower
+  };
+  Method method = Method::covariance;
+  /// Samples in a neighbourhood, 6..500; default: `choose_neighbours` of the estimated spacing and noise.
+  std::optional<int> neighbours;
+  /// Rounds of reweighting that take away the say of samples off the fitted plane (outliers, the other side of a crease
+  /// or of a thin sheet), 0..10; default: 0 for clean samples, 2 where the noise exceeds a twentieth of the spacing.
+  std::optional<int> reweightings;
+  /// Known spacing and noise (lengths), to save their estimation.
+  std::optional<double> spacing, noise;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// Neighbours that keep the error of the normal from the noise near three degrees: more where the noise is large against
+/// the spacing.
+int choose_neighbours(double spacing, double noise);
+
+/// Replaces points.normals by unit normals of arbitrary sign (zero where all neighbours coincide or the position is not
+/// finite). `orient_normals` gives them their sign. Throws ArgumentError for bad options.
+void estimate_normals(PointSet& points, const NormalOptions& options, Progress& progress);
+
+}  // namespace sansmesh

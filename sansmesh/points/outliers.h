@@ -1,0 +1,26 @@
+// Samples that belong to no surface.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+
+namespace sansmesh {
+
+struct OutlierOptions {
+  /// A sample is isolated if it is this many times farther from its neighbours than they are from theirs, > 1.
+  double isolation = 4;
+  /// Detached clusters of fewer samples than this are outliers; 0 keeps all.
+  std::size_t min_cluster = 12;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// 1 for outliers, 0 for samples to keep. Distances are judged against the spacing around each sample, so samples in
+/// sparse regions stay; a cloud smaller than `min_cluster` is kept whole. Non-finite positions are outliers.
+std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOptions& options, Progress& progress);
+
+}  // namespace sansmesh

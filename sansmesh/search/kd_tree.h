@@ -1,0 +1,93 @@
+// Nearest-neighbour and radius queries on a cloud: an 8-wide tree of boxes as flat arrays.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+/// One answer of a query. Ordered by distance, then index, so that every query has one right answer.
+struct Neighbour {
+  float squared_distance;
+  std::uint32_t index;
+  friend bool operator==(const Neighbour&, const Neighbour&) = default;
+  friend bool operator<(const Neighbour& a, const Neighbour& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
+  }
+};
+
+/// ‖a − b‖² in the one order of operations that every query uses: answers are equal to the last bit, whoever computes.
+inline float squared_distance(const Vec3f& a, const Vec3f& b) {
+  const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+  return x * x + y * y + z * z;
+}
+
+/// Built once (parallel, O(n log n)), then any number of queries from any thread. Guarantees: answers are exact, equal
+/// to those of brute force on every machine and with any number of threads, ties included; points that are not finite
+/// are left out; duplicates are kept and returned one by one. Squared distances must not overflow float: the cloud and
+/// the queries lie within 1e18 of the origin.
+class KdTree {
+ public:
+  KdTree() = default;
+  /// Copies what it needs; `points` may go away. At most 2³² − 2 points.
+  explicit KdTree(std::span<const Vec3f> points);
+
+  /// Number of finite points.
+  std::size_t size() const { return size_; }
+
+  /// The out.size() points nearest to q in ascending order; fewer where the tree holds fewer. Returns how many. A point
+  /// of the cloud finds itself (or a duplicate of lower index) first. None if q is not finite.
+  std::size_t nearest(const Vec3f& q, std::span<Neighbour> out) const;
+  /// The nearest point; nothing if the tree is empty or q not finite.
+  std::optional<Neighbour> nearest(const Vec3f& q) const;
+  /// Replaces `out` by the points with squared distance <= radius², in ascending order.
+  void within(const Vec3f& q, float radius, std::vector<Neighbour>& out) const;
+  /// How many points `within` would return.
+  std::size_t count_within(const Vec3f& q, float radius) const;
+
+  /// The points in tree order: consecutive slots lie close together in space. order()[slot] is the caller's index.
+  std::span<const std::uint32_t> order() const { return order_; }
+  Vec3f position(std::size_t slot) const {
+    const Leaf& leaf = leaves_[slot / kLeaf];
+    return {leaf.x[slot % kLeaf], leaf.y[slot % kLeaf], leaf.z[slot % kLeaf]};
+  }
+  /// All positions in tree order.
+  std::vector<Vec3f> positions() const;
+
+  /// The k nearest points of every point (itself among them, first or after its duplicates): calls
+  /// visit(slot, neighbours) once a slot, in parallel, with the neighbours as slots in ascending order (ties by slot).
+  /// Neighbouring slots are visited one after another on the same thread: this is the fast way to treat a whole cloud.
+  using Visit = std::function<void(std::uint32_t slot, std::span<const Neighbour> neighbours)>;
+  void for_each_nearest(std::size_t k, const Visit& visit) const;
+  /// The same for the slots [first, last) on the calling thread.
+  void for_each_nearest(std::size_t k, std::size_t first, std::size_t last, const Visit& visit) const;
+
+  static constexpr std::size_t kLeaf = 8;  ///< points a leaf, boxes a node
+
+  /// A leaf of up to eight points; unused lanes are far away.
+  struct alignas(64) Leaf {
+    float x[kLeaf], y[kLeaf], z[kLeaf];
+    std::uint32_t index[kLeaf];
+  };
+  /// The boxes of up to eight children; unused lanes are empty boxes, infinitely far from anything.
+  struct alignas(64) Node {
+    float lower[3][kLeaf], upper[3][kLeaf];
+  };
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<Leaf> leaves_;
+  /// levels_[0][i] holds the boxes of leaves 8i .. 8i+7, levels_[l][i] those of levels_[l-1][8i .. 8i+7]; the last
+  /// level has one node.
+  std::vector<std::vector<Node>> levels_;
+  std::vector<std::uint32_t> order_;
+};
+
+}  // namespace sansmesh
