@@ -1,0 +1,30 @@
+// The queries of KdTree on its bare arrays: compiled for every instruction set, chosen at run time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh::detail {
+
+struct KdTreeView {
+  const KdTree::Leaf* leaves = nullptr;
+  const std::vector<KdTree::Node>* levels = nullptr;
+  std::size_t level_count = 0;
+};
+
+/// Distance bits in the upper half, index in the lower: ordered like Neighbour, since no distance is negative.
+using NeighbourKey = std::uint64_t;
+constexpr NeighbourKey kNoNeighbour = (NeighbourKey{0x7f7fffffu} << 32) | 0xffffffffu;  // FLT_MAX away
+
+/// Leaves the keys.size() smallest keys (caller's indices) in ascending order; kNoNeighbour where there are fewer.
+void nearest_keys(const KdTreeView& tree, const Vec3f& q, std::span<NeighbourKey> keys);
+/// The same for the point in `slot`, with slots as indices, from its leaf upwards.
+void nearest_keys_of_slot(const KdTreeView& tree, std::uint32_t slot, std::span<NeighbourKey> keys);
+/// Appends everything with squared distance <= r2.
+void append_within(const KdTreeView& tree, const Vec3f& q, float r2, std::vector<Neighbour>& out);
+std::size_t count_within(const KdTreeView& tree, const Vec3f& q, float r2);
+
+}  // namespace sansmesh::detail
