@@ -11,6 +11,8 @@
 
 namespace sansmesh {
 
+struct PartitionReport;
+
 /// Which connected components of the surface are kept.
 struct ComponentChoice {
   enum class Kind { automatic, all, count } kind = Kind::automatic;
@@ -28,7 +30,11 @@ struct ReconstructOptions {
   ComponentChoice components;
   bool sharp = true;  ///< reproduce creases where the data shows them
   bool carry_colors = true;
-  bool enhance = true;  ///< well-shaped triangles (METHODS 3.3 and vertex clustering)
+  bool enhance = true;           ///< well-shaped triangles (METHODS 3.3 and vertex clustering)
+  bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
+
+  /// Throws ArgumentError naming the option.
+  void validate() const;
 };
 
 struct ReconstructReport {
@@ -40,6 +46,7 @@ struct ReconstructReport {
   int components = 0;      ///< of the mesh written
   double aspect_mean_before = 0, aspect_deviation_before = 0;  ///< aspect ratio of the unenhanced mesh
   double aspect_mean = 0, aspect_deviation = 0;
+  double mesh_error = 0;  ///< distance between mesh and surface aimed at (length)
   std::vector<std::string> warnings;
 };
 
@@ -47,5 +54,9 @@ struct ReconstructReport {
 /// cannot be reconstructed (fewer than 4, all coincident, collinear or in a plane), ArgumentError for bad options.
 TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
                          ReconstructReport* report = nullptr);
+
+/// Distance between mesh and surface worth aiming at, given what fitting learned: a third of the surface's own error,
+/// but not so little that there are many more vertices than samples.
+double default_mesh_error(const PartitionReport& report);
 
 }  // namespace sansmesh

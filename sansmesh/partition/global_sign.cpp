@@ -42,7 +42,7 @@ void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, const
       auto r2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
       auto count = hn::Ge(radius, hn::Zero(d));
       if (item.level > 0) {
-        const auto far = hn::Gt(r2, hn::Mul(hn::Set(d, 4.0f), hn::Mul(radius, radius)));
+        const auto far = hn::Gt(r2, hn::Mul(hn::Set(d, 2.0f), hn::Mul(radius, radius)));
         const auto open = hn::AndNot(far, count);
         if (!hn::AllFalse(d, open)) {
           std::uint8_t bits[8] = {};

@@ -524,6 +524,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
                                             fitter.center(leaves[i].level, leaves[i].cell) - Vec3f{h, h, h} * 0.5f, h)};
   });
   state->sign = GlobalSign(patches);
+  for (const OrientedPatch& p : patches) state->report.area += norm(p.area);
+  state->report.spacing = std::sqrt(state->report.area / static_cast<double>(points.size()));
 
   // What the polygoniser will ask: how flat is the surface at the scale of each block?
   double accuracy = 0;

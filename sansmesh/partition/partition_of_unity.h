@@ -34,6 +34,8 @@ struct PartitionReport {
   double noise = 0;     ///< rms deviation of the samples from the surface (length)
   double error = 0;     ///< accepted error used (length)
   double accuracy = 0;  ///< estimated rms error of the surface (length)
+  double area = 0;      ///< of the surface near samples (length²)
+  double spacing = 0;   ///< of the samples: √(area / count) (length)
   int depth = 0;        ///< deepest level used
   std::size_t functions = 0;
   std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};

@@ -1,0 +1,27 @@
+// Connected components of a mesh, and meshes with some of their triangles taken away.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+struct MeshComponents {
+  std::vector<std::uint32_t>
+      of_triangle;           ///< component of each triangle; 0 is the one with the largest area, and so on
+  std::vector<double> area;  ///< length²
+  std::size_t size() const { return area.size(); }
+};
+
+/// Triangles that share a vertex are connected.
+MeshComponents find_components(const TriangleMesh& mesh);
+
+/// Keeps the triangles whose entry in `keep` is not 0, and the vertices they use, in order, with their attributes.
+void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep);
+
+/// Cuts vertices at which several fans of triangles meet into one vertex a fan (removing triangles can leave such).
+void separate_fans(TriangleMesh& mesh);
+
+}  // namespace sansmesh

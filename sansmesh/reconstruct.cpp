@@ -1,0 +1,214 @@
+#include "sansmesh/reconstruct.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/polygonize/components.h"
+#include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+namespace {
+
+/// Components smaller than this share of the largest one's area go unless all are asked for.
+constexpr double kSmallComponent = 0.01;
+
+void check_shape(const PointSet& points) {
+  if (points.size() < 4) throw DataError("only " + std::to_string(points.size()) + " points: at least 4 are needed");
+  switch (classify_shape(points)) {
+    case CloudShape::empty:
+      throw DataError("no finite points");
+    case CloudShape::point:
+      throw DataError("all points coincide: there is no surface to reconstruct");
+    case CloudShape::line:
+      throw DataError("all points lie on one line: there is no surface to reconstruct");
+    case CloudShape::plane:
+      throw DataError("all points lie in one plane: a closed surface cannot be reconstructed");
+    case CloudShape::volume:
+      break;
+  }
+}
+
+void prepare_normals(PointSet& points, Progress& progress, ReconstructReport& report) {
+  progress.begin("check normals");
+  switch (check_orientation(points)) {
+    case OrientationCheck::oriented:
+      return;
+    case OrientationCheck::inward:
+      report.warnings.push_back("the normals point inward: turned round");
+      for (Vec3f& n : points.normals) n = -n;
+      return;
+    case OrientationCheck::missing:
+      progress.begin("estimate normals");
+      estimate_normals(points, {}, progress);
+      break;
+    case OrientationCheck::unoriented:
+      report.warnings.push_back("the normals are not oriented consistently: oriented anew");
+      break;
+  }
+  progress.begin("orient normals");
+  orient_normals(points, {}, progress);
+}
+
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, ReconstructReport& report) {
+  const MeshComponents components = find_components(mesh);
+  std::size_t kept = components.size();
+  if (choice.kind == ComponentChoice::Kind::count)
+    kept = std::min<std::size_t>(kept, static_cast<std::size_t>(choice.count));
+  if (choice.kind == ComponentChoice::Kind::automatic)
+    while (kept > 1 && components.area[kept - 1] < kSmallComponent * components.area[0]) --kept;
+  report.components = static_cast<int>(kept);
+  if (kept == components.size()) return;
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = components.of_triangle[i] < kept;
+  keep_triangles(mesh, keep);
+  if (choice.kind == ComponentChoice::Kind::automatic) {
+    const std::size_t dropped = components.size() - kept;
+    report.warnings.push_back(std::to_string(dropped) + (dropped == 1 ? " small component" : " small components") +
+                              " left out (--components all keeps them)");
+  }
+}
+
+/// Cuts the surface where no sample is near.
+void trim_mesh(TriangleMesh& mesh, const PointSet& points, const KdTree& samples, double limit) {
+  std::vector<std::uint8_t> near(mesh.vertices.size());
+  const Vec3f shift(mesh.origin - points.origin);
+  const auto limit2 = static_cast<float>(limit * limit);
+  parallel_for(0, near.size(), 2048, [&](std::size_t v) {
+    const auto found = samples.nearest(mesh.vertices[v] + shift);
+    near[v] = found && found->squared_distance <= limit2;
+  });
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    keep[i] = near[t[0]] && near[t[1]] && near[t[2]];
+  }
+  keep_triangles(mesh, keep);
+  separate_fans(mesh);
+}
+
+/// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
+void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples) {
+  mesh.colors.resize(mesh.vertices.size());
+  parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
+    std::array<Neighbour, 4> found;
+    const std::size_t count = samples.nearest(mesh.vertices[v], found);
+    double sum[3] = {}, weight = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double w = 1 / (static_cast<double>(found[k].squared_distance) +
+                            1e-12 * static_cast<double>(found[count - 1].squared_distance) + 1e-30);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += w * points.colors[found[k].index][c];
+      weight += w;
+    }
+    for (std::size_t c = 0; c < 3; ++c)
+      mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(sum[c] / weight + 0.5, 0.0, 255.0));
+  });
+}
+
+struct Aspect {
+  double mean = 0, deviation = 0;
+};
+
+/// Aspect ratio l_max P / (4 √3 S) of METHODS §3.3: 1 for an equilateral triangle.
+Aspect aspect_of(const TriangleMesh& mesh) {
+  double sum = 0, squares = 0, n = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    const double x = norm(b - a), y = norm(c - b), z = norm(a - c), area = 0.5 * norm(cross(b - a, c - a));
+    if (!(area > 0)) continue;
+    const double ratio = std::max({x, y, z}) * (x + y + z) / (4 * std::sqrt(3.0) * area);
+    sum += ratio, squares += ratio * ratio, n += 1;
+  }
+  if (n == 0) return {};
+  const double mean = sum / n;
+  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
+}
+
+}  // namespace
+
+void ReconstructOptions::validate() const {
+  const auto check = [](bool ok, const char* what) {
+    if (!ok) throw ArgumentError(what);
+  };
+  check(!max_depth || (*max_depth >= 2 && *max_depth <= 12), "max depth must lie in 2..12");
+  check(!error || (std::isfinite(*error) && *error > 0), "error must be a positive length");
+  check(!support || (*support >= 1.1 && *support <= 3), "support must lie in 1.1..3");
+  check(max_degree >= 1 && max_degree <= 4, "degree must lie in 1..4");
+  check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "mesh error must be a positive length");
+  check(!trim || (std::isfinite(*trim) && *trim >= 0), "trim must be a length of at least 0");
+  check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
+        "the number of components must be at least 1");
+}
+
+TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
+                         ReconstructReport* report) {
+  options.validate();
+  ReconstructReport local;
+  ReconstructReport& r = report ? *report : local;
+  check_shape(points);
+  prepare_normals(points, progress, r);
+
+  PartitionOptions fit;
+  fit.max_depth = options.max_depth;
+  fit.error = options.error;
+  fit.support = options.support.value_or(fit.support);
+  fit.max_degree = options.max_degree;
+  fit.sharp = options.sharp;
+  const PartitionOfUnity field = fit_partition_of_unity(points, fit, progress);
+  const PartitionReport& f = field.report();
+  r.spacing = f.spacing;
+  r.noise = f.noise;
+  r.depth = f.depth;
+  r.fits = f.functions;
+  r.mesh_error = options.mesh_error.value_or(default_mesh_error(f));
+
+  PolygonizeOptions meshing;
+  meshing.cluster = options.enhance;
+  meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
+  meshing.creases = options.sharp;
+  meshing.seeds = field.seeds();
+  const BlockTree blocks = field.mesh_blocks(r.mesh_error);
+  r.blocks = blocks.leaves().size();
+  if (options.measure_quality) {
+    PolygonizeOptions plain = meshing;
+    plain.cluster = false;
+    plain.creases = false;
+    plain.smoothing_rounds = 0;
+    const Aspect before = aspect_of(polygonize(field, blocks, points.origin, plain, progress));
+    r.aspect_mean_before = before.mean;
+    r.aspect_deviation_before = before.deviation;
+  }
+  TriangleMesh mesh = polygonize(field, blocks, points.origin, meshing, progress);
+
+  progress.begin("finish mesh");
+  const bool color = options.carry_colors && points.has_colors();
+  if (options.trim || color) {
+    const KdTree samples(points.positions);
+    if (options.trim)
+      trim_mesh(mesh, points, samples, *options.trim > 0 ? *options.trim : std::max(4 * f.spacing, 6 * f.noise));
+    choose_components(mesh, options.components, r);
+    if (color) carry_colors(mesh, points, samples);
+  } else {
+    choose_components(mesh, options.components, r);
+  }
+  if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
+  if (options.measure_quality) {
+    const Aspect after = aspect_of(mesh);
+    r.aspect_mean = after.mean;
+    r.aspect_deviation = after.deviation;
+  }
+  progress.finish();
+  return mesh;
+}
+
+double default_mesh_error(const PartitionReport& report) {
+  return std::max(0.3 * report.accuracy, 0.025 * report.spacing);
+}
+
+}  // namespace sansmesh
