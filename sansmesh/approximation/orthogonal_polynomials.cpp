@@ -137,17 +137,13 @@ void OrthogonalFit<D>::orthogonalize_again(int j, double* norm, double* dot) {
   const double reference = norm_[static_cast<std::size_t>(order_[j].predecessor)];
   if (!(*norm > options_.rank_tolerance * options_.rank_tolerance * reference)) return;  // about to be dropped
   double* alpha = alpha_.data() + row_start(j);
-  others_.clear();
-  for (int l = 0; l < j; ++l) others_.push_back(row(l));
-  // Multiplying by ones would cost a row of them: let the kernel dot the row with each other one by one instead.
   for (int l = 0; l < j; ++l) {
     const auto i = static_cast<std::size_t>(l);
     if (inverse_norm_[i] == 0) continue;
-    const double* other = others_[i];
-    const detail::NormAndDot pair = detail::subtract_rows(stride_, nullptr, nullptr, 0, other, row(j));
-    const double correction = pair.dot * inverse_norm_[i];
-    alpha[i] += correction;
+    const double* other = row(l);
+    const double correction = detail::subtract_rows(stride_, nullptr, nullptr, 0, other, row(j)).dot * inverse_norm_[i];
     const detail::NormAndDot sums = detail::subtract_rows(stride_, &other, &correction, 1, residual_.data(), row(j));
+    alpha[i] += correction;
     *norm = sums.squared_norm;
     *dot = sums.dot;
   }

@@ -167,6 +167,28 @@ TEST(OrthogonalFit, IsOrthogonalAndEqualsQr) {
   check_against_qr<3>(900, true, 6, ++seed);
 }
 
+// Nearly collinear samples: what is left of a row after subtraction is mostly rounding unless that is mended.
+TEST(OrthogonalFit, StaysOrthogonalOnThinSets) {
+  for (const double width : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    std::mt19937 random(21);
+    Cloud<2> cloud;
+    for (int i = 0; i < 300; ++i) {
+      const double t = uniform(random, -1, 1);
+      cloud.add({t, t * 0.7 + width * uniform(random, -1, 1)}, std::cos(3 * t));
+    }
+    OrthogonalFit<2> fit;
+    fit.reset(cloud.view());
+    for (int d = 0; d <= 4; ++d) fit.raise();
+    EXPECT_EQ(fit.rank(), 15);
+    const Eigen::MatrixXd m = basis_matrix<2>(fit, cloud);
+    double worst = 0;
+    for (int j = 0; j < fit.size(); ++j)
+      for (int l = 0; l < j; ++l)
+        worst = std::max(worst, std::abs(m.col(j).dot(m.col(l))) / (m.col(j).norm() * m.col(l).norm()));
+    EXPECT_LT(worst, 1e-10);
+  }
+}
+
 template <int D>
 void check_reproduction(bool weighted) {
   for (int degree = 0; degree <= 5; ++degree) {
