@@ -8,6 +8,7 @@ namespace sansmesh {
 namespace {
 
 constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
+constexpr std::uint8_t kTooFew = 255;
 constexpr float kCornerSine = 0.5f;  // a normal that leaves the plane of the two sheets' normals by more makes a corner
 
 double value_at(const LocalFunction& f, const Vec3f& x) {
@@ -49,7 +50,8 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
   if (positions.size() < 8) return result;
   std::vector<Vec3f> sheet = seed_sheets(normals);
   if (sheet.empty()) return result;
-  const std::size_t n = positions.size(), sheets = sheet.size();
+  const std::size_t n = positions.size();
+  std::size_t sheets = sheet.size();
   std::vector<std::uint8_t> of(n);
   for (int round = 0; round < 3; ++round) {
     std::vector<Vec3f> sum(sheets);
@@ -62,6 +64,20 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     }
     for (std::size_t s = 0; s < sheets; ++s) sheet[s] = normalized(sum[s]);
   }
+
+  // A sheet that the ball barely touches cannot be fitted; its few samples must not bend the others either.
+  std::vector<std::size_t> count(sheets, 0);
+  for (const std::uint8_t s : of) ++count[s];
+  std::vector<std::uint8_t> rank(sheets, kTooFew);
+  std::size_t kept = 0;
+  for (std::size_t s = 0; s < sheets; ++s) {
+    if (count[s] >= 2) rank[s] = static_cast<std::uint8_t>(kept++);
+  }
+  if (kept == 0) return result;
+  for (std::size_t s = 0; s < sheets; ++s)
+    if (rank[s] != kTooFew) sheet[rank[s]] = sheet[s];
+  for (std::uint8_t& s : of) s = rank[s];
+  sheets = kept;
 
   std::vector<LocalFunction> piece(sheets);
   LocalSamples samples;
@@ -83,13 +99,13 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
       samples.weight.push_back(std::max(weights[i], 0.05f));
       spread += 1 - dot(normals[i], f.nu), count += 1;
     }
-    if (samples.size() < 4) return result;
     // Within a sheet the normals must agree (mean deviation below about 20°): noise is not a crease.
     if (spread > 0.06 * count) return result;
     const DegreeFits fits = fit_all_degrees(samples, std::min(max_degree, 2));
-    if (fits.highest < 1) return result;
-    // A sheet's samples fill only part of the ball: bend it only where a plane is clearly not enough.
-    f.degree = fits.highest >= 2 && fits.mean_square[2] < 0.5 * fits.mean_square[1] ? 2 : 1;
+    if (fits.highest < 0) return result;
+    // A sheet's samples fill only part of the ball: bend it only where a plane is clearly not enough. Few samples give
+    // their plane by their normals alone.
+    f.degree = fits.highest >= 2 && fits.mean_square[2] < 0.5 * fits.mean_square[1] ? 2 : std::min(fits.highest, 1);
     f.coefficient = monomial_coefficients(fits, f.degree);
     squares += fits.mean_square[static_cast<std::size_t>(f.degree)] * scale * scale * fits.weight_sum;
     total += fits.weight_sum;
@@ -107,7 +123,9 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     const bool ab = side(a, b), ba = side(b, a);
     return ab == ba ? static_cast<int>(ab) : -1;
   };
-  if (sheets == 2) {
+  if (sheets == 1) {
+    piece[0].convex = true;
+  } else if (sheets == 2) {
     const int r = relation(0, 1);
     if (r < 0) return result;
     piece[0].convex = r == 1;

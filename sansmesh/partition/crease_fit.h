@@ -11,13 +11,14 @@
 namespace sansmesh {
 
 struct CreaseFit {
-  std::vector<LocalFunction> pieces;  ///< 2 or 3, in the order they are joined; empty: no crease found
-  double mean_square = 0;             ///< weighted mean squared residual of all samples (length²)
+  /// In the order they are joined; a single one where the ball barely touches the other sheet; empty: no crease found.
+  std::vector<LocalFunction> pieces;
+  double mean_square = 0;  ///< weighted mean squared residual of all samples (length²)
 };
 
 /// Splits the samples by their normals into two or three sheets and fits each. `center`, `scale`: of the support's
-/// frame; `weights`: of the samples. No crease where the normals spread less than about 30°, where a sheet has fewer
-/// samples than a plane needs, or where the sheets are not consistently convex or concave.
+/// frame; `weights`: of the samples. A single sample is no sheet. No crease where the normals spread
+/// less than about 30° or where the sheets are not consistently convex or concave.
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
                      const Vec3f& center, float scale, int max_degree);
 

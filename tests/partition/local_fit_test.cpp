@@ -1,0 +1,81 @@
+#include "sansmesh/partition/local_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace sansmesh {
+namespace {
+
+LocalSamples random_samples(std::size_t n, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<float> uniform(-1, 1), weight(0.1f, 1);
+  LocalSamples s;
+  for (std::size_t i = 0; i < n; ++i) {
+    s.u.push_back(uniform(generator));
+    s.v.push_back(uniform(generator));
+    s.w.push_back(uniform(generator));
+    s.weight.push_back(weight(generator));
+  }
+  return s;
+}
+
+double value(const std::array<float, 15>& c, double u, double v) {
+  double sum = 0;
+  std::size_t k = 0;
+  for (int d = 0; d <= 4; ++d)
+    for (int b = 0; b <= d; ++b) sum += static_cast<double>(c[k++]) * std::pow(u, d - b) * std::pow(v, b);
+  return sum;
+}
+
+TEST(LocalFit, ReproducesPolynomialsOfItsDegree) {
+  for (int degree = 1; degree <= 4; ++degree) {
+    LocalSamples s = random_samples(80, 7);
+    std::array<float, 15> truth{};
+    for (int k = 0; k < kBasisSize[static_cast<std::size_t>(degree)]; ++k)
+      truth[static_cast<std::size_t>(k)] = 0.3f * static_cast<float>(k % 5) - 0.5f;
+    for (std::size_t i = 0; i < s.size(); ++i) s.w[i] = static_cast<float>(value(truth, s.u[i], s.v[i]));
+    const DegreeFits fits = fit_all_degrees(s, 4);
+    ASSERT_EQ(fits.highest, 4);
+    EXPECT_LT(fits.mean_square[static_cast<std::size_t>(degree)], 1e-12);
+    const auto c = monomial_coefficients(fits, degree);
+    for (std::size_t k = 0; k < 15; ++k)
+      EXPECT_NEAR(c[k], truth[k], 1e-4) << "degree " << degree << " coefficient " << k;
+  }
+}
+
+TEST(LocalFit, ResidualIsWhatTheCoefficientsLeave) {
+  const LocalSamples s = random_samples(60, 3);
+  const DegreeFits fits = fit_all_degrees(s, 4);
+  double last = 1e300;
+  for (int d = 0; d <= 4; ++d) {
+    const auto c = monomial_coefficients(fits, d);
+    double sum = 0, weight = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const double r = s.w[i] - value(c, s.u[i], s.v[i]);
+      sum += s.weight[i] * r * r, weight += s.weight[i];
+    }
+    const double reported = fits.mean_square[static_cast<std::size_t>(d)];
+    EXPECT_NEAR(reported, sum / weight, 1e-5);
+    EXPECT_LE(reported, last);
+    last = reported;
+  }
+}
+
+TEST(LocalFit, StopsWhereTheSamplesDetermineNoMore) {
+  LocalSamples line;
+  for (int i = 0; i < 60; ++i) {
+    line.u.push_back(static_cast<float>(i) / 30 - 1);
+    line.v.push_back(0.5f * line.u.back());
+    line.w.push_back(0.1f);
+    line.weight.push_back(1);
+  }
+  EXPECT_EQ(fit_all_degrees(line, 4).highest, 0);  // collinear: no plane
+  EXPECT_EQ(fit_all_degrees({}, 4).highest, -1);
+  EXPECT_EQ(fit_all_degrees(random_samples(11, 1), 4).highest, 1);  // a quadratic needs twice its six unknowns
+  EXPECT_EQ(fit_all_degrees(random_samples(12, 1), 4).highest, 2);
+}
+
+}  // namespace
+}  // namespace sansmesh

@@ -1,0 +1,155 @@
+#include "sansmesh/partition/partition_of_unity.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "support/clouds.h"
+
+namespace sansmesh {
+namespace {
+
+PartitionOfUnity fit(const PointSet& cloud, const PartitionOptions& options = {}) {
+  Progress progress;
+  return fit_partition_of_unity(cloud, options, progress);
+}
+
+double value_at(const ScalarField& field, const Vec3& x) {
+  double f = 0;
+  field.evaluate(std::span<const Vec3>(&x, 1), std::span<double>(&f, 1));
+  return f;
+}
+
+std::vector<Vec3> random_directions(std::size_t n) {
+  std::mt19937 generator(9);
+  std::normal_distribution<double> gauss;
+  std::vector<Vec3> d(n);
+  for (Vec3& v : d) v = normalized(Vec3{gauss(generator), gauss(generator), gauss(generator)});
+  return d;
+}
+
+TEST(PartitionOfUnity, IsTheDistanceToASphereNearIt) {
+  const PartitionOfUnity field = fit(test::sphere(20000));
+  for (const Vec3& d : random_directions(200))
+    for (const double r : {0.99, 1.0, 1.01}) EXPECT_NEAR(value_at(field, d * r), r - 1, 3e-4);
+}
+
+TEST(PartitionOfUnity, IsNegativeInsideAndPositiveOutsideEverywhere) {
+  const PartitionOfUnity field = fit(test::sphere(5000));
+  for (const Vec3& d : random_directions(300)) {
+    for (const double r : {0.0, 0.3, 0.7, 0.9, 0.97}) EXPECT_LT(value_at(field, d * r), 0) << r;
+    for (const double r : {1.03, 1.1, 1.5, 3.0, 50.0}) {
+      const double f = value_at(field, d * r);
+      EXPECT_GT(f, 0) << r;
+      EXPECT_TRUE(std::isfinite(f));
+    }
+  }
+}
+
+TEST(PartitionOfUnity, GradientMatchesDifferences) {
+  const PartitionOfUnity field = fit(test::torus(20000));
+  std::vector<Vec3> x;
+  const PointSet cloud = test::torus(300, 8);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    x.push_back(Vec3(cloud.positions[i]) + Vec3(cloud.normals[i]) * (0.01 * static_cast<double>(i % 3)));
+  std::vector<double> f(x.size());
+  std::vector<Vec3> g(x.size());
+  field.evaluate(x, f, g);
+  const double step = 1e-3;  // float arithmetic inside: smaller steps only see rounding
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 ahead = x[i], behind = x[i];
+      ahead[k] += step, behind[k] -= step;
+      EXPECT_NEAR(g[i][k], (value_at(field, ahead) - value_at(field, behind)) / (2 * step), 0.01);
+    }
+}
+
+TEST(PartitionOfUnity, ValuesDoNotDependOnTheBatchOrTheThreads) {
+  const PartitionOfUnity field = fit(test::sphere(5000));
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> uniform(-1.2, 1.2);
+  std::vector<Vec3> x(5000);
+  for (Vec3& p : x) p = {uniform(generator), uniform(generator), uniform(generator)};
+  std::vector<double> batch(x.size()), again(x.size());
+  field.evaluate(x, batch);
+  set_thread_count(1);
+  field.evaluate(x, again);
+  set_thread_count(0);
+  EXPECT_EQ(batch, again);
+  for (std::size_t i = 0; i < x.size(); i += 50) EXPECT_EQ(value_at(field, x[i]), batch[i]);
+}
+
+TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
+  const double noise = 0.01;
+  const PartitionOfUnity field = fit(test::sphere(40000, noise));
+  EXPECT_NEAR(field.report().noise, noise, 0.15 * noise);
+  double sum = 0;
+  const auto directions = random_directions(500);
+  for (const Vec3& d : directions) sum += std::abs(value_at(field, d));
+  EXPECT_LT(sum / static_cast<double>(directions.size()), 0.15 * noise);
+}
+
+TEST(PartitionOfUnity, ReproducesCreases) {
+  const PointSet cloud = test::cube(20000);
+  PartitionOptions smooth;
+  smooth.sharp = false;
+  const PartitionOfUnity with = fit(cloud), without = fit(cloud, smooth);
+  EXPECT_GT(with.report().creased, 0u);
+  double sharp_error = 0, smooth_error = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 x{1, 1, -0.9 + 0.018 * i};  // along an edge
+    sharp_error += std::abs(value_at(with, x));
+    smooth_error += std::abs(value_at(without, x));
+  }
+  EXPECT_LT(sharp_error, 0.1 * smooth_error);
+  EXPECT_LT(sharp_error / 100, 1e-3);
+}
+
+TEST(PartitionOfUnity, SeesNoCreaseOnASmoothSurface) { EXPECT_EQ(fit(test::torus(20000)).report().creased, 0u); }
+
+TEST(PartitionOfUnity, MovesWithTheCloud) {
+  PointSet cloud = test::sphere(4000);
+  const PartitionOfUnity here = fit(cloud);
+  cloud.origin = {512700.123, 5403800.456, 300.789};
+  const PartitionOfUnity there = fit(cloud);
+  for (const Vec3& d : random_directions(50))
+    EXPECT_NEAR(value_at(here, d * 1.01), value_at(there, cloud.origin + d * 1.01), 1e-6);
+}
+
+TEST(PartitionOfUnity, GradientStaysBoundedInTheDomain) {
+  const PartitionOfUnity field = fit(test::torus(10000));
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> uniform(-1.4, 1.4);
+  std::vector<Vec3> x(20000);
+  for (Vec3& p : x) p = {uniform(generator), uniform(generator), 0.35 * uniform(generator)};
+  std::vector<double> f(x.size());
+  std::vector<Vec3> g(x.size());
+  field.evaluate(x, f, g);
+  double largest = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::abs(f[i]) < 0.05) largest = std::max(largest, norm(g[i]));
+  EXPECT_LT(largest, 3);
+}
+
+TEST(PartitionOfUnity, RejectsWhatItCannotUse) {
+  PointSet few = test::sphere(3);
+  EXPECT_THROW(fit(few), DataError);
+  PointSet bare = test::sphere(100);
+  bare.normals.clear();
+  EXPECT_THROW(fit(bare), DataError);
+  PointSet same = test::sphere(100);
+  for (Vec3f& p : same.positions) p = {1, 2, 3};
+  EXPECT_THROW(fit(same), DataError);
+  PartitionOptions options;
+  options.support = 0.5;
+  EXPECT_THROW(fit(test::sphere(100), options), ArgumentError);
+  options = {};
+  options.max_degree = 7;
+  EXPECT_THROW(fit(test::sphere(100), options), ArgumentError);
+}
+
+}  // namespace
+}  // namespace sansmesh
