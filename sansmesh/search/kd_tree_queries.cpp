@@ -6,7 +6,9 @@
 // After foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "sansmesh/search/kd_tree_kernels.h"
 
@@ -75,6 +77,8 @@ HWY_INLINE std::size_t SortHits(std::uint32_t hits, const float* distances, std:
   return n;
 }
 
+constexpr std::size_t kManyNeighbours = 48;  ///< from here on a search and a block move beat step by step insertion
+
 HWY_INLINE float DistanceOf(std::uint64_t key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
 
 // Finds the smallest keys. kSlots: the lower half of a key is the slot, else the caller's index.
@@ -116,6 +120,12 @@ class Search {
 
  private:
   HWY_INLINE void Insert(NeighbourKey key) {
+    if (last_ >= kManyNeighbours) {
+      NeighbourKey* at = std::upper_bound(keys_, keys_ + last_, key);
+      std::memmove(at + 1, at, static_cast<std::size_t>(keys_ + last_ - at) * sizeof(NeighbourKey));
+      *at = key;
+      return;
+    }
     std::size_t j = last_;
     for (; j > 0 && keys_[j - 1] > key; --j) keys_[j] = keys_[j - 1];
     keys_[j] = key;

@@ -1,0 +1,180 @@
+#include "sansmesh/points/neighbourhood_sample.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kCoarse = 30000;  ///< samples of the tree that tells the local density
+
+std::uint64_t scramble(std::uint64_t x) {  // splitmix64
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+// One finite sample from each of `count` equal stretches of the file order, at a fixed pseudo-random place in it:
+// even over scan lines, yet blind to their period.
+std::vector<Vec3f> stratified(std::span<const Vec3f> points, std::size_t count, std::uint64_t seed) {
+  const std::size_t n = points.size();
+  count = std::min(count, n);
+  std::vector<Vec3f> chosen;
+  chosen.reserve(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::size_t first = j * n / count, last = (j + 1) * n / count;
+    const std::size_t start = scramble(seed + j) % (last - first);
+    for (std::size_t i = 0; i < last - first; ++i) {
+      const Vec3f& p = points[first + (start + i) % (last - first)];
+      if (!is_finite(p)) continue;
+      chosen.push_back(p);
+      break;
+    }
+  }
+  return chosen;
+}
+
+// A grid over the cloud that knows which balls touch which of its cells.
+class BallGrid {
+ public:
+  BallGrid(const Box3f& box, float cell, std::span<const Vec3f> centers, std::span<const float> radii) : box_(box) {
+    const Vec3f size = box.size();
+    const float largest = std::max({size.x, size.y, size.z});
+    scale_ = 1 / std::max(cell, largest / (kResolution - 1));
+    for (std::size_t b = 0; b < centers.size(); ++b) {
+      const Vec3f r{radii[b], radii[b], radii[b]};
+      const auto lower = cell_of(centers[b] - r), upper = cell_of(centers[b] + r);
+      for (int z = lower[2]; z <= upper[2]; ++z)
+        for (int y = lower[1]; y <= upper[1]; ++y)
+          for (int x = lower[0]; x <= upper[0]; ++x) entries_.push_back({code({x, y, z}), static_cast<unsigned>(b)});
+    }
+    parallel_sort(entries_);
+    marked_.resize(kResolution * kResolution * kResolution / 64);
+    for (const KeyIndex& e : entries_) marked_[e.key / 64] |= std::uint64_t{1} << (e.key % 64);
+  }
+
+  template <class Body>
+  void for_each_ball(const Vec3f& p, Body&& body) const {
+    const unsigned long c = code(cell_of(p));
+    if (!(marked_[c / 64] >> (c % 64) & 1)) return;
+    for (auto e = std::lower_bound(entries_.begin(), entries_.end(), KeyIndex{c, 0});
+         e != entries_.end() && e->key == c; ++e)
+      body(e->index);
+  }
+
+ private:
+  static constexpr int kResolution = 256;
+
+  std::array<int, 3> cell_of(const Vec3f& p) const {
+    const auto clamp = [](float t) { return static_cast<int>(std::min(std::max(t, 0.0f), float(kResolution - 1))); };
+    return {clamp((p.x - box_.lower.x) * scale_), clamp((p.y - box_.lower.y) * scale_),
+            clamp((p.z - box_.lower.z) * scale_)};
+  }
+  static unsigned long code(const std::array<int, 3>& c) {
+    return (static_cast<unsigned long>(c[2]) * kResolution + static_cast<unsigned long>(c[1])) * kResolution +
+           static_cast<unsigned long>(c[0]);
+  }
+
+  Box3f box_;
+  float scale_ = 1;
+  std::vector<KeyIndex> entries_;
+  std::vector<std::uint64_t> marked_;
+};
+
+// Radii that hold about `size` of all samples, judged by the coarse tree. Radii far above the others are cut: their
+// neighbourhoods are smaller, but no ball covers the whole cloud because of one stray sample.
+std::vector<float> choose_radii(const KdTree& coarse, double ratio, std::span<const Vec3f> centers, std::size_t size) {
+  const double wanted = static_cast<double>(size) / ratio;
+  // The centre finds itself where every sample is in the tree.
+  const auto k = static_cast<std::size_t>(std::max(wanted * 1.2, 6.0)) + 2;
+  std::vector<float> radii(centers.size());
+  parallel_for(0, centers.size(), 16, [&](std::size_t c) {
+    std::vector<Neighbour> found(k);
+    found.resize(coarse.nearest(centers[c], found));
+    // Few coarse samples: as many as wanted lie within a smaller ball, by area.
+    const float shrink = std::min(1.0f, std::sqrt(static_cast<float>((wanted * 1.3 + 1) / static_cast<double>(k))));
+    radii[c] = std::sqrt(found.back().squared_distance) * (found.size() == k ? shrink : 1.0f);
+  });
+  std::vector<float> sorted = radii;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const float limit = 6 * sorted[sorted.size() / 2];
+  if (limit > 0)
+    for (float& r : radii) r = std::min(r, limit);
+  return radii;
+}
+
+struct Candidate {
+  std::uint32_t ball;
+  Vec3f offset;
+};
+
+Neighbourhood sort_neighbourhood(const Vec3f& place, std::vector<Vec3f>& offsets, std::size_t size) {
+  const auto nearer = [](const Vec3f& a, const Vec3f& b) {
+    const float da = squared_norm(a), db = squared_norm(b);
+    if (da != db) return da < db;
+    if (a.x != b.x) return a.x < b.x;
+    return a.y != b.y ? a.y < b.y : a.z < b.z;
+  };
+  std::sort(offsets.begin(), offsets.end(), nearer);
+  offsets.erase(std::unique(offsets.begin(), offsets.end()), offsets.end());
+  Neighbourhood result;
+  result.place = place;
+  result.offsets.assign(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(std::min(size, offsets.size())));
+  result.distances.reserve(result.offsets.size());
+  for (const Vec3f& o : result.offsets) result.distances.push_back(norm(o));
+  return result;
+}
+
+}  // namespace
+
+std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size) {
+  const std::size_t n = points.size();
+  const Box3f box = parallel_reduce(
+      n, kChunk, Box3f{},
+      [&](std::size_t first, std::size_t last) {
+        Box3f part;
+        for (std::size_t i = first; i < last; ++i)
+          if (is_finite(points[i])) part.extend(points[i]);
+        return part;
+      },
+      [](Box3f a, const Box3f& b) {
+        a.extend(b);
+        return a;
+      });
+  if (box.empty() || places == 0 || size == 0) return {};
+
+  const std::vector<Vec3f> coarse_points = stratified(points, kCoarse, 1);
+  const std::vector<Vec3f> centers = stratified(points, places, 0x5a5a5a5a);
+  const double ratio = static_cast<double>(n) / static_cast<double>(std::min(n, kCoarse));
+  const std::vector<float> radii = choose_radii(KdTree(coarse_points), ratio, centers, size);
+  std::vector<float> sorted = radii;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const BallGrid grid(box, sorted[sorted.size() / 2], centers, radii);
+
+  std::vector<std::vector<Candidate>> parts((n + kChunk - 1) / kChunk);
+  parallel_for(0, parts.size(), 1, [&](std::size_t c) {
+    for (std::size_t i = c * kChunk; i < std::min(n, (c + 1) * kChunk); ++i) {
+      if (!is_finite(points[i])) continue;
+      grid.for_each_ball(points[i], [&](std::uint32_t ball) {
+        const Vec3f offset = points[i] - centers[ball];
+        if (squared_norm(offset) <= radii[ball] * radii[ball]) parts[c].push_back({ball, offset});
+      });
+    }
+  });
+  std::vector<std::vector<Vec3f>> offsets(centers.size());
+  for (const auto& part : parts)
+    for (const Candidate& candidate : part) offsets[candidate.ball].push_back(candidate.offset);
+  std::vector<Neighbourhood> result(centers.size());
+  parallel_for(0, centers.size(), 8,
+               [&](std::size_t c) { result[c] = sort_neighbourhood(centers[c], offsets[c], size); });
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,24 @@
+// Complete neighbourhoods at a few hundred places of a cloud of any size: what its statistics are made from.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+/// The samples around one place: every different position within some radius, in ascending order of distance.
+struct Neighbourhood {
+  Vec3f place;                   ///< a sample
+  std::vector<Vec3f> offsets;    ///< positions − place; offsets[0] is zero, exact duplicates are left out
+  std::vector<float> distances;  ///< lengths of the offsets, ascending
+};
+
+/// Neighbourhoods of about `size` samples (at most; sometimes fewer) around `places` samples chosen evenly over the
+/// file order, always the same ones. One pass over the cloud: about 10 ns a sample and 100 ns a neighbour; no tree over
+/// all samples is built. Non-finite samples are ignored.
+std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size);
+
+}  // namespace sansmesh

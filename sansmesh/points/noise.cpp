@@ -1,0 +1,135 @@
+#include "sansmesh/points/noise.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/neighbourhood_sample.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kPlaces = 320;
+constexpr std::array<std::size_t, 9> kScales{24, 34, 48, 68, 96, 136, 192, 272, 384};
+constexpr std::size_t kCoefficients = 6;
+/// d log(residual) / d log(size): about 0 for noise, 1.5 for the cubic terms of a smooth surface, 0.5 and more where
+/// creases and detail of all sizes meet. Below this there is noise to speak of.
+constexpr double kSlopeWithoutNoise = 0.6;
+/// A residual grown by more than this from the smallest scale is shape, whatever its slope.
+constexpr double kLargestGrowth = 4;
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Quadric {
+  std::vector<std::array<double, kCoefficients>> rows;
+  std::vector<double> heights, weights, residuals, magnitudes;
+};
+
+// Robust deviation of the samples from the quadric through them: least squares, then once more without the samples
+// that lie far off. Median absolute deviation, made unbiased for Gaussian noise and for the coefficients fitted.
+std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std::size_t size, Quadric& q) {
+  const std::span<const Vec3f> offsets = std::span(neighbourhood.offsets).first(size);
+  const double radius = neighbourhood.distances[size - 1];
+  if (!(radius > 0)) return std::nullopt;
+  const Moments m = moments(offsets);
+  const PrincipalAxes frame = principal_axes(m.covariance);
+  const Vec3 center = frame.axes[0] * dot(frame.axes[0], m.mean);
+  q.rows.clear();
+  q.heights.clear();
+  for (const Vec3f& offset : offsets) {
+    const Vec3 d = (Vec3(offset) - center) / radius;
+    const double u = dot(d, frame.axes[2]), v = dot(d, frame.axes[1]);
+    // The ball cuts off the noise near its rim: a narrower disc has its full range of heights.
+    if (u * u + v * v > 0.64) continue;
+    q.rows.push_back({1, u, v, u * u, u * v, v * v});
+    q.heights.push_back(dot(d, frame.axes[0]));
+  }
+  const std::size_t n = q.rows.size();
+  if (n < 2 * kCoefficients) return std::nullopt;
+  q.weights.assign(n, 1);
+  q.residuals.resize(n);
+  double deviation = 0;
+  for (int round = 0; round < 2; ++round) {
+    Eigen::Matrix<double, kCoefficients, kCoefficients> normal_matrix;
+    Eigen::Matrix<double, kCoefficients, 1> right;
+    normal_matrix.setZero();
+    right.setZero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Map<const Eigen::Matrix<double, kCoefficients, 1>> row(q.rows[i].data());
+      normal_matrix.noalias() += q.weights[i] * row * row.transpose();
+      right += q.weights[i] * q.heights[i] * row;
+    }
+    // Samples on few scan lines do not determine a quadric: the rest follows from the smallest coefficients.
+    normal_matrix.diagonal().array() += 1e-9 * static_cast<double>(n);
+    const Eigen::Matrix<double, kCoefficients, 1> c = normal_matrix.ldlt().solve(right);
+    q.magnitudes.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Map<const Eigen::Matrix<double, kCoefficients, 1>> row(q.rows[i].data());
+      q.residuals[i] = q.heights[i] - row.dot(c);
+      q.magnitudes[i] = std::abs(q.residuals[i]);
+    }
+    deviation = 1.4826 * median(q.magnitudes) *
+                std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
+    for (std::size_t i = 0; i < n; ++i) {  // Tukey's biweight
+      const double t = q.residuals[i] / (4.685 * deviation + 1e-12);
+      q.weights[i] = std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0;
+    }
+  }
+  return deviation * radius;
+}
+
+}  // namespace
+
+double estimate_noise(const PointSet& points) {
+  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kPlaces, kScales.back());
+  std::vector<std::array<std::optional<double>, kScales.size()>> residuals(sample.size());
+  parallel_ranges(0, sample.size(), 16, [&](std::size_t first, std::size_t last) {
+    Quadric scratch;
+    for (std::size_t p = first; p < last; ++p)
+      for (std::size_t s = 0; s < kScales.size(); ++s)
+        if (sample[p].offsets.size() >= kScales[s])
+          residuals[p][s] = residual_deviation(sample[p], kScales[s], scratch);
+  });
+
+  // Typical residual of each scale, as far as most places have it.
+  std::vector<double> scale, deviation;
+  float largest_coordinate = 0;
+  for (const Neighbourhood& n : sample)
+    for (std::size_t k = 0; k < 3; ++k) largest_coordinate = std::max(largest_coordinate, std::abs(n.place[k]));
+  const double rounding = 0.5 * std::numeric_limits<float>::epsilon() * static_cast<double>(largest_coordinate);
+  for (std::size_t s = 0; s < kScales.size(); ++s) {
+    std::vector<double> values;
+    for (const auto& place : residuals)
+      if (place[s]) values.push_back(*place[s]);
+    if (values.empty() || values.size() * 2 < sample.size()) break;
+    scale.push_back(std::log(static_cast<double>(kScales[s])));
+    deviation.push_back(std::max(median(values), rounding));
+  }
+  if (deviation.empty() || deviation[0] <= rounding) return 0;
+  if (deviation.size() == 1) return deviation[0];  // too few samples to tell shape from noise
+
+  double smallest_slope = kSlopeWithoutNoise, noise = 0;
+  for (std::size_t s = 1; s < deviation.size() && deviation[s] <= kLargestGrowth * deviation[0]; ++s) {
+    const double slope =
+        std::max(0.0, std::log(deviation[s] / deviation[s - 1]) / (scale[s] - scale[s - 1]));
+    if (slope >= smallest_slope) continue;
+    smallest_slope = slope;
+    // What still grows is shape: take its share of the variance away.
+    noise = std::sqrt(deviation[s] * deviation[s - 1] * (1 - slope / kSlopeWithoutNoise));
+  }
+  return noise;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,61 @@
+#include "sansmesh/points/spacing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/neighbourhood_sample.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kPlaces = 500;
+constexpr std::size_t kNear = 24;    ///< neighbours that tell the spacing of a clean cloud
+constexpr std::size_t kWide = 200;   ///< and of one whose noise hides the surface from the nearest ones
+constexpr double kThickness = 0.35;  ///< deviation across / along the surface that tells the one from the other
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Edge of one sample's square when `count` samples share a disc.
+double spacing_of_disc(double radius, double count) { return radius * std::sqrt(std::numbers::pi / count); }
+
+// Flattens the neighbourhood and counts within a radius that leaves its top and bottom complete.
+double flattened_spacing(const Neighbourhood& neighbourhood) {
+  const Moments m = moments(neighbourhood.offsets);
+  const Vec3 normal = principal_axes(m.covariance).axes[0];
+  const double radius = 0.6 * static_cast<double>(neighbourhood.distances.back());
+  double count = 0;
+  for (const Vec3f& o : neighbourhood.offsets) {
+    const Vec3 d(o);
+    const double height = dot(d, normal);
+    if (squared_norm(d) - height * height <= radius * radius) ++count;
+  }
+  return spacing_of_disc(radius, count);
+}
+
+}  // namespace
+
+double estimate_spacing(const PointSet& points) {
+  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kPlaces, kWide);
+  std::vector<double> spacing, thickness, flattened;
+  for (const Neighbourhood& neighbourhood : sample) {
+    const std::size_t k = std::min(kNear, neighbourhood.offsets.size() - 1);
+    if (k == 0) continue;
+    spacing.push_back(spacing_of_disc(neighbourhood.distances[k], static_cast<double>(k)));
+    const Vec3 variance =
+        principal_axes(moments(std::span(neighbourhood.offsets).first(k + 1)).covariance).values;
+    thickness.push_back(variance.y > 0 ? std::sqrt(std::max(variance.x, 0.0) / variance.y) : 0);
+    if (neighbourhood.offsets.size() * 2 > kWide) flattened.push_back(flattened_spacing(neighbourhood));
+  }
+  const bool thick = median(thickness) > kThickness && flattened.size() * 2 > spacing.size();
+  return thick ? median(flattened) : median(spacing);
+}
+
+}  // namespace sansmesh
