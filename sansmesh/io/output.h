@@ -1,0 +1,84 @@
+// What the writers share: a file that appears whole or not at all, and fast formatting of rows.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/vec.h"
+#include "sansmesh/io/io.h"
+
+namespace sansmesh::io {
+
+/// Writes the parts one after the other into `file` (gzipped if its name ends in ".gz"): into a temporary file of the
+/// same folder first, which then takes the name. Throws FileError, leaving whatever had the name untouched.
+void write_whole(const std::string& file, const std::vector<std::string>& parts);
+
+/// The ending of a name in lower case without the dot, and without a final ".gz": "a/B.PLY.gz" → "ply".
+std::string ending(const std::string& file);
+
+/// Bytes that `row(i, p)` appends at p (returning the new end, at most `most` bytes further), for i in [0, n),
+/// formatted in parallel and in order.
+template <class Row>
+void append_rows(std::vector<std::string>& parts, std::size_t n, std::size_t most, Row&& row) {
+  const std::size_t chunk = 1 << 13;
+  const std::size_t first_part = parts.size();
+  parts.resize(first_part + (n + chunk - 1) / chunk);
+  parallel_for(first_part, parts.size(), 1, [&](std::size_t c) {
+    const std::size_t first = (c - first_part) * chunk;
+    const std::size_t last = first + chunk < n ? first + chunk : n;
+    std::string& text = parts[c];
+    text.resize((last - first) * most);
+    char* p = text.data();
+    for (std::size_t i = first; i < last; ++i) p = row(i, p);
+    text.resize(static_cast<std::size_t>(p - text.data()));
+    text.shrink_to_fit();
+  });
+}
+
+/// Most characters of one number as written below.
+inline constexpr std::size_t number_width = 48;
+
+template <class T>
+inline char* put(char* p, T value) {
+  return std::to_chars(p, p + number_width, value).ptr;
+}
+inline char* put(char* p, char c) { return *p = c, p + 1; }
+inline char* put(char* p, const char* s) {
+  const std::size_t n = std::strlen(s);
+  return static_cast<char*>(std::memcpy(p, s, n)) + n;
+}
+
+/// How coordinates leave: world = origin + position.
+class WorldCoordinates {
+ public:
+  WorldCoordinates(const Vec3& origin, const std::vector<Vec3f>& positions);
+
+  /// Whether single precision would move some position by more than 1e-7 of the cloud's extent (never without origin).
+  bool needs_double() const { return float_loss_ > 1e-7; }
+  /// Largest error of single precision as a fraction of the extent.
+  double float_loss() const { return float_loss_; }
+  Vec3 world(std::size_t i) const { return origin_ + Vec3(positions_[i]); }
+  Vec3f world_float(std::size_t i) const { return Vec3f(world(i)); }
+
+  /// Writes the three coordinates with `separator` between: the shortest text that reads back as the same floats where
+  /// there is no origin; otherwise as many decimals as resolve 2^-26 of the extent.
+  char* put(char* p, std::size_t i, char separator) const;
+
+ private:
+  Vec3 origin_;
+  const std::vector<Vec3f>& positions_;
+  bool shifted_ = false;
+  double float_loss_ = 0;
+  int decimals_ = 0;
+};
+
+// Writers, one a format: the parts of the file.
+std::vector<std::string> mesh_to_ply(const TriangleMesh& mesh, const WriteOptions& options);
+std::vector<std::string> points_to_ply(const PointSet& points, const WriteOptions& options);
+
+}  // namespace sansmesh::io

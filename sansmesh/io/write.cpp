@@ -1,0 +1,113 @@
+// Chooses the writer for a file by its ending.
+#include <errno.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "sansmesh/io/input.h"
+#include "sansmesh/io/output.h"
+
+namespace sansmesh {
+namespace {
+
+using Parts = std::vector<std::string>;
+
+template <class Data>
+struct Writer {
+  const char* ending;
+  Parts (*write)(const Data&, const WriteOptions&);
+};
+
+constexpr Writer<TriangleMesh> mesh_writers[] = {
+    {"ply", io::mesh_to_ply},
+};
+constexpr Writer<PointSet> point_writers[] = {
+    {"ply", io::points_to_ply},
+};
+
+/// Throws ArgumentError's sibling for files: the ending is not one of those known.
+[[noreturn]] void fail_ending(const std::string& file, const std::string& kind, const std::string& known) {
+  const std::string e = io::ending(file);
+  throw FileError(file, e.empty() ? fmt::format("has no ending that names a format for {}; known: {}", kind, known)
+                                  : fmt::format("no writer for {} with the ending '.{}'; known: {}", kind, e, known));
+}
+
+template <class Data, std::size_t n>
+const Writer<Data>& find_writer(const Writer<Data> (&writers)[n], const std::string& file, const std::string& kind) {
+  const std::string e = io::ending(file);
+  std::string known;
+  for (const Writer<Data>& w : writers) {
+    if (e == w.ending) return w;
+    known += fmt::format("{}.{}", known.empty() ? "" : " ", w.ending);
+  }
+  fail_ending(file, kind, known);
+}
+
+/// Throws ArgumentError unless an optional per-vertex array is empty or complete.
+void check_length(const char* what, std::size_t length, std::size_t n) {
+  if (length != 0 && length != n) {
+    throw ArgumentError(fmt::format("{} {} for {} points: there must be none or one for each", length, what, n));
+  }
+}
+
+template <class Triangles>
+void check_triangles(const Triangles& triangles, std::size_t n) {
+  for (const auto& t : triangles) {
+    for (const std::uint32_t v : t) {
+      if (v >= n) throw ArgumentError(fmt::format("a triangle refers to vertex {} of {}", v, n));
+    }
+  }
+}
+
+}  // namespace
+
+void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options) {
+  const auto& writer = find_writer(mesh_writers, file, "meshes");
+  check_length("normals", mesh.normals.size(), mesh.vertices.size());
+  check_length("colors", mesh.colors.size(), mesh.vertices.size());
+  check_length("quality values", mesh.quality.size(), mesh.vertices.size());
+  check_triangles(mesh.triangles, mesh.vertices.size());
+  io::write_whole(file, writer.write(mesh, options));
+}
+
+void write_points(const std::string& file, const PointSet& points, const WriteOptions& options) {
+  const auto& writer = find_writer(point_writers, file, "points");
+  check_length("normals", points.normals.size(), points.size());
+  check_length("colors", points.colors.size(), points.size());
+  check_length("confidences", points.confidence.size(), points.size());
+  check_triangles(points.triangles, points.size());
+  io::write_whole(file, writer.write(points, options));
+}
+
+void write_text(const std::string& file, const std::string& text) { io::write_whole(file, {text}); }
+
+void check_writable(const std::string& file, const std::string& kind) {
+  if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
+  if (kind == "mesh") {
+    find_writer(mesh_writers, file, "meshes");
+  } else if (kind == "points") {
+    find_writer(point_writers, file, "points");
+  } else if (kind == "image") {
+    if (io::ending(file) != "png") fail_ending(file, "images", ".png");
+  } else if (kind != "text") {
+    throw ArgumentError(fmt::format("check_writable: unknown kind '{}'; known: mesh points image text", kind));
+  }
+  struct stat info {};
+  if (::stat(file.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) throw FileError(file, "cannot be written (it is a directory)");
+    if (::access(file.c_str(), W_OK) != 0) throw FileError(file, "cannot be written (permission denied)");
+    if (!S_ISREG(info.st_mode)) return;
+  }
+  std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (folder.empty()) folder = ".";
+  if (::stat(folder.c_str(), &info) != 0) throw FileError(file, "cannot be written (its folder does not exist)");
+  if (!S_ISDIR(info.st_mode)) throw FileError(file, "cannot be written (its folder is not a folder)");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw FileError(file, errno == EROFS ? "cannot be written (the file system is read-only)"
+                                         : "cannot be written (no permission to write in its folder)");
+  }
+}
+
+}  // namespace sansmesh
