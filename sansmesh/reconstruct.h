@@ -55,8 +55,8 @@ struct ReconstructReport {
 TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
                          ReconstructReport* report = nullptr);
 
-/// Distance between mesh and surface worth aiming at, given what fitting learned: a third of the surface's own error,
-/// but not so little that there are many more vertices than samples.
+/// Distance between mesh and surface worth aiming at, given what fitting learned: two fifths of the surface's own
+/// error, but not so little that there are many more vertices than samples.
 double default_mesh_error(const PartitionReport& report);
 
 }  // namespace sansmesh

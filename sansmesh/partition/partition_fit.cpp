@@ -202,9 +202,19 @@ float gather_enough(const Fitter& fitter, int level, std::uint32_t cell, const S
   return 0;
 }
 
+/// Distance of the samples' centre of gravity from the middle of the disc, relative to its radius: 0 in the interior of
+/// a surface, 0.28 at a straight border (under the weights (1 − t²)²).
+double eccentricity(const LocalSamples& s) {
+  double u = 0, v = 0, n = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) u += s.weight[i] * s.u[i], v += s.weight[i] * s.v[i], n += s.weight[i];
+  return n > 0 ? std::hypot(u, v) / n : 0;
+}
+
+/// Robustness (METHODS §3.1): curved polynomials only where the samples cover the support, and surround its middle.
 int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples) {
-  const double k = coverage(samples);
   int d = fits.highest;
+  if (d > 1 && eccentricity(samples) > options.max_eccentricity) return 1;
+  const double k = coverage(samples);
   while (d > 1 && k < options.coverage[static_cast<std::size_t>(d)]) --d;
   return d;
 }

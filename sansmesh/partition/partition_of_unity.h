@@ -22,8 +22,8 @@ struct PartitionOptions {
   int min_samples = 9;           ///< a support with fewer samples borrows a larger ball for its fit
   int max_samples = 1000;        ///< beyond this a block is subdivided without fitting (METHODS case iii)
   std::array<double, kMaxDegree + 1> coverage{0, 0, 0.4, 0.6, 0.7};  ///< least coverage k for each degree
-  double normal_spread = 0.0;  ///< least |Σ n_i| / N of a one-sheet support; below, the block is subdivided
-  bool sharp = true;           ///< split supports at creases
+  double max_eccentricity = 0.2;  ///< beyond it (a border of the data) only planes: curved fits swing off there
+  bool sharp = true;              ///< split supports at creases
 
   /// Throws ArgumentError naming the field.
   void validate() const;
