@@ -11,7 +11,8 @@
 namespace sansmesh {
 
 struct OutlierOptions {
-  /// A sample is isolated if it is this many times farther from its neighbours than they are from theirs, > 1.
+  /// A sample is isolated if it is this many times farther from its neighbours than they are from theirs, or than is
+  /// typical of the cloud where its neighbours do not look like a surface, > 1.
   double isolation = 4;
   /// Detached clusters of fewer samples than this are outliers; 0 keeps all.
   std::size_t min_cluster = 12;
