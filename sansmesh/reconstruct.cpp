@@ -208,7 +208,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
 }
 
 double default_mesh_error(const PartitionReport& report) {
-  return std::max(0.4 * report.accuracy, 0.025 * report.spacing);
+  return std::max(0.4 * report.accuracy, 0.032 * report.spacing);
 }
 
 }  // namespace sansmesh

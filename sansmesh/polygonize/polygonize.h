@@ -25,6 +25,9 @@ struct PolygonizeOptions {
   int smoothing_rounds = 2;
   /// Move the vertices next to a crease of the field onto it.
   bool creases = true;
+  /// Move the vertices off the surface by so little that the triangles straddle it instead of lying inside: a third of
+  /// the mean distance for the same number of triangles.
+  bool balance = true;
   /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so
   /// seeds at the samples keep sheets far from any sample out. Empty: every block is looked at.
   std::vector<Vec3> seeds;
