@@ -93,10 +93,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     for (std::size_t i = 0; i < n; ++i) {
       if (of[i] != s) continue;
       const Vec3f d = (positions[i] - center) / scale;
-      samples.u.push_back(dot(d, f.xi));
-      samples.v.push_back(dot(d, f.eta));
-      samples.w.push_back(dot(d, f.nu));
-      samples.weight.push_back(std::max(weights[i], 0.05f));
+      samples.add(dot(d, f.xi), dot(d, f.eta), dot(d, f.nu), std::max(weights[i], 0.05f));
       spread += 1 - dot(normals[i], f.nu), count += 1;
     }
     // Within a sheet the normals must agree (mean deviation below about 20°): noise is not a crease.

@@ -1,12 +1,91 @@
-#include "sansmesh/partition/local_fit.h"
+// Moments by SIMD, then a Cholesky factorisation small enough for plain code.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/partition/local_fit.cpp"
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+// clang-format on
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "sansmesh/partition/local_fit.h"
+
+HWY_BEFORE_NAMESPACE();
 namespace sansmesh {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The Gram matrix of the monomials holds few distinct numbers: the moments Σ weight u^a v^b up to twice the degree, at
+// d (d + 1) / 2 + b with d = a + b. Four double lanes on every target: the same sums in the same order.
+template <int Degree>
+void Accumulate(const float* u, const float* v, const float* h, const float* w, std::size_t n, double* moments,
+                double* rhs, double* squares) {
+  constexpr int kM = (2 * Degree + 1) * (2 * Degree + 2) / 2;
+  constexpr int kP = (Degree + 1) * (Degree + 2) / 2;
+  const hn::CappedTag<double, 4> d;
+  const hn::Rebind<float, decltype(d)> df;
+  using V = hn::Vec<decltype(d)>;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t half = 0; half < 4; half += lanes) {
+    V m[kM], r[kP];
+    for (V& x : m) x = hn::Zero(d);
+    for (V& x : r) x = hn::Zero(d);
+    V q = hn::Zero(d), w2 = hn::Zero(d);
+    for (std::size_t i = half; i < n; i += 4) {
+      const V uu = hn::PromoteTo(d, hn::LoadU(df, u + i)), vv = hn::PromoteTo(d, hn::LoadU(df, v + i)),
+              hh = hn::PromoteTo(d, hn::LoadU(df, h + i)), ww = hn::PromoteTo(d, hn::LoadU(df, w + i));
+      V power[2 * Degree + 1];
+      power[0] = hn::Set(d, 1.0);
+      for (int b = 1; b <= 2 * Degree; ++b) power[b] = hn::Mul(power[b - 1], vv);
+      const V wh = hn::Mul(ww, hh);
+      q = hn::MulAdd(wh, hh, q);
+      w2 = hn::MulAdd(ww, ww, w2);
+      V up = ww, uh = wh;
+      for (int a = 0; a <= 2 * Degree; ++a) {
+        for (int b = 0; a + b <= 2 * Degree; ++b) {
+          const int at = (a + b) * (a + b + 1) / 2 + b;
+          m[at] = hn::MulAdd(up, power[b], m[at]);
+          if (a + b <= Degree) r[at] = hn::MulAdd(uh, power[b], r[at]);
+        }
+        up = hn::Mul(up, uu);
+        uh = hn::Mul(uh, uu);
+      }
+    }
+    for (int k = 0; k < kM; ++k) moments[k] += hn::GetLane(hn::SumOfLanes(d, m[k]));
+    for (int k = 0; k < kP; ++k) rhs[k] += hn::GetLane(hn::SumOfLanes(d, r[k]));
+    squares[0] += hn::GetLane(hn::SumOfLanes(d, q));
+    squares[1] += hn::GetLane(hn::SumOfLanes(d, w2));
+  }
+}
+
+void AccumulateMoments(int degree, const float* u, const float* v, const float* h, const float* w, std::size_t n,
+                       double* moments, double* rhs, double* squares) {
+  switch (degree) {
+    case 4:
+      return Accumulate<4>(u, v, h, w, n, moments, rhs, squares);
+    case 3:
+      return Accumulate<3>(u, v, h, w, n, moments, rhs, squares);
+    case 2:
+      return Accumulate<2>(u, v, h, w, n, moments, rhs, squares);
+    case 1:
+      return Accumulate<1>(u, v, h, w, n, moments, rhs, squares);
+    default:
+      return Accumulate<0>(u, v, h, w, n, moments, rhs, squares);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sansmesh {
+HWY_EXPORT(AccumulateMoments);
+
 namespace {
 
-// moment(a, b) = Σ weight u^a v^b, a + b <= 8, stored by total degree: index(a, b).
 constexpr int moment_index(int a, int b) {
   const int d = a + b;
   return d * (d + 1) / 2 + b;
@@ -31,82 +110,27 @@ constexpr std::array<Exponent, 15> kExponents{{{0, 0},
                                                {1, 3},
                                                {0, 4}}};
 
-// The Gram matrix of the monomials holds few distinct numbers: the moments up to twice the degree.
-template <int Degree>
-void accumulate(const LocalSamples& s, std::array<double, kMoments>& moments, std::array<double, 15>& rhs, double& ww,
-                double& weight_squares) {
-  constexpr int kLanes = 8;
-  constexpr int kM = (2 * Degree + 1) * (2 * Degree + 2) / 2;
-  constexpr int kP = (Degree + 1) * (Degree + 2) / 2;
-  double m[kM][kLanes] = {};
-  double r[kP][kLanes] = {};
-  double q[kLanes] = {}, w2[kLanes] = {};
-  const std::size_t n = s.size();
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    double u[kLanes], v[kLanes], h[kLanes], w[kLanes];
-    for (int k = 0; k < kLanes; ++k) {
-      const bool in = i + static_cast<std::size_t>(k) < n;
-      const std::size_t j = in ? i + static_cast<std::size_t>(k) : i;
-      u[k] = s.u[j], v[k] = s.v[j], h[k] = s.w[j], w[k] = in ? s.weight[j] : 0.0f;
-    }
-    double vp[2 * Degree + 1][kLanes];
-    for (int k = 0; k < kLanes; ++k) vp[0][k] = 1;
-    for (int b = 1; b <= 2 * Degree; ++b)
-      for (int k = 0; k < kLanes; ++k) vp[b][k] = vp[b - 1][k] * v[k];
-    double up[kLanes];
-    for (int k = 0; k < kLanes; ++k) up[k] = w[k], q[k] += w[k] * h[k] * h[k], w2[k] += w[k] * w[k];
-    for (int a = 0; a <= 2 * Degree; ++a) {
-      for (int b = 0; a + b <= 2 * Degree; ++b) {
-        const int at = moment_index(a, b);
-        for (int k = 0; k < kLanes; ++k) m[at][k] += up[k] * vp[b][k];
-        if (a + b <= Degree)
-          for (int k = 0; k < kLanes; ++k) r[at][k] += up[k] * vp[b][k] * h[k];
-      }
-      for (int k = 0; k < kLanes; ++k) up[k] *= u[k];
-    }
-  }
-  const auto total = [](const double* x) { return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7])); };
-  for (int a = 0; a < kM; ++a) moments[static_cast<std::size_t>(a)] = total(m[a]);
-  for (int a = 0; a < kP; ++a) rhs[static_cast<std::size_t>(a)] = total(r[a]);
-  ww = total(q);
-  weight_squares = total(w2);
-}
-
 }  // namespace
 
-DegreeFits fit_all_degrees(const LocalSamples& samples, int max_degree) {
+DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree) {
   DegreeFits fits;
   int degree = std::min(max_degree, kMaxDegree);
   while (degree > 0 && samples.size() < 2 * static_cast<std::size_t>(kBasisSize[static_cast<std::size_t>(degree)]))
     --degree;
   if (samples.size() == 0) return fits;
+  samples.pad();
   std::array<double, kMoments> m{};
   std::array<double, 15> rhs{};
-  double ww = 0, w2 = 0;
-  switch (degree) {
-    case 4:
-      accumulate<4>(samples, m, rhs, ww, w2);
-      break;
-    case 3:
-      accumulate<3>(samples, m, rhs, ww, w2);
-      break;
-    case 2:
-      accumulate<2>(samples, m, rhs, ww, w2);
-      break;
-    case 1:
-      accumulate<1>(samples, m, rhs, ww, w2);
-      break;
-    default:
-      accumulate<0>(samples, m, rhs, ww, w2);
-      break;
-  }
+  double squares[2] = {};
+  HWY_DYNAMIC_DISPATCH(AccumulateMoments)
+  (degree, samples.u(), samples.v(), samples.w(), samples.weight(), samples.size(), m.data(), rhs.data(), squares);
   fits.weight_sum = m[0];
   if (!(m[0] > 0)) return fits;
-  fits.effective_count = m[0] * m[0] / w2;
+  fits.effective_count = m[0] * m[0] / squares[1];
 
   // Cholesky of the Gram matrix = Gram–Schmidt on the monomials in their order: row a of L makes basis function a
   // orthonormal to those before it, so the fits of all degrees are prefixes of one another.
-  double rest = ww;
+  double rest = squares[0];
   int basis = 0;
   for (int d = 0; d <= degree; ++d) {
     for (; basis < kBasisSize[static_cast<std::size_t>(d)]; ++basis) {
@@ -148,3 +172,4 @@ std::array<float, 15> monomial_coefficients(const DegreeFits& fits, int degree) 
 }
 
 }  // namespace sansmesh
+#endif

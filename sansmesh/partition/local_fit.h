@@ -11,10 +11,35 @@ namespace sansmesh {
 
 /// Samples of one support in its local frame, divided by the scale; a structure of arrays that is reused from fit to
 /// fit.
-struct LocalSamples {
-  std::vector<float> u, v, w, weight;
-  std::size_t size() const { return u.size(); }
-  void clear() { u.clear(), v.clear(), w.clear(), weight.clear(); }
+class LocalSamples {
+ public:
+  std::size_t size() const { return size_; }
+  void clear() { size_ = 0; }
+  void add(float u, float v, float w, float weight) {
+    if (size_ + kPadding > data_[0].size())
+      for (auto& d : data_) d.resize(2 * size_ + 64);
+    data_[0][size_] = u, data_[1][size_] = v, data_[2][size_] = w, data_[3][size_] = weight;
+    ++size_;
+  }
+  float* u() { return data_[0].data(); }
+  float* v() { return data_[1].data(); }
+  float* w() { return data_[2].data(); }
+  float* weight() { return data_[3].data(); }
+  const float* u() const { return data_[0].data(); }
+  const float* v() const { return data_[1].data(); }
+  const float* w() const { return data_[2].data(); }
+  const float* weight() const { return data_[3].data(); }
+  /// Fills up to a whole number of vectors with samples of no weight.
+  void pad() {
+    const std::size_t n = size_;
+    while (size_ % 4 != 0) add(0, 0, 0, 0);
+    size_ = n;
+  }
+
+ private:
+  static constexpr std::size_t kPadding = 8;
+  std::array<std::vector<float>, 4> data_;
+  std::size_t size_ = 0;
 };
 
 /// Result of fit_all_degrees: entry d belongs to degree d.
@@ -29,7 +54,7 @@ struct DegreeFits {
 
 /// Weighted least squares of w over (u, v) for every degree 0..max_degree. Degrees that the samples cannot determine
 /// (fewer than 2 samples a basis function, or a basis function that vanishes on them) are left out, and all above them.
-DegreeFits fit_all_degrees(const LocalSamples& samples, int max_degree);
+DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree);
 
 /// Monomial coefficients of the fit of one degree (<= fits.highest).
 std::array<float, 15> monomial_coefficients(const DegreeFits& fits, int degree);

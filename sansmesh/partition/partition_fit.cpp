@@ -19,6 +19,8 @@ constexpr float kInfinite = std::numeric_limits<float>::infinity();
 /// live near the rim, where the weights vanish, hardly take part.
 constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
 
+constexpr float kSecondSheet = 0.2f;         ///< share of the samples in a block that must lie on another sheet
+constexpr float kChamfer = 0.02f;            ///< mean gap along a crease, in units of the block's edge
 constexpr float kHalfDiagonal = 0.8660254f;  // of a unit cube
 
 /// What a trial fit of one block says about every degree; the winners are fitted again at the end.
@@ -100,10 +102,7 @@ float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const 
     }
     kept += weight;
     const Vec3f d = (positions[i] - f.center) * inverse;
-    ws.samples.u.push_back(dot(d, f.xi));
-    ws.samples.v.push_back(dot(d, f.eta));
-    ws.samples.w.push_back(dot(d, f.nu));
-    ws.samples.weight.push_back(weight);
+    ws.samples.add(dot(d, f.xi), dot(d, f.eta), dot(d, f.nu), weight);
   }
   return kept + away > 0 ? away / (kept + away) : 0;
 }
@@ -173,8 +172,8 @@ DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int ma
 double coverage(const LocalSamples& s) {
   float lo[2] = {1, 1}, hi[2] = {-1, -1};
   for (std::size_t i = 0; i < s.size(); ++i) {
-    lo[0] = std::min(lo[0], s.u[i]), hi[0] = std::max(hi[0], s.u[i]);
-    lo[1] = std::min(lo[1], s.v[i]), hi[1] = std::max(hi[1], s.v[i]);
+    lo[0] = std::min(lo[0], s.u()[i]), hi[0] = std::max(hi[0], s.u()[i]);
+    lo[1] = std::min(lo[1], s.v()[i]), hi[1] = std::max(hi[1], s.v()[i]);
   }
   return std::max(0.0f, hi[0] - lo[0]) * std::max(0.0f, hi[1] - lo[1]) / 3.14159265;
 }
@@ -206,7 +205,8 @@ float gather_enough(const Fitter& fitter, int level, std::uint32_t cell, const S
 /// a surface, 0.28 at a straight border (under the weights (1 − t²)²).
 double eccentricity(const LocalSamples& s) {
   double u = 0, v = 0, n = 0;
-  for (std::size_t i = 0; i < s.size(); ++i) u += s.weight[i] * s.u[i], v += s.weight[i] * s.v[i], n += s.weight[i];
+  for (std::size_t i = 0; i < s.size(); ++i)
+    u += s.weight()[i] * s.u()[i], v += s.weight()[i] * s.v()[i], n += s.weight()[i];
   return n > 0 ? std::hypot(u, v) / n : 0;
 }
 
@@ -270,14 +270,16 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
   return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
-/// A block with a crease, and all above and below it, are not flat.
+/// A block with a crease, and all above and below it, are as flat as a chamfer of its lattice would be.
 void mark_crease(PartitionOfUnity::State& state, int level, std::uint64_t code) {
   for (int l = 0; l < static_cast<int>(state.flatness.size()); ++l) {
     auto& f = state.flatness[static_cast<std::size_t>(l)];
     const std::uint64_t low = l <= level ? code >> (3 * (level - l)) : code << (3 * (l - level));
     const std::uint64_t high = l <= level ? low : low + (std::uint64_t{1} << (3 * (l - level))) - 1;
-    for (auto it = std::lower_bound(f.code.begin(), f.code.end(), low); it != f.code.end() && *it <= high; ++it)
-      f.gap[static_cast<std::size_t>(it - f.code.begin())] = kInfinite;
+    for (auto it = std::lower_bound(f.code.begin(), f.code.end(), low); it != f.code.end() && *it <= high; ++it) {
+      float& gap = f.gap[static_cast<std::size_t>(it - f.code.begin())];
+      gap = std::max(gap, kChamfer * state.edge / static_cast<float>(1u << l));
+    }
   }
 }
 
@@ -551,7 +553,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
     level.gap.resize(trials[at].size());
     for (std::size_t c = 0; c < trials[at].size(); ++c) {
       const Trial& t = trials[at][c];
-      level.gap[c] = t.dropped > 0.02f ? kInfinite : t.gap;
+      // Samples that face away are a second sheet, or a surface that bends by more than a right angle.
+      level.gap[c] = t.dropped > kSecondSheet ? kInfinite : t.gap + 0.2f * t.dropped * fitter.support_radius(l);
     }
   }
   for (std::size_t i = 0; i < leaves.size(); ++i)

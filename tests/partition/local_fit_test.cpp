@@ -13,10 +13,8 @@ LocalSamples random_samples(std::size_t n, unsigned seed) {
   std::uniform_real_distribution<float> uniform(-1, 1), weight(0.1f, 1);
   LocalSamples s;
   for (std::size_t i = 0; i < n; ++i) {
-    s.u.push_back(uniform(generator));
-    s.v.push_back(uniform(generator));
-    s.w.push_back(uniform(generator));
-    s.weight.push_back(weight(generator));
+    const float u = uniform(generator), v = uniform(generator), w = uniform(generator);
+    s.add(u, v, w, weight(generator));
   }
   return s;
 }
@@ -35,7 +33,7 @@ TEST(LocalFit, ReproducesPolynomialsOfItsDegree) {
     std::array<float, 15> truth{};
     for (int k = 0; k < kBasisSize[static_cast<std::size_t>(degree)]; ++k)
       truth[static_cast<std::size_t>(k)] = 0.3f * static_cast<float>(k % 5) - 0.5f;
-    for (std::size_t i = 0; i < s.size(); ++i) s.w[i] = static_cast<float>(value(truth, s.u[i], s.v[i]));
+    for (std::size_t i = 0; i < s.size(); ++i) s.w()[i] = static_cast<float>(value(truth, s.u()[i], s.v()[i]));
     const DegreeFits fits = fit_all_degrees(s, 4);
     ASSERT_EQ(fits.highest, 4);
     EXPECT_LT(fits.mean_square[static_cast<std::size_t>(degree)], 1e-12);
@@ -46,15 +44,15 @@ TEST(LocalFit, ReproducesPolynomialsOfItsDegree) {
 }
 
 TEST(LocalFit, ResidualIsWhatTheCoefficientsLeave) {
-  const LocalSamples s = random_samples(60, 3);
+  LocalSamples s = random_samples(60, 3);
   const DegreeFits fits = fit_all_degrees(s, 4);
   double last = 1e300;
   for (int d = 0; d <= 4; ++d) {
     const auto c = monomial_coefficients(fits, d);
     double sum = 0, weight = 0;
     for (std::size_t i = 0; i < s.size(); ++i) {
-      const double r = s.w[i] - value(c, s.u[i], s.v[i]);
-      sum += s.weight[i] * r * r, weight += s.weight[i];
+      const double r = s.w()[i] - value(c, s.u()[i], s.v()[i]);
+      sum += s.weight()[i] * r * r, weight += s.weight()[i];
     }
     const double reported = fits.mean_square[static_cast<std::size_t>(d)];
     EXPECT_NEAR(reported, sum / weight, 1e-5);
@@ -66,15 +64,14 @@ TEST(LocalFit, ResidualIsWhatTheCoefficientsLeave) {
 TEST(LocalFit, StopsWhereTheSamplesDetermineNoMore) {
   LocalSamples line;
   for (int i = 0; i < 60; ++i) {
-    line.u.push_back(static_cast<float>(i) / 30 - 1);
-    line.v.push_back(0.5f * line.u.back());
-    line.w.push_back(0.1f);
-    line.weight.push_back(1);
+    const float u = static_cast<float>(i) / 30 - 1;
+    line.add(u, 0.5f * u, 0.1f, 1);
   }
   EXPECT_EQ(fit_all_degrees(line, 4).highest, 0);  // collinear: no plane
-  EXPECT_EQ(fit_all_degrees({}, 4).highest, -1);
-  EXPECT_EQ(fit_all_degrees(random_samples(11, 1), 4).highest, 1);  // a quadratic needs twice its six unknowns
-  EXPECT_EQ(fit_all_degrees(random_samples(12, 1), 4).highest, 2);
+  LocalSamples none, eleven = random_samples(11, 1), twelve = random_samples(12, 1);
+  EXPECT_EQ(fit_all_degrees(none, 4).highest, -1);
+  EXPECT_EQ(fit_all_degrees(eleven, 4).highest, 1);  // a quadratic needs twice its six unknowns
+  EXPECT_EQ(fit_all_degrees(twelve, 4).highest, 2);
 }
 
 }  // namespace

@@ -96,7 +96,9 @@ TEST(Polygonize, StaysAClosedManifoldWhereTheLatticeIsTooCoarseForTheShape) {
 }
 
 TEST(Polygonize, VerticesLieOnTheSurfaceAndNormalsPointOutward) {
-  const TriangleMesh mesh = extract(kTorus, random_tree(1, 4, 5));
+  PolygonizeOptions on_surface;
+  on_surface.balance = false;
+  const TriangleMesh mesh = extract(kTorus, random_tree(1, 4, 5), on_surface);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Vec3 p(mesh.vertices[v]);
     double f = 0;
@@ -109,6 +111,24 @@ TEST(Polygonize, VerticesLieOnTheSurfaceAndNormalsPointOutward) {
   for (const Triangle& t : mesh.triangles)
     volume += dot(Vec3(mesh.vertices[t[0]]), cross(Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]))) / 6;
   EXPECT_NEAR(volume, 2 * M_PI * M_PI * 0.6 * 0.23 * 0.23, 0.02 * volume);
+}
+
+TEST(Polygonize, BalancedTrianglesStraddleTheSurface) {
+  PolygonizeOptions on_surface;
+  on_surface.balance = false;
+  const auto mean_gap = [](const TriangleMesh& mesh) {
+    double sum = 0, area = 0;
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+      const double s = norm(cross(b - a, c - a));
+      for (const Vec3& p :
+           {(a + b + c) / 3.0, (4.0 * a + b + c) / 6.0, (a + 4.0 * b + c) / 6.0, (a + b + 4.0 * c) / 6.0})
+        sum += s * std::abs(norm(p) - 0.61);
+      area += 4 * s;
+    }
+    return sum / area;
+  };
+  EXPECT_LT(mean_gap(extract(kSphere, uniform_tree(3))), 0.5 * mean_gap(extract(kSphere, uniform_tree(3), on_surface)));
 }
 
 double mean_aspect(const TriangleMesh& mesh) {
