@@ -1,0 +1,59 @@
+// The point of a mesh that is closest to a given one.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Closest point of the triangle (a, b, c) to p; for triangles without area that of an edge or vertex
+/// (Ericson 2005, section 5.1.5).
+Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Built once (parallel), then any number of queries from any thread: a binary tree of boxes over the triangles, halved
+/// at the median. Keeps references to nothing. Triangles with a corner that is not finite or does not exist are left
+/// out.
+class ClosestTriangle {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  /// Where on the mesh: position relative to the mesh's origin, squared distance, triangle (kNone: the mesh is empty).
+  struct Hit {
+    Vec3 point;
+    double squared_distance = std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = kNone;
+  };
+
+  explicit ClosestTriangle(const TriangleMesh& mesh);
+
+  bool empty() const { return corners_.empty(); }
+  /// Exact up to rounding. `query` is relative to the mesh's origin. `hint`: the hit of a query nearby, which shortens
+  /// the search; it does not change the distance.
+  Hit closest(const Vec3& query, const Hit& hint) const;
+  Hit closest(const Vec3& query) const;
+
+ private:
+  struct Node {
+    Vec3f lower, upper;
+    std::uint32_t first = 0;  ///< leaf: its first triangle; inner: its second child (the first follows the node)
+    std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
+  };
+  struct Corners {
+    Vec3f a, b, c;
+  };
+  struct Item {
+    Vec3f center;
+    std::uint32_t triangle;
+  };
+  void build(std::vector<Item>& items, const TriangleMesh& mesh, std::size_t node, std::size_t first, std::size_t last);
+
+  std::vector<Node> nodes_;
+  std::vector<Corners> corners_;          ///< in tree order
+  std::vector<std::uint32_t> triangles_;  ///< in tree order: index in the mesh
+  std::vector<std::uint32_t> slots_;      ///< of each triangle of the mesh: place in tree order
+};
+
+}  // namespace sansmesh
