@@ -84,8 +84,8 @@ CloudShape classify_shape(const PointSet& points) {
   const double diagonal = norm(Vec3(box.upper) - Vec3(box.lower));
   double largest_coordinate = 0;
   for (std::size_t k = 0; k < 3; ++k)
-    largest_coordinate = std::max({largest_coordinate, std::abs(static_cast<double>(box.lower[k])),
-                                   std::abs(static_cast<double>(box.upper[k]))});
+    largest_coordinate = std::max(
+        {largest_coordinate, std::abs(static_cast<double>(box.lower[k])), std::abs(static_cast<double>(box.upper[k]))});
   const double rounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest_coordinate;
   if (diagonal <= rounding) return CloudShape::point;
 
@@ -127,8 +127,8 @@ CloudShape classify_shape(const PointSet& points) {
 }
 
 std::size_t count_non_finite(const PointSet& points) {
-  return static_cast<std::size_t>(std::count_if(points.positions.begin(), points.positions.end(),
-                                                [](const Vec3f& p) { return !is_finite(p); }));
+  return static_cast<std::size_t>(
+      std::count_if(points.positions.begin(), points.positions.end(), [](const Vec3f& p) { return !is_finite(p); }));
 }
 
 std::size_t count_unique(const PointSet& points) {

@@ -52,8 +52,7 @@ Vec3 smallest_axis(const Symmetric3& m) {
   if (!(p > 0)) return q > 0 ? Vec3{0, 0, 1} : Vec3{};
   const double s = 1 / p;
   const double xx = dx * s, yy = dy * s, zz = dz * s, xy = m.xy * s, xz = m.xz * s, yz = m.yz * s;
-  const double half_det =
-      (xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)) / 2;
+  const double half_det = (xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)) / 2;
   const double angle = std::acos(std::clamp(half_det, -1.0, 1.0)) / 3;
   constexpr double kThird = 2.0943951023931954923;  // 2π/3
   const double lambda = 2 * std::cos(angle + kThird);

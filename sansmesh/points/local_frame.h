@@ -19,8 +19,8 @@ struct Symmetric3T {
 using Symmetric3 = Symmetric3T<double>;
 
 struct PrincipalAxes {
-  Vec3 values;    ///< ascending eigenvalues, x smallest
-  Vec3 axes[3];   ///< orthonormal eigenvectors to them
+  Vec3 values;   ///< ascending eigenvalues, x smallest
+  Vec3 axes[3];  ///< orthonormal eigenvectors to them
 };
 
 /// Eigenvalues and vectors (cyclic Jacobi: accurate for any matrix, degenerate ones included).

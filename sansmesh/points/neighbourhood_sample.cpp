@@ -47,7 +47,8 @@ class BallGrid {
   BallGrid(const Box3f& box, float cell, std::span<const Vec3f> centers, std::span<const float> radii) : box_(box) {
     const Vec3f size = box.size();
     const float largest = std::max({size.x, size.y, size.z});
-    scale_ = 1 / std::max(cell, largest / (kResolution - 1));
+    const float edge = std::max(cell, largest / (kResolution - 1));
+    scale_ = edge > 0 ? 1 / edge : 0;  // coincident samples share one cell
     for (std::size_t b = 0; b < centers.size(); ++b) {
       const Vec3f r{radii[b], radii[b], radii[b]};
       const auto lower = cell_of(centers[b] - r), upper = cell_of(centers[b] + r);

@@ -80,8 +80,8 @@ std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std
       q.residuals[i] = q.heights[i] - row.dot(c);
       q.magnitudes[i] = std::abs(q.residuals[i]);
     }
-    deviation = 1.4826 * median(q.magnitudes) *
-                std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
+    deviation =
+        1.4826 * median(q.magnitudes) * std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
     for (std::size_t i = 0; i < n; ++i) {  // Tukey's biweight
       const double t = q.residuals[i] / (4.685 * deviation + 1e-12);
       q.weights[i] = std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0;
@@ -122,8 +122,7 @@ double estimate_noise(const PointSet& points) {
 
   double smallest_slope = kSlopeWithoutNoise, noise = 0;
   for (std::size_t s = 1; s < deviation.size() && deviation[s] <= kLargestGrowth * deviation[0]; ++s) {
-    const double slope =
-        std::max(0.0, std::log(deviation[s] / deviation[s - 1]) / (scale[s] - scale[s - 1]));
+    const double slope = std::max(0.0, std::log(deviation[s] / deviation[s - 1]) / (scale[s] - scale[s - 1]));
     if (slope >= smallest_slope) continue;
     smallest_slope = slope;
     // What still grows is shape: take its share of the variance away.

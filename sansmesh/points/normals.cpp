@@ -16,7 +16,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr int kCleanNeighbours = 14;
+constexpr int kCleanNeighbours = 10;
 constexpr int kMostNeighbours = 240;
 
 /// One neighbourhood at a time, without allocation in the loop.

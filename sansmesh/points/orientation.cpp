@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/noise.h"
 #include "sansmesh/points/sign_graph.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -21,15 +22,21 @@ constexpr int kExtremeDirections = 64;
 
 /// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
 /// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, be the arc flat, round
-/// or a crease (König & Gumhold 2009); edges that leave the tangent planes may as well cross from one sheet to another.
-float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m) {
+/// or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets: these say
+/// nothing. Heights of the order of the noise count as none, else it would seem to be full of sheets.
+float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float noise) {
   const Vec3f d = q - p;
-  const float length2 = squared_norm(d);
+  const float length = norm(d);
   const float cosine = dot(n, m);
-  if (!(length2 > 0)) return cosine;
-  const float a = dot(n, d), b = dot(m, d);
-  const float steepness = std::sqrt(std::max(a * a, b * b) / length2);
-  return (cosine - 2 * a * b / length2) * std::max(0.0f, 1 - steepness);
+  if (!(length > 0)) return cosine;
+  const auto slope = [&](const Vec3f& normal) {
+    const float height = dot(normal, d);
+    return std::copysign(std::max(0.0f, std::abs(height) - 3 * noise), height) / length;
+  };
+  const float a = slope(n), b = slope(m);
+  const float mirrored = cosine - 2 * a * b;
+  const float climb = std::abs(mirrored < 0 ? a - b : a + b);
+  return mirrored * std::max(0.0f, 1 - std::max(std::abs(a), std::abs(b))) * std::max(0.0f, 1 - 2 * climb);
 }
 
 std::int8_t quantized(float relation_value) {
@@ -39,7 +46,7 @@ std::int8_t quantized(float relation_value) {
 /// The neighbour graph in tree order, and what its edges say.
 class RelationGraph {
  public:
-  RelationGraph(std::span<const Vec3f> positions, std::span<const Vec3f> normals, int neighbours)
+  RelationGraph(std::span<const Vec3f> positions, std::span<const Vec3f> normals, int neighbours, double noise)
       : tree_(positions), degree_(static_cast<std::size_t>(neighbours)) {
     const std::size_t n = tree_.size();
     positions_ = tree_.positions();
@@ -53,8 +60,8 @@ class RelationGraph {
       for (const Neighbour& neighbour : found) {
         if (neighbour.index == s || count == degree_) continue;
         neighbours_[s * degree_ + count] = neighbour.index;
-        relations_[s * degree_ + count++] =
-            quantized(relation(positions_[s], normals_[s], positions_[neighbour.index], normals_[neighbour.index]));
+        relations_[s * degree_ + count++] = quantized(relation(positions_[s], normals_[s], positions_[neighbour.index],
+                                                               normals_[neighbour.index], static_cast<float>(noise)));
       }
       for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
       area_[s] = found.back().squared_distance;
@@ -82,7 +89,7 @@ class RelationGraph {
 // Smooth patches first, from the surest relations to the less sure; then patch by patch, by the vote of all relations
 // between them.
 void propagate(const RelationGraph& graph, SignForest& forest, Progress& progress) {
-  for (const int sure : {122, 114, 105, 95}) {
+  for (const int sure : {118, 105, 90, 75}) {
     for (std::size_t s = 0; s < graph.size(); ++s)
       for (std::size_t k = 0; k < graph.degree(); ++k) {
         const int r = graph.relation_to(s, k);
@@ -151,7 +158,8 @@ Vec3f direction(int i) {
 }
 
 // The volume that the normals claim to enclose, relative to what it could be, plus the mean cosine between normals and
-// the directions in which their samples are extremal. A part that neither tells (a terrain) looks up.
+// the directions in which their samples are extremal. A part that lies so flat that neither tells (a terrain)
+// looks up.
 void judge_outwardness(const RelationGraph& graph, Parts& parts) {
   const std::size_t n = graph.size();
   std::vector<Vec3> center(parts.count), up(parts.count);
@@ -183,13 +191,13 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
         distance[parts.part[s]] = t, farthest[parts.part[s]] = static_cast<std::uint32_t>(s);
     }
     for (std::size_t p = 0; p < parts.count; ++p)
-      extremal[p] += static_cast<double>(dot(graph.normals()[farthest[p]], d)) *
-                     parts.sign[farthest[p]] / kExtremeDirections;
+      extremal[p] +=
+          static_cast<double>(dot(graph.normals()[farthest[p]], d)) * parts.sign[farthest[p]] / kExtremeDirections;
   }
   parts.outwardness.resize(parts.count);
   for (std::size_t p = 0; p < parts.count; ++p) {
     double score = extremal[p] + (reach[p] > 0 ? flux[p] / reach[p] : 0);
-    if (std::abs(score) < 0.02 && up[p].z != 0) score = std::copysign(0.01, up[p].z);
+    if (std::abs(score) < 0.25 && std::abs(up[p].z) > 0.5 * area[p]) score = std::copysign(0.01, up[p].z);
     parts.outwardness[p] = score;
   }
 }
@@ -204,6 +212,43 @@ void join_scanners(const RelationGraph& graph, const PointSet& points, SignFores
     const float cosine = dot(graph.normals()[s], normalized(points.scanners[scan] - graph.positions()[s]));
     if (std::abs(cosine) > 0.25f) forest.join(s, anchor, cosine < 0);
   }
+}
+
+// The given normals against those oriented anew.
+OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise) {
+  Progress silent;
+  const RelationGraph graph(positions, normals, 10, noise);
+  SignForest forest(graph.size());
+  propagate(graph, forest, silent);
+  Parts parts = collect_parts(graph, forest);
+  polish(graph, parts);
+  judge_outwardness(graph, parts);
+
+  // In each part the signs that the majority has are taken as given; the others had to be flipped.
+  std::vector<std::size_t> members(parts.count), negative(parts.count);
+  for (std::size_t s = 0; s < graph.size(); ++s) {
+    ++members[parts.part[s]];
+    negative[parts.part[s]] += parts.sign[s] < 0;
+  }
+  std::size_t flipped = 0, inward = 0;
+  for (std::size_t p = 0; p < parts.count; ++p) {
+    const bool turned = 2 * negative[p] > members[p];
+    flipped += turned ? members[p] - negative[p] : negative[p];
+    if ((turned ? -parts.outwardness[p] : parts.outwardness[p]) < -0.2) inward += members[p];
+  }
+  // Where flipped and unflipped samples meet, the given normals must have contradicted each other: else the flip was
+  // arbitrary, as between the sides of a thin sheet.
+  double contradiction = 0, agreement = 0;
+  for (std::size_t s = 0; s < graph.size(); ++s)
+    for (std::size_t k = 0; k < graph.degree(); ++k) {
+      const double r = graph.relation_to(s, k);
+      if (parts.sign[s] == parts.sign[graph.neighbour(s, k)]) continue;
+      (r < 0 ? contradiction : agreement) += r * r;
+    }
+  const bool systematic = contradiction > 3 * agreement;
+  if (static_cast<double>(flipped) > 0.06 * static_cast<double>(graph.size()) && systematic)
+    return OrientationCheck::unoriented;
+  return 2 * inward > graph.size() ? OrientationCheck::inward : OrientationCheck::oriented;
 }
 
 bool know_scanners(const PointSet& points) {
@@ -222,7 +267,8 @@ void orient_normals(PointSet& points, const OrientationOptions& options, Progres
   if (points.normals.size() != points.size() || points.size() == 0)
     throw DataError("there are no normals to orient: estimate them first");
   progress.begin("orientation", 6 * points.size());
-  const RelationGraph graph(points.positions, points.normals, options.neighbours);
+  const RelationGraph graph(points.positions, points.normals, options.neighbours,
+                            options.noise ? *options.noise : estimate_noise(points));
   progress.advance(points.size());
   const auto anchor = static_cast<std::uint32_t>(graph.size());
   SignForest forest(graph.size() + 1);
@@ -259,40 +305,11 @@ OrientationCheck check_orientation(const PointSet& points) {
     normals.push_back(points.normals[i]);
   }
   if (positions.empty()) return OrientationCheck::missing;
-
-  Progress silent;
-  const RelationGraph graph(positions, normals, 10);
-  SignForest forest(graph.size());
-  propagate(graph, forest, silent);
-  Parts parts = collect_parts(graph, forest);
-  polish(graph, parts);
-  judge_outwardness(graph, parts);
-
-  // In each part the signs that the majority has are taken as given; the others had to be flipped.
-  std::vector<std::size_t> members(parts.count), negative(parts.count);
-  for (std::size_t s = 0; s < graph.size(); ++s) {
-    ++members[parts.part[s]];
-    negative[parts.part[s]] += parts.sign[s] < 0;
-  }
-  std::size_t flipped = 0, inward = 0;
-  for (std::size_t p = 0; p < parts.count; ++p) {
-    const bool turned = 2 * negative[p] > members[p];
-    flipped += turned ? members[p] - negative[p] : negative[p];
-    if ((turned ? -parts.outwardness[p] : parts.outwardness[p]) < -0.2) inward += members[p];
-  }
-  // Where flipped and unflipped samples meet, the given normals must have contradicted each other: else the flip was
-  // arbitrary, as between the sides of a thin sheet.
-  double contradiction = 0, agreement = 0;
-  for (std::size_t s = 0; s < graph.size(); ++s)
-    for (std::size_t k = 0; k < graph.degree(); ++k) {
-      const double r = graph.relation_to(s, k);
-      if (parts.sign[s] == parts.sign[graph.neighbour(s, k)]) continue;
-      (r < 0 ? contradiction : agreement) += r * r;
-    }
-  const bool systematic = contradiction > 3 * agreement;
-  if (static_cast<double>(flipped) > 0.06 * static_cast<double>(graph.size()) && systematic)
-    return OrientationCheck::unoriented;
-  return 2 * inward > graph.size() ? OrientationCheck::inward : OrientationCheck::oriented;
+  const double noise = estimate_noise(points);
+  const OrientationCheck judgement = judge(positions, normals, noise);
+  // The sides of a thin sheet may have been taken for noise.
+  if (judgement != OrientationCheck::unoriented || noise == 0) return judgement;
+  return judge(positions, normals, 0);
 }
 
 }  // namespace sansmesh

@@ -1,6 +1,8 @@
 // The sign of normals: is it consistent, and how to make it so.
 #pragma once
 
+#include <optional>
+
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 
@@ -20,6 +22,8 @@ OrientationCheck check_orientation(const PointSet& points);
 struct OrientationOptions {
   /// Samples each sample is compared with, 4..100.
   int neighbours = 10;
+  /// Known noise (length), to save its estimation.
+  std::optional<double> noise = {};
   /// Turn the normals towards the scanners where points.scanners and points.scan_of_point are known.
   bool use_scanners = true;
   /// Throws ArgumentError naming the field.

@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t kNeighbours = 10;
 /// Samples closer than this many times the spacing around both belong together.
 constexpr float kReach = 4;
-/// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread evenly
-/// in space have about 0.6.
+/// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread
+/// evenly in space have about 0.6.
 constexpr double kScattered = 0.4;
 
 std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {

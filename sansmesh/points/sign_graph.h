@@ -48,8 +48,8 @@ class SignForest {
   std::vector<std::uint32_t> size_;
 };
 
-/// A vote on the signs of two nodes: positive = equal, negative = opposite. Whole numbers, so that sums do not depend on
-/// the order in which they are formed.
+/// A vote on the signs of two nodes: positive = equal, negative = opposite. Whole numbers, so that sums do not depend
+/// on the order in which they are formed.
 struct SignVote {
   std::uint32_t a, b;
   std::int64_t weight;

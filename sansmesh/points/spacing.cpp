@@ -49,8 +49,7 @@ double estimate_spacing(const PointSet& points) {
     const std::size_t k = std::min(kNear, neighbourhood.offsets.size() - 1);
     if (k == 0) continue;
     spacing.push_back(spacing_of_disc(neighbourhood.distances[k], static_cast<double>(k)));
-    const Vec3 variance =
-        principal_axes(moments(std::span(neighbourhood.offsets).first(k + 1)).covariance).values;
+    const Vec3 variance = principal_axes(moments(std::span(neighbourhood.offsets).first(k + 1)).covariance).values;
     thickness.push_back(variance.y > 0 ? std::sqrt(std::max(variance.x, 0.0) / variance.y) : 0);
     if (neighbourhood.offsets.size() * 2 > kWide) flattened.push_back(flattened_spacing(neighbourhood));
   }

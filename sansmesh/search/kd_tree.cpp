@@ -47,9 +47,14 @@ void arrange(std::span<Item> items) {
     const std::size_t leaf_count = (items.size() + kLeaf - 1) / kLeaf;
     const std::size_t middle = std::bit_floor(leaf_count - 1) * kLeaf;
     switch (widest_axis(items)) {
-      case 0: split_along<0>(items, middle); break;
-      case 1: split_along<1>(items, middle); break;
-      default: split_along<2>(items, middle);
+      case 0:
+        split_along<0>(items, middle);
+        break;
+      case 1:
+        split_along<1>(items, middle);
+        break;
+      default:
+        split_along<2>(items, middle);
     }
     const std::span<Item> left = items.first(middle), right = items.subspan(middle);
     if (items.size() > 8192) {

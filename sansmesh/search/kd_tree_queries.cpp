@@ -55,8 +55,8 @@ HWY_INLINE std::uint32_t NodeDistances(const KdTree::Node& node, const Vec3f& q,
     V gap[3];
     for (int k = 0; k < 3; ++k) {
       const V c = hn::Set(d, q[static_cast<std::size_t>(k)]);
-      gap[k] = hn::Max(hn::Max(hn::Sub(hn::LoadU(d, node.lower[k] + i), c), hn::Sub(c, hn::LoadU(d, node.upper[k] + i))),
-                       zero);
+      gap[k] = hn::Max(
+          hn::Max(hn::Sub(hn::LoadU(d, node.lower[k] + i), c), hn::Sub(c, hn::LoadU(d, node.upper[k] + i))), zero);
     }
     hits |= StoreBelow(hn::Add(hn::Add(hn::Mul(gap[0], gap[0]), hn::Mul(gap[1], gap[1])), hn::Mul(gap[2], gap[2])),
                        worst, i, distances);

@@ -1,0 +1,176 @@
+#include "sansmesh/points/orientation.h"
+
+#include <gtest/gtest.h>
+
+#include "points/shapes.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/sign_graph.h"
+
+namespace sansmesh {
+namespace {
+
+void expect_recovered(PointSet points, double fraction) {
+  const std::vector<Vec3f> truth = points.normals;
+  scramble_signs(points, 99);
+  EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_GE(fraction_correct(points, truth), fraction);
+  EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
+}
+
+TEST(SignForest, KeepsRelativeSigns) {
+  std::mt19937 random(1);
+  std::vector<int> sign(500);
+  for (int& s : sign) s = random() & 1 ? 1 : -1;
+  SignForest forest(sign.size());
+  for (int i = 0; i < 20000; ++i) {
+    const auto a = static_cast<std::uint32_t>(random() % sign.size());
+    const auto b = static_cast<std::uint32_t>(random() % sign.size());
+    forest.join(a, b, sign[a] != sign[b]);
+  }
+  const SignForest::Root first = forest.find(0);
+  for (std::uint32_t i = 0; i < sign.size(); ++i) {
+    const SignForest::Root root = forest.find(i);
+    EXPECT_EQ(root.index, first.index);
+    EXPECT_EQ(root.flip != first.flip, sign[i] != sign[0]);
+  }
+}
+
+TEST(Contract, FollowsTheMajority) {
+  // A ring of 100 nodes; each pair of neighbours has five right votes and two wrong ones.
+  std::mt19937 random(2);
+  std::vector<int> sign(100);
+  for (int& s : sign) s = random() & 1 ? 1 : -1;
+  std::vector<SignVote> votes;
+  for (std::uint32_t a = 0; a < 100; ++a)
+    for (int v = 0; v < 7; ++v) {
+      const std::uint32_t b = (a + 1 + random() % 3) % 100;
+      votes.push_back({a, b, sign[a] * sign[b] * (v < 5 ? 10 : -5)});
+    }
+  SignForest forest(100);
+  contract(forest, votes);
+  for (std::uint32_t i = 1; i < 100; ++i) {
+    EXPECT_EQ(forest.find(i).index, forest.find(0).index);
+    EXPECT_EQ(forest.find(i).flip != forest.find(0).flip, sign[i] != sign[0]);
+  }
+}
+
+TEST(Orientation, OfSmoothShapesIsRecovered) {
+  expect_recovered(sample_sphere(5000, 1, 0, 1), 1);
+  expect_recovered(sample_torus(10000, 1, 0.3f, 2), 1);
+}
+
+TEST(Orientation, CrossesSharpEdges) {
+  expect_recovered(sample_box(20000, {1, 0.8f, 0.6f}, 3), 1);
+  expect_recovered(sample_box(20000, {1, 1, 0.05f}, 4), 0.999);  // a plate
+}
+
+TEST(Orientation, WithEstimatedNormalsUnderNoise) {
+  PointSet points = sample_sphere(20000, 1, 0.02f, 5);
+  const std::vector<Vec3f> truth = points.normals;
+  Progress progress;
+  estimate_normals(points, {}, progress);
+  orient_normals(points, {}, progress);
+  EXPECT_GE(fraction_correct(points, truth), 0.995);
+}
+
+TEST(Orientation, OfEachPartIsOutward) {
+  PointSet points = sample_sphere(3000, 1, 0, 6);
+  append(points, sample_box(3000, {0.5f, 0.5f, 0.5f}, 7, {5, 0, 0}));
+  append(points, sample_sphere(500, 0.1f, 0, 8, {0, 3, 0}));
+  expect_recovered(points, 1);
+}
+
+TEST(Orientation, KeepsWhatIsRightAndTurnsWhatIsInward) {
+  PointSet points = sample_torus(8000, 1, 0.3f, 9);
+  const std::vector<Vec3f> truth = points.normals;
+  EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(points.normals, truth);
+  for (Vec3f& n : points.normals) n = -n;
+  EXPECT_EQ(check_orientation(points), OrientationCheck::inward);
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(points.normals, truth);
+}
+
+TEST(Orientation, NormalsAlongPositiveAxesAreNotOriented) {
+  PointSet points = sample_box(20000, {1, 0.8f, 0.6f}, 10);
+  for (Vec3f& n : points.normals) n = {std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+  EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
+}
+
+TEST(Orientation, SingleWrongSignsAreForgiven) {
+  PointSet points = sample_torus(8000, 1, 0.3f, 11);
+  for (std::size_t i = 0; i < points.size(); i += 50) points.normals[i] = -points.normals[i];
+  EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
+}
+
+TEST(Orientation, ThinPlatesAreOriented) {
+  EXPECT_EQ(check_orientation(sample_box(8000, {1, 1, 0.01f}, 12)), OrientationCheck::oriented);
+}
+
+TEST(Orientation, ScannersDecide) {
+  // The inside of a sphere, seen from its centre: outward is inward there.
+  PointSet points = sample_sphere(4000, 1, 0, 13, {2, 0, 0});
+  points.scanners = {{2, 0, 0}};
+  points.scan_of_point.assign(points.size(), 0);
+  std::vector<Vec3f> truth = points.normals;
+  for (Vec3f& n : truth) n = -n;
+  scramble_signs(points, 14);
+  PointSet blind = points;
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(points.normals, truth);
+  orient_normals(blind, {.use_scanners = false}, progress);
+  EXPECT_EQ(fraction_correct(blind, truth), 0);
+}
+
+TEST(Orientation, ATerrainLooksUp) {
+  PointSet points;
+  std::mt19937 random(15);
+  std::uniform_real_distribution<float> u(0, 10);
+  for (int i = 0; i < 5000; ++i) {
+    const float x = u(random), y = u(random);
+    points.positions.push_back({x, y, 0.3f * std::sin(x) * std::sin(y)});
+    points.normals.push_back(
+        normalized(Vec3f{-0.3f * std::cos(x) * std::sin(y), -0.3f * std::sin(x) * std::cos(y), 1}));
+  }
+  const std::vector<Vec3f> truth = points.normals;
+  scramble_signs(points, 16);
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(fraction_correct(points, truth), 1);
+}
+
+TEST(Orientation, DoesNotDependOnTheNumberOfThreads) {
+  PointSet one = sample_sphere(20000, 1, 0.04f, 17);
+  Progress progress;
+  estimate_normals(one, {}, progress);
+  PointSet many = one;
+  set_thread_count(1);
+  orient_normals(one, {}, progress);
+  set_thread_count(0);
+  orient_normals(many, {}, progress);
+  EXPECT_EQ(one.normals, many.normals);
+}
+
+TEST(Orientation, MissingNormals) {
+  PointSet points = sample_sphere(500, 1, 0, 18);
+  Progress progress;
+  EXPECT_THROW(orient_normals(points, {.neighbours = 1}, progress), ArgumentError);
+  points.normals.assign(points.size(), {});
+  EXPECT_EQ(check_orientation(points), OrientationCheck::missing);
+  orient_normals(points, {}, progress);
+  for (const Vec3f& n : points.normals) EXPECT_EQ(norm(n), 0);
+  points.normals.clear();
+  EXPECT_EQ(check_orientation(points), OrientationCheck::missing);
+  EXPECT_EQ(check_orientation({}), OrientationCheck::missing);
+  EXPECT_THROW(orient_normals(points, {}, progress), DataError);
+}
+
+}  // namespace
+}  // namespace sansmesh
