@@ -496,8 +496,11 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
       f.degree = t.degree;
       f.coefficient = monomial_coefficients(fits, t.degree);
       if (options.sharp) {
-        const double smooth = fits.mean_square[t.degree] * f.scale * f.scale;
+        double smooth = fits.mean_square[t.degree] * f.scale * f.scale;
         if (smooth > std::max(2.0 * variance, accepted * accepted)) {
+          // A crease must explain the samples better than any smooth function, robust or not.
+          const DegreeFits bendiest = fit_all_degrees(ws.samples, options.max_degree);
+          smooth = bendiest.mean_square[static_cast<std::size_t>(bendiest.highest)] * f.scale * f.scale;
           ball_samples(tree, f, ws.ids, position, normal, weight);
           CreaseFit crease = fit_crease(position, normal, weight, f.center, f.scale, options.max_degree);
           if (!crease.pieces.empty() && crease.mean_square < 0.25 * smooth) pieces[i] = std::move(crease.pieces);
