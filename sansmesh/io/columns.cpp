@@ -61,7 +61,7 @@ void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points
               return m;
             },
             [](double a, double b) { return std::max(a, b); });
-        factor = color_scale(largest, is_real(type));
+        factor = color_scale(largest, is_real(type) && !columns.whole_colors);
       }
       parallel_for(0, n, grain, [&](std::size_t i) {
         const Vec3 c = at(i);

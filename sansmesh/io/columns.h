@@ -12,6 +12,7 @@ struct CloudColumns {
   Column normal[3];
   Column color[3];
   Column confidence;
+  bool whole_colors = false;  ///< colour columns of a real type hold whole numbers: 1 is nearly black, not full
 };
 
 /// Decodes `n` records in parallel into positions, normals, colours and confidence. Positions are

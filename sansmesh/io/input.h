@@ -121,5 +121,13 @@ inline double color_scale(double largest, bool fractional) {
 
 // One reader a format.
 PointSet read_ply(const Input& in);
+PointSet read_obj(const Input& in);
+PointSet read_off(const Input& in);
+PointSet read_stl(const Input& in);
+PointSet read_table(const Input& in);
+PointSet read_pcd(const Input& in);
+PointSet read_las(const Input& in);
+PointSet read_vtp(const Input& in);
+PointSet read_conf(const Input& in);
 
 }  // namespace sansmesh::io

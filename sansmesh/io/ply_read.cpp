@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "sansmesh/io/columns.h"
+#include "sansmesh/io/face_sink.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {
@@ -147,52 +148,6 @@ CloudColumns name_columns(const Input& in, const Element& e, MakeColumn&& column
   return c;
 }
 
-/// Collects triangles from polygons and strips.
-class FaceSink {
- public:
-  FaceSink(const Input& in, std::vector<std::array<std::uint32_t, 3>>& triangles) : in_(in), triangles_(triangles) {}
-
-  void add(const std::vector<std::int64_t>& corners, bool strip) {
-    if (strip) {
-      std::size_t start = 0;
-      for (std::size_t k = 0; k < corners.size(); ++k) {
-        if (corners[k] < 0) {
-          start = k + 1;
-        } else if (k >= start + 2) {
-          const std::int64_t a = corners[k - 2], b = corners[k - 1], c = corners[k];
-          if (a == b || b == c || a == c) continue;  // a turn of the strip
-          if ((k - start) % 2 == 0)
-            triangle(a, b, c);
-          else
-            triangle(b, a, c);
-        }
-      }
-    } else if (corners.size() < 3) {
-      ++degenerate_;
-    } else {
-      for (std::size_t k = 2; k < corners.size(); ++k) triangle(corners[0], corners[k - 1], corners[k]);
-    }
-  }
-
-  void done() const {
-    if (degenerate_ > 0)
-      in_.warn(fmt::format("{} faces have fewer than 3 corners and were left out", grouped(degenerate_)));
-  }
-
- private:
-  void triangle(std::int64_t a, std::int64_t b, std::int64_t c) {
-    triangles_.push_back({narrow(a), narrow(b), narrow(c)});
-  }
-  // What does not fit becomes an index that `finish` refuses.
-  static std::uint32_t narrow(std::int64_t v) {
-    return v < 0 || v > 0xfffffffe ? 0xffffffffu : static_cast<std::uint32_t>(v);
-  }
-
-  const Input& in_;
-  std::vector<std::array<std::uint32_t, 3>>& triangles_;
-  std::size_t degenerate_ = 0;
-};
-
 // ---------------------------------------------------------------------------------------------------- binary
 
 /// Steps over one record of `e` at `p`, calling seen(property, count, address) for each; null if it leaves `end`.
@@ -323,14 +278,18 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
     if (!p) {
       in.fail(fmt::format("truncated: ends in {} {} of {}", e.name, grouped(i + 1), grouped(e.count)));
     }
-    if (faces || strips) sink.add(corners, strips);
+    if (faces) sink.add_polygon(corners);
+    if (strips) sink.add_strip(corners);
   }
   sink.done();
   if (vertices) {
     const auto cell = [&](std::size_t k) {
       return Column{reinterpret_cast<const char*>(table.data() + k), width * sizeof(double), NumberType::f64, false};
     };
-    decode_columns(name_columns(in, e, cell), n, points);
+    CloudColumns columns = name_columns(in, e, cell);
+    const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
+    columns.whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
+    decode_columns(columns, n, points);
   }
   return {p, static_cast<std::size_t>(end - p)};
 }
@@ -431,30 +390,18 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
           }
         }
       }
-      if (faces || strips) sink.add(corners, strips);
+      if (faces) sink.add_polygon(corners);
+      if (strips) sink.add_strip(corners);
     }
     sink.done();
   }
   if (vertices) {
-    // Values beyond a real property's own type matter little, but integers keep their meaning for colours.
     const auto cell = [&](std::size_t k) {
       return Column{reinterpret_cast<const char*>(table.data() + k), width * sizeof(double), NumberType::f64, false};
     };
     CloudColumns columns = name_columns(in, e, cell);
     const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
-    const bool whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
-    std::vector<std::int32_t> whole;
-    if (whole_colors && columns.color[0] && columns.color[1] && columns.color[2]) {
-      whole.resize(3 * n);
-      parallel_for(0, n, 1 << 14, [&](std::size_t i) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          whole[3 * i + k] = static_cast<std::int32_t>(std::clamp(columns.color[k][i], 0.0, 65535.0));
-        }
-      });
-      for (std::size_t k = 0; k < 3; ++k) {
-        columns.color[k] = {reinterpret_cast<const char*>(whole.data() + k), 12, NumberType::i32, false};
-      }
-    }
+    columns.whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
     decode_columns(columns, n, points);
   }
 }

@@ -10,25 +10,78 @@ namespace {
 
 using io::Input;
 
-struct Reader {
-  const char* endings;  ///< separated and surrounded by spaces
-  PointSet (*read)(const Input&);
+struct Format {
+  const char* endings;             ///< separated and surrounded by spaces
+  PointSet (*read)(const Input&);  ///< null: known, but not supported
+  const char* remedy = "";
 };
 
-constexpr Reader readers[] = {
+constexpr Format formats[] = {
     {" ply ", io::read_ply},
+    {" obj ", io::read_obj},
+    {" off coff noff cnoff ", io::read_off},
+    {" stl ", io::read_stl},
+    {" xyz txt csv asc pts pwn xyzn npts xyzrgb tsv dat ", io::read_table},
+    {" pcd ", io::read_pcd},
+    {" las ", io::read_las},
+    {" vtp ", io::read_vtp},
+    {" conf ", io::read_conf},
+    {" laz ", nullptr, "LAZ (compressed LAS) is not supported; decompress it to LAS first"},
+    {" e57 ", nullptr, "E57 is not supported; convert it to PLY, LAS or XYZ first"},
+    {" glb gltf fbx dae 3ds 3mf usd usdz ", nullptr,
+     "reading this format is not supported; convert it to PLY or OBJ first"},
+    {" vtk vtu vti vts vtr ", nullptr, "this kind of VTK file is not supported; convert it to VTP or PLY first"},
+    {" pcap rcp rcs ptx zip 7z xz bz2 zst rar ", nullptr,
+     "this kind of file is not supported; convert or unpack it first (gzip is unpacked on the fly)"},
 };
-constexpr const char* known_endings = "ply";
+
+/// What the first bytes say, where they are unmistakable; null otherwise.
+const Format* format_of_content(std::string_view bytes) {
+  const auto named = [](const char* ending) {
+    for (const Format& f : formats) {
+      if (std::string_view(f.endings).find(ending) != std::string_view::npos) return &f;
+    }
+    return static_cast<const Format*>(nullptr);
+  };
+  const auto begins = [&](std::string_view s) { return bytes.starts_with(s); };
+  if (begins("ply\n") || begins("ply\r")) return named(" ply ");
+  if (begins("LASF")) return named(" las ");
+  if (begins("ASTM-E57")) return named(" e57 ");
+  if (begins("glTF")) return named(" glb ");
+  if (begins("# .PCD") || begins("VERSION 0.7\n") || begins("VERSION .7\n")) return named(" pcd ");
+  if (begins("OFF\n") || begins("OFF\r") || begins("OFF ") || begins("COFF") || begins("NOFF")) return named(" off ");
+  if (bytes.substr(0, 4096).find("<VTKFile") != std::string_view::npos) return named(" vtp ");
+  if (begins("# vtk DataFile")) return named(" vtk ");
+  return nullptr;
+}
+
+std::string known_endings() {
+  std::string known;
+  for (const Format& f : formats) {
+    if (f.read) known += std::string(f.endings).substr(0, std::strlen(f.endings) - 1);
+  }
+  return known.substr(1) + " (and each with .gz)";
+}
 
 PointSet read_any(const std::string& file, ReadReport& report) {
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report};
   const std::string name = io::ending(file);
-  for (const Reader& r : readers) {
-    if (!name.empty() && std::string(r.endings).find(" " + name + " ") != std::string::npos) return r.read(in);
+  const Format* by_name = nullptr;
+  for (const Format& f : formats) {
+    if (!name.empty() && std::string_view(f.endings).find(" " + name + " ") != std::string_view::npos) by_name = &f;
   }
-  if (in.bytes.starts_with("ply\n") || in.bytes.starts_with("ply\r\n")) return io::read_ply(in);
-  in.fail(fmt::format("unknown kind of file (ending '{}'); known: {}", name, known_endings));
+  const Format* const by_content = format_of_content(in.bytes);
+  const Format* const format = by_content ? by_content : by_name;
+  if (!format) {
+    in.fail(name.empty() ? "has no ending and is none of PLY, PCD, LAS, OFF, VTP; known endings: " + known_endings()
+                         : "unknown ending '." + name.substr(0, 20) + "'; known: " + known_endings());
+  }
+  if (!format->read) in.fail(format->remedy);
+  if (by_content && by_name && by_content != by_name) {
+    in.warn(fmt::format("its ending is '.{}', but its content is of another format and was read as that", name));
+  }
+  return format->read(in);
 }
 
 }  // namespace

@@ -21,10 +21,12 @@ struct Writer {
 };
 
 constexpr Writer<TriangleMesh> mesh_writers[] = {
-    {"ply", io::mesh_to_ply},
+    {"ply", io::mesh_to_ply}, {"obj", io::mesh_to_obj}, {"stl", io::mesh_to_stl},
+    {"off", io::mesh_to_off}, {"glb", io::mesh_to_glb},
 };
 constexpr Writer<PointSet> point_writers[] = {
-    {"ply", io::points_to_ply},
+    {"ply", io::points_to_ply}, {"obj", io::points_to_obj}, {"xyz", io::points_to_xyz},
+    {"csv", io::points_to_csv}, {"pcd", io::points_to_pcd},
 };
 
 /// Throws ArgumentError's sibling for files: the ending is not one of those known.

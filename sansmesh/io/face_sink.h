@@ -1,0 +1,60 @@
+// From polygons and strips of any length to triangles.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <span>
+
+#include "sansmesh/io/input.h"
+
+namespace sansmesh::io {
+
+/// Collects triangles. Polygons become fans around their first corner; indices that no point can have become
+/// 0xffffffff, which `finish` refuses.
+class FaceSink {
+ public:
+  FaceSink(const Input& in, std::vector<std::array<std::uint32_t, 3>>& triangles) : in_(in), triangles_(triangles) {}
+
+  void add_polygon(std::span<const std::int64_t> corners) {
+    if (corners.size() < 3) ++degenerate_;
+    for (std::size_t k = 2; k < corners.size(); ++k) triangle(corners[0], corners[k - 1], corners[k]);
+  }
+
+  /// Every other triangle is turned; a negative index ends one strip and begins the next.
+  void add_strip(std::span<const std::int64_t> corners) {
+    std::size_t start = 0;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      if (corners[k] < 0) {
+        start = k + 1;
+      } else if (k >= start + 2) {
+        const std::int64_t a = corners[k - 2], b = corners[k - 1], c = corners[k];
+        if (a == b || b == c || a == c) continue;  // a turn of the strip
+        if ((k - start) % 2 == 0)
+          triangle(a, b, c);
+        else
+          triangle(b, a, c);
+      }
+    }
+  }
+
+  /// Reports what was left out.
+  void done() const {
+    if (degenerate_ > 0) {
+      in_.warn(fmt::format("{} faces have fewer than 3 corners and were left out", grouped(degenerate_)));
+    }
+  }
+
+ private:
+  void triangle(std::int64_t a, std::int64_t b, std::int64_t c) {
+    triangles_.push_back({narrow(a), narrow(b), narrow(c)});
+  }
+  static std::uint32_t narrow(std::int64_t v) {
+    return v < 0 || v > 0xfffffffe ? 0xffffffffu : static_cast<std::uint32_t>(v);
+  }
+
+  const Input& in_;
+  std::vector<std::array<std::uint32_t, 3>>& triangles_;
+  std::size_t degenerate_ = 0;
+};
+
+}  // namespace sansmesh::io

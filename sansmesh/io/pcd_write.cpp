@@ -1,0 +1,62 @@
+// PCD output, binary or ascii; colours packed into one float field as that format's own library does.
+#include <fmt/core.h>
+
+#include <bit>
+
+#include "sansmesh/io/output.h"
+
+namespace sansmesh::io {
+
+std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options) {
+  const std::size_t n = points.size();
+  const bool normals = points.has_normals(), colors = points.has_colors(), confidence = !points.confidence.empty();
+  const WorldCoordinates world(points.origin, points.positions);
+  const bool wide = world.needs_double();
+  std::string fields = "FIELDS x y z", sizes = "SIZE", types = "TYPE", counts = "COUNT";
+  for (int k = 0; k < 3; ++k) sizes += wide ? " 8" : " 4";
+  std::size_t extra = 0;
+  if (normals) fields += " normal_x normal_y normal_z", extra += 3;
+  if (colors) fields += " rgb", extra += 1;
+  if (confidence) fields += " confidence", extra += 1;
+  for (std::size_t k = 0; k < extra; ++k) sizes += " 4";
+  for (std::size_t k = 0; k < 3 + extra; ++k) types += " F", counts += " 1";
+  const std::string header = fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA {}\n",
+      fields, sizes, types, counts, n, n, options.ascii ? "ascii" : "binary");
+  const auto packed = [&](std::size_t i) {
+    const auto& c = points.colors[i];
+    return std::uint32_t{c[0]} << 16 | std::uint32_t{c[1]} << 8 | std::uint32_t{c[2]};
+  };
+  std::vector<std::string> parts{header};
+  if (options.ascii) {
+    append_rows(parts, n, 8 * (number_width + 1), [&](std::size_t i, char* p) {
+      p = world.put(p, i, ' ');
+      for (std::size_t k = 0; normals && k < 3; ++k) p = put(put(p, ' '), points.normals[i][k]);
+      if (colors) p = put(put(p, ' '), packed(i));
+      if (confidence) p = put(put(p, ' '), points.confidence[i]);
+      return put(p, '\n');
+    });
+    return parts;
+  }
+  const std::size_t record = (wide ? 24 : 12) + 4 * extra;
+  std::string body(n * record, '\0');
+  parallel_for(0, n, 1 << 14, [&](std::size_t i) {
+    char* p = body.data() + i * record;
+    const auto append = [&p](const auto& value) {
+      std::memcpy(p, &value, sizeof(value));
+      p += sizeof(value);
+    };
+    if (wide)
+      append(world.world(i));
+    else
+      append(world.world_float(i));
+    if (normals) append(points.normals[i]);
+    if (colors) append(packed(i));
+    if (confidence) append(points.confidence[i]);
+  });
+  parts.push_back(std::move(body));
+  return parts;
+}
+
+}  // namespace sansmesh::io

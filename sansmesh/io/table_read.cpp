@@ -1,0 +1,361 @@
+// Points as rows of text: XYZ, TXT, CSV, ASC, PTS, PWN. What the columns mean follows from a header, if there is one,
+// else from their number and values.
+#include <fmt/core.h>
+
+#include <optional>
+
+#include "sansmesh/io/columns.h"
+#include "sansmesh/io/text_scanner.h"
+
+namespace sansmesh::io {
+namespace {
+
+constexpr int no_column = -1;
+
+/// Columns of the meanings, in the order x y z, nx ny nz, red green blue, confidence.
+struct Meaning {
+  int column[10] = {no_column, no_column, no_column, no_column, no_column,
+                    no_column, no_column, no_column, no_column, no_column};
+  bool has(int first) const { return column[first] >= 0 && column[first + 1] >= 0 && column[first + 2] >= 0; }
+  void set(int first, int at) {
+    for (int k = 0; k < 3; ++k) column[first + k] = at + k;
+  }
+};
+
+/// One row, field by field. With ' ' as separator, runs of blanks separate; otherwise every separator does.
+class Row {
+ public:
+  Row(std::string_view line, char separator) : scan_(line), separator_(separator) {}
+
+  std::optional<std::string_view> field() {
+    if (separator_ == ' ') {
+      const std::string_view w = scan_.word();
+      return w.empty() ? std::nullopt : std::optional(w);
+    }
+    if (done_) return std::nullopt;
+    const std::string_view rest = scan_.rest();
+    const std::size_t stop = rest.find(separator_);
+    std::string_view f = rest.substr(0, stop);
+    if (stop == std::string_view::npos)
+      done_ = true;
+    else
+      scan_ = TextScanner(rest.substr(stop + 1));
+    while (!f.empty() && TextScanner::is_blank(f.front())) f.remove_prefix(1);
+    while (!f.empty() && TextScanner::is_blank(f.back())) f.remove_suffix(1);
+    if (done_ && f.empty()) return std::nullopt;  // a separator at the line's end
+    return f;
+  }
+
+ private:
+  TextScanner scan_;
+  char separator_;
+  bool done_ = false;
+};
+
+bool parse(std::string_view word, double& value) {
+  TextScanner s(word);
+  return s.number(value) && s.at_end();
+}
+
+bool is_comment(std::string_view line) {
+  TextScanner s(line);
+  s.skip_blanks();
+  const std::string_view r = s.rest();
+  return r.starts_with('#') || r.starts_with("//") || r.starts_with('%') || r.starts_with('!');
+}
+
+bool is_blank_line(std::string_view line) {
+  TextScanner s(line);
+  s.skip_blanks();
+  return s.at_end();
+}
+
+char guess_separator(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return ';';
+  if (line.find(',') != std::string_view::npos && line.find('\t') == std::string_view::npos) return ',';
+  return ' ';
+}
+
+/// The meaning that a line of names gives, if it names x, y and z.
+std::optional<Meaning> meaning_of_names(std::string_view line) {
+  while (!line.empty() && (TextScanner::is_blank(line.front()) || std::strchr("#/%!", line.front())))
+    line.remove_prefix(1);
+  static constexpr const char* names[10] = {" x easting east px pos_x position_x x_coord ",
+                                            " y northing north py pos_y position_y y_coord ",
+                                            " z elevation height altitude pz pos_z position_z z_coord ",
+                                            " nx normal_x normalx ",
+                                            " ny normal_y normaly ",
+                                            " nz normal_z normalz ",
+                                            " r red ",
+                                            " g green ",
+                                            " b blue ",
+                                            " confidence quality "};
+  Meaning m;
+  Row row(line, guess_separator(line));
+  int column = 0;
+  for (auto f = row.field(); f; f = row.field(), ++column) {
+    std::string name = lower(*f);
+    std::erase(name, '"'), std::erase(name, '\'');
+    name = name.substr(0, name.find_first_of("[("));  // a unit
+    if (name.empty() || name.find(' ') != std::string::npos) continue;
+    for (int k = 0; k < 10; ++k) {
+      if (m.column[k] < 0 && std::string_view(names[k]).find(" " + name + " ") != std::string_view::npos)
+        m.column[k] = column;
+    }
+  }
+  return m.has(0) ? std::optional(m) : std::nullopt;
+}
+
+/// What the columns of a file without names mean, from its first rows.
+Meaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending) {
+  Meaning m;
+  m.set(0, 0);
+  const int columns = static_cast<int>(rows.front().size());
+  const auto share = [&](int first, auto&& holds) {
+    if (first + 3 > columns) return false;
+    std::size_t yes = 0;
+    for (const auto& r : rows) yes += holds(Vec3{r[first], r[first + 1], r[first + 2]});
+    return 20 * yes >= 19 * rows.size();
+  };
+  const auto unit = [&](int first) {
+    return share(first, [](const Vec3& v) { return std::abs(norm(v) - 1) < 0.05 || v == Vec3{}; });
+  };
+  const auto color = [&](int first) {
+    return share(first, [](const Vec3& v) {
+      for (const double c : {v.x, v.y, v.z}) {
+        if (!(c >= 0 && c <= 255 && c == std::floor(c))) return false;
+      }
+      return true;
+    });
+  };
+  if (columns < 6) return m;
+  const bool normals_first = normals_by_ending || unit(3);
+  if (normals_first) {
+    m.set(3, 3);
+    if (color(6)) m.set(6, 6);
+  } else if (columns == 7 && color(4) && !color(3)) {
+    m.set(6, 4);  // x y z intensity r g b
+  } else if (columns == 7 && color(4)) {
+    // Whole intensities 0..255 in front of the colours (PTS), or behind them: PTS is by far the more common.
+    m.set(6, 4);
+  } else if (color(3)) {
+    m.set(6, 3);
+    if (unit(6)) m.set(3, 6);
+  }
+  return m;
+}
+
+}  // namespace
+
+PointSet read_table(const Input& in) {
+  std::string_view text_bytes = in.bytes;
+  if (text_bytes.starts_with("\xef\xbb\xbf")) text_bytes.remove_prefix(3);  // byte order mark
+  if (text_bytes.substr(0, 4096).find('\0') != std::string_view::npos)
+    in.fail("is not text, as its ending says it should be");
+
+  // The head: comments, a line of names, a count of points, then the first rows.
+  std::optional<Meaning> names;
+  std::optional<std::uint64_t> announced;
+  char separator = ' ';
+  std::vector<std::vector<double>> sample;
+  TextScanner text(text_bytes);
+  std::string_view body = text_bytes;
+  std::uint64_t head_lines = 0;
+  std::string with_points;
+  while (!text.at_end() && sample.empty()) {
+    body = text.rest();
+    const std::string_view line = text.line();
+    if (is_blank_line(line)) {
+      ++head_lines;
+      continue;
+    }
+    if (is_comment(line)) {
+      if (auto m = meaning_of_names(line)) names = m;
+      ++head_lines;
+      continue;
+    }
+    separator = guess_separator(line);
+    std::vector<double> values;
+    std::size_t bad = 0;
+    Row row(line, separator);
+    for (auto f = row.field(); f && values.size() < 64; f = row.field()) {
+      double v = std::numeric_limits<double>::quiet_NaN();
+      if (!f->empty() && !parse(*f, v)) ++bad;
+      values.push_back(v);
+    }
+    // "1,5;2,5;3,5" and the same with tabs: a comma inside the numbers.
+    const bool comma_decimals = (separator == ';' || line.find('\t') != std::string_view::npos) &&
+                                line.find(',') != std::string_view::npos && line.find('.') == std::string_view::npos;
+    if (comma_decimals && with_points.empty() && bad > 0) {
+      with_points = std::string(body);
+      std::replace(with_points.begin(), with_points.end(), ',', '.');
+      text = TextScanner(with_points);
+      continue;
+    }
+    if (bad > 0 && bad >= std::min<std::size_t>(3, values.size())) {
+      if (names || head_lines > 50) in.fail(fmt::format("line {}: not a row of numbers", head_lines + 1));
+      names = meaning_of_names(line);
+      if (!names && head_lines > 20) in.fail("holds no rows of numbers");
+      ++head_lines;
+      continue;
+    }
+    if (values.size() == 1 && !announced && values[0] >= 0 && values[0] == std::floor(values[0]) && values[0] < 1e18) {
+      announced = static_cast<std::uint64_t>(values[0]);
+      ++head_lines;
+      continue;
+    }
+    if (values.size() < 3) {
+      in.fail(fmt::format("line {}: {} column{}, but a point needs at least 3", grouped(head_lines + 1), values.size(),
+                          values.size() == 1 ? "" : "s"));
+    }
+    sample.push_back(std::move(values));
+  }
+  if (sample.empty()) in.fail("holds no points (no rows of numbers)");
+  const std::size_t columns = sample.front().size();
+  for (std::size_t k = 0; k < 1000 && !text.at_end(); ++k) {
+    Row row(text.line(), separator);
+    std::vector<double> values;
+    for (auto f = row.field(); f && values.size() < columns; f = row.field()) {
+      double v = std::numeric_limits<double>::quiet_NaN();
+      parse(*f, v);
+      values.push_back(v);
+    }
+    if (values.size() == columns) sample.push_back(std::move(values));
+  }
+  const std::string extension = lower(in.file.substr(in.file.find_last_of('.') + 1));
+  const bool normals_by_ending = columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
+  const Meaning meaning = names ? *names : meaning_of_values(sample, normals_by_ending);
+
+  // The wanted columns, left to right, and where each goes in the table.
+  int place[64];
+  std::fill(place, place + 64, no_column);
+  int width = 0, last_column = 0;
+  bool required[64] = {};
+  for (int k = 0; k < 10; ++k) {
+    const int c = meaning.column[k];
+    if (c < 0) continue;
+    if (c >= static_cast<int>(columns))
+      in.fail(fmt::format("its header names more columns than the {} of its rows", columns));
+    if (place[c] < 0) place[c] = width++;
+    required[c] = k < 3;
+    last_column = std::max(last_column, c);
+  }
+
+  std::vector<const char*> starts;  // of every chunk-th line
+  const std::size_t chunk = 1 << 13;
+  std::size_t lines = 0;
+  const char* p = body.data();
+  const char* const end = p + body.size();
+  while (p != end) {
+    if (lines++ % chunk == 0) starts.push_back(p);
+    const char* stop = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
+    p = stop ? stop + 1 : end;
+  }
+  const std::size_t chunks = starts.size();
+  starts.push_back(end);
+  std::vector<std::vector<double>> parts(chunks);
+  std::vector<std::string> errors(chunks);
+  std::vector<std::uint64_t> more_announced(chunks, 0);
+  const std::size_t w = static_cast<std::size_t>(width);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    TextScanner part({starts[c], static_cast<std::size_t>(starts[c + 1] - starts[c])});
+    std::vector<double>& out = parts[c];
+    out.reserve(chunk * w);
+    for (std::size_t number = head_lines + c * chunk + 1; !part.at_end(); ++number) {
+      const std::string_view line = part.line();
+      const std::size_t base = out.size();
+      out.resize(base + w);
+      Row row(line, separator);
+      int column = 0;
+      double first = 0;
+      for (; column <= last_column; ++column) {
+        const auto f = row.field();
+        if (!f) break;
+        if (column > 0 && place[column] < 0) continue;
+        double v = std::numeric_limits<double>::quiet_NaN();
+        if (!f->empty() && !parse(*f, v) && (required[column] || column == 0)) {
+          if (is_comment(line)) {
+            column = 0;
+            break;
+          }
+          if (required[column]) {
+            errors[c] = fmt::format("line {}: '{}' is not a number", grouped(number), f->substr(0, 40));
+            return;
+          }
+        }
+        if (column == 0) first = v;
+        if (place[column] >= 0) out[base + static_cast<std::size_t>(place[column])] = v;
+      }
+      if (column > last_column) continue;
+      out.resize(base);
+      if (column == 0) continue;                                                   // blank or comment
+      if (column == 1 && announced && first >= 0 && first == std::floor(first)) {  // the count of another block (PTS)
+        more_announced[c] += static_cast<std::uint64_t>(std::min(first, 1e15));
+        continue;
+      }
+      errors[c] = fmt::format("{}line {} has {} of {} columns", part.at_end() && c + 1 == chunks ? "truncated: " : "",
+                              grouped(number), column, columns);
+      return;
+    }
+  });
+  std::size_t n = 0;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    if (!errors[c].empty()) in.fail(errors[c]);
+    n += parts[c].size() / w;
+    if (announced) *announced += more_announced[c];
+  }
+  if (n == 0) in.fail("holds no points");
+  std::vector<double> table(n * w);
+  std::vector<std::size_t> begins(chunks, 0);
+  for (std::size_t c = 1; c < chunks; ++c) begins[c] = begins[c - 1] + parts[c - 1].size();
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    std::copy(parts[c].begin(), parts[c].end(), table.begin() + static_cast<std::ptrdiff_t>(begins[c]));
+  });
+  parts.clear();
+
+  // Count, points, then as many normals.
+  const bool normals_below = announced && columns == 3 && *announced > 0 && n == 2 * *announced;
+  const std::size_t rows = n;
+  if (normals_below) n /= 2;
+  if (announced && n < *announced) {
+    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*announced), grouped(n)));
+  }
+  if (announced && n > *announced)
+    in.warn(fmt::format("announces {} points, holds {}", grouped(*announced), grouped(n)));
+
+  const auto column = [&](int k, std::size_t first_row = 0) {
+    const int c = meaning.column[k];
+    return c < 0 ? Column{}
+                 : Column{
+                       reinterpret_cast<const char*>(table.data() + first_row * w + static_cast<std::size_t>(place[c])),
+                       w * sizeof(double), NumberType::f64, false};
+  };
+  CloudColumns cloud;
+  for (int k = 0; k < 3; ++k) {
+    cloud.position[k] = column(k);
+    if (normals_below)
+      cloud.normal[k] = column(k, rows / 2);
+    else if (meaning.has(3))
+      cloud.normal[k] = column(3 + k);
+    if (meaning.has(6)) cloud.color[k] = column(6 + k);
+  }
+  cloud.confidence = column(9);
+  if (meaning.has(6)) {
+    // Fractions only if some colour is not whole.
+    cloud.whole_colors = true;
+    for (std::size_t i = 0; i < n && cloud.whole_colors; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        const double c = cloud.color[k][i];
+        if (std::isfinite(c) && c != std::floor(c)) cloud.whole_colors = false;
+      }
+    }
+  }
+  PointSet points;
+  decode_columns(cloud, n, points);
+  in.report.format = fmt::format("text, {} columns{}{}", columns, points.has_normals() ? ", normals" : "",
+                                 points.has_colors() ? ", colours" : "");
+  finish(in, points);
+  return points;
+}
+
+}  // namespace sansmesh::io

@@ -1,0 +1,402 @@
+// VTK XML polydata (.vtp): points, polygons, strips, normals and colours, inline or appended, as text, base64 or raw
+// bytes, plain or compressed by zlib.
+#include <fmt/core.h>
+
+#include <map>
+#include <optional>
+
+#include "sansmesh/io/columns.h"
+#include "sansmesh/io/face_sink.h"
+#include "sansmesh/io/text_scanner.h"
+
+namespace sansmesh::io {
+namespace {
+
+/// A start tag, an end tag (name begins with '/') or an element that closes itself; comments and the like are skipped.
+struct Tag {
+  std::string_view name;
+  std::map<std::string_view, std::string_view> attributes;
+  bool closed = false;
+
+  std::string_view operator[](std::string_view key) const {
+    const auto it = attributes.find(key);
+    return it == attributes.end() ? std::string_view() : it->second;
+  }
+};
+
+/// The little of XML that VTK writes: tags with quoted attributes, text between them.
+class Xml {
+ public:
+  Xml(const Input& in) : in_(in), p_(in.bytes.data()), end_(p_ + in.bytes.size()) {}
+
+  std::optional<Tag> next() {
+    for (;;) {
+      const std::size_t start = rest().find('<');
+      if (start == std::string_view::npos) return std::nullopt;
+      p_ += start + 1;
+      const char* skip = rest().starts_with("!--") ? "-->"
+                         : rest().starts_with("?") ? "?>"
+                         : rest().starts_with("!") ? ">"
+                                                   : nullptr;
+      if (!skip) break;
+      const std::size_t stop = rest().find(skip);
+      if (stop == std::string_view::npos) in_.fail("truncated: the XML ends inside a comment or declaration");
+      p_ += stop + std::strlen(skip);
+    }
+    Tag tag;
+    const char* start = p_;
+    while (p_ != end_ && !is_space(*p_) && *p_ != '>' && (*p_ != '/' || p_ == start)) ++p_;
+    tag.name = {start, static_cast<std::size_t>(p_ - start)};
+    for (;;) {
+      while (p_ != end_ && is_space(*p_)) ++p_;
+      if (p_ == end_) in_.fail("truncated: the XML ends inside a tag");
+      if (*p_ == '>') return ++p_, tag;
+      if (*p_ == '/') {
+        tag.closed = true;
+        ++p_;
+        continue;
+      }
+      const char* key = p_;
+      while (p_ != end_ && *p_ != '=' && *p_ != '>' && !is_space(*p_)) ++p_;
+      const std::string_view name(key, static_cast<std::size_t>(p_ - key));
+      while (p_ != end_ && (is_space(*p_) || *p_ == '=')) ++p_;
+      if (p_ == end_) in_.fail("truncated: the XML ends inside a tag");
+      const char quote = *p_;
+      if (quote != '"' && quote != '\'') in_.fail("malformed XML: an attribute without quotes");
+      const std::size_t stop = rest().substr(1).find(quote);
+      if (stop == std::string_view::npos) in_.fail("truncated: the XML ends inside an attribute");
+      tag.attributes[name] = rest().substr(1, stop);
+      p_ += stop + 2;
+    }
+  }
+  /// Text up to the next tag.
+  std::string_view text() const { return rest().substr(0, rest().find('<')); }
+  std::string_view rest() const { return {p_, static_cast<std::size_t>(end_ - p_)}; }
+
+ private:
+  static bool is_space(char c) { return TextScanner::is_blank(c) || c == '\n'; }
+  const Input& in_;
+  const char* p_;
+  const char* end_;
+};
+
+/// Decodes groups of four characters until something else comes. A group that is padded does not end it: VTK puts
+/// header and data one after the other, each padded for itself.
+std::vector<char> decode_base64(std::string_view text) {
+  static const auto table = [] {
+    std::array<signed char, 256> t;
+    t.fill(-1);
+    const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (int k = 0; k < 64; ++k) t[static_cast<unsigned char>(digits[k])] = static_cast<signed char>(k);
+    return t;
+  }();
+  std::vector<char> bytes;
+  bytes.reserve(text.size() / 4 * 3);
+  unsigned group = 0, digits = 0, padding = 0;
+  for (const char c : text) {
+    if (TextScanner::is_blank(c) || c == '\n') continue;
+    const int v = c == '=' ? 0 : table[static_cast<unsigned char>(c)];
+    if (v < 0) break;
+    padding += c == '=';
+    group = group << 6 | static_cast<unsigned>(v);
+    if (++digits < 4) continue;
+    for (unsigned k = 0; k < 3 && k + padding < 3; ++k) bytes.push_back(static_cast<char>(group >> (16 - 8 * k)));
+    group = digits = padding = 0;
+  }
+  return bytes;
+}
+
+struct Array {
+  NumberType type = NumberType::f32;
+  std::size_t components = 1;
+  bool swap = false;
+  std::vector<char> bytes;
+
+  std::size_t count() const { return bytes.size() / size_of(type); }
+  Column column(std::size_t component) const {
+    return {bytes.data() + component * size_of(type), components * size_of(type), type, swap};
+  }
+  std::vector<std::int64_t> integers() const {
+    std::vector<std::int64_t> v(count());
+    with_loader(type, swap, [&](auto at) {
+      for (std::size_t i = 0; i < v.size(); ++i) v[i] = static_cast<std::int64_t>(at(bytes.data() + i * size_of(type)));
+    });
+    return v;
+  }
+};
+
+class VtpReader {
+ public:
+  explicit VtpReader(const Input& in) : in_(in) {}
+
+  PointSet read() {
+    find_appended();
+    Xml xml(in_);
+    bool is_polydata = false;
+    std::string_view section;
+    while (auto tag = xml.next()) {
+      if (tag->name == "VTKFile") {
+        if ((*tag)["type"] != "PolyData")
+          in_.fail(fmt::format("is VTK XML of type '{}'; PolyData is read", (*tag)["type"]));
+        is_polydata = true;
+        swap_ = (*tag)["byte_order"] == "BigEndian";
+        wide_header_ = (*tag)["header_type"] == "UInt64";
+        compressor_ = (*tag)["compressor"];
+        if (!compressor_.empty() && compressor_ != "vtkZLibDataCompressor") {
+          in_.fail(fmt::format("unsupported compression '{}' (zlib is read)", compressor_));
+        }
+      } else if (tag->name == "Piece") {
+        piece_ = {};
+      } else if (tag->name == "/Piece") {
+        add_piece();
+      } else if (tag->name == "AppendedData" || tag->name == "/VTKFile") {
+        break;
+      } else if (tag->name == "PointData") {
+        section = tag->closed ? std::string_view() : tag->name;
+        piece_.normals_name = (*tag)["Normals"];
+      } else if (tag->name == "Points" || tag->name == "Polys" || tag->name == "Strips") {
+        section = tag->closed ? std::string_view() : tag->name;
+      } else if (tag->name == "DataArray" && !section.empty()) {
+        data_array(*tag, section, xml.text());
+      } else if (!tag->name.empty() && tag->name.front() == '/' && tag->name.substr(1) == section) {
+        section = {};
+      } else if (tag->name == "CellData" || tag->name == "FieldData" || tag->name == "Verts" || tag->name == "Lines") {
+        section = {};
+      }
+    }
+    if (!is_polydata) in_.fail("is not a VTK XML file");
+    if (pieces_.empty()) in_.fail("holds no points");
+    return assemble();
+  }
+
+ private:
+  struct Piece {
+    std::optional<Array> points, normals, colors, poly_connectivity, poly_offsets, strip_connectivity, strip_offsets;
+    std::string_view normals_name;
+  };
+
+  void find_appended() {
+    const std::size_t tag = in_.bytes.find("<AppendedData");
+    if (tag == std::string_view::npos) return;
+    const std::size_t close = in_.bytes.find('>', tag);
+    const std::size_t mark = in_.bytes.find('_', close);
+    if (close == std::string_view::npos || mark == std::string_view::npos)
+      in_.fail("truncated: the appended data is missing");
+    appended_base64_ = in_.bytes.substr(tag, close - tag).find("base64") != std::string_view::npos;
+    appended_ = in_.bytes.substr(mark + 1);
+  }
+
+  void data_array(const Tag& tag, std::string_view section, std::string_view text) {
+    const std::string_view name = tag["Name"];
+    std::optional<Array>* target = nullptr;
+    std::size_t components = 1;
+    TextScanner(tag["NumberOfComponents"]).number(components);
+    const std::string lower_name = lower(name);
+    if (section == "Points")
+      target = &piece_.points;
+    else if (section == "Polys" && name == "connectivity")
+      target = &piece_.poly_connectivity;
+    else if (section == "Polys" && name == "offsets")
+      target = &piece_.poly_offsets;
+    else if (section == "Strips" && name == "connectivity")
+      target = &piece_.strip_connectivity;
+    else if (section == "Strips" && name == "offsets")
+      target = &piece_.strip_offsets;
+    else if (section == "PointData" && components == 3 &&
+             (name == piece_.normals_name || (piece_.normals_name.empty() && lower_name == "normals")))
+      target = &piece_.normals;
+    else if (section == "PointData" && (components == 3 || components == 4) && tag["type"] == "UInt8")
+      target = &piece_.colors;
+    if (!target || *target) return;
+    if (section == "Points" && components != 3) in_.fail("malformed VTP: points without 3 components");
+
+    Array array;
+    array.components = components;
+    array.type = parse_type(tag["type"]);
+    const std::string_view format = tag["format"];
+    if (format == "ascii") {
+      read_text(array, text);
+    } else if (format == "binary") {
+      array.swap = swap_;
+      const std::vector<char> bytes = decode_base64(text);
+      unpack(array, {bytes.data(), bytes.size()});
+    } else if (format == "appended") {
+      array.swap = swap_;
+      std::size_t offset = 0;
+      if (!TextScanner(tag["offset"]).number(offset)) in_.fail("malformed VTP: an array without its offset");
+      if (offset > appended_.size()) in_.fail_truncated(offset - appended_.size(), true);
+      const std::string_view data = appended_.substr(offset);
+      if (appended_base64_) {
+        const std::vector<char> bytes = decode_base64(data.substr(0, base64_extent(data)));
+        unpack(array, {bytes.data(), bytes.size()});
+      } else {
+        unpack(array, data);
+      }
+    } else {
+      in_.fail(fmt::format("malformed VTP: unknown format '{}' of an array", format));
+    }
+    *target = std::move(array);
+  }
+
+  NumberType parse_type(std::string_view t) const {
+    constexpr std::pair<std::string_view, NumberType> types[] = {
+        {"Int8", NumberType::i8},    {"UInt8", NumberType::u8},   {"Int16", NumberType::i16},
+        {"UInt16", NumberType::u16}, {"Int32", NumberType::i32},  {"UInt32", NumberType::u32},
+        {"Int64", NumberType::i64},  {"UInt64", NumberType::u64}, {"Float32", NumberType::f32},
+        {"Float64", NumberType::f64}};
+    for (const auto& [name, type] : types) {
+      if (name == t) return type;
+    }
+    in_.fail(fmt::format("malformed VTP: unknown type '{}' of an array", t));
+  }
+
+  void read_text(Array& array, std::string_view text) const {
+    const bool whole = !is_real(array.type);
+    array.type = whole ? NumberType::i64 : NumberType::f64;
+    TextScanner words(text);
+    for (words.skip_space(); !words.at_end(); words.skip_space()) {
+      double real = 0;
+      std::int64_t integer = 0;
+      if (!(whole ? words.number(integer) : words.number(real))) {
+        in_.fail(fmt::format("malformed VTP: '{}' is not a number", words.word().substr(0, 40)));
+      }
+      const char* p = whole ? reinterpret_cast<const char*>(&integer) : reinterpret_cast<const char*>(&real);
+      array.bytes.insert(array.bytes.end(), p, p + 8);
+    }
+  }
+
+  std::uint64_t header_value(std::string_view data, std::size_t k) const {
+    const std::size_t size = wide_header_ ? 8 : 4;
+    if (data.size() / size < k + 1) in_.fail("truncated: an array ends inside its header");
+    const char* p = data.data() + k * size;
+    if (wide_header_) return swap_ ? load<std::uint64_t, true>(p) : load<std::uint64_t>(p);
+    return swap_ ? load<std::uint32_t, true>(p) : load<std::uint32_t>(p);
+  }
+
+  /// Characters of base64 that the array at the start of `text` takes.
+  std::size_t base64_extent(std::string_view text) const {
+    const std::size_t size = wide_header_ ? 8 : 4;
+    const auto encoded = [](std::uint64_t bytes) { return (bytes + 2) / 3 * 4; };
+    const auto decoded = [&](std::size_t bytes) {
+      const std::vector<char> all = decode_base64(text.substr(0, encoded(bytes)));
+      return all;
+    };
+    const std::vector<char> first = decoded(size);
+    const std::uint64_t value = header_value({first.data(), first.size()}, 0);
+    if (value > text.size()) return text.size();
+    if (compressor_.empty()) return encoded(size + value);
+    const std::size_t header = size * (3 + static_cast<std::size_t>(value));
+    const std::vector<char> sizes = decoded(header);
+    std::uint64_t packed = 0;
+    for (std::size_t b = 0; b < value; ++b) packed += header_value({sizes.data(), sizes.size()}, 3 + b);
+    return packed > text.size() ? text.size() : encoded(header) + encoded(packed);
+  }
+
+  /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes a block, bytes of the last one (0 = full),
+  /// packed bytes of each.
+  void unpack(Array& array, std::string_view data) const {
+    const std::size_t size = wide_header_ ? 8 : 4;
+    if (compressor_.empty()) {
+      const std::uint64_t bytes = header_value(data, 0);
+      data.remove_prefix(size);
+      if (bytes > data.size()) in_.fail_truncated(bytes - data.size(), true);
+      array.bytes.assign(data.begin(), data.begin() + static_cast<std::ptrdiff_t>(bytes));
+      return;
+    }
+    const std::uint64_t blocks = header_value(data, 0);
+    if (blocks == 0) return;
+    const std::uint64_t block = header_value(data, 1), partial = header_value(data, 2);
+    if (blocks > data.size() / size || block > (std::uint64_t{1} << 32) || partial > block) {
+      in_.fail("truncated or damaged: an array announces more blocks than the file holds");
+    }
+    const std::uint64_t total = (blocks - (partial > 0)) * block + partial;
+    if (total / 1100 > data.size()) in_.fail("damaged compressed data (announces more than it can hold)");
+    array.bytes.resize(total);
+    std::size_t at = size * (3 + static_cast<std::size_t>(blocks)), done = 0;
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+      const std::uint64_t packed = header_value(data, 3 + static_cast<std::size_t>(b));
+      if (at > data.size() || packed > data.size() - at) in_.fail("truncated: ends inside the blocks of an array");
+      const std::size_t wanted = static_cast<std::size_t>(b + 1 == blocks && partial > 0 ? partial : block);
+      const Inflated out =
+          inflate_bytes(in_.file, data.substr(at, static_cast<std::size_t>(packed)), wanted + 1, wanted + 1);
+      if (!out.complete || out.bytes.size() != wanted) in_.fail("damaged compressed data (a block has another size)");
+      std::copy(out.bytes.begin(), out.bytes.end(), array.bytes.begin() + static_cast<std::ptrdiff_t>(done));
+      at += static_cast<std::size_t>(packed), done += wanted;
+    }
+  }
+
+  void add_piece() {
+    if (piece_.points && piece_.points->count() > 0) {
+      if (piece_.points->count() % 3 != 0) in_.fail("malformed VTP: the points are not triples");
+      pieces_.push_back(std::move(piece_));
+    }
+    piece_ = {};
+  }
+
+  PointSet assemble() {
+    PointSet points;
+    FaceSink sink(in_, points.triangles);
+    std::vector<Vec3> positions;
+    bool normals = true, colors = true;
+    for (const Piece& p : pieces_) {
+      const std::size_t n = p.points->count() / 3;
+      normals &= p.normals && p.normals->count() == 3 * n;
+      colors &= p.colors && p.colors->count() == p.colors->components * n;
+    }
+    for (const Piece& p : pieces_) {
+      const std::size_t first = positions.size();
+      const std::size_t n = p.points->count() / 3;
+      const Column x = p.points->column(0), y = p.points->column(1), z = p.points->column(2);
+      for (std::size_t i = 0; i < n; ++i) positions.push_back({x[i], y[i], z[i]});
+      for (std::size_t i = 0; normals && i < n; ++i) {
+        points.normals.push_back(
+            Vec3f(Vec3{p.normals->column(0)[i], p.normals->column(1)[i], p.normals->column(2)[i]}));
+      }
+      for (std::size_t i = 0; colors && i < n; ++i) {
+        const char* c = p.colors->bytes.data() + i * p.colors->components;
+        points.colors.push_back({load<std::uint8_t>(c), load<std::uint8_t>(c + 1), load<std::uint8_t>(c + 2)});
+      }
+      add_cells(p.poly_connectivity, p.poly_offsets, first, n, [&](auto corners) { sink.add_polygon(corners); });
+      add_cells(p.strip_connectivity, p.strip_offsets, first, n, [&](auto corners) { sink.add_strip(corners); });
+    }
+    sink.done();
+    place_positions(points, positions.size(), [&](std::size_t i) { return positions[i]; });
+    finish(in_, points);
+    return points;
+  }
+
+  template <class Add>
+  void add_cells(const std::optional<Array>& connectivity, const std::optional<Array>& offsets, std::size_t first,
+                 std::size_t n, Add&& add) const {
+    if (!connectivity || !offsets) return;
+    std::vector<std::int64_t> corners = connectivity->integers();
+    for (std::int64_t& c : corners) {
+      if (c < 0 || c >= static_cast<std::int64_t>(n)) {
+        in_.fail(fmt::format("a face refers to point {}, but there are only {} points", c, grouped(n)));
+      }
+      c += static_cast<std::int64_t>(first);
+    }
+    std::int64_t start = 0;
+    for (const std::int64_t stop : offsets->integers()) {
+      if (stop < start || stop > static_cast<std::int64_t>(corners.size()))
+        in_.fail("malformed VTP: impossible offsets of faces");
+      add(std::span(corners).subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(stop - start)));
+      start = stop;
+    }
+  }
+
+  const Input& in_;
+  bool swap_ = false, wide_header_ = false, appended_base64_ = false;
+  std::string_view compressor_, appended_;
+  Piece piece_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace
+
+PointSet read_vtp(const Input& in) {
+  in.report.format = "VTK XML polydata";
+  return VtpReader(in).read();
+}
+
+}  // namespace sansmesh::io
