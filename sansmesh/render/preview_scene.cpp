@@ -1,0 +1,143 @@
+#include "sansmesh/render/preview_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/render/corner_normals.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr float kOffset = 2e-4f;         // of the diagonal: hides what floats cannot resolve
+constexpr float kDiscOverSpacing = 0.8f;  // the discs of a square grid close at √½
+constexpr float kBallOverSpacing = 0.55f;
+
+float linear_channel(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
+
+/// Drops what cannot be drawn; keeps the order of what can.
+TriangleMesh drawable(const TriangleMesh& mesh) {
+  const std::size_t count = mesh.vertices.size();
+  std::vector<char> kept(count, mesh.triangles.empty());
+  const auto finite = [&](std::uint32_t v) { return v < count && is_finite(mesh.vertices[v]); };
+  const auto good = [&](const Triangle& t) { return finite(t[0]) && finite(t[1]) && finite(t[2]); };
+  for (const Triangle& t : mesh.triangles)
+    if (good(t)) kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
+
+  TriangleMesh result;
+  std::vector<std::uint32_t> place(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    if (!kept[v] || !is_finite(mesh.vertices[v])) continue;
+    place[v] = static_cast<std::uint32_t>(result.vertices.size());
+    result.vertices.push_back(mesh.vertices[v]);
+    if (mesh.normals.size() == count) result.normals.push_back(mesh.normals[v]);
+    if (mesh.colors.size() == count) result.colors.push_back(mesh.colors[v]);
+  }
+  for (const Triangle& t : mesh.triangles)
+    if (good(t)) result.triangles.push_back({place[t[0]], place[t[1]], place[t[2]]});
+  return result;
+}
+
+RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
+  const TriangleMesh& mesh = subject.mesh;
+  if (!mesh.triangles.empty()) return RayScene::triangles(mesh.vertices, mesh.triangles);
+  if (mesh.normals.empty()) return RayScene::balls(mesh.vertices, subject.radius);
+  std::vector<Vec3f> normals = mesh.normals;
+  for (Vec3f& n : normals) {
+    n = is_finite(n) ? normalized(n) : Vec3f{};
+    if (n == Vec3f{}) n = toward_viewer;
+  }
+  return RayScene::discs(mesh.vertices, normals, subject.radius);
+}
+
+}  // namespace
+
+Vec3f linear_color(const Vec3f& srgb) {
+  return {linear_channel(srgb.x), linear_channel(srgb.y), linear_channel(srgb.z)};
+}
+
+Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
+  Subject subject{drawable(mesh), 0};
+  TriangleMesh& own = subject.mesh;
+  if (own.vertices.empty()) throw DataError("nothing to draw: the mesh has no finite vertices");
+  if (own.triangles.empty() && !mesh.triangles.empty())
+    throw DataError("nothing to draw: no triangle has three finite corners");
+  Box3 box;
+  for (const Vec3f& p : own.vertices) box.extend(Vec3(p));
+  double size = box.diagonal();
+  if (!own.triangles.empty() && !(size > 0)) throw DataError("nothing to draw: all vertices are in one place");
+
+  if (own.triangles.empty()) {
+    double radius = options.point_radius.value_or(0);
+    if (!(radius > 0)) {
+      PointSet cloud;
+      cloud.positions = own.vertices;
+      radius = estimate_spacing(cloud) * (own.normals.empty() ? kBallOverSpacing : kDiscOverSpacing);
+    }
+    if (!(size > 0)) size = radius > 0 ? 4 * radius : 1;  // all points in one place
+    subject.radius = static_cast<float>(radius > 0 ? radius / size : 0.25);
+  }
+  const Vec3 center = box.center();
+  for (Vec3f& p : own.vertices) p = Vec3f((Vec3(p) - center) / size);
+  return subject;
+}
+
+PreviewScene::PreviewScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)
+    : subject_(std::move(subject)), rays_(make_rays(subject_, toward_viewer)), linear_(256),
+      color_(linear_color(options.surface_color)) {
+  TriangleMesh& mesh = subject_.mesh;
+  if (options.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
+  if (!options.use_colors) mesh.colors.clear();
+  for (int i = 0; i < 256; ++i) linear_[static_cast<std::size_t>(i)] = linear_channel(static_cast<float>(i) / 255);
+}
+
+Vec3f PreviewScene::vertex_color(std::uint32_t vertex) const {
+  const auto& c = subject_.mesh.colors[vertex];
+  return {linear_[c[0]], linear_[c[1]], linear_[c[2]]};
+}
+
+SurfacePoint PreviewScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
+  const TriangleMesh& mesh = subject_.mesh;
+  const Triangle& t = mesh.triangles[hit.primitive];
+  const float weight[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+  SurfacePoint point{at, hit.normal, color_};
+  if (!mesh.colors.empty()) {
+    point.color = {};
+    for (std::size_t k = 0; k < 3; ++k) point.color += weight[k] * vertex_color(t[k]);
+  }
+  if (corner_normals_.empty()) return point;
+
+  // The surface that the smooth normals suggest bulges out of the triangle. Rays towards the light start there: from the
+  // triangle itself, neighbours would block them along the edge of the shade (Hanika, Hacking the Shadow Terminator,
+  // Ray Tracing Gems II, 2021).
+  Vec3f normal, lift;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3f& n = corner_normals_[3 * hit.primitive + k];
+    normal += weight[k] * n;
+    lift += weight[k] * std::abs(std::min(0.0f, dot(at - mesh.vertices[t[k]], n))) * n;
+  }
+  if (squared_norm(normal) > 0) point.normal = normalized(normal);
+  point.position += lift;
+  return point;
+}
+
+std::optional<SurfacePoint> PreviewScene::closest(const Vec3f& origin, const Vec3f& direction) const {
+  const std::optional<RayHit> hit = rays_.closest(origin, direction);
+  if (!hit) return std::nullopt;
+  const Vec3f at = origin + hit->distance * direction;
+  const bool cloud = subject_.mesh.triangles.empty();
+  SurfacePoint point = cloud ? SurfacePoint{at, hit->normal, color_} : on_triangle(*hit, at);
+  if (cloud && !subject_.mesh.colors.empty()) point.color = vertex_color(hit->primitive);
+  const float side = dot(hit->normal, direction) > 0 ? -1.0f : 1.0f;
+  // Seen from behind, the suggested surface lies on the far side.
+  if (side < 0) point.position = at;
+  point.normal = point.normal * side;
+  // Discs and balls of a rough cloud pierce each other: their neighbours must not shade them.
+  point.position += hit->normal * (side * (kOffset + subject_.radius));
+  return point;
+}
+
+}  // namespace sansmesh

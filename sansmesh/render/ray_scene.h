@@ -1,0 +1,42 @@
+// Rays against triangles, balls and discs (Embree).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+struct RayHit {
+  float distance = 0;           ///< along the ray's direction
+  Vec3f normal;                 ///< geometric, unit, of the side that the triangle's order of corners defines
+  std::uint32_t primitive = 0;  ///< triangle or point
+  float u = 0, v = 0;           ///< weights of the triangle's second and third corner
+};
+
+/// Built once, then asked from any thread. Directions must be unit vectors.
+class RayScene {
+ public:
+  /// Corners must exist and be finite.
+  static RayScene triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
+  static RayScene balls(std::span<const Vec3f> centers, float radius);
+  static RayScene discs(std::span<const Vec3f> centers, std::span<const Vec3f> normals, float radius);
+
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+  ~RayScene();
+
+  std::optional<RayHit> closest(const Vec3f& origin, const Vec3f& direction) const;
+  bool blocked(const Vec3f& origin, const Vec3f& direction, float length) const;
+
+ private:
+  struct State;
+  explicit RayScene(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sansmesh
