@@ -9,7 +9,9 @@
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
+#include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/components.h"
+#include "sansmesh/polygonize/mesh_quality.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -18,6 +20,8 @@ namespace {
 
 /// Components smaller than this share of the largest one's area go unless all are asked for.
 constexpr double kSmallComponent = 0.01;
+/// Samples of the faces of a mesh whose vertices are not enough.
+constexpr std::size_t kFaceSamples = 400000;
 
 void check_shape(const PointSet& points) {
   if (points.size() < 4) throw DataError("only " + std::to_string(points.size()) + " points: at least 4 are needed");
@@ -35,7 +39,29 @@ void check_shape(const PointSet& points) {
   }
 }
 
-void prepare_normals(PointSet& points, Progress& progress, ReconstructReport& report) {
+/// Faces as samples where the vertices are not enough, and as the source of normals.
+void use_faces(PointSet& points, ReconstructOptions::Faces faces, ReconstructReport& report) {
+  using Faces = ReconstructOptions::Faces;
+  if (points.triangles.empty() || faces == Faces::ignore) return;
+  const bool forced = faces == Faces::sample;
+  if (forced || !vertices_suffice(points)) {
+    PointSet samples = sample_faces(points, kFaceSamples);
+    if (samples.size() == 0) return;
+    points = std::move(samples);
+    if (!forced) report.warnings.push_back("its vertices alone are too sparse: its faces were sampled instead");
+  } else if (!points.has_normals()) {
+    set_normals_from_faces(points);
+  }
+}
+
+void prepare_normals(PointSet& points, ReconstructOptions::Normals choice, Progress& progress,
+                     ReconstructReport& report) {
+  using Normals = ReconstructOptions::Normals;
+  if (choice == Normals::as_given) {
+    if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
+    return;
+  }
+  if (choice == Normals::estimate) points.normals.clear();
   progress.begin("check normals");
   switch (check_orientation(points)) {
     case OrientationCheck::oriented:
@@ -111,25 +137,6 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
   });
 }
 
-struct Aspect {
-  double mean = 0, deviation = 0;
-};
-
-/// Aspect ratio l_max P / (4 √3 S) of METHODS §3.3: 1 for an equilateral triangle.
-Aspect aspect_of(const TriangleMesh& mesh) {
-  double sum = 0, squares = 0, n = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    const double x = norm(b - a), y = norm(c - b), z = norm(a - c), area = 0.5 * norm(cross(b - a, c - a));
-    if (!(area > 0)) continue;
-    const double ratio = std::max({x, y, z}) * (x + y + z) / (4 * std::sqrt(3.0) * area);
-    sum += ratio, squares += ratio * ratio, n += 1;
-  }
-  if (n == 0) return {};
-  const double mean = sum / n;
-  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean))};
-}
-
 }  // namespace
 
 void ReconstructOptions::validate() const {
@@ -152,7 +159,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   ReconstructReport local;
   ReconstructReport& r = report ? *report : local;
   check_shape(points);
-  prepare_normals(points, progress, r);
+  use_faces(points, options.faces, r);
+  prepare_normals(points, options.normals, progress, r);
 
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
@@ -180,9 +188,9 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
     plain.cluster = false;
     plain.creases = false;
     plain.smoothing_rounds = 0;
-    const Aspect before = aspect_of(polygonize(field, blocks, points.origin, plain, progress));
-    r.aspect_mean_before = before.mean;
-    r.aspect_deviation_before = before.deviation;
+    const MeshQuality before = measure_quality(polygonize(field, blocks, points.origin, plain, progress));
+    r.aspect_mean_before = before.aspect_mean;
+    r.aspect_deviation_before = before.aspect_deviation;
   }
   TriangleMesh mesh = polygonize(field, blocks, points.origin, meshing, progress);
 
@@ -199,9 +207,9 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   }
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   if (options.measure_quality) {
-    const Aspect after = aspect_of(mesh);
-    r.aspect_mean = after.mean;
-    r.aspect_deviation = after.deviation;
+    const MeshQuality after = measure_quality(mesh);
+    r.aspect_mean = after.aspect_mean;
+    r.aspect_deviation = after.aspect_deviation;
   }
   progress.finish();
   return mesh;

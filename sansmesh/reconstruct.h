@@ -21,6 +21,12 @@ struct ComponentChoice {
 
 /// All optional lengths are in the unit of the input; where absent they are derived from the data.
 struct ReconstructOptions {
+  /// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
+  /// the faces where the vertices are too few or far apart to describe the surface.
+  enum class Faces { automatic, ignore, sample } faces = Faces::automatic;
+  /// Given normals are used, and turned where they are not consistent or point inward; as_given: not even looked at;
+  /// estimate: they are replaced.
+  enum class Normals { automatic, as_given, estimate } normals = Normals::automatic;
   std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
   std::optional<double> error;       ///< accepted rms fitting error (length); default: estimated noise and spacing
   std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5

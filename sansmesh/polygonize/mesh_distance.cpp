@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/mesh_closest.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -16,14 +17,6 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kChunk = 2048;  // samples that share one chain of hints: fixed, so that results repeat
-
-/// Uniform in [0, 1) from a counter (the finaliser of SplitMix64): any sample can be made without those before it.
-double uniform(std::uint64_t counter) {
-  std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15u;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 bool valid(const TriangleMesh& mesh, const Triangle& t) {
   const std::size_t n = mesh.vertices.size();
@@ -42,32 +35,12 @@ struct Samples {
   std::vector<Vec3f> normals;   ///< empty if unknown
 };
 
-/// The area is cut into equal parts in the order of the triangles, with one sample at random in each: even and
-/// coherent, so that neighbouring samples have neighbouring closest points.
 Samples sample_mesh(const TriangleMesh& mesh, std::size_t count) {
-  std::vector<double> area(mesh.triangles.size());
-  double total = 0;
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    const double a = valid(mesh, mesh.triangles[i]) ? norm(doubled_area(mesh, mesh.triangles[i])) : 0;
-    area[i] = total += std::isfinite(a) ? a : 0;
-  }
   Samples samples;
-  if (!(total > 0)) return samples;
-  samples.positions.resize(count);
-  samples.normals.resize(count);
-  parallel_for(0, count, kChunk, [&](std::size_t i) {
-    const double at = (static_cast<double>(i) + uniform(3 * i)) / static_cast<double>(count) * total;
-    const auto found = std::upper_bound(area.begin(), area.end(), at);
-    auto index = static_cast<std::size_t>(found - area.begin());
-    if (index == area.size())  // rounding beyond the end: the last triangle that has an area
-      index = static_cast<std::size_t>(std::lower_bound(area.begin(), area.end(), total) - area.begin());
-    const Triangle& t = mesh.triangles[index];
-    double u = uniform(3 * i + 1), v = uniform(3 * i + 2);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
-    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    samples.positions[i] = a + (b - a) * u + (c - a) * v;
-    samples.normals[i] = Vec3f(normalized(cross(b - a, c - a)));
-  });
+  for (const FaceSample& s : sample_triangles(mesh.vertices, mesh.triangles, count)) {
+    samples.positions.push_back(s.position);
+    samples.normals.push_back(s.normal);
+  }
   return samples;
 }
 

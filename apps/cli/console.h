@@ -1,0 +1,57 @@
+// What every command says, and how: results on standard output, everything else on standard error.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+
+namespace sansmesh::cli {
+
+struct ConsoleOptions {
+  bool json = false;     ///< results as one JSON object instead of lines
+  bool verbose = false;  ///< time of each stage, on standard error
+  bool quiet = false;    ///< no progress, no warnings; results only where they were asked for (--json)
+};
+
+class Console {
+ public:
+  explicit Console(const ConsoleOptions& options);
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  const ConsoleOptions& options() const { return options_; }
+  /// Draws the bar where standard error is a terminal; cancelled by Ctrl-C.
+  Progress& progress() { return progress_; }
+
+  /// A result for people: printed unless --json or --quiet.
+  void say(const std::string& line);
+  /// A result for programs: printed with --json. `json` is the text of an object.
+  void say_json(const std::string& json);
+  void warn(const std::string& file, const std::vector<std::string>& warnings);
+  /// With --verbose: the table of stages.
+  void print_timings();
+
+ private:
+  void draw(const std::string& stage, double fraction);
+  void clear();
+
+  ConsoleOptions options_;
+  bool terminal_ = false;
+  bool drawn_ = false;
+  double started_ = 0;
+  Progress progress_;
+};
+
+/// Reports an error as one line, after clearing the bar.
+void print_error(const std::string& message);
+
+/// 1234567 → "1,234,567".
+std::string grouped(unsigned long long number);
+/// A length with four significant digits.
+std::string length(double value);
+/// "1 component", "3 components".
+std::string counted(unsigned long long number, const std::string& noun);
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,129 @@
+// sansmesh evaluate: how good is a mesh?
+#include <fmt/core.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/polygonize/mesh_quality.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+
+namespace sansmesh::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json to_json(const OneWayDistance& d) {
+  return {{"samples", d.samples},
+          {"mean", d.mean},
+          {"rms", d.rms},
+          {"p95", d.p95},
+          {"max", d.max},
+          {"angle_deg", optional_json(d.angle)},
+          {"signed_angle_deg", optional_json(d.signed_angle)}};
+}
+
+Json to_json(const MeshTopology& t) {
+  return {{"vertices", t.vertices},
+          {"triangles", t.triangles},
+          {"unused_vertices", t.unused_vertices},
+          {"degenerate_triangles", t.degenerate_triangles},
+          {"closed", t.closed()},
+          {"manifold", t.manifold()},
+          {"oriented", t.oriented()},
+          {"boundary_edges", t.boundary_edges},
+          {"boundary_loops", t.boundary_loops},
+          {"nonmanifold_edges", t.nonmanifold_edges},
+          {"nonmanifold_vertices", t.nonmanifold_vertices},
+          {"components", t.components},
+          {"largest_component", t.largest_component},
+          {"euler", t.euler},
+          {"genus", t.genus() ? Json(*t.genus()) : Json()}};
+}
+
+Json to_json(const MeshQuality& q) {
+  return {{"aspect_mean", q.aspect_mean},
+          {"aspect_deviation", q.aspect_deviation},
+          {"aspect_max", q.aspect_max},
+          {"smallest_angle_mean_deg", q.smallest_angle_mean},
+          {"smallest_angle_deg", q.smallest_angle},
+          {"below_10_deg", q.small_angle_share},
+          {"edge_mean", q.edge_mean},
+          {"area", q.area},
+          {"volume", q.volume}};
+}
+
+void say_distance(const char* name, const OneWayDistance& d, const SurfaceDistance& both, Console& console) {
+  const auto percent = [&](double x) { return fmt::format("{} ({:.4f} %)", length(x), both.percent(x)); };
+  console.say(fmt::format("{:<16}mean {}, rms {}, 95 % below {}, max {}{}", name, percent(d.mean), percent(d.rms),
+                          percent(d.p95), percent(d.max),
+                          d.angle ? fmt::format(", normals {:.2f}° off", *d.angle) : ""));
+}
+
+}  // namespace
+
+void run_evaluate(const EvaluateArguments& arguments, Console& console) {
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  const TriangleMesh surface = to_mesh(read_points(arguments.surface, &read));
+  console.warn(arguments.surface, read.warnings);
+  TriangleMesh reference;
+  if (!arguments.reference.empty()) {
+    reference = to_mesh(read_points(arguments.reference, &read));
+    console.warn(arguments.reference, read.warnings);
+  }
+
+  Json json;
+  json["surface"] = {{"file", arguments.surface}};
+  if (surface.triangles.empty()) {
+    console.say(fmt::format("{}: {} without faces", arguments.surface, counted(surface.vertices.size(), "point")));
+    json["surface"]["points"] = surface.vertices.size();
+  } else {
+    progress.begin("topology and quality");
+    const MeshTopology t = measure_topology(surface);
+    const MeshQuality q = measure_quality(surface);
+    console.say(
+        fmt::format("{}: {} vertices, {}", arguments.surface, grouped(t.vertices), counted(t.triangles, "triangle")));
+    console.say(fmt::format(
+        "{:<16}{}, {}, {}{}{}", "topology", t.closed() ? "closed" : "not closed",
+        t.manifold() ? "manifold"
+                     : fmt::format("not manifold ({}, {})", counted(t.nonmanifold_edges, "edge"),
+                                   t.nonmanifold_vertices == 1 ? std::string("1 vertex")
+                                                               : grouped(t.nonmanifold_vertices) + " vertices"),
+        counted(t.components, "component"), t.genus() ? fmt::format(", genus {}", *t.genus()) : "",
+        t.boundary_edges > 0
+            ? fmt::format(", {} in {}", counted(t.boundary_edges, "boundary edge"), counted(t.boundary_loops, "loop"))
+            : ""));
+    console.say(
+        fmt::format("{:<16}aspect ratio {:.3f} ± {:.3f} (worst {:.3g}), smallest angle {:.1f}° in the mean, "
+                    "{:.3f} % of triangles below 10°",
+                    "triangles", q.aspect_mean, q.aspect_deviation, q.aspect_max, q.smallest_angle_mean,
+                    100 * q.small_angle_share));
+    console.say(
+        fmt::format("{:<16}area {}{}", "size", length(q.area), t.closed() ? ", volume " + length(q.volume) : ""));
+    json["topology"] = to_json(t);
+    json["quality"] = to_json(q);
+  }
+  if (!arguments.reference.empty()) {
+    DistanceOptions options;
+    options.samples = arguments.samples;
+    progress.begin("distances", 2);
+    const SurfaceDistance d = measure_distance(surface, reference, options, progress);
+    say_distance("to reference", d.to_reference, d, console);
+    say_distance("from reference", d.from_reference, d, console);
+    console.say("(in brackets: % of the diagonal of the reference's bounding box)");
+    json["reference"] = {{"file", arguments.reference}, {"diagonal", d.diagonal}};
+    json["to_reference"] = to_json(d.to_reference);
+    json["from_reference"] = to_json(d.from_reference);
+  }
+  progress.finish();
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

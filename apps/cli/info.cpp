@@ -1,0 +1,118 @@
+// sansmesh info: what is in a file?
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+
+namespace sansmesh::cli {
+namespace {
+
+const char* normals_word(OrientationCheck check) {
+  switch (check) {
+    case OrientationCheck::missing:
+      return "none";
+    case OrientationCheck::oriented:
+      return "oriented outward";
+    case OrientationCheck::inward:
+      return "oriented inward";
+    case OrientationCheck::unoriented:
+      return "not oriented consistently";
+  }
+  return "";
+}
+
+const char* shape_word(CloudShape shape) {
+  switch (shape) {
+    case CloudShape::empty:
+      return "empty";
+    case CloudShape::point:
+      return "a point";
+    case CloudShape::line:
+      return "a line";
+    case CloudShape::plane:
+      return "a plane";
+    case CloudShape::volume:
+      return "a volume";
+  }
+  return "";
+}
+
+}  // namespace
+
+void run_info(const InfoArguments& arguments, Console& console) {
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  const PointSet points = read_points(arguments.input, &read);
+  console.warn(arguments.input, read.warnings);
+
+  progress.begin("measure");
+  const Box3f box = bounds(points);
+  const Vec3 lower = points.origin + Vec3(box.lower), upper = points.origin + Vec3(box.upper);
+  const std::size_t duplicates = points.size() - count_unique(points);
+  const CloudShape shape = classify_shape(points);
+  const double spacing = estimate_spacing(points), noise = estimate_noise(points);
+  const char* normals = normals_word(check_orientation(points));
+  const Vec3f size = box.size();
+
+  console.say(fmt::format("{}: {}", arguments.input, read.format));
+  console.say(fmt::format("{:<12}{}{}", "points", grouped(points.size()),
+                          duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(duplicates)) : ""));
+  console.say(fmt::format("{:<12}{} × {} × {}, from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "box",
+                          length(size[0]), length(size[1]), length(size[2]), lower[0], lower[1], lower[2], upper[0],
+                          upper[1], upper[2]));
+  console.say(fmt::format("{:<12}{}", "spans", shape_word(shape)));
+  console.say(fmt::format("{:<12}{}", "spacing", length(spacing)));
+  console.say(fmt::format("{:<12}{}", "noise", length(noise)));
+  console.say(fmt::format("{:<12}{}", "normals", normals));
+  std::string attributes;
+  const auto add = [&](bool present, const std::string& name) {
+    if (present) attributes += (attributes.empty() ? "" : ", ") + name;
+  };
+  add(points.has_colors(), "colours");
+  add(!points.confidence.empty(), "confidence");
+  add(!points.scanners.empty(), counted(points.scanners.size(), "scanner position"));
+  if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "besides", attributes));
+
+  nlohmann::ordered_json json;
+  json["file"] = arguments.input;
+  json["format"] = read.format;
+  json["points"] = points.size();
+  json["duplicates"] = duplicates;
+  json["lower"] = {lower[0], lower[1], lower[2]};
+  json["upper"] = {upper[0], upper[1], upper[2]};
+  json["spans"] = shape_word(shape);
+  json["spacing"] = spacing;
+  json["noise"] = noise;
+  json["normals"] = normals;
+  json["colors"] = points.has_colors();
+  json["confidence"] = !points.confidence.empty();
+  json["scanners"] = points.scanners.size();
+  json["triangles"] = points.triangles.size();
+  if (!points.triangles.empty()) {
+    const MeshTopology t = measure_topology(to_mesh(points));
+    console.say(fmt::format("{:<12}{}, {}, {}, {}{}", "faces", counted(t.triangles, "triangle"),
+                            t.closed() ? "closed" : "not closed", t.manifold() ? "manifold" : "not manifold",
+                            counted(t.components, "component"),
+                            t.genus() ? fmt::format(", genus {}", *t.genus()) : ""));
+    json["mesh"] = {{"closed", t.closed()},
+                    {"manifold", t.manifold()},
+                    {"boundary_edges", t.boundary_edges},
+                    {"components", t.components},
+                    {"genus", t.genus() ? nlohmann::ordered_json(*t.genus()) : nlohmann::ordered_json()}};
+  }
+  json["warnings"] = read.warnings;
+  progress.finish();
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,290 @@
+// The command line: what can be asked, what it means, and which exit code says what went wrong.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr int kFailed = 1;         // a file or its data
+constexpr int kUsage = 2;          // the command line
+constexpr int kInterrupted = 130;  // Ctrl-C, as shells have it
+
+constexpr const char* kReadable =
+    "Reads PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS, VTP and Stanford .conf files, gzipped or not.";
+
+constexpr const char* kExamples = R"(
+Examples:
+  sansmesh reconstruct scan.ply -o surface.ply
+  sansmesh reconstruct scan.ply -o surface.glb --preview surface.png
+  sansmesh evaluate surface.ply reference.ply
+  sansmesh COMMAND --help
+
+Lengths are in the unit of the input. What is not given is chosen from the data.
+Exit codes: 0 done, 1 a file or its data is at fault, 2 the command line is, 130 interrupted.)";
+
+ComponentChoice parse_components(const std::string& text) {
+  using Kind = ComponentChoice::Kind;
+  if (text == "auto") return {};
+  if (text == "all") return {.kind = Kind::all};
+  if (text == "largest") return {.kind = Kind::count, .count = 1};
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || end != text.data() + text.size() || count < 1)
+    throw ArgumentError("--components " + text + ": must be auto, all, largest or a number of at least 1");
+  return {.kind = Kind::count, .count = count};
+}
+
+/// Words for the values of an enumeration. Messages name the words, not the numbers behind them.
+template <class Enum>
+CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
+  return CLI::Validator(
+      [words = std::move(words)](std::string& text) {
+        std::string known;
+        for (const auto& [word, value] : words) {
+          if (text == word) {
+            text = std::to_string(static_cast<int>(value));
+            return std::string();
+          }
+          known += (known.empty() ? "" : ", ") + word;
+        }
+        return "must be one of " + known + ", not " + text;
+      },
+      "");
+}
+
+struct CommandLine {
+  ConsoleOptions console;
+  int threads = 0;
+  ReconstructArguments reconstruct;
+  std::string components = "auto";
+  bool smooth_only = false, no_colors = false, no_enhance = false;
+  NormalsArguments normals;
+  bool no_orient = false;
+  EvaluateArguments evaluate;
+  InfoArguments info;
+  RenderArguments render;
+  std::string view, background = "gradient";
+  bool flat = false, z_up = false;
+};
+
+void add_common(CLI::App& command, CommandLine& line) {
+  command.add_flag("--json", line.console.json, "Print the results as one JSON object")->group("Output");
+  command.add_flag("--verbose", line.console.verbose, "Print the time that each stage took")->group("Output");
+  command.add_flag("--quiet", line.console.quiet, "Print errors and nothing else")->group("Output");
+  command.add_option("--threads", line.threads, "Number of threads; results do not depend on it [all cores]")
+      ->check(CLI::Range(1, 1024).description(""))
+      ->type_name("COUNT")
+      ->group("Output");
+}
+
+CLI::App& add_command(CLI::App& app, const char* name, const std::string& what, CommandLine& line) {
+  CLI::App& command = *app.add_subcommand(name, what);
+  command.footer(kReadable);
+  add_common(command, line);
+  return command;
+}
+
+CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "reconstruct", "Points → closed triangle mesh", line);
+  ReconstructArguments& a = line.reconstruct;
+  ReconstructOptions& o = a.options;
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  c.add_option("--preview", a.preview, "Also draw the mesh into this PNG")->type_name("FILE");
+  c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
+  c.add_option("--components", line.components,
+               "Parts to keep: auto (from 1 % of the largest one's area), all, largest or a number [auto]")
+      ->type_name("CHOICE");
+  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near [no value: from data]")
+      ->type_name("LENGTH")
+      ->expected(0, 1)
+      ->default_str("0");
+  c.add_option("--faces", o.faces,
+               "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
+      ->transform(choices<ReconstructOptions::Faces>({{"auto", ReconstructOptions::Faces::automatic},
+                                                      {"ignore", ReconstructOptions::Faces::ignore},
+                                                      {"sample", ReconstructOptions::Faces::sample}}))
+      ->type_name("CHOICE");
+  c.add_option("--normals", o.normals,
+               "Use those given as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
+      ->transform(choices<ReconstructOptions::Normals>({{"auto", ReconstructOptions::Normals::automatic},
+                                                        {"given", ReconstructOptions::Normals::as_given},
+                                                        {"estimate", ReconstructOptions::Normals::estimate}}))
+      ->type_name("CHOICE");
+  c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
+  c.add_option("--mesh-error", o.mesh_error,
+               "Distance accepted between mesh and surface: larger is coarser [from data]")
+      ->type_name("LENGTH")
+      ->group("Mesh");
+  c.add_flag("--no-enhance", line.no_enhance, "Keep the triangles as they are cut, without enhancement")->group("Mesh");
+  c.add_flag("--no-colors", line.no_colors, "Leave out the samples' colours")->group("Mesh");
+  c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
+      ->type_name("LEVEL")
+      ->group("Fit");
+  c.add_option("--error", o.error, "Accepted rms distance of samples from the surface [estimated noise and spacing]")
+      ->type_name("LENGTH")
+      ->group("Fit");
+  c.add_option("--support", o.support, "Radius of a local fit over the radius of its block, 1.1..3 [1.5]")
+      ->type_name("RATIO")
+      ->group("Fit");
+  c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")
+      ->type_name("DEGREE")
+      ->group("Fit");
+  c.add_flag("--smooth", line.smooth_only, "Do not look for creases and corners")->group("Fit");
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
+           "  sansmesh reconstruct terrain.las -o terrain.ply --trim\n"
+           "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
+  return c;
+}
+
+CLI::App& add_normals(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "normals", "Points → points with oriented normals", line);
+  NormalsArguments& a = line.normals;
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
+  c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")
+      ->type_name("COUNT");
+  c.add_option("--method", a.options.method, "covariance (a plane) or jet (a quadric) [jet]")
+      ->transform(choices<NormalOptions::Method>(
+          {{"covariance", NormalOptions::Method::covariance}, {"jet", NormalOptions::Method::jet}}))
+      ->type_name("CHOICE");
+  c.add_option("--reweightings", a.options.reweightings,
+               "Rounds, 0..10, that silence samples off the fit: sharper at creases [0]")
+      ->type_name("COUNT");
+  c.add_flag("--keep", a.keep, "Keep the normals of the file and only orient them");
+  c.add_flag("--no-orient", line.no_orient, "Leave the signs as they come");
+  return c;
+}
+
+CLI::App& add_evaluate(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "evaluate", "Mesh → distances to a reference, topology, shape of triangles", line);
+  EvaluateArguments& a = line.evaluate;
+  c.add_option("mesh", a.surface, "Mesh or points")->type_name("FILE")->required();
+  c.add_option("reference", a.reference, "Mesh or points to compare with");
+  c.add_option("--samples", a.samples, "Samples on each mesh [300000]")
+      ->type_name("COUNT")
+      ->check(CLI::Range(1u, 2000000000u).description(""));
+  c.footer(
+      "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
+      "Where a side is a set of points, distances do not fall below half their spacing.");
+  return c;
+}
+
+CLI::App& add_info(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "info", "File → what is in it: points, box, spacing, noise, normals, faces", line);
+  c.add_option("input", line.info.input, "Points or mesh")->type_name("FILE")->required();
+  return c;
+}
+
+CLI::App& add_render(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "render", "Mesh or points → picture", line);
+  RenderArguments& a = line.render;
+  RenderOptions& o = a.options;
+  c.add_option("input", a.input, "Mesh or points")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png")->type_name("FILE")->required();
+  c.add_option("--width", o.width, "Pixels, 1..16384 [1280]")->type_name("PIXELS");
+  c.add_option("--height", o.height, "Pixels, 1..16384 [960]")->type_name("PIXELS");
+  c.add_option("--view", line.view, "front, back, left, right, top, bottom or iso")->type_name("NAME");
+  c.add_option("--azimuth", o.view.azimuth, "Degrees around the up axis; 0: the front [35]")->type_name("DEGREES");
+  c.add_option("--elevation", o.view.elevation, "Degrees above the horizon [20]")->type_name("DEGREES");
+  c.add_flag("--z-up", line.z_up, "The z axis points up, not y");
+  c.add_option("--background", line.background, "gradient, white, black or transparent [gradient]")
+      ->type_name("CHOICE")
+      ->check(CLI::IsMember({"gradient", "white", "black", "transparent"}).description(""));
+  c.add_flag("--flat", line.flat, "Show the triangles: no interpolated normals");
+  c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")->type_name("LENGTH");
+  return c;
+}
+
+void run(const CLI::App& app, CommandLine& line) {
+  if (line.threads > 0) set_thread_count(line.threads);
+  Console console(line.console);
+  if (app.got_subcommand("reconstruct")) {
+    ReconstructOptions& o = line.reconstruct.options;
+    o.components = parse_components(line.components);
+    o.sharp = !line.smooth_only;
+    o.carry_colors = !line.no_colors;
+    o.enhance = !line.no_enhance;
+    run_reconstruct(line.reconstruct, console);
+  } else if (app.got_subcommand("normals")) {
+    line.normals.orient = !line.no_orient;
+    run_normals(line.normals, console);
+  } else if (app.got_subcommand("evaluate")) {
+    run_evaluate(line.evaluate, console);
+  } else if (app.got_subcommand("info")) {
+    run_info(line.info, console);
+  } else {
+    RenderOptions& o = line.render.options;
+    if (!line.view.empty()) o.view = named_view(line.view);
+    if (line.z_up) o.up = UpAxis::z;
+    o.smooth = !line.flat;
+    using Background = RenderOptions::Background;
+    if (line.background == "transparent") o.background = Background::transparent;
+    if (line.background == "white" || line.background == "black") {
+      o.background = Background::solid;
+      o.background_color = line.background == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+    }
+    run_render(line.render, console);
+  }
+}
+
+int main(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app{"Surfaces straight from samples.", "sansmesh"};
+  app.footer(kExamples);
+  app.set_version_flag("--version", std::string("sansmesh ") + SANSMESH_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(28);
+  add_reconstruct(app, line);
+  add_normals(app, line);
+  add_evaluate(app, line);
+  add_info(app, line);
+  add_render(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    const bool none = app.get_subcommands().empty() && argc < 2;
+    if (none) {
+      fmt::print("{}", app.help());
+      return kUsage;
+    }
+    const auto chosen = app.get_subcommands();
+    print_error(fmt::format("{} (see sansmesh {}--help)", error.what(),
+                            chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    return kUsage;
+  }
+  try {
+    run(app, line);
+    return 0;
+  } catch (const Cancelled&) {
+    print_error("interrupted, nothing was written");
+    return kInterrupted;
+  } catch (const ArgumentError& error) {
+    print_error(error.what());
+    return kUsage;
+  } catch (const std::bad_alloc&) {
+    print_error("not enough memory");
+  } catch (const std::exception& error) {
+    print_error(error.what());
+  }
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace sansmesh::cli
+
+int main(int argc, char** argv) { return sansmesh::cli::main(argc, argv); }

@@ -1,0 +1,67 @@
+// sansmesh normals: estimate and orient the normals of a cloud.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/spacing.h"
+
+namespace sansmesh::cli {
+
+void run_normals(const NormalsArguments& arguments, Console& console) {
+  arguments.options.validate();
+  check_writable(arguments.output, "points");
+
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  PointSet points = read_points(arguments.input, &read);
+  console.warn(arguments.input, read.warnings);
+  if (arguments.keep && !points.has_normals())
+    throw FileError(arguments.input, "holds no normals to keep; leave out --keep to estimate them");
+  if (count_unique(points) < 3)
+    throw FileError(arguments.input, "holds fewer than 3 different points: normals need neighbours");
+
+  progress.begin("spacing and noise");
+  NormalOptions options = arguments.options;
+  options.spacing = estimate_spacing(points);
+  options.noise = estimate_noise(points);
+  const int neighbours = options.neighbours.value_or(choose_neighbours(*options.spacing, *options.noise));
+  if (!arguments.keep) estimate_normals(points, options, progress);
+  if (arguments.orient) {
+    OrientationOptions orientation;
+    orientation.noise = options.noise;
+    orient_normals(points, orientation, progress);
+  }
+  progress.begin("write");
+  write_points(arguments.output, points, {.ascii = arguments.ascii});
+  progress.finish();
+
+  const auto unknown = static_cast<std::size_t>(std::count(points.normals.begin(), points.normals.end(), Vec3f{}));
+  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input, counted(points.size(), "point"),
+                          length(*options.spacing), length(*options.noise), read.format));
+  console.say(fmt::format("{}: normals {}{}{}", arguments.output,
+                          arguments.keep ? "of the file" : fmt::format("from {} neighbours", neighbours),
+                          arguments.orient ? ", oriented" : ", signs left as they are",
+                          unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
+  if (console.options().json) {
+    nlohmann::ordered_json json;
+    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", points.size()}};
+    json["output"] = {{"file", arguments.output}};
+    json["spacing"] = *options.spacing;
+    json["noise"] = *options.noise;
+    json["neighbours"] = arguments.keep ? nlohmann::ordered_json() : nlohmann::ordered_json(neighbours);
+    json["oriented"] = arguments.orient;
+    json["unknown"] = unknown;
+    json["warnings"] = read.warnings;
+    console.say_json(json.dump(2));
+  }
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

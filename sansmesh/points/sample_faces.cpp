@@ -1,0 +1,106 @@
+#include "sansmesh/points/sample_faces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kEnoughVertices = 1000;
+constexpr double kLongEdge = 5;        // in spacings of the vertices
+constexpr double kSparseShare = 0.05;  // of the area may lie in triangles with such edges
+
+/// Uniform in [0, 1) from a counter (the finaliser of SplitMix64): any sample can be made without those before it.
+double uniform(std::uint64_t counter) {
+  std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15u;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/// The normal times twice the area; zero for triangles that are none.
+Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
+  const std::size_t n = vertices.size();
+  if (t[0] >= n || t[1] >= n || t[2] >= n) return {};
+  const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
+  const Vec3 area = cross(b - a, c - a);
+  return is_finite(area) ? area : Vec3{};
+}
+
+}  // namespace
+
+std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                                         std::size_t count) {
+  std::vector<double> area(triangles.size());  // summed up to and including each
+  double total = 0;
+  for (std::size_t i = 0; i < area.size(); ++i) area[i] = total += norm(doubled_area(vertices, triangles[i]));
+  if (!(total > 0)) return {};
+  std::vector<FaceSample> samples(count);
+  parallel_for(0, count, 2048, [&](std::size_t i) {
+    const double at = (static_cast<double>(i) + uniform(3 * i)) / static_cast<double>(count) * total;
+    auto found = std::upper_bound(area.begin(), area.end(), at);
+    if (found == area.end()) found = std::lower_bound(area.begin(), area.end(), total);  // rounding beyond the end
+    const auto index = static_cast<std::size_t>(found - area.begin());
+    const Triangle& t = triangles[index];
+    double u = uniform(3 * i + 1), v = uniform(3 * i + 2);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
+    samples[i] = {a + (b - a) * u + (c - a) * v, Vec3f(normalized(cross(b - a, c - a))),
+                  static_cast<std::uint32_t>(index), static_cast<float>(u), static_cast<float>(v)};
+  });
+  return samples;
+}
+
+bool vertices_suffice(const PointSet& mesh) {
+  if (mesh.size() < kEnoughVertices) return false;
+  double total = 0;
+  for (const Triangle& t : mesh.triangles) total += norm(doubled_area(mesh.positions, t));
+  const double limit = kLongEdge * std::sqrt(0.5 * total / static_cast<double>(mesh.size()));
+  double sparse = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const double area = norm(doubled_area(mesh.positions, t));
+    if (!(area > 0)) continue;
+    const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    if (std::max({norm(b - a), norm(c - b), norm(a - c)}) > limit) sparse += area;
+  }
+  return sparse <= kSparseShare * total;
+}
+
+PointSet sample_faces(const PointSet& mesh, std::size_t count) {
+  const std::vector<FaceSample> samples = sample_triangles(mesh.positions, mesh.triangles, count);
+  PointSet cloud;
+  cloud.origin = mesh.origin;
+  cloud.positions.resize(samples.size());
+  cloud.normals.resize(samples.size());
+  if (mesh.has_colors()) cloud.colors.resize(samples.size());
+  parallel_for(0, samples.size(), 8192, [&](std::size_t i) {
+    const FaceSample& s = samples[i];
+    cloud.positions[i] = Vec3f(s.position);
+    cloud.normals[i] = s.normal;
+    if (!mesh.has_colors()) return;
+    const Triangle& t = mesh.triangles[s.triangle];
+    for (std::size_t k = 0; k < 3; ++k)
+      cloud.colors[i][k] = static_cast<std::uint8_t>((1 - s.u - s.v) * static_cast<float>(mesh.colors[t[0]][k]) +
+                                                     s.u * static_cast<float>(mesh.colors[t[1]][k]) +
+                                                     s.v * static_cast<float>(mesh.colors[t[2]][k]) + 0.5f);
+  });
+  return cloud;
+}
+
+void set_normals_from_faces(PointSet& mesh) {
+  std::vector<Vec3> sums(mesh.size());
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 area = doubled_area(mesh.positions, t);
+    if (area == Vec3{}) continue;
+    for (const std::uint32_t v : t) sums[v] = sums[v] + area;
+  }
+  mesh.normals.resize(mesh.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double length = norm(sums[i]);
+    mesh.normals[i] = length > 0 ? Vec3f(sums[i] / length) : Vec3f{};
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,39 @@
+// Samples of the faces of a mesh or polygon soup: where vertices alone do not describe a surface, its faces do.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// A place on a triangle (a, b, c): (1 − u − v) a + u b + v c.
+struct FaceSample {
+  Vec3 position;
+  Vec3f normal;  ///< unit, of the triangle
+  std::uint32_t triangle = 0;
+  float u = 0, v = 0;
+};
+
+/// `count` samples spread evenly over the area of the triangles: it is cut into equal parts in their order, with one
+/// sample at random in each, so that neighbouring samples are neighbours in space too. Placed by a fixed rule: the same
+/// on every run, for any number of threads. Triangles with a corner that does not exist or is not finite, and such
+/// without area, get none; empty where all are such.
+std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
+                                         std::size_t count);
+
+/// Whether the vertices are samples enough: at least 1000, and nearly all of the area in triangles whose edges are not
+/// long against the mean spacing of the vertices. True of meshed scans, not of CAD models and polygon soups.
+bool vertices_suffice(const PointSet& mesh);
+
+/// A cloud of `count` samples of the faces with the normals of the faces, and colours where the mesh has some.
+PointSet sample_faces(const PointSet& mesh, std::size_t count);
+
+/// Replaces the normals by the area-weighted means of those of the faces around each vertex; zero without faces.
+void set_normals_from_faces(PointSet& mesh);
+
+}  // namespace sansmesh
