@@ -61,8 +61,7 @@ PointSet read_conf(const Input& in) {
     Scan& scan = scans[s];
     const std::filesystem::path path = folder / scan.file;
     try {
-      if (lower(path.extension().string()) == ".conf")
-        throw FileError(path.string(), "an alignment inside an alignment");
+      if (ending(path.string()) == "conf") throw FileError(path.string(), "an alignment inside an alignment");
       scan.points = read_points(path.string(), &scan.report);
     } catch (const FileError& e) {
       scan.error = e.what();
@@ -96,11 +95,9 @@ PointSet read_conf(const Input& in) {
       box.extend(moved);
       if (normals) all.normals[first + i] = Vec3f(scan.rotate(Vec3(p.normals[i])));
       all.scan_of_point[first + i] = static_cast<std::uint16_t>(s);
-      const std::uint32_t shift = static_cast<std::uint32_t>(first);
-      if (i == 0) {
-        for (const auto& t : p.triangles) all.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
-      }
     }
+    const std::uint32_t shift = static_cast<std::uint32_t>(first);
+    for (const auto& t : p.triangles) all.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
     if (colors) all.colors.insert(all.colors.end(), p.colors.begin(), p.colors.end());
     if (confidence) all.confidence.insert(all.confidence.end(), p.confidence.begin(), p.confidence.end());
     // Range scanners of this kind look along the z axis of their scan; far away, the rays are parallel.

@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include <cstring>
+#include <filesystem>
 
 namespace sansmesh::io {
 namespace {
@@ -49,7 +50,6 @@ std::vector<char> read_stream(const std::string& file, int fd) {
 
 FileContent::FileContent(const std::string& file) {
   if (file.empty()) throw FileError("(no name)", "the name of the file is empty");
-  // Non-blocking: opening a pipe that nobody writes to must not hang here.
   Descriptor d{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
   if (d.fd < 0) {
     if (errno == ENOENT || errno == ENOTDIR) throw FileError(file, "no such file");
@@ -149,8 +149,12 @@ void Input::fail_truncated(std::uint64_t missing_bytes, bool at_least) const {
 }
 
 std::string grouped(std::uint64_t n) {
-  std::string s = std::to_string(n);
-  for (int i = static_cast<int>(s.size()) - 3; i > 0; i -= 3) s.insert(static_cast<std::size_t>(i), ",");
+  const std::string digits = std::to_string(n);
+  std::string s;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) s += ',';
+    s += digits[i];
+  }
   return s;
 }
 
@@ -158,6 +162,13 @@ std::string lower(std::string_view s) {
   std::string r(s);
   for (char& c : r) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return r;
+}
+
+std::string ending(const std::string& file) {
+  std::string name = lower(std::filesystem::path(file).filename().string());
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::size_t dot = name.rfind('.');
+  return dot == std::string::npos ? std::string() : name.substr(dot + 1);
 }
 
 Vec3 choose_origin(const Box3& box) {

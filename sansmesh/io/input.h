@@ -55,6 +55,9 @@ std::string grouped(std::uint64_t n);
 /// Lower-case copy (ASCII).
 std::string lower(std::string_view s);
 
+/// The ending of a name in lower case without the dot, and without a final ".gz": "a/B.PLY.gz" → "ply".
+std::string ending(const std::string& file);
+
 /// Inflates zlib or gzip data to at most `limit` bytes; returns what came out and whether the stream was whole.
 /// Throws FileError on damaged data.
 struct Inflated {

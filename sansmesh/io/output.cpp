@@ -125,13 +125,6 @@ void write_bytes(const std::string& file, const std::vector<std::string>& parts)
 
 }  // namespace
 
-std::string ending(const std::string& file) {
-  std::string name = lower(std::filesystem::path(file).filename().string());
-  if (name.size() > 3 && name.ends_with(".gz")) name.resize(name.size() - 3);
-  const std::size_t dot = name.rfind('.');
-  return dot == std::string::npos ? std::string() : name.substr(dot + 1);
-}
-
 void write_whole(const std::string& file, const std::vector<std::string>& parts) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
   if (lower(file).ends_with(".gz")) return write_bytes(file, gzip(file, parts));

@@ -18,9 +18,6 @@ namespace sansmesh::io {
 /// same folder first, which then takes the name. Throws FileError, leaving whatever had the name untouched.
 void write_whole(const std::string& file, const std::vector<std::string>& parts);
 
-/// The ending of a name in lower case without the dot, and without a final ".gz": "a/B.PLY.gz" → "ply".
-std::string ending(const std::string& file);
-
 /// Bytes that `row(i, p)` appends at p (returning the new end, at most `most` bytes further), for i in [0, n),
 /// formatted in parallel and in order.
 template <class Row>

@@ -92,7 +92,7 @@ Header parse_header(const Input& in) {
         return w.size() == 1;
       });
     } else if (key == "COUNT") {
-      each([&](Field& f) { return words.number(f.count) && f.count <= 100000; });
+      each([&](Field& f) { return words.number(f.count) && f.count >= 1 && f.count <= 100000; });
     } else if (key == "WIDTH") {
       if (!words.number(h.width)) bad();
     } else if (key == "HEIGHT") {

@@ -2,6 +2,8 @@
 // and triangle strips become triangles; every other element is stepped over.
 #include <fmt/core.h>
 
+#include <functional>
+
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/face_sink.h"
 #include "sansmesh/io/text_scanner.h"
@@ -193,14 +195,15 @@ std::size_t uniform_record(const Element& e, std::string_view body, bool swap, s
       const char* const place = base + offsets[k] - size_of(q.count_type);
       using Count = typename decltype(at)::Value;
       const Count wanted = static_cast<Count>(counts[k]);
-      return parallel_reduce(
-          static_cast<std::size_t>(e.count), 1 << 16, true,
+      const std::size_t others = parallel_reduce(
+          static_cast<std::size_t>(e.count), 1 << 16, std::size_t{0},
           [&](std::size_t first, std::size_t last) {
-            bool all = true;
-            for (std::size_t i = first; i < last; ++i) all &= at(place + i * stride) == wanted;
-            return all;
+            std::size_t different = 0;
+            for (std::size_t i = first; i < last; ++i) different += at(place + i * stride) != wanted;
+            return different;
           },
-          [](bool a, bool b) { return a && b; });
+          std::plus<>());
+      return others == 0;
     });
     if (!same) return 0;
   }
@@ -312,24 +315,23 @@ bool read_rows(TextScanner& text, std::size_t n, std::size_t width, std::vector<
   }
   starts.push_back(p);
   table.resize(n * width);
-  const bool good = parallel_reduce(
-      starts.size() - 1, 1, true,
-      [&](std::size_t c, std::size_t) {
-        TextScanner lines({starts[c], static_cast<std::size_t>(starts[c + 1] - starts[c])});
-        const std::size_t last = std::min(n, (c + 1) * chunk);
-        for (std::size_t i = c * chunk; i < last; ++i) {
-          TextScanner line(lines.line());
-          for (std::size_t k = 0; k < width; ++k) {
-            if (!line.number(table[i * width + k])) return false;
-          }
-          line.skip_blanks();
-          if (!line.at_end()) return false;
-        }
-        return true;
-      },
-      [](bool a, bool b) { return a && b; });
-  if (good) text = TextScanner({p, static_cast<std::size_t>(end - p)});
-  return good;
+  std::vector<char> good(starts.size() - 1, 0);
+  parallel_for(0, good.size(), 1, [&](std::size_t c) {
+    TextScanner lines({starts[c], static_cast<std::size_t>(starts[c + 1] - starts[c])});
+    const std::size_t last = std::min(n, (c + 1) * chunk);
+    for (std::size_t i = c * chunk; i < last; ++i) {
+      TextScanner line(lines.line());
+      for (std::size_t k = 0; k < width; ++k) {
+        if (!line.number(table[i * width + k])) return;
+      }
+      line.skip_blanks();
+      if (!line.at_end()) return;
+    }
+    good[c] = 1;
+  });
+  if (std::find(good.begin(), good.end(), 0) != good.end()) return false;
+  text = TextScanner({p, static_cast<std::size_t>(end - p)});
+  return true;
 }
 
 void read_ascii_element(const Input& in, const Element& e, TextScanner& text, PointSet& points) {
@@ -416,6 +418,9 @@ PointSet read_ply(const Input& in) {
   const auto vertex =
       std::find_if(header.elements.begin(), header.elements.end(), [](const Element& e) { return e.name == "vertex"; });
   if (vertex == header.elements.end() || vertex->count == 0) in.fail("holds no points");
+  if (std::any_of(vertex + 1, header.elements.end(), [](const Element& e) { return e.name == "vertex"; })) {
+    in.fail("malformed PLY header: more than one vertex element");
+  }
 
   PointSet points;
   if (header.encoding == Encoding::ascii) {

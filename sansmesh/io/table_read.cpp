@@ -222,7 +222,7 @@ PointSet read_table(const Input& in) {
     }
     if (values.size() == columns) sample.push_back(std::move(values));
   }
-  const std::string extension = lower(in.file.substr(in.file.find_last_of('.') + 1));
+  const std::string extension = ending(in.file);
   const bool normals_by_ending = columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
   const Meaning meaning = names ? *names : meaning_of_values(sample, normals_by_ending);
 

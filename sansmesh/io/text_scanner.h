@@ -68,7 +68,8 @@ class TextScanner {
   static bool overflowed(const char* start, const char* stop) {
     const std::string_view s(start, static_cast<std::size_t>(stop - start));
     const std::size_t e = s.find_first_of("eE");
-    return e == std::string_view::npos ? s.front() != '0' : s.substr(e + 1).find('-') == std::string_view::npos;
+    return e == std::string_view::npos ? s.find_first_not_of("-0") != s.find('.')
+                                       : s.substr(e + 1).find('-') == std::string_view::npos;
   }
 
   const char* p_;

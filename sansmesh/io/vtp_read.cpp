@@ -133,6 +133,7 @@ class VtpReader {
     find_appended();
     Xml xml(in_);
     bool is_polydata = false;
+    bool ended = false;
     std::string_view section;
     while (auto tag = xml.next()) {
       if (tag->name == "VTKFile") {
@@ -150,6 +151,7 @@ class VtpReader {
       } else if (tag->name == "/Piece") {
         add_piece();
       } else if (tag->name == "AppendedData" || tag->name == "/VTKFile") {
+        ended = true;
         break;
       } else if (tag->name == "PointData") {
         section = tag->closed ? std::string_view() : tag->name;
@@ -165,6 +167,7 @@ class VtpReader {
       }
     }
     if (!is_polydata) in_.fail("is not a VTK XML file");
+    if (!ended) in_.fail("truncated: the XML ends before </VTKFile>");
     if (pieces_.empty()) in_.fail("holds no points");
     return assemble();
   }
@@ -277,14 +280,12 @@ class VtpReader {
   std::size_t base64_extent(std::string_view text) const {
     const std::size_t size = wide_header_ ? 8 : 4;
     const auto encoded = [](std::uint64_t bytes) { return (bytes + 2) / 3 * 4; };
-    const auto decoded = [&](std::size_t bytes) {
-      const std::vector<char> all = decode_base64(text.substr(0, encoded(bytes)));
-      return all;
-    };
+    const auto decoded = [&](std::size_t bytes) { return decode_base64(text.substr(0, encoded(bytes))); };
     const std::vector<char> first = decoded(size);
     const std::uint64_t value = header_value({first.data(), first.size()}, 0);
     if (value > text.size()) return text.size();
-    if (compressor_.empty()) return encoded(size + value);
+    // Some writers encode header and data together, some one by one, which takes a little more.
+    if (compressor_.empty()) return encoded(size) + encoded(value);
     const std::size_t header = size * (3 + static_cast<std::size_t>(value));
     const std::vector<char> sizes = decoded(header);
     std::uint64_t packed = 0;
@@ -309,19 +310,18 @@ class VtpReader {
     if (blocks > data.size() / size || block > (std::uint64_t{1} << 32) || partial > block) {
       in_.fail("truncated or damaged: an array announces more blocks than the file holds");
     }
-    const std::uint64_t total = (blocks - (partial > 0)) * block + partial;
-    if (total / 1100 > data.size()) in_.fail("damaged compressed data (announces more than it can hold)");
-    array.bytes.resize(total);
-    std::size_t at = size * (3 + static_cast<std::size_t>(blocks)), done = 0;
+    std::size_t at = size * (3 + static_cast<std::size_t>(blocks));
     for (std::uint64_t b = 0; b < blocks; ++b) {
       const std::uint64_t packed = header_value(data, 3 + static_cast<std::size_t>(b));
       if (at > data.size() || packed > data.size() - at) in_.fail("truncated: ends inside the blocks of an array");
       const std::size_t wanted = static_cast<std::size_t>(b + 1 == blocks && partial > 0 ? partial : block);
+      // Deflate cannot expand further than 1032:1.
+      if (wanted / 1032 > packed) in_.fail("damaged compressed data (announces more than it can hold)");
       const Inflated out =
           inflate_bytes(in_.file, data.substr(at, static_cast<std::size_t>(packed)), wanted + 1, wanted + 1);
       if (!out.complete || out.bytes.size() != wanted) in_.fail("damaged compressed data (a block has another size)");
-      std::copy(out.bytes.begin(), out.bytes.end(), array.bytes.begin() + static_cast<std::ptrdiff_t>(done));
-      at += static_cast<std::size_t>(packed), done += wanted;
+      array.bytes.insert(array.bytes.end(), out.bytes.begin(), out.bytes.end());
+      at += static_cast<std::size_t>(packed);
     }
   }
 
@@ -353,8 +353,8 @@ class VtpReader {
             Vec3f(Vec3{p.normals->column(0)[i], p.normals->column(1)[i], p.normals->column(2)[i]}));
       }
       for (std::size_t i = 0; colors && i < n; ++i) {
-        const char* c = p.colors->bytes.data() + i * p.colors->components;
-        points.colors.push_back({load<std::uint8_t>(c), load<std::uint8_t>(c + 1), load<std::uint8_t>(c + 2)});
+        const auto byte = [&](std::size_t k) { return to_byte(p.colors->column(k)[i], 1); };
+        points.colors.push_back({byte(0), byte(1), byte(2)});
       }
       add_cells(p.poly_connectivity, p.poly_offsets, first, n, [&](auto corners) { sink.add_polygon(corners); });
       add_cells(p.strip_connectivity, p.strip_offsets, first, n, [&](auto corners) { sink.add_strip(corners); });

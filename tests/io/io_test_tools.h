@@ -13,6 +13,7 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/io/io.h"
 
 namespace sansmesh::test {
