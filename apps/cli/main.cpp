@@ -257,14 +257,15 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    const bool none = app.get_subcommands().empty() && argc < 2;
-    if (none) {
-      fmt::print("{}", app.help());
-      return kUsage;
-    }
     const auto chosen = app.get_subcommands();
-    print_error(fmt::format("{} (see sansmesh {}--help)", error.what(),
-                            chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    if (argc < 2) {
+      fmt::print("{}", app.help());
+    } else if (chosen.empty() && argv[1][0] != '-') {
+      print_error(fmt::format("unknown command '{}' (see sansmesh --help)", argv[1]));
+    } else {
+      print_error(fmt::format("{} (see sansmesh {}--help)", error.what(),
+                              chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    }
     return kUsage;
   }
   try {

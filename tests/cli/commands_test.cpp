@@ -1,0 +1,194 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "run_tool.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kOwl = std::string(SANSMESH_SOURCE_DIR) + "/examples/data/owl.vtp";
+
+class Commands : public ToolTest {
+ protected:
+  void write_sphere(const std::string& name, std::size_t n, bool normals = true) const {
+    PointSet cloud = sphere(n);
+    if (!normals) cloud.normals.clear();
+    write_points(path(name), cloud);
+  }
+};
+
+TEST_F(Commands, HelpTeaches) {
+  for (const char* command : {"reconstruct", "normals", "evaluate", "info", "render"}) {
+    const Outcome all = run({"--help"}), one = run({command, "--help"});
+    EXPECT_EQ(all.code, 0);
+    EXPECT_NE(all.out.find(command), std::string::npos);
+    EXPECT_EQ(one.code, 0);
+    EXPECT_NE(one.out.find("--threads"), std::string::npos);
+  }
+  EXPECT_EQ(run({"--version"}).out.find("sansmesh "), 0u);
+  EXPECT_EQ(run({}).code, 2);
+}
+
+TEST_F(Commands, ReconstructsTheBundledScan) {
+  const Outcome outcome = run({"reconstruct", kOwl, "-o", "owl.ply", "--preview", "owl.png", "--verbose"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("12,442 points"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find("s CPU"), std::string::npos) << "--verbose tells the time of each stage";
+  const TriangleMesh mesh = read_mesh(path("owl.ply"));
+  const MeshTopology topology = measure_topology(mesh);
+  EXPECT_TRUE(topology.closed());
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.genus(), 0);
+  EXPECT_EQ(mesh.normals.size(), mesh.vertices.size());
+  EXPECT_EQ(slurp(path("owl.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(listing(), (std::vector<std::string>{"owl.ply", "owl.png"}));
+
+  const Outcome judged = run({"evaluate", "owl.ply", kOwl, "--json"});
+  ASSERT_EQ(judged.code, 0) << judged.err;
+  const Json json = Json::parse(judged.out);
+  EXPECT_TRUE(json["topology"]["closed"]);
+  EXPECT_LT(json["from_reference"]["mean"].get<double>(), 4e-4 * json["reference"]["diagonal"].get<double>());
+  EXPECT_LT(json["quality"]["aspect_mean"].get<double>(), 1.7);
+}
+
+TEST_F(Commands, OutputDoesNotDependOnThreads) {
+  std::string first;
+  for (const char* threads : {"1", "2", "8"}) {
+    const Outcome outcome = run({"reconstruct", kOwl, "-o", "out.ply", "--threads", threads});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string bytes = slurp(path("out.ply"));
+    if (first.empty()) first = bytes;
+    EXPECT_EQ(bytes, first) << threads << " threads";
+  }
+}
+
+TEST_F(Commands, JsonIsAllThatIsPrinted) {
+  write_sphere("in.ply", 3000);
+  const Outcome outcome = run({"reconstruct", "in.ply", "-o", "out.obj", "--json", "--quality"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["input"]["points"], 3000);
+  EXPECT_EQ(json["output"]["triangles"].get<std::size_t>(), read_mesh(path("out.obj")).triangles.size());
+  EXPECT_EQ(json["output"]["components"], 1);
+  EXPECT_TRUE(json["output"]["closed"]);
+  EXPECT_GT(json["aspect_ratio"]["mean_before"].get<double>(), json["aspect_ratio"]["mean"].get<double>());
+  EXPECT_GT(json["stages"].size(), 5u);
+  EXPECT_NEAR(json["spacing"].get<double>(), std::sqrt(4 * std::numbers::pi / 3000), 0.02);
+  EXPECT_EQ(run({"reconstruct", "in.ply", "-o", "out.obj", "--quiet"}).out, "");
+}
+
+TEST_F(Commands, WritesEveryFormat) {
+  write_sphere("in.ply", 2000);
+  for (const char* ending : {"ply", "obj", "stl", "off", "ply.gz"}) {
+    const std::string file = std::string("out.") + ending;
+    ASSERT_EQ(run({"reconstruct", "in.ply", "-o", file}).code, 0) << file;
+    EXPECT_GT(read_mesh(path(file)).triangles.size(), 500u) << file;
+  }
+  ASSERT_EQ(run({"reconstruct", "in.ply", "-o", "out.glb"}).code, 0);
+  EXPECT_EQ(slurp(path("out.glb")).substr(0, 4), "glTF");
+  ASSERT_EQ(run({"reconstruct", "in.ply", "-o", "text.ply", "--ascii"}).code, 0);
+  EXPECT_NE(slurp(path("text.ply")).find("format ascii"), std::string::npos);
+}
+
+TEST_F(Commands, TrimOpensWhatHasNoData) {
+  PointSet bowl = sphere(6000);
+  std::vector<Vec3f> positions, normals;
+  for (std::size_t i = 0; i < bowl.size(); ++i)
+    if (bowl.positions[i][2] < 0.3f) positions.push_back(bowl.positions[i]), normals.push_back(bowl.normals[i]);
+  bowl.positions = positions, bowl.normals = normals;
+  write_points(path("bowl.ply"), bowl);
+  ASSERT_EQ(run({"reconstruct", "bowl.ply", "-o", "closed.ply"}).code, 0);
+  EXPECT_TRUE(measure_topology(read_mesh(path("closed.ply"))).closed());
+  ASSERT_EQ(run({"reconstruct", "bowl.ply", "-o", "open.ply", "--trim"}).code, 0);
+  const TriangleMesh open = read_mesh(path("open.ply"));
+  const MeshTopology topology = measure_topology(open);
+  EXPECT_EQ(topology.boundary_loops, 1u);
+  EXPECT_TRUE(topology.manifold());
+  for (const Vec3f& v : open.vertices) EXPECT_LT(v[2], 0.6f);
+}
+
+TEST_F(Commands, ComponentsAreChosen) {
+  PointSet cloud = sphere(4000);
+  const PointSet other = sphere(1000);
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    cloud.positions.push_back(other.positions[i] * 0.5f + Vec3f{4, 0, 0});
+    cloud.normals.push_back(other.normals[i]);
+  }
+  write_points(path("two.ply"), cloud);
+  for (const auto& [choice, expected] : {std::pair{"auto", 2u}, {"all", 2u}, {"largest", 1u}, {"1", 1u}, {"2", 2u}}) {
+    ASSERT_EQ(run({"reconstruct", "two.ply", "-o", "out.ply", "--components", choice}).code, 0);
+    EXPECT_EQ(measure_topology(read_mesh(path("out.ply"))).components, expected) << choice;
+  }
+}
+
+TEST_F(Commands, NormalsPointOutward) {
+  write_sphere("bare.ply", 5000, false);
+  const Outcome outcome = run({"normals", "bare.ply", "-o", "with.ply", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["unknown"], 0);
+  const PointSet cloud = read_points(path("with.ply"));
+  ASSERT_EQ(cloud.normals.size(), 5000u);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    ASSERT_GT(dot(cloud.normals[i], normalized(cloud.positions[i])), 0.99f);
+  EXPECT_EQ(run({"normals", "bare.ply", "-o", "with.ply", "--keep"}).code, 1) << "there are none to keep";
+}
+
+TEST_F(Commands, UnorientedNormalsAreTurnedWithAWarning) {
+  PointSet cloud = sphere(5000);
+  for (std::size_t i = 0; i < cloud.size(); i += 2) cloud.normals[i] = -cloud.normals[i];
+  write_points(path("mixed.ply"), cloud);
+  const Outcome outcome = run({"reconstruct", "mixed.ply", "-o", "out.ply"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("warning: mixed.ply: "), std::string::npos) << outcome.err;
+  EXPECT_EQ(measure_topology(read_mesh(path("out.ply"))).euler, 2);
+}
+
+TEST_F(Commands, FacesOfASoupAreSampled) {
+  write("cube.off",
+        "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
+        "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n");
+  const Outcome outcome = run({"reconstruct", "cube.off", "-o", "out.ply"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("faces were sampled"), std::string::npos) << outcome.err;
+  const Json json = Json::parse(run({"evaluate", "out.ply", "cube.off", "--json"}).out);
+  EXPECT_TRUE(json["topology"]["closed"]);
+  EXPECT_EQ(json["topology"]["genus"], 0);
+  EXPECT_LT(json["to_reference"]["mean"].get<double>(), 2e-4);
+  EXPECT_NEAR(json["quality"]["volume"].get<double>(), 1, 2e-3);
+}
+
+TEST_F(Commands, InfoDescribes) {
+  write_sphere("in.ply", 3000);
+  const Outcome outcome = run({"info", "in.ply", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["points"], 3000);
+  EXPECT_EQ(json["normals"], "oriented outward");
+  EXPECT_NEAR(json["upper"][2].get<double>(), 1, 1e-3);
+  EXPECT_EQ(run({"info", "nothing.ply"}).code, 1);
+}
+
+TEST_F(Commands, RenderDraws) {
+  write_sphere("in.ply", 3000);
+  const Outcome outcome =
+      run({"render", "in.ply", "-o", "in.png", "--width", "200", "--height", "100", "--view", "top"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_GT(std::filesystem::file_size(path("in.png")), 1000u);
+}
+
+TEST_F(Commands, InterruptLeavesNothing) {
+  write_sphere("large.ply", 600000);
+  const auto before = listing();
+  const Outcome outcome = run({"reconstruct", "large.ply", "-o", "out.ply", "--threads", "1"}, SIGINT, 400);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
+  EXPECT_EQ(listing(), before);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
