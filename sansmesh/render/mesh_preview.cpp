@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -13,19 +14,23 @@
 namespace sansmesh {
 namespace {
 
-constexpr int kTile = 32;
+constexpr int kTile = 64;
+constexpr int kSmooth = 2;               // pixels to each side
 constexpr double kMargin = 0.1;          // share of the picture's half left free around the subject
 constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
 
 // Light in front of a white card: 1 is white in the picture.
-const Vec3f kKey{0.74f, 0.70f, 0.65f}, kFill{0.07f, 0.09f, 0.12f};
-const Vec3f kSkyHigh{0.62f, 0.66f, 0.72f}, kSkyLow{0.16f, 0.15f, 0.14f};
+const Vec3f kKey{1.02f, 0.96f, 0.87f}, kFill{0.09f, 0.10f, 0.12f};
+const Vec3f kSkyHigh{0.52f, 0.55f, 0.60f}, kSkyLow{0.16f, 0.14f, 0.12f};
 constexpr float kBounce = 0.22f;  // light that what blocks the sky sends instead
 
 Vec3f product(const Vec3f& a, const Vec3f& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + (b - a) * t; }
-float fraction(float x) { return x - std::floor(x); }
+
+struct Spot {
+  float x = 0, y = 0;
+};
 
 /// Linear light → byte of sRGB; highlights roll off instead of clipping.
 std::uint8_t srgb_byte(float c) {
@@ -39,43 +44,66 @@ float shoulder(float c) {
   return c <= kKnee ? c : kKnee + kRoom * (1 - std::exp((kKnee - c) / kRoom));
 }
 
-/// Points of the unit square, evenly spread from any index on: the additive recurrence by the plastic number (Roberts
-/// 2018), started elsewhere in each pixel so that the error is fine grain, not bands.
-struct Pattern {
-  float u0 = 0, v0 = 0;
-  Pattern(int x, int y) {
-    const auto fx = static_cast<float>(x % 4096), fy = static_cast<float>(y % 4096);
-    u0 = fraction(52.9829189f * fraction(0.06711056f * fx + 0.00583715f * fy));
-    v0 = fraction(52.9829189f * fraction(0.00583715f * fx + 0.06711056f * fy + 0.37f));
+/// Points of the unit disc, evenly spread from any one on: the additive recurrence by the plastic number (Roberts 2018).
+std::vector<Spot> spread_over_disc(int count) {
+  std::vector<Spot> spots;
+  for (int i = 0; i < count; ++i) {
+    const double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0), v = std::fmod(0.5 + 0.5698402909980532 * i, 1.0);
+    const double r = std::sqrt(u), angle = 2 * std::numbers::pi * v;
+    spots.push_back({static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle))});
   }
-  float u(int i) const { return fraction(u0 + 0.75487767f * static_cast<float>(i)); }
-  float v(int i) const { return fraction(v0 + 0.56984029f * static_cast<float>(i)); }
-};
-
-/// Direction around the unit vector n, distributed like the cosine.
-Vec3f around(const Vec3f& n, float u, float v) {
-  Vec3f t, b;
-  tangent_frame(n, t, b);
-  const float r = std::sqrt(u), angle = 2 * std::numbers::pi_v<float> * v;
-  return r * std::cos(angle) * t + r * std::sin(angle) * b + std::sqrt(1 - u) * n;
+  return spots;
 }
 
-/// Premultiplied linear colour and coverage.
-struct Sample {
-  Vec3f color;
-  float alpha = 0;
+/// The pattern is turned by another of 25 angles in each pixel of a 5 × 5 square, over which the picture is smoothed:
+/// wherever that window lies, it holds all of them.
+struct Turn {
+  float c = 1, s = 0;
+  Turn(int x, int y) {
+    const int step = 5 * ((x + 2 * y) % 5) + (2 * x + y) % 5;
+    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(step) / 25;
+    c = std::cos(angle), s = std::sin(angle);
+  }
+  Spot operator()(const Spot& p) const { return {c * p.x - s * p.y, s * p.x + c * p.y}; }
+};
+
+/// Directions around a unit vector.
+struct Around {
+  Vec3f n, t, b;
+  explicit Around(const Vec3f& axis) : n(axis) { tangent_frame(n, t, b); }
+  /// Spots spread evenly over the disc give directions distributed like the cosine.
+  Vec3f operator()(const Spot& p) const {
+    return p.x * t + p.y * b + std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y)) * n;
+  }
+};
+
+/// What the samples of a pixel saw: means over those on the surface, and over those that asked for `dark`.
+struct Pixel {
+  float cover = 0;            // share of samples on the surface
+  Vec3f position, normal;     // sums of unit normals are shorter than 1 where they differ
+  Vec3f color;                // share of light reflected
+  Vec3f ambient;              // light from all around; this and the next three are what few rays make noisy
+  float open = 0;             // share of the sky that is not blocked
+  float lit = 0;              // share of the key light that is not blocked
+  float dark = 0;             // loss of light on the ground
+  float asked = 0;            // number of samples for that
+  float facing = 0, fill = 0;  // cosines to the key and fill light
+  float shine = 0, sheen = 0;  // mirrored key light; sky at grazing angles
 };
 
 class Painter {
  public:
   Painter(const PreviewScene& scene, const Camera& camera, const RenderOptions& options)
-      : scene_(scene), camera_(camera), options_(options) {
-    up_ = options.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0};
-    // The lights go with the camera: any view is lit from its upper left, as pictures are read.
-    key_ = normalized(-0.55f * camera.right + 0.75f * camera.up + 0.62f * camera.backward);
-    fill_ = normalized(0.8f * camera.right + 0.1f * camera.up + 0.5f * camera.backward);
-    sky_ = normalized(camera.up + 0.5f * camera.backward);
-  }
+      : scene_(scene),
+        camera_(camera),
+        options_(options),
+        up_frame_(options.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0}),
+        key_frame_(normalized(-0.50f * camera.right + 0.72f * camera.up + 0.72f * camera.backward)),
+        fill_(normalized(0.8f * camera.right + 0.1f * camera.up + 0.5f * camera.backward)),
+        sky_(normalized(camera.up + 0.5f * camera.backward)),
+        key_spots_(spread_over_disc(options.samples * options.samples)),
+        sky_spots_(spread_over_disc(options.samples * options.samples * options.occlusion_rays)),
+        footprint_(2 * camera.half_height / static_cast<float>(options.height)) {}
 
   /// Lets shadows fall on the plane through the lowest point.
   void add_ground(std::span<const Vec3f> points, float radius) {
@@ -89,7 +117,7 @@ class Painter {
     half[axis] *= 0.5f;
     shadow_reach_ = 1.6f * norm(half) + radius;
     // From below or along the ground there is nothing that a shadow could fall on.
-    ground_ = dot(camera_.position, up_) > floor_ + 0.02f && dot(key_, up_) > 0.1f;
+    ground_ = dot(camera_.position, up_frame_.n) > floor_ + 0.02f && dot(key_frame_.n, up_frame_.n) > 0.1f;
   }
 
   Image paint(Progress& progress) const {
@@ -98,9 +126,7 @@ class Painter {
     const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
     progress.begin("rendering", tiles);
     parallel_for(0, tiles, 1, [&](std::size_t tile) {
-      const int left = static_cast<int>(tile) % across * kTile, top = static_cast<int>(tile) / across * kTile;
-      for (int y = top; y < std::min(top + kTile, options_.height); ++y)
-        for (int x = left; x < std::min(left + kTile, options_.width); ++x) image.at(x, y) = pixel(x, y);
+      paint_tile(static_cast<int>(tile) % across * kTile, static_cast<int>(tile) / across * kTile, image);
       progress.advance();
     });
     progress.finish();
@@ -108,31 +134,93 @@ class Painter {
   }
 
  private:
-  std::array<std::uint8_t, 4> pixel(int x, int y) const {
+  void paint_tile(int left, int top, Image& image) const {
+    constexpr int kStride = kTile + 2 * kSmooth;
+    const int right = std::min(left + kTile, image.width), bottom = std::min(top + kTile, image.height);
+    std::vector<Pixel> pixels(static_cast<std::size_t>(kStride) * kStride);
+    const auto at = [&](int x, int y) -> Pixel& {
+      return pixels[static_cast<std::size_t>((y - top + kSmooth) * kStride + x - left + kSmooth)];
+    };
+    // A rim around the tile serves to smooth, beyond the picture's border as well.
+    for (int y = top - kSmooth; y < bottom + kSmooth; ++y)
+      for (int x = left - kSmooth; x < right + kSmooth; ++x) at(x, y) = look(x, y);
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x) image.at(x, y) = finish(smoothed(at, x, y), x, y);
+  }
+
+  Pixel look(int x, int y) const {
     const int n = options_.samples;
-    const Pattern pattern(x, y);
-    Sample sum;
+    const Turn turn(x + 5 * kSmooth, y + 5 * kSmooth);
+    Pixel sum;
+    int on = 0;
     for (int s = 0; s < n * n; ++s) {
       const float fx = static_cast<float>(x) + (static_cast<float>(s % n) + 0.5f) / static_cast<float>(n);
       const float fy = static_cast<float>(y) + (static_cast<float>(s / n) + 0.5f) / static_cast<float>(n);
       const Vec3f direction = camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
                                                 1 - 2 * fy / static_cast<float>(options_.height));
-      const Sample own = sample(direction, pattern, s);
-      sum.color += own.color;
-      sum.alpha += own.alpha;
+      if (const auto point = scene_.closest(camera_.position, direction)) {
+        add_surface(*point, direction, turn, s, sum);
+        ++on;
+      } else if (s % 3 == 0) {  // smooth as it is, the shadow needs no more
+        sum.dark += ground_shadow(direction, turn, s / 3);
+        sum.asked += 1;
+      }
     }
-    const float share = 1 / static_cast<float>(n * n);
-    return finish({sum.color * share, sum.alpha * share}, x, y);
+    if (sum.asked > 0) sum.dark /= sum.asked;
+    if (on == 0) return sum;
+    const float share = 1 / static_cast<float>(on);
+    for (Vec3f* v : {&sum.position, &sum.normal, &sum.color, &sum.ambient}) *v *= share;
+    for (float* v : {&sum.open, &sum.lit, &sum.facing, &sum.fill, &sum.shine, &sum.sheen}) *v *= share;
+    sum.cover = static_cast<float>(on) / static_cast<float>(n * n);
+    return sum;
   }
 
-  std::array<std::uint8_t, 4> finish(const Sample& sample, int x, int y) const {
-    if (options_.background == RenderOptions::Background::transparent) {
-      if (!(sample.alpha > 0)) return {0, 0, 0, 0};
-      const Vec3f color = sample.color / sample.alpha;
-      return {srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z),
-              static_cast<std::uint8_t>(std::lround(255 * std::min(sample.alpha, 1.0f)))};
+  /// Shadows become means over the neighbours on the same smooth piece of surface, which keeps few rays from showing;
+  /// shape and colour stay as they are.
+  template <class At>
+  Pixel smoothed(const At& at, int x, int y) const {
+    Pixel pixel = at(x, y);
+    const float far = 3 * footprint_ * norm(pixel.position - camera_.position);
+    float weights = 0, ground = 0, open = 0, lit = 0, dark = 0;
+    Vec3f ambient;
+    for (int v = y - kSmooth; v <= y + kSmooth; ++v) {
+      for (int u = x - kSmooth; u <= x + kSmooth; ++u) {
+        const Pixel& other = at(u, v);
+        ground += other.asked;
+        dark += other.asked * other.dark;
+        const float likeness = 5 * dot(pixel.normal, other.normal) - 4;
+        if (likeness <= 0 || std::abs(dot(pixel.normal, other.position - pixel.position)) > far) continue;
+        const float weight = likeness * other.cover;
+        weights += weight;
+        open += weight * other.open;
+        lit += weight * other.lit;
+        ambient += weight * other.ambient;
+      }
     }
-    const Vec3f color = sample.color + background(x, y) * (1 - sample.alpha);
+    if (weights > 0) {
+      pixel.open = open / weights;
+      pixel.lit = lit / weights;
+      pixel.ambient = ambient / weights;
+    }
+    if (ground > 0) pixel.dark = dark / ground;
+    return pixel;
+  }
+
+  std::array<std::uint8_t, 4> finish(const Pixel& pixel, int x, int y) const {
+    const Vec3f light = pixel.ambient + kFill * (pixel.fill * pixel.open) + kKey * (pixel.facing * pixel.lit);
+    const Vec3f gloss = kKey * (pixel.shine * pixel.lit) + kSkyHigh * (pixel.sheen * pixel.open);
+    const Vec3f bright = product(pixel.color, light) + gloss;
+    const Vec3f surface{shoulder(bright.x), shoulder(bright.y), shoulder(bright.z)};
+    const float beside = 1 - pixel.cover;
+    if (options_.background == RenderOptions::Background::transparent) {
+      // The shadow is black that lets the rest through.
+      const float alpha = std::min(1.0f, pixel.cover + beside * pixel.dark);
+      if (!(alpha > 0)) return {0, 0, 0, 0};
+      const Vec3f color = surface * (pixel.cover / alpha);
+      return {srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z),
+              static_cast<std::uint8_t>(std::lround(255 * alpha))};
+    }
+    const Vec3f color = surface * pixel.cover + background(x, y) * (beside * (1 - pixel.dark));
     return {srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z), 255};
   }
 
@@ -145,88 +233,77 @@ class Painter {
     return mix(Vec3f{0.93f, 0.935f, 0.94f}, Vec3f{0.60f, 0.63f, 0.67f}, t);
   }
 
-  Sample sample(const Vec3f& direction, const Pattern& pattern, int index) const {
-    if (const auto point = scene_.closest(camera_.position, direction))
-      return {shade(*point, direction, pattern, index), 1};
-    const float descent = dot(direction, up_);
-    if (!ground_ || descent > -1e-3f) return {};
-    const float distance = (floor_ - dot(camera_.position, up_)) / descent;
-    return {{}, ground_shadow(camera_.position + distance * direction, pattern, index)};
+  bool in_key_shadow(const Vec3f& from, const Turn& turn, int index) const {
+    const Spot spot = turn(key_spots_[static_cast<std::size_t>(index)]);
+    return scene_.blocked(from, key_frame_({kLightSpread * spot.x, kLightSpread * spot.y}),
+                          std::numeric_limits<float>::infinity());
   }
 
-  Vec3f toward_key(const Pattern& pattern, int index) const {
-    Vec3f t, b;
-    tangent_frame(key_, t, b);
-    const float r = kLightSpread * std::sqrt(pattern.u(index)),
-                angle = 2 * std::numbers::pi_v<float> * pattern.v(index);
-    return normalized(key_ + r * std::cos(angle) * t + r * std::sin(angle) * b);
+  void add_surface(const SurfacePoint& point, const Vec3f& direction, const Turn& turn, int index, Pixel& sum) const {
+    const Vec3f &n = point.normal, &key = key_frame_.n;
+    sum.position += point.position;
+    sum.normal += n;
+    sum.color += point.color;
+    add_ambient(point, turn, index, sum);
+    sum.fill += std::max(0.0f, dot(n, fill_));
+    const float grazing = 1 - std::clamp(-dot(n, direction), 0.0f, 1.0f);
+    sum.sheen += 0.10f * grazing * grazing * grazing * grazing;
+    const float facing = dot(n, key);
+    // Where the surface turns away, whether the key light is blocked does not matter, except to the neighbours.
+    if (facing > 0) {
+      sum.facing += facing;
+      sum.shine += 0.10f * std::pow(std::max(0.0f, dot(n, normalized(key - direction))), 36.0f);
+    }
+    if (!options_.shadows || (facing > 0 && !in_key_shadow(point.position, turn, index))) sum.lit += 1;
   }
 
-  bool in_key_shadow(const Vec3f& from, const Pattern& pattern, int index) const {
-    return scene_.blocked(from, toward_key(pattern, index), std::numeric_limits<float>::infinity());
-  }
-
-  /// Light from all around that falls on a surface with this normal, and the share that is not blocked.
-  Vec3f ambient(const SurfacePoint& point, const Pattern& pattern, int index, float& open) const {
+  /// Light from all around that falls on the surface, and the share of it that is not blocked.
+  void add_ambient(const SurfacePoint& point, const Turn& turn, int index, Pixel& sum) const {
     const int rays = options_.occlusion_rays;
-    open = 1;
-    if (rays == 0) return mix(kSkyLow, kSkyHigh, 0.5f + dot(point.normal, sky_) / 3);
-    Vec3f sum;
-    int free = 0;
+    if (rays == 0) {
+      sum.ambient += mix(kSkyLow, kSkyHigh, 0.5f + dot(point.normal, sky_) / 3);
+      sum.open += 1;
+      return;
+    }
+    const Around frame(point.normal);
+    const float share = 1 / static_cast<float>(rays);
     for (int k = 0; k < rays; ++k) {
-      const int i = index * rays + k;
-      const Vec3f direction = around(point.normal, pattern.u(i), pattern.v(i));
-      const Vec3f light = mix(kSkyLow, kSkyHigh, 0.5f + 0.5f * dot(direction, sky_));
+      const Vec3f direction = frame(turn(sky_spots_[static_cast<std::size_t>(index * rays + k)]));
+      const Vec3f light = mix(kSkyLow, kSkyHigh, 0.5f + 0.5f * dot(direction, sky_)) * share;
       if (scene_.blocked(point.position, direction, kOcclusionReach)) {
-        sum += product(light, point.color) * kBounce;
+        sum.ambient += product(light, point.color) * kBounce;
       } else {
-        sum += light;
-        ++free;
+        sum.ambient += light;
+        sum.open += share;
       }
     }
-    open = static_cast<float>(free) / static_cast<float>(rays);
-    return sum / static_cast<float>(rays);
-  }
-
-  Vec3f shade(const SurfacePoint& point, const Vec3f& direction, const Pattern& pattern, int index) const {
-    const Vec3f& n = point.normal;
-    float open = 1;
-    Vec3f light = ambient(point, pattern, index, open);
-    light += kFill * (std::max(0.0f, dot(n, fill_)) * open);
-    Vec3f gloss;
-    const float facing = dot(n, key_);
-    if (facing > 0 && !(options_.shadows && in_key_shadow(point.position, pattern, index))) {
-      light += kKey * facing;
-      const Vec3f half = normalized(key_ - direction);
-      gloss += kKey * (0.10f * std::pow(std::max(0.0f, dot(n, half)), 36.0f));
-    }
-    const float grazing = 1 - std::clamp(-dot(n, direction), 0.0f, 1.0f);
-    gloss += kSkyHigh * (0.10f * open * grazing * grazing * grazing * grazing);
-    const Vec3f color = product(point.color, light) + gloss;
-    return {shoulder(color.x), shoulder(color.y), shoulder(color.z)};
   }
 
   /// How much darker the ground is for the subject standing on it, 0..1.
-  float ground_shadow(const Vec3f& at, const Pattern& pattern, int index) const {
+  float ground_shadow(const Vec3f& direction, const Turn& turn, int index) const {
+    const Vec3f& up = up_frame_.n;
+    const float descent = dot(direction, up);
+    if (!ground_ || descent > -1e-3f) return 0;
+    const Vec3f at = camera_.position + (floor_ - dot(camera_.position, up)) / descent * direction;
     const float d = norm(at - foot_) / shadow_reach_;
     if (d >= 1) return 0;
-    const float fade = (1 - d * d) * (1 - d * d);
-    float dark = in_key_shadow(at, pattern, index) ? 0.38f : 0.0f;
+    float dark = in_key_shadow(at, turn, index) ? 0.38f : 0.0f;
     if (options_.occlusion_rays > 0) {
-      int blocked = 0;
-      for (int k = 0; k < options_.occlusion_rays; ++k) {
-        const int i = index * options_.occlusion_rays + k;
-        blocked += scene_.blocked(at, around(up_, pattern.u(i), pattern.v(i)), kOcclusionReach);
-      }
-      dark += 0.5f * static_cast<float>(blocked) / static_cast<float>(options_.occlusion_rays);
+      const Spot spot = turn(sky_spots_[static_cast<std::size_t>(index)]);
+      if (scene_.blocked(at, up_frame_(spot), kOcclusionReach)) dark += 0.5f;
     }
-    return dark * fade;
+    return dark * (1 - d * d) * (1 - d * d);
   }
 
   const PreviewScene& scene_;
   const Camera& camera_;
   const RenderOptions& options_;
-  Vec3f up_, key_, fill_, sky_, foot_;
+  // The lights go with the camera: any view is lit from its upper left.
+  Around up_frame_, key_frame_;
+  Vec3f fill_, sky_;
+  std::vector<Spot> key_spots_, sky_spots_;
+  Vec3f foot_;
+  float footprint_ = 0;  // of a pixel at distance 1
   float floor_ = 0, shadow_reach_ = 1;
   bool ground_ = false;
 };
