@@ -97,6 +97,7 @@ std::optional<Meaning> meaning_of_names(std::string_view line) {
     std::string name = lower(*f);
     std::erase(name, '"'), std::erase(name, '\'');
     name = name.substr(0, name.find_first_of("[("));  // a unit
+    while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
     if (name.empty() || name.find(' ') != std::string::npos) continue;
     for (int k = 0; k < 10; ++k) {
       if (m.column[k] < 0 && std::string_view(names[k]).find(" " + name + " ") != std::string_view::npos)

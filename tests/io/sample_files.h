@@ -348,27 +348,26 @@ struct SampleFile {
 };
 
 inline std::vector<SampleFile> sample_files() {
-  return {
-      {"ascii.ply", tetrahedron_ply(Ply::ascii), false},
-      {"little.ply", tetrahedron_ply(Ply::little), true},
-      {"big.ply", tetrahedron_ply(Ply::big), true},
-      {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nf 1//1 3//1 2//1\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", false},
-      {"a.off", "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n", false},
-      {"ascii.stl", tetrahedron_stl_ascii(), false},
-      {"binary.stl", tetrahedron_stl_binary(), true},
-      {"a.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n", false},
-      {"a.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n", false},
-      {"a.pwn", "3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 1\n0 0 1\n", false},
-      {"ascii.pcd", make_pcd("ascii"), false},
-      {"binary.pcd", make_pcd("binary"), true},
-      {"compressed.pcd", make_pcd("binary_compressed"), true},
-      {"12.las", make_las(2, 3), true},
-      {"14.las", make_las(4, 7), true},
-      {"ascii.vtp", make_vtp({}), false},
-      {"binary.vtp", make_vtp({.format = "binary"}), false},
-      {"appended.vtp", make_vtp({.format = "appended", .compressed = true}), false},
-      {"packed.ply.gz", gzip(tetrahedron_ply(Ply::little)), true},
-      {"a.conf", "camera 0 0 0 0 0 0 1\nbmesh little.ply 0 0 0 0 0 0 1\nbmesh ascii.ply 1 2 3 0 0 0 1\n", false}};
+  return {{"ascii.ply", tetrahedron_ply(Ply::ascii), false},
+          {"little.ply", tetrahedron_ply(Ply::little), true},
+          {"big.ply", tetrahedron_ply(Ply::big), true},
+          {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nf 1/1 3/1 2/1\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", false},
+          {"a.off", "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n", false},
+          {"ascii.stl", tetrahedron_stl_ascii(), false},
+          {"binary.stl", tetrahedron_stl_binary(), true},
+          {"a.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n", false},
+          {"a.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n", false},
+          {"a.pwn", "3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 1\n0 0 1\n", false},
+          {"ascii.pcd", make_pcd("ascii"), false},
+          {"binary.pcd", make_pcd("binary"), true},
+          {"compressed.pcd", make_pcd("binary_compressed"), true},
+          {"12.las", make_las(2, 3), true},
+          {"14.las", make_las(4, 7), true},
+          {"ascii.vtp", make_vtp({}), false},
+          {"binary.vtp", make_vtp({.format = "binary"}), false},
+          {"appended.vtp", make_vtp({.format = "appended", .compressed = true}), false},
+          {"packed.ply.gz", gzip(tetrahedron_ply(Ply::little)), true},
+          {"a.conf", "camera 0 0 0 0 0 0 1\nbmesh little.ply 0 0 0 0 0 0 1\nbmesh ascii.ply 1 2 3 0 0 0 1\n", false}};
 }
 
 }  // namespace sansmesh::test
