@@ -28,7 +28,7 @@ struct Extraction {
   PatternTable patterns;
   std::vector<ActiveBlock> active;
   std::vector<std::uint32_t> numbers;
-  std::vector<float> values;     ///< field at each lattice vertex
+  std::vector<float> values;     ///< field at each lattice vertex; positive on the cube's faces, which closes the mesh
   std::vector<Vec3f> positions;  ///< of each lattice vertex, relative to origin (moved by the displacement, if any)
 
   Vec3 world(const LatticePoint& p) const {
@@ -61,10 +61,18 @@ struct Extraction {
     });
     field.evaluate(x, f);
     values.resize(n);
-    parallel_for(old, n, 8192, [&](std::size_t i) { values[i] = static_cast<float>(f[i - old]); });
+    parallel_for(old, n, 8192, [&](std::size_t i) {
+      values[i] = static_cast<float>(on_border(static_cast<std::uint32_t>(i)) ? std::abs(f[i - old]) : f[i - old]);
+    });
   }
 
   bool inside(std::uint32_t number) const { return values[number] < 0; }
+
+  bool on_border(std::uint32_t number) const {
+    const LatticePoint& p = numbering.points()[number];
+    const std::uint32_t last = 2u << tree.depth();
+    return p[0] == 0 || p[1] == 0 || p[2] == 0 || p[0] == last || p[1] == last || p[2] == last;
+  }
 
   /// Activates the blocks at the seeds (without seeds, those with a small value at their centre), and from there across
   /// every face on which the sign changes, so that no simplex of the surface is missed once its neighbour is found.
@@ -165,7 +173,8 @@ struct Extraction {
     field.evaluate(x, f);
     // A vertex whose sign the move changed (a second sheet close by) stays where it was.
     parallel_for(0, n, 4096, [&](std::size_t i) {
-      if ((f[i] < 0) == inside(static_cast<std::uint32_t>(i))) {
+      const auto v = static_cast<std::uint32_t>(i);
+      if ((f[i] < 0) == inside(v) && !on_border(v)) {
         values[i] = static_cast<float>(f[i]);
       } else {
         positions[i] = Vec3f(world(numbering.points()[i]) - origin);
@@ -419,8 +428,10 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   std::vector<double> f(n);
   std::vector<float> reach(n);  // how far a vertex may move: about the lattice's local edge
   std::vector<Vec3f> start(n);
+  std::vector<std::uint8_t> on_cap(n);  // closes the mesh at a face of the cube: there is no surface to move it to
   parallel_for(0, n, 4096, [&](std::size_t i) {
     const ChainVertex v = chain.vertices[i];
+    on_cap[i] = e.on_border(v.a) || e.on_border(v.b);
     if (v.a == v.b) {
       start[i] = e.positions[v.a];
     } else {
@@ -443,7 +454,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     field.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const double slope2 = squared_norm(g[i]);
-      if (options.root_steps > 0 && slope2 > 1e-4) {
+      if (options.root_steps > 0 && slope2 > 1e-4 && !on_cap[i]) {
         Vec3 move = g[i] * (-f[i] / slope2);
         const double most = 0.6 * std::sqrt(static_cast<double>(longest[i])), size = norm(move);
         if (size > most) move *= most / size;
@@ -459,7 +470,11 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   to_surface();
   if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
   if (options.balance) balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
-  parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });
+  const Box3 cube = e.tree.bounds();
+  parallel_for(0, n, 4096, [&](std::size_t i) {
+    for (std::size_t k = 0; k < 3; ++k) x[i][k] = std::clamp(x[i][k], cube.lower[k], cube.upper[k]);
+    mesh.vertices[i] = Vec3f(x[i] - origin);
+  });
   progress.finish();
   return mesh;
 }

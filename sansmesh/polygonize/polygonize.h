@@ -33,9 +33,9 @@ struct PolygonizeOptions {
   std::vector<Vec3> seeds;
 };
 
-/// The zero set of `field` inside the tree's cube, as a closed 2-manifold (cut open only at the cube's faces). Vertex
-/// normals are the field's normalised gradients. Deterministic for any number of threads. `blocks` is balanced first.
-/// Positions are relative to `origin`.
+/// The zero set of `field` inside the tree's cube, as a closed 2-manifold: where it leaves the cube, it is closed just
+/// inside the cube's faces. Vertex normals are the field's normalised gradients. Deterministic for any number of
+/// threads. `blocks` is balanced first. Positions are relative to `origin`.
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress);
 

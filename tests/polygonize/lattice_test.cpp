@@ -28,7 +28,8 @@ TEST(BlockPattern, SimplicesFillTheBlockExactly) {
   EXPECT_EQ(table.pattern({}).tets.size(), 48u);  // 2ⁿ n!
   for (int trial = 0; trial < 200; ++trial) {
     // A refined face refines its edges.
-    BlockRefinement r{generator() & 63u, generator() & generator() & 4095u};
+    BlockRefinement r{static_cast<std::uint32_t>(generator() & 63u),
+                      static_cast<std::uint32_t>(generator() & generator() & 4095u)};
     for (unsigned axis = 0; axis < 3; ++axis)
       for (unsigned bit = 0; bit < 4; ++bit) {
         const unsigned p = axis == 0 ? 1 : 0, q = axis == 2 ? 1 : 2;
@@ -110,7 +111,9 @@ TEST(BlockTree, BalanceLeavesNoNeighboursTwoLevelsApart) {
         for (int dz = -1; dz <= 1; ++dz) {
           const std::int64_t n = tree.find(b.level, std::int64_t{b.cell[0]} + dx, std::int64_t{b.cell[1]} + dy,
                                            std::int64_t{b.cell[2]} + dz);
-          if (n >= 0) EXPECT_GE(tree[static_cast<std::size_t>(n)].level, b.level - 1);
+          if (n >= 0) {
+            EXPECT_GE(tree[static_cast<std::size_t>(n)].level, b.level - 1);
+          }
         }
   }
   EXPECT_DOUBLE_EQ(volume, 1);
@@ -121,7 +124,8 @@ TEST(LatticeNumbering, GivesEachPointOneNumber) {
   std::mt19937 generator(6);
   std::map<LatticePoint, std::uint32_t> seen;
   for (int i = 0; i < 20000; ++i) {
-    const LatticePoint p{generator() % 64, generator() % 64, generator() % 8 * 8};
+    const auto random = [&](unsigned below) { return static_cast<std::uint32_t>(generator() % below); };
+    const LatticePoint p{random(64), random(64), random(8) * 8};
     const auto [it, fresh] = seen.try_emplace(p, static_cast<std::uint32_t>(seen.size()));
     ASSERT_EQ(numbering.number(p), it->second);
     ASSERT_EQ(numbering.points()[it->second], p);

@@ -95,6 +95,25 @@ TEST(Polygonize, StaysAClosedManifoldWhereTheLatticeIsTooCoarseForTheShape) {
     }
 }
 
+TEST(Polygonize, IsClosedWhereTheSurfaceLeavesTheCube) {
+  const Formula slab([](const Vec3& x) { return x.z - 0.13 * std::sin(3 * x.x); });  // everything below a wavy sheet
+  for (const bool cluster : {false, true}) {
+    PolygonizeOptions options;
+    options.cluster = cluster;
+    Progress progress;
+    const TriangleMesh mesh = polygonize(slab, uniform_tree(4), {}, options, progress);
+    const auto topology = test::topology_of(mesh);
+    EXPECT_TRUE(topology.closed_manifold());
+    EXPECT_EQ(topology.euler, 2);
+    const Box3f box = sansmesh::bounds(mesh);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_GE(box.lower[k], -1.001f);
+      EXPECT_LE(box.upper[k], 1.001f);
+      EXPECT_LT(box.lower[k], -0.9f);
+    }
+  }
+}
+
 TEST(Polygonize, VerticesLieOnTheSurfaceAndNormalsPointOutward) {
   PolygonizeOptions on_surface;
   on_surface.balance = false;
