@@ -16,13 +16,13 @@ namespace {
 
 constexpr int kTile = 64;
 constexpr int kSmooth = 2;               // pixels to each side
-constexpr double kMargin = 0.1;          // share of the picture's half left free around the subject
+constexpr double kMargin = 0.13;         // share of the picture's half left free around the subject
 constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
 
 // Light in front of a white card: 1 is white in the picture.
-const Vec3f kKey{1.02f, 0.96f, 0.87f}, kFill{0.09f, 0.10f, 0.12f};
-const Vec3f kSkyHigh{0.52f, 0.55f, 0.60f}, kSkyLow{0.16f, 0.14f, 0.12f};
+const Vec3f kKey{0.80f, 0.75f, 0.68f}, kFill{0.07f, 0.08f, 0.10f};
+const Vec3f kSkyHigh{0.38f, 0.41f, 0.45f}, kSkyLow{0.12f, 0.105f, 0.09f};
 constexpr float kBounce = 0.22f;  // light that what blocks the sky sends instead
 
 Vec3f product(const Vec3f& a, const Vec3f& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
@@ -32,13 +32,14 @@ struct Spot {
   float x = 0, y = 0;
 };
 
-/// Linear light → byte of sRGB; highlights roll off instead of clipping.
-std::uint8_t srgb_byte(float c) {
+/// Linear light → byte of sRGB, rounded up from `threshold` on.
+std::uint8_t srgb_byte(float c, float threshold = 0.5f) {
   c = std::clamp(c, 0.0f, 1.0f);
   const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-  return static_cast<std::uint8_t>(std::lround(255 * s));
+  return static_cast<std::uint8_t>(255 * s + 1 - threshold);
 }
 
+/// Highlights roll off instead of clipping.
 float shoulder(float c) {
   constexpr float kKnee = 0.75f, kRoom = 1 - kKnee;
   return c <= kKnee ? c : kKnee + kRoom * (1 - std::exp((kKnee - c) / kRoom));
@@ -55,17 +56,13 @@ std::vector<Spot> spread_over_disc(int count) {
   return spots;
 }
 
-/// The pattern is turned by another of 25 angles in each pixel of a 5 × 5 square, over which the picture is smoothed:
-/// wherever that window lies, it holds all of them.
-struct Turn {
-  float c = 1, s = 0;
-  Turn(int x, int y) {
-    const int step = 5 * ((x + 2 * y) % 5) + (2 * x + y) % 5;
-    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(step) / 25;
-    c = std::cos(angle), s = std::sin(angle);
-  }
-  Spot operator()(const Spot& p) const { return {c * p.x - s * p.y, s * p.x + c * p.y}; }
-};
+/// Another part of the pattern for each pixel of a 5 × 5 square, over which the picture is smoothed: wherever that
+/// window lies, it holds the whole pattern, and hence no grain is left.
+constexpr int kParts = 25;
+int pattern_part(int x, int y) {
+  x += 5 * kSmooth, y += 5 * kSmooth;  // the rim lies at negative places
+  return 5 * ((x + 2 * y) % 5) + (2 * x + y) % 5;
+}
 
 /// Directions around a unit vector.
 struct Around {
@@ -101,21 +98,20 @@ class Painter {
         key_frame_(normalized(-0.50f * camera.right + 0.72f * camera.up + 0.72f * camera.backward)),
         fill_(normalized(0.8f * camera.right + 0.1f * camera.up + 0.5f * camera.backward)),
         sky_(normalized(camera.up + 0.5f * camera.backward)),
-        key_spots_(spread_over_disc(options.samples * options.samples)),
-        sky_spots_(spread_over_disc(options.samples * options.samples * options.occlusion_rays)),
+        spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, options.occlusion_rays))),
         footprint_(2 * camera.half_height / static_cast<float>(options.height)) {}
 
-  /// Lets shadows fall on the plane through the lowest point.
-  void add_ground(std::span<const Vec3f> points, float radius) {
+  /// Lets shadows fall on the plane that far below the lowest point.
+  void add_ground(std::span<const Vec3f> points, float below) {
     Box3f box;
     for (const Vec3f& p : points) box.extend(p);
     const int axis = options_.up == UpAxis::z ? 2 : 1;
-    floor_ = box.lower[axis] - radius;
+    floor_ = box.lower[axis] - below;
     foot_ = box.center();
     foot_[axis] = floor_;
     Vec3f half = box.size() * 0.5f;
     half[axis] *= 0.5f;
-    shadow_reach_ = 1.6f * norm(half) + radius;
+    shadow_reach_ = 1.6f * norm(half) + below;
     // From below or along the ground there is nothing that a shadow could fall on.
     ground_ = dot(camera_.position, up_frame_.n) > floor_ + 0.02f && dot(key_frame_.n, up_frame_.n) > 0.1f;
   }
@@ -150,19 +146,20 @@ class Painter {
 
   Pixel look(int x, int y) const {
     const int n = options_.samples;
-    const Turn turn(x + 5 * kSmooth, y + 5 * kSmooth);
+    const int part = pattern_part(x, y);
     Pixel sum;
     int on = 0;
+    const int asking = (n * n + 1) / 2;
     for (int s = 0; s < n * n; ++s) {
       const float fx = static_cast<float>(x) + (static_cast<float>(s % n) + 0.5f) / static_cast<float>(n);
       const float fy = static_cast<float>(y) + (static_cast<float>(s / n) + 0.5f) / static_cast<float>(n);
       const Vec3f direction = camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
                                                 1 - 2 * fy / static_cast<float>(options_.height));
       if (const auto point = scene_.closest(camera_.position, direction)) {
-        add_surface(*point, direction, turn, s, sum);
+        add_surface(*point, direction, part * n * n + s, sum);
         ++on;
-      } else if (s % 3 == 0) {  // smooth as it is, the shadow needs no more
-        sum.dark += ground_shadow(direction, turn, s / 3);
+      } else if (s % 2 == 0) {  // smooth as it is, the shadow needs no more
+        sum.dark += ground_shadow(direction, part * asking + s / 2);
         sum.asked += 1;
       }
     }
@@ -221,7 +218,10 @@ class Painter {
               static_cast<std::uint8_t>(std::lround(255 * alpha))};
     }
     const Vec3f color = surface * pixel.cover + background(x, y) * (beside * (1 - pixel.dark));
-    return {srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z), 255};
+    // Without a little dither the wide gradient shows steps.
+    const bool plain = options_.background == RenderOptions::Background::solid || pixel.cover > 0;
+    const float threshold = plain ? 0.5f : (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
+    return {srgb_byte(color.x, threshold), srgb_byte(color.y, threshold), srgb_byte(color.z, threshold), 255};
   }
 
   Vec3f background(int x, int y) const {
@@ -233,18 +233,18 @@ class Painter {
     return mix(Vec3f{0.93f, 0.935f, 0.94f}, Vec3f{0.60f, 0.63f, 0.67f}, t);
   }
 
-  bool in_key_shadow(const Vec3f& from, const Turn& turn, int index) const {
-    const Spot spot = turn(key_spots_[static_cast<std::size_t>(index)]);
+  bool in_key_shadow(const Vec3f& from, int index) const {
+    const Spot& spot = spots_[static_cast<std::size_t>(index)];
     return scene_.blocked(from, key_frame_({kLightSpread * spot.x, kLightSpread * spot.y}),
                           std::numeric_limits<float>::infinity());
   }
 
-  void add_surface(const SurfacePoint& point, const Vec3f& direction, const Turn& turn, int index, Pixel& sum) const {
+  void add_surface(const SurfacePoint& point, const Vec3f& direction, int index, Pixel& sum) const {
     const Vec3f &n = point.normal, &key = key_frame_.n;
     sum.position += point.position;
     sum.normal += n;
     sum.color += point.color;
-    add_ambient(point, turn, index, sum);
+    add_ambient(point, index, sum);
     sum.fill += std::max(0.0f, dot(n, fill_));
     const float grazing = 1 - std::clamp(-dot(n, direction), 0.0f, 1.0f);
     sum.sheen += 0.10f * grazing * grazing * grazing * grazing;
@@ -254,11 +254,11 @@ class Painter {
       sum.facing += facing;
       sum.shine += 0.10f * std::pow(std::max(0.0f, dot(n, normalized(key - direction))), 36.0f);
     }
-    if (!options_.shadows || (facing > 0 && !in_key_shadow(point.position, turn, index))) sum.lit += 1;
+    if (!options_.shadows || (facing > 0 && !in_key_shadow(point.position, index))) sum.lit += 1;
   }
 
   /// Light from all around that falls on the surface, and the share of it that is not blocked.
-  void add_ambient(const SurfacePoint& point, const Turn& turn, int index, Pixel& sum) const {
+  void add_ambient(const SurfacePoint& point, int index, Pixel& sum) const {
     const int rays = options_.occlusion_rays;
     if (rays == 0) {
       sum.ambient += mix(kSkyLow, kSkyHigh, 0.5f + dot(point.normal, sky_) / 3);
@@ -268,7 +268,7 @@ class Painter {
     const Around frame(point.normal);
     const float share = 1 / static_cast<float>(rays);
     for (int k = 0; k < rays; ++k) {
-      const Vec3f direction = frame(turn(sky_spots_[static_cast<std::size_t>(index * rays + k)]));
+      const Vec3f direction = frame(spots_[static_cast<std::size_t>(index * rays + k)]);
       const Vec3f light = mix(kSkyLow, kSkyHigh, 0.5f + 0.5f * dot(direction, sky_)) * share;
       if (scene_.blocked(point.position, direction, kOcclusionReach)) {
         sum.ambient += product(light, point.color) * kBounce;
@@ -280,16 +280,16 @@ class Painter {
   }
 
   /// How much darker the ground is for the subject standing on it, 0..1.
-  float ground_shadow(const Vec3f& direction, const Turn& turn, int index) const {
+  float ground_shadow(const Vec3f& direction, int index) const {
     const Vec3f& up = up_frame_.n;
     const float descent = dot(direction, up);
     if (!ground_ || descent > -1e-3f) return 0;
     const Vec3f at = camera_.position + (floor_ - dot(camera_.position, up)) / descent * direction;
     const float d = norm(at - foot_) / shadow_reach_;
     if (d >= 1) return 0;
-    float dark = in_key_shadow(at, turn, index) ? 0.38f : 0.0f;
+    float dark = in_key_shadow(at, index) ? 0.38f : 0.0f;
     if (options_.occlusion_rays > 0) {
-      const Spot spot = turn(sky_spots_[static_cast<std::size_t>(index)]);
+      const Spot& spot = spots_[static_cast<std::size_t>(index)];
       if (scene_.blocked(at, up_frame_(spot), kOcclusionReach)) dark += 0.5f;
     }
     return dark * (1 - d * d) * (1 - d * d);
@@ -301,7 +301,7 @@ class Painter {
   // The lights go with the camera: any view is lit from its upper left.
   Around up_frame_, key_frame_;
   Vec3f fill_, sky_;
-  std::vector<Spot> key_spots_, sky_spots_;
+  std::vector<Spot> spots_;
   Vec3f foot_;
   float footprint_ = 0;  // of a pixel at distance 1
   float floor_ = 0, shadow_reach_ = 1;
@@ -344,11 +344,12 @@ Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progre
   options.validate();
   Subject subject = make_subject(mesh, options);
   const float radius = subject.radius;
+  const float below = subject.mesh.normals.empty() ? radius : 0;  // balls reach below the lowest point, discs hardly
   const Camera camera = frame_camera(subject.mesh.vertices, options.view, options.up, options.field_of_view,
                                      static_cast<double>(options.width) / options.height, kMargin, radius);
   const PreviewScene scene(std::move(subject), options, camera.backward);
   Painter painter(scene, camera, options);
-  if (options.ground) painter.add_ground(scene.points(), radius);
+  if (options.ground) painter.add_ground(scene.points(), below);
   return painter.paint(progress);
 }
 

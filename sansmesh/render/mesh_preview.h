@@ -17,7 +17,7 @@ struct RenderOptions {
   double field_of_view = 30;  ///< degrees over the shorter side, 1..120
   enum class Background { gradient, solid, transparent } background = Background::gradient;
   Vec3f background_color{1, 1, 1};           ///< sRGB 0..1, for a solid background
-  Vec3f surface_color{0.80f, 0.77f, 0.73f};  ///< sRGB 0..1, where there are no vertex colours
+  Vec3f surface_color{0.87f, 0.84f, 0.80f};  ///< sRGB 0..1, where there are no vertex colours
   bool use_colors = true;                    ///< take the vertex colours where there are some
   bool smooth = true;                        ///< interpolate normals over the triangles, except across creases
   bool shadows = true;                       ///< of the key light, on the surface itself
