@@ -210,7 +210,7 @@ void read_rows(const Input& in, const Header& h, PointSet& points) {
       if (rgb && k == rgb->first) {
         // Text shows the packed colour as a whole number, or as the float that has its bits.
         const bool whole = rgb->kind != 'F' || word.find_first_not_of("0123456789") == std::string_view::npos;
-        packed[i] = whole ? static_cast<std::uint32_t>(std::clamp(value, 0.0, 4294967295.0))
+        packed[i] = whole ? static_cast<std::uint32_t>(value >= 0 ? std::min(value, 4294967295.0) : 0.0)
                           : std::bit_cast<std::uint32_t>(static_cast<float>(value));
       }
     }

@@ -6,122 +6,17 @@
 
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/face_sink.h"
+#include "sansmesh/io/ply_header.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {
 namespace {
 
-struct Property {
-  std::string name;
-  NumberType type = NumberType::f32;
-  bool is_list = false;
-  NumberType count_type = NumberType::u8;
-};
+using Property = PlyProperty;
+using Element = PlyElement;
+using Header = PlyHeader;
 
-struct Element {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<Property> properties;
-
-  bool fixed() const {
-    return std::none_of(properties.begin(), properties.end(), [](const Property& p) { return p.is_list; });
-  }
-  /// Bytes of one record whose lists are all empty.
-  std::size_t least_bytes() const {
-    std::size_t s = 0;
-    for (const Property& p : properties) s += size_of(p.is_list ? p.count_type : p.type);
-    return s;
-  }
-  bool holds_polygons() const { return name == "face" || name == "faces" || name == "polygon"; }
-  bool holds_strips() const { return name == "tristrips" || name == "tristrip"; }
-  /// The list of vertex indices, or npos.
-  std::size_t index_list() const {
-    for (std::size_t k = 0; k < properties.size(); ++k) {
-      const Property& p = properties[k];
-      if (p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index")) return k;
-    }
-    return std::string::npos;
-  }
-};
-
-enum class Encoding { ascii, little, big };
-
-struct Header {
-  Encoding encoding = Encoding::ascii;
-  std::vector<Element> elements;
-  std::string_view body;
-};
-
-NumberType parse_type(const Input& in, std::string_view word) {
-  const std::string w = lower(word);
-  if (w == "char" || w == "int8") return NumberType::i8;
-  if (w == "uchar" || w == "uint8") return NumberType::u8;
-  if (w == "short" || w == "int16") return NumberType::i16;
-  if (w == "ushort" || w == "uint16") return NumberType::u16;
-  if (w == "int" || w == "int32") return NumberType::i32;
-  if (w == "uint" || w == "uint32") return NumberType::u32;
-  if (w == "int64" || w == "longlong") return NumberType::i64;
-  if (w == "uint64" || w == "ulonglong") return NumberType::u64;
-  if (w == "float" || w == "float32") return NumberType::f32;
-  if (w == "double" || w == "float64") return NumberType::f64;
-  in.fail(fmt::format("malformed PLY header: unknown property type '{}'", word.substr(0, 40)));
-}
-
-Header parse_header(const Input& in) {
-  Header header;
-  TextScanner text(in.bytes);
-  if (text.line() != "ply") in.fail("is not a PLY file (does not begin with 'ply')");
-  bool have_format = false;
-  for (;;) {
-    if (text.at_end()) in.fail("truncated: the PLY header has no 'end_header'");
-    const std::string_view line = text.line();
-    if (line.size() > 4096) in.fail("malformed PLY header: a line of more than 4,096 characters");
-    TextScanner words(line);
-    const std::string_view key = words.word();
-    if (key == "end_header") break;
-    if (key.empty() || key == "comment" || key == "obj_info") continue;
-    if (key == "format") {
-      const std::string_view w = words.word();
-      have_format = true;
-      if (w == "ascii")
-        header.encoding = Encoding::ascii;
-      else if (w == "binary_little_endian")
-        header.encoding = Encoding::little;
-      else if (w == "binary_big_endian")
-        header.encoding = Encoding::big;
-      else
-        in.fail(fmt::format("malformed PLY header: unknown format '{}'", w.substr(0, 40)));
-    } else if (key == "element") {
-      Element element;
-      element.name = lower(words.word());
-      if (element.name.empty() || !words.number(element.count)) {
-        in.fail(fmt::format("malformed PLY header: '{}'", line.substr(0, 80)));
-      }
-      header.elements.push_back(std::move(element));
-    } else if (key == "property") {
-      if (header.elements.empty()) in.fail("malformed PLY header: a property before any element");
-      Property property;
-      std::string_view type = words.word();
-      if (type == "list") {
-        property.is_list = true;
-        property.count_type = parse_type(in, words.word());
-        if (is_real(property.count_type)) in.fail("malformed PLY header: a list's length must be an integer");
-        type = words.word();
-      }
-      property.type = parse_type(in, type);
-      property.name = lower(words.word());
-      if (property.name.empty()) in.fail(fmt::format("malformed PLY header: '{}'", line.substr(0, 80)));
-      header.elements.back().properties.push_back(std::move(property));
-    } else {
-      in.fail(fmt::format("malformed PLY header: unknown keyword '{}'", key.substr(0, 40)));
-    }
-  }
-  if (!have_format) in.fail("malformed PLY header: no 'format' line");
-  header.body = text.rest();
-  return header;
-}
-
-/// The column of the vertex element that holds property `name`; `record` is the first record's address.
+/// The property that has one of the names, the earlier names first, or npos.
 std::size_t find_property(const Element& e, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -148,6 +43,34 @@ CloudColumns name_columns(const Input& in, const Element& e, MakeColumn&& column
   pick(c.confidence, {"confidence", "quality", "scalar_confidence", "scalar_quality"});
   if (!c.position[0] || !c.position[1] || !c.position[2]) in.fail("the PLY vertices have no x, y and z");
   return c;
+}
+
+/// Decodes vertices whose numbers, list properties apart, stand in a table of doubles.
+void decode_table(const Input& in, const Element& e, const std::vector<double>& table, PointSet& points) {
+  const std::size_t width = e.properties.size();
+  const auto cell = [&](std::size_t k) {
+    return Column{reinterpret_cast<const char*>(table.data() + k), width * sizeof(double), NumberType::f64, false};
+  };
+  CloudColumns columns = name_columns(in, e, cell);
+  const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
+  columns.whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
+  decode_columns(columns, table.size() / width, points);
+}
+
+/// Fails unless the records of `e`, of at least `least` bytes each, fit into `have` bytes.
+void check_room(const Input& in, const Element& e, std::size_t least, std::size_t have, bool exact) {
+  if (e.count <= have / least) return;
+  const double missing = static_cast<double>(e.count) * static_cast<double>(least) - static_cast<double>(have);
+  if (missing > 1e15) in.fail(fmt::format("announces {} {} records, far more than the file holds", e.count, e.name));
+  in.fail_truncated(static_cast<std::uint64_t>(missing), !exact);
+}
+
+/// An index given as a number of any type; -1 where it has no integer.
+template <class T>
+std::int64_t to_index(T value) {
+  if constexpr (std::is_floating_point_v<T>)
+    return value >= 0 && value < T(4294967295.0) ? static_cast<std::int64_t>(value) : -1;
+  return static_cast<std::int64_t>(value);
 }
 
 // ---------------------------------------------------------------------------------------------------- binary
@@ -216,11 +139,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
   const bool vertices = e.name == "vertex";
   const std::size_t least = e.least_bytes();
   if (e.count == 0 || least == 0) return body;
-  if (e.count > body.size() / least) {
-    const double missing = static_cast<double>(e.count) * static_cast<double>(least) - static_cast<double>(body.size());
-    if (missing > 1e15) in.fail(fmt::format("announces {} {} records, far more than the file holds", e.count, e.name));
-    in.fail_truncated(static_cast<std::uint64_t>(missing), !e.fixed());
-  }
+  check_room(in, e, least, body.size(), e.fixed());
   const std::size_t n = static_cast<std::size_t>(e.count);
   const std::size_t list = e.index_list();
   const bool faces = e.holds_polygons() && list != std::string::npos;
@@ -274,7 +193,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
         corners.resize(count);
         with_loader(e.properties[k].type, swap, [&](auto load_one) {
           constexpr std::size_t size = sizeof(typename decltype(load_one)::Value);
-          for (std::size_t c = 0; c < count; ++c) corners[c] = static_cast<std::int64_t>(load_one(at + c * size));
+          for (std::size_t c = 0; c < count; ++c) corners[c] = to_index(load_one(at + c * size));
         });
       }
     });
@@ -285,15 +204,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
     if (strips) sink.add_strip(corners);
   }
   sink.done();
-  if (vertices) {
-    const auto cell = [&](std::size_t k) {
-      return Column{reinterpret_cast<const char*>(table.data() + k), width * sizeof(double), NumberType::f64, false};
-    };
-    CloudColumns columns = name_columns(in, e, cell);
-    const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
-    columns.whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
-    decode_columns(columns, n, points);
-  }
+  if (vertices) decode_table(in, e, table, points);
   return {p, static_cast<std::size_t>(end - p)};
 }
 
@@ -338,14 +249,8 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
   const bool vertices = e.name == "vertex";
   const std::size_t width = e.properties.size();
   if (e.count == 0 || width == 0) return;
-  // Every value takes a digit and a separator.
-  const std::size_t room = (text.rest().size() + 1) / 2;
-  if (e.count > room / width) {
-    const double missing =
-        2.0 * static_cast<double>(e.count) * static_cast<double>(width) - static_cast<double>(text.rest().size()) - 1;
-    if (missing > 1e15) in.fail(fmt::format("announces {} {} records, far more than the file holds", e.count, e.name));
-    in.fail_truncated(static_cast<std::uint64_t>(missing), true);
-  }
+  // Every value takes a digit and a separator, which the last one may lack.
+  check_room(in, e, 2 * width, text.rest().size() + 1, false);
   const std::size_t n = static_cast<std::size_t>(e.count);
   const std::size_t list = e.index_list();
   const bool faces = e.holds_polygons() && list != std::string::npos;
@@ -388,7 +293,7 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
             next(corners[static_cast<std::size_t>(c)], i);
           } else {
             next(value, i);
-            if (keep) corners[static_cast<std::size_t>(c)] = static_cast<std::int64_t>(value);
+            if (keep) corners[static_cast<std::size_t>(c)] = to_index(value);
           }
         }
       }
@@ -397,24 +302,16 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
     }
     sink.done();
   }
-  if (vertices) {
-    const auto cell = [&](std::size_t k) {
-      return Column{reinterpret_cast<const char*>(table.data() + k), width * sizeof(double), NumberType::f64, false};
-    };
-    CloudColumns columns = name_columns(in, e, cell);
-    const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
-    columns.whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
-    decode_columns(columns, n, points);
-  }
+  if (vertices) decode_table(in, e, table, points);
 }
 
 }  // namespace
 
 PointSet read_ply(const Input& in) {
-  const Header header = parse_header(in);
-  in.report.format = header.encoding == Encoding::ascii    ? "PLY ascii"
-                     : header.encoding == Encoding::little ? "PLY binary little endian"
-                                                           : "PLY binary big endian";
+  const Header header = parse_ply_header(in);
+  in.report.format = header.encoding == PlyEncoding::ascii    ? "PLY ascii"
+                     : header.encoding == PlyEncoding::little ? "PLY binary little endian"
+                                                              : "PLY binary big endian";
   const auto vertex =
       std::find_if(header.elements.begin(), header.elements.end(), [](const Element& e) { return e.name == "vertex"; });
   if (vertex == header.elements.end() || vertex->count == 0) in.fail("holds no points");
@@ -423,13 +320,13 @@ PointSet read_ply(const Input& in) {
   }
 
   PointSet points;
-  if (header.encoding == Encoding::ascii) {
+  if (header.encoding == PlyEncoding::ascii) {
     TextScanner text(header.body);
     for (const Element& e : header.elements) read_ascii_element(in, e, text, points);
   } else {
     std::string_view body = header.body;
     for (const Element& e : header.elements) {
-      body = read_binary_element(in, e, body, header.encoding == Encoding::big, points);
+      body = read_binary_element(in, e, body, header.encoding == PlyEncoding::big, points);
     }
   }
   const bool range_image = std::any_of(header.elements.begin(), header.elements.end(),

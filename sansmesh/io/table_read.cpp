@@ -146,196 +146,240 @@ Meaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool nor
   return m;
 }
 
-}  // namespace
+constexpr std::size_t most_columns = 64;
 
-PointSet read_table(const Input& in) {
-  std::string_view text_bytes = in.bytes;
-  if (text_bytes.starts_with("\xef\xbb\xbf")) text_bytes.remove_prefix(3);  // byte order mark
-  if (text_bytes.substr(0, 4096).find('\0') != std::string_view::npos)
-    in.fail("is not text, as its ending says it should be");
+/// Numbers of the fields of a line, NaN for the others; `bad` counts fields that are neither a number nor empty.
+std::vector<double> numbers_of(std::string_view line, char separator, std::size_t& bad) {
+  std::vector<double> values;
+  Row row(line, separator);
+  for (auto f = row.field(); f && values.size() < most_columns; f = row.field()) {
+    double v = std::numeric_limits<double>::quiet_NaN();
+    if (!f->empty() && !parse(*f, v)) ++bad;
+    values.push_back(v);
+  }
+  return values;
+}
 
-  // The head: comments, a line of names, a count of points, then the first rows.
+/// What comes before the rows: comments, a line of names, a count of points.
+struct Head {
   std::optional<Meaning> names;
   std::optional<std::uint64_t> announced;
   char separator = ' ';
-  std::vector<std::vector<double>> sample;
-  TextScanner text(text_bytes);
-  std::string_view body = text_bytes;
-  std::uint64_t head_lines = 0;
-  std::string with_points;
-  while (!text.at_end() && sample.empty()) {
-    body = text.rest();
+  std::uint64_t lines = 0;
+  std::string_view body;  ///< from the first row on
+  std::size_t columns = 0;
+};
+
+/// Reads up to the first row. Where commas stand for decimal points, `with_points` receives the text with points and
+/// the body lies in it.
+Head read_head(const Input& in, std::string_view bytes, std::string& with_points) {
+  Head head;
+  TextScanner text(bytes);
+  while (!text.at_end()) {
+    head.body = text.rest();
     const std::string_view line = text.line();
     if (is_blank_line(line)) {
-      ++head_lines;
+      ++head.lines;
       continue;
     }
     if (is_comment(line)) {
-      if (auto m = meaning_of_names(line)) names = m;
-      ++head_lines;
+      if (auto m = meaning_of_names(line)) head.names = m;
+      ++head.lines;
       continue;
     }
-    separator = guess_separator(line);
-    std::vector<double> values;
+    head.separator = guess_separator(line);
     std::size_t bad = 0;
-    Row row(line, separator);
-    for (auto f = row.field(); f && values.size() < 64; f = row.field()) {
-      double v = std::numeric_limits<double>::quiet_NaN();
-      if (!f->empty() && !parse(*f, v)) ++bad;
-      values.push_back(v);
-    }
+    const std::vector<double> values = numbers_of(line, head.separator, bad);
     // "1,5;2,5;3,5" and the same with tabs: a comma inside the numbers.
-    const bool comma_decimals = (separator == ';' || line.find('\t') != std::string_view::npos) &&
+    const bool comma_decimals = (head.separator == ';' || line.find('\t') != std::string_view::npos) &&
                                 line.find(',') != std::string_view::npos && line.find('.') == std::string_view::npos;
     if (comma_decimals && with_points.empty() && bad > 0) {
-      with_points = std::string(body);
+      with_points = std::string(head.body);
       std::replace(with_points.begin(), with_points.end(), ',', '.');
       text = TextScanner(with_points);
       continue;
     }
     if (bad > 0 && bad >= std::min<std::size_t>(3, values.size())) {
-      if (names || head_lines > 50) in.fail(fmt::format("line {}: not a row of numbers", head_lines + 1));
-      names = meaning_of_names(line);
-      if (!names && head_lines > 20) in.fail("holds no rows of numbers");
-      ++head_lines;
+      if (head.names || head.lines > 50) in.fail(fmt::format("line {}: not a row of numbers", head.lines + 1));
+      head.names = meaning_of_names(line);
+      if (!head.names && head.lines > 20) in.fail("holds no rows of numbers");
+      ++head.lines;
       continue;
     }
-    if (values.size() == 1 && !announced && values[0] >= 0 && values[0] == std::floor(values[0]) && values[0] < 1e18) {
-      announced = static_cast<std::uint64_t>(values[0]);
-      ++head_lines;
+    if (values.size() == 1 && !head.announced && values[0] >= 0 && values[0] == std::floor(values[0]) &&
+        values[0] < 1e18) {
+      head.announced = static_cast<std::uint64_t>(values[0]);
+      ++head.lines;
       continue;
     }
     if (values.size() < 3) {
-      in.fail(fmt::format("line {}: {} column{}, but a point needs at least 3", grouped(head_lines + 1), values.size(),
+      in.fail(fmt::format("line {}: {} column{}, but a point needs at least 3", grouped(head.lines + 1), values.size(),
                           values.size() == 1 ? "" : "s"));
     }
-    sample.push_back(std::move(values));
+    head.columns = values.size();
+    return head;
   }
-  if (sample.empty()) in.fail("holds no points (no rows of numbers)");
-  const std::size_t columns = sample.front().size();
-  for (std::size_t k = 0; k < 1000 && !text.at_end(); ++k) {
-    Row row(text.line(), separator);
-    std::vector<double> values;
-    for (auto f = row.field(); f && values.size() < columns; f = row.field()) {
-      double v = std::numeric_limits<double>::quiet_NaN();
-      parse(*f, v);
-      values.push_back(v);
-    }
-    if (values.size() == columns) sample.push_back(std::move(values));
-  }
-  const std::string extension = ending(in.file);
-  const bool normals_by_ending = columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
-  const Meaning meaning = names ? *names : meaning_of_values(sample, normals_by_ending);
+  in.fail("holds no points (no rows of numbers)");
+}
 
-  // The wanted columns, left to right, and where each goes in the table.
-  int place[64];
-  std::fill(place, place + 64, no_column);
+/// The first thousand whole rows.
+std::vector<std::vector<double>> first_rows(const Head& head) {
+  std::vector<std::vector<double>> rows;
+  TextScanner text(head.body);
+  for (std::size_t k = 0; k <= 1000 && !text.at_end(); ++k) {
+    std::size_t bad = 0;
+    std::vector<double> values = numbers_of(text.line(), head.separator, bad);
+    if (values.size() < head.columns) continue;
+    values.resize(head.columns);
+    rows.push_back(std::move(values));
+  }
+  return rows;
+}
+
+/// The wanted columns, left to right, and where each goes in the table.
+struct Layout {
+  int place[most_columns];
+  bool required[most_columns] = {};  ///< coordinates: a row without them is an error
   int width = 0, last_column = 0;
-  bool required[64] = {};
+};
+
+Layout make_layout(const Input& in, const Meaning& meaning, std::size_t columns) {
+  Layout layout;
+  std::fill(layout.place, layout.place + most_columns, no_column);
   for (int k = 0; k < 10; ++k) {
     const int c = meaning.column[k];
     if (c < 0) continue;
     if (c >= static_cast<int>(columns))
       in.fail(fmt::format("its header names more columns than the {} of its rows", columns));
-    if (place[c] < 0) place[c] = width++;
-    required[c] = k < 3;
-    last_column = std::max(last_column, c);
+    if (layout.place[c] < 0) layout.place[c] = layout.width++;
+    layout.required[c] = k < 3;
+    layout.last_column = std::max(layout.last_column, c);
   }
+  return layout;
+}
 
-  std::vector<const char*> starts;  // of every chunk-th line
+/// The rows of some of the lines.
+struct Block {
+  std::vector<double> values;
+  std::uint64_t announced = 0;  ///< sum of the counts met between the rows (PTS)
+  std::string error;
+};
+
+Block read_block(std::string_view lines, std::size_t number, const Head& head, const Layout& layout, bool last) {
+  Block block;
+  const std::size_t width = static_cast<std::size_t>(layout.width);
+  TextScanner text(lines);
+  for (; !text.at_end(); ++number) {
+    const std::string_view line = text.line();
+    const std::size_t base = block.values.size();
+    block.values.resize(base + width);
+    Row row(line, head.separator);
+    int column = 0;
+    double first = 0;
+    for (; column <= layout.last_column; ++column) {
+      const auto f = row.field();
+      if (!f) break;
+      if (column > 0 && layout.place[column] < 0) continue;
+      double v = std::numeric_limits<double>::quiet_NaN();
+      if (!f->empty() && !parse(*f, v) && (layout.required[column] || column == 0)) {
+        if (is_comment(line)) {
+          column = 0;
+          break;
+        }
+        if (layout.required[column]) {
+          block.error = fmt::format("line {}: '{}' is not a number", grouped(number), f->substr(0, 40));
+          return block;
+        }
+      }
+      if (column == 0) first = v;
+      if (layout.place[column] >= 0) block.values[base + static_cast<std::size_t>(layout.place[column])] = v;
+    }
+    if (column > layout.last_column) continue;
+    block.values.resize(base);
+    if (column == 0) continue;                                                        // blank or comment
+    if (column == 1 && head.announced && first >= 0 && first == std::floor(first)) {  // the count of another block
+      block.announced += static_cast<std::uint64_t>(std::min(first, 1e15));
+      continue;
+    }
+    block.error = fmt::format("{}line {} has {} of {} columns", last && text.at_end() ? "truncated: " : "",
+                              grouped(number), column, head.columns);
+    return block;
+  }
+  return block;
+}
+
+/// All rows, read in parallel, one after the other; adds to head.announced what is announced between them.
+std::vector<double> read_rows(const Input& in, Head& head, const Layout& layout) {
   const std::size_t chunk = 1 << 13;
-  std::size_t lines = 0;
-  const char* p = body.data();
-  const char* const end = p + body.size();
-  while (p != end) {
-    if (lines++ % chunk == 0) starts.push_back(p);
+  std::vector<const char*> starts;  // of every chunk-th line
+  const char* p = head.body.data();
+  const char* const end = p + head.body.size();
+  for (std::size_t line = 0; p != end; ++line) {
+    if (line % chunk == 0) starts.push_back(p);
     const char* stop = static_cast<const char*>(std::memchr(p, '\n', static_cast<std::size_t>(end - p)));
     p = stop ? stop + 1 : end;
   }
-  const std::size_t chunks = starts.size();
   starts.push_back(end);
-  std::vector<std::vector<double>> parts(chunks);
-  std::vector<std::string> errors(chunks);
-  std::vector<std::uint64_t> more_announced(chunks, 0);
-  const std::size_t w = static_cast<std::size_t>(width);
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    TextScanner part({starts[c], static_cast<std::size_t>(starts[c + 1] - starts[c])});
-    std::vector<double>& out = parts[c];
-    out.reserve(chunk * w);
-    for (std::size_t number = head_lines + c * chunk + 1; !part.at_end(); ++number) {
-      const std::string_view line = part.line();
-      const std::size_t base = out.size();
-      out.resize(base + w);
-      Row row(line, separator);
-      int column = 0;
-      double first = 0;
-      for (; column <= last_column; ++column) {
-        const auto f = row.field();
-        if (!f) break;
-        if (column > 0 && place[column] < 0) continue;
-        double v = std::numeric_limits<double>::quiet_NaN();
-        if (!f->empty() && !parse(*f, v) && (required[column] || column == 0)) {
-          if (is_comment(line)) {
-            column = 0;
-            break;
-          }
-          if (required[column]) {
-            errors[c] = fmt::format("line {}: '{}' is not a number", grouped(number), f->substr(0, 40));
-            return;
-          }
-        }
-        if (column == 0) first = v;
-        if (place[column] >= 0) out[base + static_cast<std::size_t>(place[column])] = v;
-      }
-      if (column > last_column) continue;
-      out.resize(base);
-      if (column == 0) continue;                                                   // blank or comment
-      if (column == 1 && announced && first >= 0 && first == std::floor(first)) {  // the count of another block (PTS)
-        more_announced[c] += static_cast<std::uint64_t>(std::min(first, 1e15));
-        continue;
-      }
-      errors[c] = fmt::format("{}line {} has {} of {} columns", part.at_end() && c + 1 == chunks ? "truncated: " : "",
-                              grouped(number), column, columns);
-      return;
-    }
+  std::vector<Block> blocks(starts.size() - 1);
+  parallel_for(0, blocks.size(), 1, [&](std::size_t c) {
+    const std::string_view lines(starts[c], static_cast<std::size_t>(starts[c + 1] - starts[c]));
+    blocks[c] = read_block(lines, head.lines + c * chunk + 1, head, layout, c + 1 == blocks.size());
   });
-  std::size_t n = 0;
-  for (std::size_t c = 0; c < chunks; ++c) {
-    if (!errors[c].empty()) in.fail(errors[c]);
-    n += parts[c].size() / w;
-    if (announced) *announced += more_announced[c];
+  std::vector<std::size_t> begins;
+  std::size_t size = 0;
+  for (const Block& b : blocks) {
+    if (!b.error.empty()) in.fail(b.error);
+    begins.push_back(size);
+    size += b.values.size();
+    if (head.announced) *head.announced += b.announced;
   }
-  if (n == 0) in.fail("holds no points");
-  std::vector<double> table(n * w);
-  std::vector<std::size_t> begins(chunks, 0);
-  for (std::size_t c = 1; c < chunks; ++c) begins[c] = begins[c - 1] + parts[c - 1].size();
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    std::copy(parts[c].begin(), parts[c].end(), table.begin() + static_cast<std::ptrdiff_t>(begins[c]));
+  std::vector<double> table(size);
+  parallel_for(0, blocks.size(), 1, [&](std::size_t c) {
+    std::copy(blocks[c].values.begin(), blocks[c].values.end(), table.begin() + static_cast<std::ptrdiff_t>(begins[c]));
   });
-  parts.clear();
+  return table;
+}
+
+}  // namespace
+
+PointSet read_table(const Input& in) {
+  std::string_view bytes = in.bytes;
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // byte order mark
+  if (bytes.substr(0, 4096).find('\0') != std::string_view::npos)
+    in.fail("is not text, as its ending says it should be");
+  std::string with_points;
+  Head head = read_head(in, bytes, with_points);
+  const std::string extension = ending(in.file);
+  const bool normals_by_ending =
+      head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
+  const Meaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
+  const Layout layout = make_layout(in, meaning, head.columns);
+  const std::vector<double> table = read_rows(in, head, layout);
+  const std::size_t width = static_cast<std::size_t>(layout.width);
+  const std::size_t rows = table.size() / width;
+  if (rows == 0) in.fail("holds no points");
 
   // Count, points, then as many normals.
-  const bool normals_below = announced && columns == 3 && *announced > 0 && n == 2 * *announced;
-  const std::size_t rows = n;
-  if (normals_below) n /= 2;
-  if (announced && n < *announced) {
-    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*announced), grouped(n)));
+  const bool normals_below = head.announced && head.columns == 3 && *head.announced > 0 && rows == 2 * *head.announced;
+  const std::size_t n = normals_below ? rows / 2 : rows;
+  if (head.announced && n < *head.announced) {
+    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*head.announced), grouped(n)));
   }
-  if (announced && n > *announced)
-    in.warn(fmt::format("announces {} points, holds {}", grouped(*announced), grouped(n)));
+  if (head.announced && n > *head.announced) {
+    in.warn(fmt::format("announces {} points, holds {}", grouped(*head.announced), grouped(n)));
+  }
 
   const auto column = [&](int k, std::size_t first_row = 0) {
     const int c = meaning.column[k];
-    return c < 0 ? Column{}
-                 : Column{
-                       reinterpret_cast<const char*>(table.data() + first_row * w + static_cast<std::size_t>(place[c])),
-                       w * sizeof(double), NumberType::f64, false};
+    if (c < 0) return Column{};
+    const double* at = table.data() + first_row * width + static_cast<std::size_t>(layout.place[c]);
+    return Column{reinterpret_cast<const char*>(at), width * sizeof(double), NumberType::f64, false};
   };
   CloudColumns cloud;
   for (int k = 0; k < 3; ++k) {
     cloud.position[k] = column(k);
     if (normals_below)
-      cloud.normal[k] = column(k, rows / 2);
+      cloud.normal[k] = column(k, n);
     else if (meaning.has(3))
       cloud.normal[k] = column(3 + k);
     if (meaning.has(6)) cloud.color[k] = column(6 + k);
@@ -353,7 +397,7 @@ PointSet read_table(const Input& in) {
   }
   PointSet points;
   decode_columns(cloud, n, points);
-  in.report.format = fmt::format("text, {} columns{}{}", columns, points.has_normals() ? ", normals" : "",
+  in.report.format = fmt::format("text, {} columns{}{}", head.columns, points.has_normals() ? ", normals" : "",
                                  points.has_colors() ? ", colours" : "");
   finish(in, points);
   return points;

@@ -172,7 +172,7 @@ TEST(Vtp, EveryEncodingHoldsTheSame) {
     for (int k = 0; k < 32; ++k) {
       const Vtp o{format, (k & 1) != 0, (k & 2) != 0, (k & 4) != 0, (k & 8) != 0, (k & 16) != 0};
       ReadReport report;
-      const PointSet p = read_points(folder.put("v" + std::to_string(number++) + ".vtp", make_vtp(o)), &report);
+      const PointSet p = read_points(folder.put(std::to_string(number++) + ".vtp", make_vtp(o)), &report);
       EXPECT_TRUE(report.warnings.empty());
       ASSERT_EQ(
           p.positions,
