@@ -5,52 +5,10 @@
 #include <optional>
 
 #include "sansmesh/io/columns.h"
-#include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/table_columns.h"
 
 namespace sansmesh::io {
 namespace {
-
-constexpr int no_column = -1;
-
-/// Columns of the meanings, in the order x y z, nx ny nz, red green blue, confidence.
-struct Meaning {
-  int column[10] = {no_column, no_column, no_column, no_column, no_column,
-                    no_column, no_column, no_column, no_column, no_column};
-  bool has(int first) const { return column[first] >= 0 && column[first + 1] >= 0 && column[first + 2] >= 0; }
-  void set(int first, int at) {
-    for (int k = 0; k < 3; ++k) column[first + k] = at + k;
-  }
-};
-
-/// One row, field by field. With ' ' as separator, runs of blanks separate; otherwise every separator does.
-class Row {
- public:
-  Row(std::string_view line, char separator) : scan_(line), separator_(separator) {}
-
-  std::optional<std::string_view> field() {
-    if (separator_ == ' ') {
-      const std::string_view w = scan_.word();
-      return w.empty() ? std::nullopt : std::optional(w);
-    }
-    if (done_) return std::nullopt;
-    const std::string_view rest = scan_.rest();
-    const std::size_t stop = rest.find(separator_);
-    std::string_view f = rest.substr(0, stop);
-    if (stop == std::string_view::npos)
-      done_ = true;
-    else
-      scan_ = TextScanner(rest.substr(stop + 1));
-    while (!f.empty() && TextScanner::is_blank(f.front())) f.remove_prefix(1);
-    while (!f.empty() && TextScanner::is_blank(f.back())) f.remove_suffix(1);
-    if (done_ && f.empty()) return std::nullopt;  // a separator at the line's end
-    return f;
-  }
-
- private:
-  TextScanner scan_;
-  char separator_;
-  bool done_ = false;
-};
 
 bool parse(std::string_view word, double& value) {
   TextScanner s(word);
@@ -70,88 +28,12 @@ bool is_blank_line(std::string_view line) {
   return s.at_end();
 }
 
-char guess_separator(std::string_view line) {
-  if (line.find(';') != std::string_view::npos) return ';';
-  if (line.find(',') != std::string_view::npos && line.find('\t') == std::string_view::npos) return ',';
-  return ' ';
-}
-
-/// The meaning that a line of names gives, if it names x, y and z.
-std::optional<Meaning> meaning_of_names(std::string_view line) {
-  while (!line.empty() && (TextScanner::is_blank(line.front()) || std::strchr("#/%!", line.front())))
-    line.remove_prefix(1);
-  static constexpr const char* names[10] = {" x easting east px pos_x position_x x_coord ",
-                                            " y northing north py pos_y position_y y_coord ",
-                                            " z elevation height altitude pz pos_z position_z z_coord ",
-                                            " nx normal_x normalx ",
-                                            " ny normal_y normaly ",
-                                            " nz normal_z normalz ",
-                                            " r red ",
-                                            " g green ",
-                                            " b blue ",
-                                            " confidence quality "};
-  Meaning m;
-  Row row(line, guess_separator(line));
-  int column = 0;
-  for (auto f = row.field(); f; f = row.field(), ++column) {
-    std::string name = lower(*f);
-    std::erase(name, '"'), std::erase(name, '\'');
-    name = name.substr(0, name.find_first_of("[("));  // a unit
-    while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
-    if (name.empty() || name.find(' ') != std::string::npos) continue;
-    for (int k = 0; k < 10; ++k) {
-      if (m.column[k] < 0 && std::string_view(names[k]).find(" " + name + " ") != std::string_view::npos)
-        m.column[k] = column;
-    }
-  }
-  return m.has(0) ? std::optional(m) : std::nullopt;
-}
-
-/// What the columns of a file without names mean, from its first rows.
-Meaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending) {
-  Meaning m;
-  m.set(0, 0);
-  const int columns = static_cast<int>(rows.front().size());
-  const auto share = [&](int first, auto&& holds) {
-    if (first + 3 > columns) return false;
-    std::size_t yes = 0;
-    for (const auto& r : rows) yes += holds(Vec3{r[first], r[first + 1], r[first + 2]});
-    return 20 * yes >= 19 * rows.size();
-  };
-  const auto unit = [&](int first) {
-    return share(first, [](const Vec3& v) { return std::abs(norm(v) - 1) < 0.05 || v == Vec3{}; });
-  };
-  const auto color = [&](int first) {
-    return share(first, [](const Vec3& v) {
-      for (const double c : {v.x, v.y, v.z}) {
-        if (!(c >= 0 && c <= 255 && c == std::floor(c))) return false;
-      }
-      return true;
-    });
-  };
-  if (columns < 6) return m;
-  const bool normals_first = normals_by_ending || unit(3);
-  if (normals_first) {
-    m.set(3, 3);
-    if (color(6)) m.set(6, 6);
-  } else if (columns == 7 && color(4) && !color(3)) {
-    m.set(6, 4);  // x y z intensity r g b
-  } else if (columns == 7 && color(4)) {
-    // Whole intensities 0..255 in front of the colours (PTS), or behind them: PTS is by far the more common.
-    m.set(6, 4);
-  } else if (color(3)) {
-    m.set(6, 3);
-    if (unit(6)) m.set(3, 6);
-  }
-  return m;
-}
-
 constexpr std::size_t most_columns = 64;
 
 /// Numbers of the fields of a line, NaN for the others; `bad` counts fields that are neither a number nor empty.
 std::vector<double> numbers_of(std::string_view line, char separator, std::size_t& bad) {
   std::vector<double> values;
-  Row row(line, separator);
+  TableRow row(line, separator);
   for (auto f = row.field(); f && values.size() < most_columns; f = row.field()) {
     double v = std::numeric_limits<double>::quiet_NaN();
     if (!f->empty() && !parse(*f, v)) ++bad;
@@ -162,7 +44,7 @@ std::vector<double> numbers_of(std::string_view line, char separator, std::size_
 
 /// What comes before the rows: comments, a line of names, a count of points.
 struct Head {
-  std::optional<Meaning> names;
+  std::optional<ColumnMeaning> names;
   std::optional<std::uint64_t> announced;
   char separator = ' ';
   std::uint64_t lines = 0;
@@ -243,7 +125,7 @@ struct Layout {
   int width = 0, last_column = 0;
 };
 
-Layout make_layout(const Input& in, const Meaning& meaning, std::size_t columns) {
+Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t columns) {
   Layout layout;
   std::fill(layout.place, layout.place + most_columns, no_column);
   for (int k = 0; k < 10; ++k) {
@@ -273,7 +155,7 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
     const std::string_view line = text.line();
     const std::size_t base = block.values.size();
     block.values.resize(base + width);
-    Row row(line, head.separator);
+    TableRow row(line, head.separator);
     int column = 0;
     double first = 0;
     for (; column <= layout.last_column; ++column) {
@@ -352,7 +234,7 @@ PointSet read_table(const Input& in) {
   const std::string extension = ending(in.file);
   const bool normals_by_ending =
       head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
-  const Meaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
+  const ColumnMeaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
   const Layout layout = make_layout(in, meaning, head.columns);
   const std::vector<double> table = read_rows(in, head, layout);
   const std::size_t width = static_cast<std::size_t>(layout.width);

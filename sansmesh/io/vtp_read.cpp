@@ -2,109 +2,15 @@
 // bytes, plain or compressed by zlib.
 #include <fmt/core.h>
 
-#include <map>
 #include <optional>
 
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/face_sink.h"
 #include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/vtk_xml.h"
 
 namespace sansmesh::io {
 namespace {
-
-/// A start tag, an end tag (name begins with '/') or an element that closes itself; comments and the like are skipped.
-struct Tag {
-  std::string_view name;
-  std::map<std::string_view, std::string_view> attributes;
-  bool closed = false;
-
-  std::string_view operator[](std::string_view key) const {
-    const auto it = attributes.find(key);
-    return it == attributes.end() ? std::string_view() : it->second;
-  }
-};
-
-/// The little of XML that VTK writes: tags with quoted attributes, text between them.
-class Xml {
- public:
-  Xml(const Input& in) : in_(in), p_(in.bytes.data()), end_(p_ + in.bytes.size()) {}
-
-  std::optional<Tag> next() {
-    for (;;) {
-      const std::size_t start = rest().find('<');
-      if (start == std::string_view::npos) return std::nullopt;
-      p_ += start + 1;
-      const char* skip = rest().starts_with("!--") ? "-->"
-                         : rest().starts_with("?") ? "?>"
-                         : rest().starts_with("!") ? ">"
-                                                   : nullptr;
-      if (!skip) break;
-      const std::size_t stop = rest().find(skip);
-      if (stop == std::string_view::npos) in_.fail("truncated: the XML ends inside a comment or declaration");
-      p_ += stop + std::strlen(skip);
-    }
-    Tag tag;
-    const char* start = p_;
-    while (p_ != end_ && !is_space(*p_) && *p_ != '>' && (*p_ != '/' || p_ == start)) ++p_;
-    tag.name = {start, static_cast<std::size_t>(p_ - start)};
-    for (;;) {
-      while (p_ != end_ && is_space(*p_)) ++p_;
-      if (p_ == end_) in_.fail("truncated: the XML ends inside a tag");
-      if (*p_ == '>') return ++p_, tag;
-      if (*p_ == '/') {
-        tag.closed = true;
-        ++p_;
-        continue;
-      }
-      const char* key = p_;
-      while (p_ != end_ && *p_ != '=' && *p_ != '>' && !is_space(*p_)) ++p_;
-      const std::string_view name(key, static_cast<std::size_t>(p_ - key));
-      while (p_ != end_ && (is_space(*p_) || *p_ == '=')) ++p_;
-      if (p_ == end_) in_.fail("truncated: the XML ends inside a tag");
-      const char quote = *p_;
-      if (quote != '"' && quote != '\'') in_.fail("malformed XML: an attribute without quotes");
-      const std::size_t stop = rest().substr(1).find(quote);
-      if (stop == std::string_view::npos) in_.fail("truncated: the XML ends inside an attribute");
-      tag.attributes[name] = rest().substr(1, stop);
-      p_ += stop + 2;
-    }
-  }
-  /// Text up to the next tag.
-  std::string_view text() const { return rest().substr(0, rest().find('<')); }
-  std::string_view rest() const { return {p_, static_cast<std::size_t>(end_ - p_)}; }
-
- private:
-  static bool is_space(char c) { return TextScanner::is_blank(c) || c == '\n'; }
-  const Input& in_;
-  const char* p_;
-  const char* end_;
-};
-
-/// Decodes groups of four characters until something else comes. A group that is padded does not end it: VTK puts
-/// header and data one after the other, each padded for itself.
-std::vector<char> decode_base64(std::string_view text) {
-  static const auto table = [] {
-    std::array<signed char, 256> t;
-    t.fill(-1);
-    const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (int k = 0; k < 64; ++k) t[static_cast<unsigned char>(digits[k])] = static_cast<signed char>(k);
-    return t;
-  }();
-  std::vector<char> bytes;
-  bytes.reserve(text.size() / 4 * 3);
-  unsigned group = 0, digits = 0, padding = 0;
-  for (const char c : text) {
-    if (TextScanner::is_blank(c) || c == '\n') continue;
-    const int v = c == '=' ? 0 : table[static_cast<unsigned char>(c)];
-    if (v < 0) break;
-    padding += c == '=';
-    group = group << 6 | static_cast<unsigned>(v);
-    if (++digits < 4) continue;
-    for (unsigned k = 0; k < 3 && k + padding < 3; ++k) bytes.push_back(static_cast<char>(group >> (16 - 8 * k)));
-    group = digits = padding = 0;
-  }
-  return bytes;
-}
 
 struct Array {
   NumberType type = NumberType::f32;
@@ -131,7 +37,7 @@ class VtpReader {
 
   PointSet read() {
     find_appended();
-    Xml xml(in_);
+    XmlScanner xml(in_);
     bool is_polydata = false;
     bool ended = false;
     std::string_view section;
@@ -189,7 +95,7 @@ class VtpReader {
     appended_ = in_.bytes.substr(mark + 1);
   }
 
-  void data_array(const Tag& tag, std::string_view section, std::string_view text) {
+  void data_array(const XmlTag& tag, std::string_view section, std::string_view text) {
     const std::string_view name = tag["Name"];
     std::optional<Array>* target = nullptr;
     std::size_t components = 1;

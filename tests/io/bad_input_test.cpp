@@ -89,7 +89,7 @@ TEST_P(EveryFormat, MissingEmptyOrAFolder) {
 TEST_P(EveryFormat, CutAnywhere) {
   const std::string name = "cut." + GetParam().name;
   const std::string& content = GetParam().content;
-  const std::size_t step = 1 + content.size() / 400;
+  const std::size_t step = 1 + content.size() / 150;
   for (std::size_t size = 1; size < content.size(); size += size < 150 ? 1 : step) {
     const bool good = readable(folder_.put(name, content.substr(0, size)));
     if (GetParam().binary) {
@@ -116,7 +116,7 @@ TEST_P(EveryFormat, DamagedBytes) {
   std::mt19937 random(5);
   const auto any = [&](std::size_t n) { return std::size_t{random()} % n; };
   const long before = peak_megabytes();
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < 200; ++trial) {
     std::string s = content;
     for (std::size_t k = 1 + any(3); k > 0; --k) {
       // Half of the damage within the header, where it hurts most.

@@ -1,0 +1,84 @@
+#include "sansmesh/io/table_columns.h"
+
+#include <cmath>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/io/input.h"
+
+namespace sansmesh::io {
+
+char guess_separator(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return ';';
+  if (line.find(',') != std::string_view::npos && line.find('\t') == std::string_view::npos) return ',';
+  return ' ';
+}
+
+std::optional<ColumnMeaning> meaning_of_names(std::string_view line) {
+  while (!line.empty() && (TextScanner::is_blank(line.front()) || std::strchr("#/%!", line.front())))
+    line.remove_prefix(1);
+  static constexpr const char* names[10] = {" x easting east px pos_x position_x x_coord ",
+                                            " y northing north py pos_y position_y y_coord ",
+                                            " z elevation height altitude pz pos_z position_z z_coord ",
+                                            " nx normal_x normalx ",
+                                            " ny normal_y normaly ",
+                                            " nz normal_z normalz ",
+                                            " r red ",
+                                            " g green ",
+                                            " b blue ",
+                                            " confidence quality "};
+  ColumnMeaning m;
+  TableRow row(line, guess_separator(line));
+  int column = 0;
+  for (auto f = row.field(); f; f = row.field(), ++column) {
+    std::string name = lower(*f);
+    std::erase(name, '"'), std::erase(name, '\'');
+    name = name.substr(0, name.find_first_of("[("));  // a unit
+    while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
+    if (name.empty() || name.find(' ') != std::string::npos) continue;
+    for (int k = 0; k < 10; ++k) {
+      if (m.column[k] < 0 && std::string_view(names[k]).find(" " + name + " ") != std::string_view::npos)
+        m.column[k] = column;
+    }
+  }
+  return m.has(0) ? std::optional(m) : std::nullopt;
+}
+
+ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending) {
+  ColumnMeaning m;
+  m.set(0, 0);
+  const int columns = static_cast<int>(rows.front().size());
+  const auto share = [&](int first, auto&& holds) {
+    if (first + 3 > columns) return false;
+    std::size_t yes = 0;
+    for (const auto& r : rows) yes += holds(Vec3{r[first], r[first + 1], r[first + 2]});
+    return 20 * yes >= 19 * rows.size();
+  };
+  const auto unit = [&](int first) {
+    return share(first, [](const Vec3& v) { return std::abs(norm(v) - 1) < 0.05 || v == Vec3{}; });
+  };
+  const auto color = [&](int first) {
+    return share(first, [](const Vec3& v) {
+      for (const double c : {v.x, v.y, v.z}) {
+        if (!(c >= 0 && c <= 255 && c == std::floor(c))) return false;
+      }
+      return true;
+    });
+  };
+  if (columns < 6) return m;
+  const bool normals_first = normals_by_ending || unit(3);
+  if (normals_first) {
+    m.set(3, 3);
+    if (color(6)) m.set(6, 6);
+  } else if (columns == 7 && color(4) && !color(3)) {
+    m.set(6, 4);  // x y z intensity r g b
+  } else if (columns == 7 && color(4)) {
+    // Whole intensities 0..255 in front of the colours (PTS), or behind them: PTS is by far the more common.
+    m.set(6, 4);
+  } else if (color(3)) {
+    m.set(6, 3);
+    if (unit(6)) m.set(3, 6);
+  }
+  return m;
+}
+
+}  // namespace sansmesh::io

@@ -1,0 +1,63 @@
+// What the columns of a table of text mean.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sansmesh/io/text_scanner.h"
+
+namespace sansmesh::io {
+
+inline constexpr int no_column = -1;
+
+/// Columns of the meanings, in the order x y z, nx ny nz, red green blue, confidence.
+struct ColumnMeaning {
+  int column[10] = {no_column, no_column, no_column, no_column, no_column,
+                    no_column, no_column, no_column, no_column, no_column};
+  bool has(int first) const { return column[first] >= 0 && column[first + 1] >= 0 && column[first + 2] >= 0; }
+  void set(int first, int at) {
+    for (int k = 0; k < 3; ++k) column[first + k] = at + k;
+  }
+};
+
+/// One row, field by field. With ' ' as separator, runs of blanks separate; otherwise every separator does.
+class TableRow {
+ public:
+  TableRow(std::string_view line, char separator) : scan_(line), separator_(separator) {}
+
+  std::optional<std::string_view> field() {
+    if (separator_ == ' ') {
+      const std::string_view w = scan_.word();
+      return w.empty() ? std::nullopt : std::optional(w);
+    }
+    if (done_) return std::nullopt;
+    const std::string_view rest = scan_.rest();
+    const std::size_t stop = rest.find(separator_);
+    std::string_view f = rest.substr(0, stop);
+    if (stop == std::string_view::npos)
+      done_ = true;
+    else
+      scan_ = TextScanner(rest.substr(stop + 1));
+    while (!f.empty() && TextScanner::is_blank(f.front())) f.remove_prefix(1);
+    while (!f.empty() && TextScanner::is_blank(f.back())) f.remove_suffix(1);
+    if (done_ && f.empty()) return std::nullopt;  // a separator at the line's end
+    return f;
+  }
+
+ private:
+  TextScanner scan_;
+  char separator_;
+  bool done_ = false;
+};
+
+/// ';', ',' or ' ' (any blanks).
+char guess_separator(std::string_view line);
+
+/// The meaning that a line of names gives, if it names x, y and z.
+std::optional<ColumnMeaning> meaning_of_names(std::string_view line);
+
+/// What the columns of a file without names mean, from its first rows (at least one; all of the same length).
+/// `normals_by_ending`: the file's ending says that normals follow the positions.
+ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending);
+
+}  // namespace sansmesh::io
