@@ -1,10 +1,14 @@
 #include "sansmesh/render/mesh_preview.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/core/error.h"
@@ -21,7 +25,7 @@ constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit insid
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
 
 // Light in front of a white card: 1 is white in the picture.
-const Vec3f kKey{0.80f, 0.75f, 0.68f}, kFill{0.07f, 0.08f, 0.10f};
+const Vec3f kKey{0.90f, 0.845f, 0.77f}, kFill{0.07f, 0.08f, 0.10f};
 const Vec3f kSkyHigh{0.38f, 0.41f, 0.45f}, kSkyLow{0.12f, 0.105f, 0.09f};
 constexpr float kBounce = 0.22f;  // light that what blocks the sky sends instead
 
@@ -45,7 +49,8 @@ float shoulder(float c) {
   return c <= kKnee ? c : kKnee + kRoom * (1 - std::exp((kKnee - c) / kRoom));
 }
 
-/// Points of the unit disc, evenly spread from any one on: the additive recurrence by the plastic number (Roberts 2018).
+/// Points of the unit disc, evenly spread from any one on: the additive recurrence by the plastic number (Roberts
+/// 2018).
 std::vector<Spot> spread_over_disc(int count) {
   std::vector<Spot> spots;
   for (int i = 0; i < count; ++i) {
@@ -76,14 +81,14 @@ struct Around {
 
 /// What the samples of a pixel saw: means over those on the surface, and over those that asked for `dark`.
 struct Pixel {
-  float cover = 0;            // share of samples on the surface
-  Vec3f position, normal;     // sums of unit normals are shorter than 1 where they differ
-  Vec3f color;                // share of light reflected
-  Vec3f ambient;              // light from all around; this and the next three are what few rays make noisy
-  float open = 0;             // share of the sky that is not blocked
-  float lit = 0;              // share of the key light that is not blocked
-  float dark = 0;             // loss of light on the ground
-  float asked = 0;            // number of samples for that
+  float cover = 0;             // share of samples on the surface
+  Vec3f position, normal;      // sums of unit normals are shorter than 1 where they differ
+  Vec3f color;                 // share of light reflected
+  Vec3f ambient;               // light from all around; this and the next three are what few rays make noisy
+  float open = 0;              // share of the sky that is not blocked
+  float lit = 0;               // share of the key light that is not blocked
+  float dark = 0;              // loss of light on the ground
+  float asked = 0;             // number of samples for that
   float facing = 0, fill = 0;  // cosines to the key and fill light
   float shine = 0, sheen = 0;  // mirrored key light; sky at grazing angles
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -12,7 +11,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr float kOffset = 2e-4f;         // of the diagonal: hides what floats cannot resolve
+constexpr float kOffset = 2e-4f;          // of the diagonal: hides what floats cannot resolve
 constexpr float kDiscOverSpacing = 1.3f;  // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kBallOverSpacing = 0.8f;
 
@@ -86,7 +85,9 @@ Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
 }
 
 PreviewScene::PreviewScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)
-    : subject_(std::move(subject)), rays_(make_rays(subject_, toward_viewer)), linear_(256),
+    : subject_(std::move(subject)),
+      rays_(make_rays(subject_, toward_viewer)),
+      linear_(256),
       color_(linear_color(options.surface_color)) {
   TriangleMesh& mesh = subject_.mesh;
   if (options.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
@@ -110,9 +111,9 @@ SurfacePoint PreviewScene::on_triangle(const RayHit& hit, const Vec3f& at) const
   }
   if (corner_normals_.empty()) return point;
 
-  // The surface that the smooth normals suggest bulges out of the triangle. Rays towards the light start there: from the
-  // triangle itself, neighbours would block them along the edge of the shade (Hanika, Hacking the Shadow Terminator,
-  // Ray Tracing Gems II, 2021).
+  // The surface that the smooth normals suggest bulges out of the triangle. Rays towards the light start there: from
+  // the triangle itself, neighbours would block them along the edge of the shade (Hanika, Hacking the Shadow
+  // Terminator, Ray Tracing Gems II, 2021).
   Vec3f normal, lift;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3f& n = corner_normals_[3 * hit.primitive + k];

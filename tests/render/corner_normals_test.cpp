@@ -11,7 +11,8 @@ TriangleMesh cube() {
   TriangleMesh mesh;
   for (int i = 0; i < 8; ++i)
     mesh.vertices.push_back({static_cast<float>(i & 1), static_cast<float>(i >> 1 & 1), static_cast<float>(i >> 2)});
-  const std::uint32_t sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  const std::uint32_t sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                     {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& s : sides) {
     mesh.triangles.push_back({s[0], s[1], s[2]});
     mesh.triangles.push_back({s[0], s[2], s[3]});
