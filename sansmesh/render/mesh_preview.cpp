@@ -81,16 +81,16 @@ struct Around {
 
 /// What the samples of a pixel saw: means over those on the surface, and over those that asked for `dark`.
 struct Pixel {
-  float cover = 0;             // share of samples on the surface
-  Vec3f position, normal;      // sums of unit normals are shorter than 1 where they differ
-  Vec3f color;                 // share of light reflected
-  Vec3f ambient;               // light from all around; this and the next three are what few rays make noisy
-  float open = 0;              // share of the sky that is not blocked
-  float lit = 0;               // share of the key light that is not blocked
-  float dark = 0;              // loss of light on the ground
-  float asked = 0;             // number of samples for that
-  float facing = 0, fill = 0;  // cosines to the key and fill light
-  float shine = 0, sheen = 0;  // mirrored key light; sky at grazing angles
+  float cover = 0;               // share of samples on the surface
+  Vec3f position, normal;        // sums of unit normals are shorter than 1 where they differ
+  Vec3f color;                   // share of light reflected
+  Vec3f ambient;                 // light from all around; this down to `dark` is what few rays make noisy
+  float open = 0;                // share of the sky that is not blocked
+  float lit = 0, lit_asked = 0;  // share of the key light that is not blocked; number of samples for that
+  float dark = 0;                // loss of light on the ground
+  float asked = 0;               // number of samples for that
+  float facing = 0, fill = 0;    // cosines to the key and fill light
+  float shine = 0, sheen = 0;    // mirrored key light; sky at grazing angles
 };
 
 class Painter {
@@ -172,7 +172,8 @@ class Painter {
     if (on == 0) return sum;
     const float share = 1 / static_cast<float>(on);
     for (Vec3f* v : {&sum.position, &sum.normal, &sum.color, &sum.ambient}) *v *= share;
-    for (float* v : {&sum.open, &sum.lit, &sum.facing, &sum.fill, &sum.shine, &sum.sheen}) *v *= share;
+    sum.lit = sum.lit_asked > 0 ? sum.lit / sum.lit_asked : 1;
+    for (float* v : {&sum.open, &sum.facing, &sum.fill, &sum.shine, &sum.sheen}) *v *= share;
     sum.cover = static_cast<float>(on) / static_cast<float>(n * n);
     return sum;
   }
@@ -183,7 +184,7 @@ class Painter {
   Pixel smoothed(const At& at, int x, int y) const {
     Pixel pixel = at(x, y);
     const float far = 3 * footprint_ * norm(pixel.position - camera_.position);
-    float weights = 0, ground = 0, open = 0, lit = 0, dark = 0;
+    float weights = 0, lit_weights = 0, ground = 0, open = 0, lit = 0, dark = 0;
     Vec3f ambient;
     for (int v = y - kSmooth; v <= y + kSmooth; ++v) {
       for (int u = x - kSmooth; u <= x + kSmooth; ++u) {
@@ -195,15 +196,16 @@ class Painter {
         const float weight = likeness * other.cover;
         weights += weight;
         open += weight * other.open;
-        lit += weight * other.lit;
+        lit_weights += likeness * other.lit_asked;
+        lit += likeness * other.lit_asked * other.lit;
         ambient += weight * other.ambient;
       }
     }
     if (weights > 0) {
       pixel.open = open / weights;
-      pixel.lit = lit / weights;
       pixel.ambient = ambient / weights;
     }
+    if (lit_weights > 0) pixel.lit = lit / lit_weights;
     if (ground > 0) pixel.dark = dark / ground;
     return pixel;
   }
@@ -259,7 +261,9 @@ class Painter {
       sum.facing += facing;
       sum.shine += 0.10f * std::pow(std::max(0.0f, dot(n, normalized(key - direction))), 36.0f);
     }
+    if (options_.samples > 1 && index % 2 != 0) return;  // smooth as it is, the shadow needs no more
     if (!options_.shadows || (facing > 0 && !in_key_shadow(point.position, index))) sum.lit += 1;
+    sum.lit_asked += 1;
   }
 
   /// Light from all around that falls on the surface, and the share of it that is not blocked.
