@@ -22,6 +22,9 @@ namespace {
 constexpr double kSmallComponent = 0.01;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
+/// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
+/// asked for; least gap of the blocks for the latter, in the same unit.
+constexpr double kSimplify = 0.26, kCoarseSimplify = 2.4, kCoarseBlocks = 0.5;
 
 void check_shape(const PointSet& points) {
   if (points.size() < 4) throw DataError("only " + std::to_string(points.size()) + " points: at least 4 are needed");
@@ -148,6 +151,8 @@ void ReconstructOptions::validate() const {
   check(!support || (*support >= 1.1 && *support <= 3), "support must lie in 1.1..3");
   check(max_degree >= 1 && max_degree <= 4, "degree must lie in 1..4");
   check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "mesh error must be a positive length");
+  check(!triangles || (*triangles >= 4 && enhance),
+        "the number of triangles must be at least 4, and needs enhancement");
   check(!trim || (std::isfinite(*trim) && *trim >= 0), "trim must be a length of at least 0");
   check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
         "the number of components must be at least 1");
@@ -181,13 +186,26 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
   meshing.creases = options.sharp;
   meshing.seeds = field.seeds();
-  const BlockTree blocks = field.mesh_blocks(r.mesh_error);
+  // Blocks have sizes in powers of two, and triangles of one size in every direction: only edge collapses give each
+  // place the triangles it needs. They cost more time than they save elsewhere, so by default only the cheap ones run;
+  // where a coarse mesh is asked for, it is made from a finer one.
+  const bool coarse = options.mesh_error.has_value();
+  if (options.enhance) {
+    meshing.simplify = (coarse ? kCoarseSimplify : kSimplify) * r.mesh_error;
+    meshing.triangles = options.triangles.value_or(0);
+  }
+  const double gap = coarse && options.enhance
+                         ? std::max(kCoarseBlocks * r.mesh_error, std::min(r.mesh_error, default_mesh_error(f)))
+                         : r.mesh_error;
+  const BlockTree blocks = field.mesh_blocks(gap);
   r.blocks = blocks.leaves().size();
   if (options.measure_quality) {
     PolygonizeOptions plain = meshing;
     plain.cluster = false;
     plain.creases = false;
     plain.smoothing_rounds = 0;
+    plain.simplify = 0;
+    plain.triangles = 0;
     const MeshQuality before = measure_quality(polygonize(field, blocks, points.origin, plain, progress));
     r.aspect_mean_before = before.aspect_mean;
     r.aspect_deviation_before = before.aspect_deviation;
@@ -216,7 +234,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
 }
 
 double default_mesh_error(const PartitionReport& report) {
-  return std::max(0.4 * report.accuracy, 0.032 * report.spacing);
+  return std::max(0.46 * report.accuracy, 0.037 * report.spacing);
 }
 
 }  // namespace sansmesh

@@ -28,10 +28,12 @@ struct ReconstructOptions {
   /// estimate: they are replaced.
   enum class Normals { automatic, as_given, estimate } normals = Normals::automatic;
   std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
-  std::optional<double> error;       ///< accepted rms fitting error (length); default: estimated noise and spacing
+  std::optional<double> error;       ///< accepted rms error of a local fit (length); default: a tenth of the noise
   std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5
   int max_degree = 4;                ///< largest degree of the local polynomials, 1..4
-  std::optional<double> mesh_error;  ///< accepted distance between mesh and surface (length)
+  std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
+  /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
+  std::optional<std::size_t> triangles;
   std::optional<double> trim;  ///< cut the surface farther than this from any sample (length); 0 = choose from data
   ComponentChoice components;
   bool sharp = true;  ///< reproduce creases where the data shows them

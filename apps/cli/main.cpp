@@ -122,15 +122,18 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
       ->type_name("CHOICE");
   c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
   c.add_option("--mesh-error", o.mesh_error,
-               "Distance accepted between mesh and surface: larger is coarser [from data]")
+               "Mean distance accepted between mesh and surface: larger is coarser [from data]")
       ->type_name("LENGTH")
+      ->group("Mesh");
+  c.add_option("--triangles", o.triangles, "Simplify until there are no more triangles than this")
+      ->type_name("COUNT")
       ->group("Mesh");
   c.add_flag("--no-enhance", line.no_enhance, "Keep the triangles as they are cut, without enhancement")->group("Mesh");
   c.add_flag("--no-colors", line.no_colors, "Leave out the samples' colours")->group("Mesh");
   c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
       ->type_name("LEVEL")
       ->group("Fit");
-  c.add_option("--error", o.error, "Accepted rms distance of samples from the surface [estimated noise and spacing]")
+  c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
       ->type_name("LENGTH")
       ->group("Fit");
   c.add_option("--support", o.support, "Radius of a local fit over the radius of its block, 1.1..3 [1.5]")

@@ -18,8 +18,8 @@ namespace sansmesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Dipole sum Σ ⟨p − x, a⟩ / r³ and Σ area / r⁶ over the tree. A group counts as one where it is farther than twice its
-/// radius.
+/// Dipole sum Σ ⟨p − x, a⟩ / r³ and Σ area / r⁶ over the tree. A group counts as one where it is farther than √2 times
+/// its radius.
 void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, const Vec3f& p, float* dipole,
                 float* nearness) {
   const hn::CappedTag<float, 8> d;

@@ -47,6 +47,7 @@ float gap_of_plane(double plane_mean_square, double radius, double block_edge) {
 struct Fitter {
   const SampleTree& tree;
   const PartitionOptions& options;
+  int deepest;  ///< level that is fitted however many samples a block has
 
   float block_edge(int level) const { return tree.edge() / static_cast<float>(1u << level); }
 
@@ -219,30 +220,41 @@ int highest_degree(const PartitionOptions& options, const DegreeFits& fits, cons
   return d;
 }
 
-Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                const SampleTree::Neighbours& parents, Workspace& ws) {
-  Trial trial;
+/// Every how manieth sample around a block is enough for its fit.
+std::size_t thinning(const Fitter& fitter, int level, const SampleTree::Neighbours& own) {
   std::size_t near = 0;
   const auto& begin = fitter.tree.level(level).begin;
   for (const std::int32_t n : own)
     if (n >= 0) near += begin[static_cast<std::size_t>(n) + 1] - begin[static_cast<std::size_t>(n)];
   const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
+  return near > 4 * limit ? near / limit : 1;
+}
+
+Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
+                const SampleTree::Neighbours& parents, Workspace& ws) {
+  Trial trial;
+  const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
+  const std::size_t stride = thinning(fitter, level, own);
   const Vec3f c = fitter.center(level, cell);
   LocalFunction f;
-  if (near > 4 * limit) {
+  if (stride > 1 && level < fitter.deepest) {
     // Case (iii): subdivided without a fit. A thinned sample still tells the polygoniser how flat it is here.
-    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, near / limit);
+    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
     const float scale = fitter.support_radius(level);
     const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped);
     if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
     return trial;
   }
-  trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
+  if (stride > 1) {
+    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
+  } else {
+    trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
+  }
   if (trial.reach == 0) return trial;
   const float scale = trial.reach * fitter.support_radius(level);
   const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
   if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
-  if (ws.samples.size() > limit) return trial;
+  if (ws.samples.size() > limit && level < fitter.deepest) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
   for (int d = 0; d <= trial.highest; ++d) {
@@ -314,7 +326,7 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   // Deep enough that the finest occupied cells hold about one sample even where the cloud is densest.
   const int sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
                                         std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
-                                    3, 14);
+                                    options.max_depth ? 2 : 3, 14);
   const SampleTree tree(points.positions, points.normals, state->lower, state->edge, sort_depth);
 
   // The finest level tried is the last on which a sample typically still has company enough for a quadratic fit.
@@ -327,7 +339,7 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
     if (mean / static_cast<double>(points.size()) < 4.0 && l > 2 && !options.max_depth) break;
     finest = l;
   }
-  const Fitter fitter{tree, options};
+  const Fitter fitter{tree, options, finest};
   const auto levels = static_cast<std::size_t>(finest) + 1;
   std::vector<std::vector<Trial>> trials(levels);
   std::vector<std::vector<SampleTree::Neighbours>> neighbours(levels);
@@ -484,7 +496,8 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
       const Vec3f c = fitter.center(leaf.level, leaf.cell);
       const float radius = fitter.support_radius(leaf.level);
       if (t.reach == 1) {
-        gather(tree, leaf.level, neighbours[at][leaf.cell], c, kShift * radius, ws.ids);
+        const SampleTree::Neighbours& own = neighbours[at][leaf.cell];
+        gather(tree, leaf.level, own, c, kShift * radius, ws.ids, thinning(fitter, leaf.level, own));
       } else {
         const std::int64_t parent = tree.find(leaf.level - 1, leaf.order >> 3);
         gather(tree, leaf.level - 1, neighbours[at - 1][static_cast<std::size_t>(parent)], c, kShift * t.reach * radius,

@@ -8,6 +8,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/lattice.h"
+#include "sansmesh/polygonize/simplify.h"
 #include "sansmesh/polygonize/surface_chain.h"
 
 namespace sansmesh {
@@ -401,12 +402,40 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& ri
   }
 }
 
+/// After simplification: vertices go back onto the surface, or straddle it, where it is smooth. At creases they are
+/// where the quadrics want them.
+void place_again(const ScalarField& field, const PolygonizeOptions& options, TriangleMesh& mesh, std::vector<Vec3>& x) {
+  const std::size_t n = mesh.vertices.size();
+  x.resize(n);
+  parallel_for(0, n, 8192, [&](std::size_t i) { x[i] = mesh.origin + Vec3(mesh.vertices[i]); });
+  std::vector<double> f(n);
+  std::vector<Vec3> g(n);
+  field.evaluate(x, f, g);
+  const Rings rings(mesh.triangles, n);
+  parallel_for(0, n, 2048, [&](std::size_t v) {
+    const Vec3 normal = normalized(g[v]);
+    const double slope2 = squared_norm(g[v]);
+    double edge = std::numeric_limits<double>::infinity();
+    bool smooth = slope2 > 1e-4;
+    for (std::uint32_t i = rings.first[v]; i < rings.first[v + 1] && smooth; ++i) {
+      const Triangle& t = mesh.triangles[rings.triangle[i]];
+      const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+      smooth = dot(normalized(cross(b - a, c - a)), normal) > static_cast<double>(kCreaseCosine);
+      edge = std::min({edge, squared_norm(b - a), squared_norm(c - a)});
+    }
+    mesh.normals[v] = Vec3f(normal);
+    if (smooth && options.root_steps > 0 && f[v] * f[v] < 0.04 * edge * slope2) x[v] -= g[v] * (f[v] / slope2);
+  });
+  if (options.balance) balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
+}
+
 }  // namespace
 
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress) {
   if (!(options.displacement >= 0 && options.displacement < 1))
     throw ArgumentError("polygonize: displacement must lie in [0, 1)");
+  if (!(options.simplify >= 0)) throw ArgumentError("polygonize: simplify must be a length of at least 0");
   progress.begin("balance blocks");
   blocks.balance();
   Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}};
@@ -464,14 +493,23 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     });
   };
   for (int step = 1; step < options.root_steps; ++step) to_surface();
-  const Rings rings(mesh.triangles, n);
-  if (options.smoothing_rounds > 0)
-    smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
-  to_surface();
-  if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
-  if (options.balance) balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
+  {
+    const Rings rings(mesh.triangles, n);
+    if (options.smoothing_rounds > 0)
+      smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
+    to_surface();
+    if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
+    if (options.balance && !(options.simplify > 0)) balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
+  }
+  if (options.simplify > 0) {
+    parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });
+    progress.begin("simplify");
+    simplify_mesh(mesh, {.error = options.simplify, .triangles = options.triangles}, progress);
+    progress.begin("place vertices again");
+    place_again(field, options, mesh, x);
+  }
   const Box3 cube = e.tree.bounds();
-  parallel_for(0, n, 4096, [&](std::size_t i) {
+  parallel_for(0, x.size(), 4096, [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) x[i][k] = std::clamp(x[i][k], cube.lower[k], cube.upper[k]);
     mesh.vertices[i] = Vec3f(x[i] - origin);
   });

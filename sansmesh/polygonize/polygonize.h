@@ -28,6 +28,11 @@ struct PolygonizeOptions {
   /// Move the vertices off the surface by so little that the triangles straddle it instead of lying inside: a third of
   /// the mean distance for the same number of triangles.
   bool balance = true;
+  /// Collapse edges while the quadric error stays below this (length; simplify.h): few triangles where the surface is
+  /// flat, at any scale. 0 = off.
+  double simplify = 0;
+  /// With simplify > 0: go on until there are no more triangles than this. 0 = not.
+  std::size_t triangles = 0;
   /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so
   /// seeds at the samples keep sheets far from any sample out. Empty: every block is looked at.
   std::vector<Vec3> seeds;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -21,6 +20,7 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr double kTurn = 0.5;          // least cosine between a triangle's normals before and after
 constexpr double kTether = 1e-3;       // share of the quadric's trace that ties the optimum to the edge's centroid
+constexpr float kHopeless = 16;        // in accepted errors
 constexpr std::size_t kMostRing = 24;  // triangles around a vertex
 constexpr int kMostRounds = 200;
 
@@ -62,7 +62,9 @@ struct Quadric {
 
 struct Simplifier {
   const SimplifyOptions& options;
+  double error;  ///< accepted now
   std::vector<Vec3> x;
+  std::vector<Vec3f> normal;  ///< weighted by area; only to leave out hopeless edges early
   std::vector<Quadric> quadric;
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> fixed;
@@ -76,6 +78,24 @@ struct Simplifier {
   std::vector<std::uint8_t> blocked;  ///< a cheaper one would have spoilt the shape: worth another try after changes
   std::vector<std::uint64_t> claim;   ///< the least key of the collapses that end in a vertex
   std::size_t left;                   ///< vertices
+
+  Simplifier(const SimplifyOptions& o, const std::vector<Vec3f>& vertices, std::vector<Triangle> all,
+             const Vec3& middle)
+      : options(o),
+        error(o.error),
+        x(vertices.size()),
+        triangles(std::move(all)),
+        merged_into(x.size(), kNone),
+        to(x.size(), kNone),
+        cost(x.size(), 0),
+        blocked(x.size(), 0),
+        claim(x.size(), kNoKey),
+        left(x.size()) {
+    parallel_for(0, x.size(), 8192, [&](std::size_t v) { x[v] = Vec3(vertices[v]) - middle; });
+    build_rings();
+    build_quadrics();
+    find_fixed();
+  }
 
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return {around.data() + first[v], valence[v]}; }
 
@@ -94,7 +114,9 @@ struct Simplifier {
 
   void build_quadrics() {
     quadric.assign(x.size(), {});
+    normal.resize(x.size());
     parallel_for(0, x.size(), 2048, [&](std::size_t v) {
+      Vec3 sum;
       for (const std::uint32_t i : ring(static_cast<std::uint32_t>(v))) {
         const Triangle& t = triangles[i];
         const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
@@ -102,7 +124,9 @@ struct Simplifier {
         if (!(size > 0)) continue;
         const Vec3 n = area / size;
         quadric[v].add_plane(n, dot(n, x[t[0]]), size);
+        sum += area;
       }
+      normal[v] = Vec3f(normalized(sum));
     });
   }
 
@@ -174,6 +198,13 @@ struct Simplifier {
     return true;
   }
 
+  /// The mean plane of one end passes the other end so far away that no point can be near the planes of both: on an arc
+  /// the best point's distance from the planes around is about an eighth of what is asked here.
+  bool hopeless(std::uint32_t a, std::uint32_t b) const {
+    const Vec3f d(x[b] - x[a]);
+    return std::abs(dot(normal[a], d)) + std::abs(dot(normal[b], d)) > kHopeless * static_cast<float>(error);
+  }
+
   Collapse measure(std::uint32_t a, std::uint32_t b) const {
     Quadric q = quadric[a];
     q += quadric[b];
@@ -195,9 +226,9 @@ struct Simplifier {
     for (const std::uint32_t i : ring(v)) {
       const Triangle& t = triangles[i];
       const std::uint32_t w = after(t, v);
-      if (w < v || fixed[w] || !(quadric[v].weight + quadric[w].weight > 0)) continue;
+      if (w < v || fixed[w] || hopeless(v, w) || !(quadric[v].weight + quadric[w].weight > 0)) continue;
       all[n] = measure(v, w);
-      n += all[n].cost <= options.error * options.error;
+      n += all[n].cost <= error * error;
     }
     while (n > 0) {  // the costly tests only for the cheapest, and the next one if it fails
       const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
@@ -245,6 +276,8 @@ struct Simplifier {
   void collapse(std::uint32_t v, std::uint32_t place) {
     const std::uint32_t w = to[v];
     x[w] = measure(v, w).position;
+    normal[w] = normalized(normal[w] * static_cast<float>(quadric[w].weight) +
+                           normal[v] * static_cast<float>(quadric[v].weight));
     quadric[w] += quadric[v];
     merged_into[v] = w;
     std::uint32_t count = 0;
@@ -272,10 +305,17 @@ struct Simplifier {
     to[v] = kNone;
   }
 
-  /// Rounds of collapses that share no triangle, until there are hardly any left.
-  void run(Progress& progress) {
-    std::vector<std::uint32_t> changed(x.size()), candidates, chosen, place;
-    std::iota(changed.begin(), changed.end(), 0u);
+  Box3 bounds_of() const {
+    Box3 box;
+    for (const Vec3& p : x) box.extend(p);
+    return box;
+  }
+
+  /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` vertices.
+  void collapse_all(Progress& progress, std::size_t target) {
+    std::vector<std::uint32_t> changed, candidates, chosen, place;
+    for (std::uint32_t v = 0; v < x.size(); ++v)
+      if (merged_into[v] == kNone) changed.push_back(v);
     std::vector<std::uint8_t> flag(x.size(), 0);
     for (int round = 0; round < kMostRounds; ++round) {
       progress.check();
@@ -293,6 +333,10 @@ struct Simplifier {
       parallel_for(0, candidates.size(), 2048, [&](std::size_t i) { won[i] = wins(candidates[i]); });
       for (std::size_t i = 0; i < candidates.size(); ++i)
         if (won[i]) chosen.push_back(candidates[i]);
+      if (left <= target + chosen.size()) {  // only the cheapest of the last round
+        std::sort(chosen.begin(), chosen.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+        chosen.resize(left - target);
+      }
       for (const std::uint32_t v : candidates) claim[v] = claim[to[v]] = kNoKey;
 
       place.resize(chosen.size());
@@ -327,7 +371,19 @@ struct Simplifier {
       }
       for (const std::uint32_t v : changed) flag[v] = 0;
       left -= count;
-      if (count * 300 <= left) break;
+      if (count * 300 <= left || left <= target) break;
+    }
+  }
+
+  void run(Progress& progress) {
+    // A closed mesh has two triangles a vertex, but for the handles.
+    const std::size_t most = (options.triangles + triangles.size() % 2) / 2 + x.size() - triangles.size() / 2;
+    const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(most, 4) : 0;
+    collapse_all(progress, target);
+    const double limit = norm(Vec3(bounds_of().size()));
+    while (left > target && target > 0 && error < limit) {
+      error *= 1.5;
+      collapse_all(progress, target);
     }
     std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1]; });
   }
@@ -344,24 +400,7 @@ void simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
   options.validate();
   const std::size_t n = mesh.vertices.size();
   const Vec3 middle(bounds(mesh).center());  // near the origin quadrics lose fewer digits
-  Simplifier s{options,
-               std::vector<Vec3>(n),
-               {},
-               std::move(mesh.triangles),
-               {},
-               std::vector<std::uint32_t>(n, kNone),
-               {},
-               {},
-               {},
-               std::vector<std::uint32_t>(n, kNone),
-               std::vector<float>(n, 0),
-               std::vector<std::uint8_t>(n, 0),
-               std::vector<std::uint64_t>(n, kNoKey),
-               n};
-  parallel_for(0, n, 8192, [&](std::size_t v) { s.x[v] = Vec3(mesh.vertices[v]) - middle; });
-  s.build_rings();
-  s.build_quadrics();
-  s.find_fixed();
+  Simplifier s(options, mesh.vertices, std::move(mesh.triangles), middle);
   std::vector<double> own_weight(n);
   for (std::size_t v = 0; v < n; ++v) own_weight[v] = s.quadric[v].weight;
 

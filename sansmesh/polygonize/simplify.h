@@ -1,6 +1,8 @@
 // Fewer triangles for the same surface.
 #pragma once
 
+#include <cstddef>
+
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
 
@@ -9,6 +11,8 @@ namespace sansmesh {
 struct SimplifyOptions {
   /// Accepted root mean square distance of a vertex from the planes of the triangles it stands for (length, > 0).
   double error = 0;
+  /// Go on with larger and larger errors until there are no more triangles than this, or none that can go. 0: not.
+  std::size_t triangles = 0;
   /// Least shape 4√3 A / Σ l² (area A, edges l) of the triangles made: 1 equilateral, 0.56 with an angle of 20°, 0.3
   /// with one of 10°. Triangles that are worse already need not become better. 0..0.9.
   double least_shape = 0.5;

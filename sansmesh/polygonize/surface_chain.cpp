@@ -93,52 +93,57 @@ void cancel_opposite(SurfaceChain& chain) {
   chain.triangles.resize(kept);
 }
 
-/// The fans around a vertex: link[i] = fan of its i-th corner. Returns the number of fans, or 0 if an edge of the
-/// vertex has more than two triangles (other ends in `shared`).
-int fans_of(const SurfaceChain& chain, const Corners& c, std::size_t v, std::vector<std::uint32_t>& link,
-            std::vector<std::uint32_t>& shared) {
+/// What fans_of finds, and its working space: a vertex has few triangles, so that plain arrays and all pairs are the
+/// quickest.
+struct Fans {
+  std::vector<std::uint32_t> link;  ///< fan of each corner of the vertex
+  std::vector<std::uint32_t> out, back;
+};
+
+/// The fans around a vertex. Returns their number, or 0 if an edge of the vertex has more than two triangles.
+int fans_of(const SurfaceChain& chain, const Corners& c, std::size_t v, Fans& fans) {
   const std::uint32_t first = c.first[v], n = c.first[v + 1] - first;
+  auto& [link, out, back] = fans;
   link.assign(n, kNone);
-  shared.clear();
-  const auto out = [&](std::uint32_t i) {
-    return chain.triangles[c.corner[first + i] / 3][(c.corner[first + i] % 3 + 1) % 3];
-  };
-  const auto back = [&](std::uint32_t i) {
-    return chain.triangles[c.corner[first + i] / 3][(c.corner[first + i] % 3 + 2) % 3];
-  };
+  out.resize(n), back.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t corner = c.corner[first + i];
+    const Triangle& t = chain.triangles[corner / 3];
+    out[i] = t[(corner % 3 + 1) % 3];
+    back[i] = t[(corner % 3 + 2) % 3];
+  }
   for (std::uint32_t i = 0; i < n; ++i)
     for (std::uint32_t j = i + 1; j < n; ++j)
-      if (out(i) == out(j) || back(i) == back(j)) shared.push_back(out(i) == out(j) ? out(i) : back(i));
-  if (!shared.empty()) return 0;
-  int fans = 0;
+      if (out[i] == out[j] || back[i] == back[j]) return 0;
+  int count = 0;
+  bool border = false;
   for (std::uint32_t i = 0; i < n; ++i) {
     if (link[i] != kNone) continue;
     for (std::uint32_t at = i; at != kNone && link[at] == kNone;) {
-      link[at] = static_cast<std::uint32_t>(fans);
-      const std::uint32_t want = back(at);
-      at = kNone;
-      for (std::uint32_t j = 0; j < n; ++j)
-        if (out(j) == want) at = j;
+      link[at] = static_cast<std::uint32_t>(count);
+      const std::uint32_t want = back[at];
+      at = static_cast<std::uint32_t>(std::find(out.begin(), out.end(), want) - out.begin());
+      if (at == n) at = kNone, border = true;
     }
-    ++fans;
+    ++count;
   }
-  // A border (at the cube's faces) starts in the middle of its chain: join chains that continue each other.
-  for (bool joined = true; joined;) {
-    joined = false;
+  // A border starts in the middle of its chain: join chains that continue each other.
+  while (border) {
+    border = false;
     for (std::uint32_t i = 0; i < n; ++i)
       for (std::uint32_t j = 0; j < n; ++j)
-        if (back(i) == out(j) && link[i] != link[j]) {
+        if (back[i] == out[j] && link[i] != link[j]) {
           const std::uint32_t from = std::max(link[i], link[j]), to = std::min(link[i], link[j]);
           for (std::uint32_t& l : link)
             if (l == from)
               l = to;
             else if (l > from)
               --l;
-          --fans;
-          joined = true;
+          --count;
+          border = true;
         }
   }
-  return fans;
+  return count;
 }
 
 }  // namespace
@@ -161,9 +166,9 @@ SurfaceChain make_surface_chain(
     std::vector<std::uint8_t> bad(n, 0);
     std::vector<std::uint8_t> fans(n, 1);
     parallel_ranges(0, n, 4096, [&](std::size_t first, std::size_t last) {
-      std::vector<std::uint32_t> link, shared;
+      Fans found;
       for (std::size_t v = first; v < last; ++v) {
-        const int count = fans_of(chain, c, v, link, shared);
+        const int count = fans_of(chain, c, v, found);
         if (count == 0 && c.first[v + 1] > c.first[v]) bad[v] = 1;
         fans[v] = static_cast<std::uint8_t>(std::clamp(count, 1, 255));
       }
@@ -187,10 +192,11 @@ SurfaceChain make_surface_chain(
     if (repeat) continue;
 
     // Sheets that touch in a vertex get one each; unused names go.
-    std::vector<std::uint32_t> link, shared;
+    Fans found;
+    const std::vector<std::uint32_t>& link = found.link;
     for (std::size_t v = 0; v < n; ++v) {
       if (fans[v] < 2) continue;
-      const int count = fans_of(chain, c, v, link, shared);
+      const int count = fans_of(chain, c, v, found);
       for (int f = 1; f < count; ++f) {
         const auto copy = static_cast<std::uint32_t>(chain.vertices.size());
         chain.vertices.push_back(chain.vertices[v]);

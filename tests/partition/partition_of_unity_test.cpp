@@ -110,6 +110,16 @@ TEST(PartitionOfUnity, ReproducesCreases) {
 
 TEST(PartitionOfUnity, SeesNoCreaseOnASmoothSurface) { EXPECT_EQ(fit(test::torus(20000)).report().creased, 0u); }
 
+TEST(PartitionOfUnity, FitsOnTheDeepestLevelHoweverDenseTheCloud) {
+  PartitionOptions options;
+  for (const int depth : {2, 3, 4}) {
+    options.max_depth = depth;
+    const PartitionOfUnity field = fit(test::sphere(120000), options);
+    EXPECT_LE(field.report().depth, depth);
+    for (const Vec3& d : random_directions(50)) EXPECT_NEAR(value_at(field, d), 0, 0.05);
+  }
+}
+
 TEST(PartitionOfUnity, MovesWithTheCloud) {
   PointSet cloud = test::sphere(4000);
   const PartitionOfUnity here = fit(cloud);
