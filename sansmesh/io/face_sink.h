@@ -1,8 +1,6 @@
 // From polygons and strips of any length to triangles.
 #pragma once
 
-#include <fmt/core.h>
-
 #include <span>
 
 #include "sansmesh/io/input.h"
@@ -40,7 +38,7 @@ class FaceSink {
   /// Reports what was left out.
   void done() const {
     if (degenerate_ > 0) {
-      in_.warn(fmt::format("{} faces have fewer than 3 corners and were left out", grouped(degenerate_)));
+      in_.warn(grouped(degenerate_) + " faces with fewer than 3 corners were left out");
     }
   }
 

@@ -27,8 +27,9 @@ constexpr float kHalfDiagonal = 0.8660254f;  // of a unit cube
 struct Trial {
   std::array<float, kMaxDegree + 1> mean_square{};  ///< weighted mean squared residual (length²)
   float effective_count = 0;
-  float dropped = 0;  ///< share of the weight on samples that face away: a second sheet
-  float reach = 1;    ///< radius of the fit / radius of the support
+  float dropped = 0;         ///< share of the weight on samples that face away: a second sheet
+  float reach = 1;           ///< radius of the fit / radius of the support
+  std::uint32_t stride = 1;  ///< every how manieth sample was used
   std::int8_t highest = -1;
   std::uint8_t degree = 0;  ///< chosen
   bool leaf = false;
@@ -230,11 +231,28 @@ std::size_t thinning(const Fitter& fitter, int level, const SampleTree::Neighbou
   return near > 4 * limit ? near / limit : 1;
 }
 
+/// A ball of radius 1 leaves out the samples that noise takes far off the surface: over all of the disc, offsets z have
+/// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here.
+float uncut(float mean_square) { return mean_square / std::max(0.3f, 1 - 6 * mean_square); }
+
+/// Case (iii) of METHODS §3.1 says: too many samples, subdivide. But where planes on half the scale leave no more than
+/// noise, only more samples make the fit better.
+bool only_noise(std::span<const Trial> children) {
+  double plane = 0, best = 0;
+  for (const Trial& t : children) {
+    if (t.highest < 1) continue;
+    plane += t.mean_square[1];
+    best += t.mean_square[static_cast<std::size_t>(t.highest)];
+  }
+  return best > 0 && plane < 2 * best;
+}
+
 Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                const SampleTree::Neighbours& parents, Workspace& ws) {
+                const SampleTree::Neighbours& parents, std::span<const Trial> children, Workspace& ws) {
   Trial trial;
   const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
-  const std::size_t stride = thinning(fitter, level, own);
+  const bool any_number = only_noise(children);
+  const std::size_t stride = any_number ? 1 : thinning(fitter, level, own);
   const Vec3f c = fitter.center(level, cell);
   LocalFunction f;
   if (stride > 1 && level < fitter.deepest) {
@@ -245,6 +263,7 @@ Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const Sampl
     if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
     return trial;
   }
+  trial.stride = static_cast<std::uint32_t>(stride);
   if (stride > 1) {
     gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
   } else {
@@ -254,12 +273,12 @@ Trial try_block(const Fitter& fitter, int level, std::uint32_t cell, const Sampl
   const float scale = trial.reach * fitter.support_radius(level);
   const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
   if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
-  if (ws.samples.size() > limit && level < fitter.deepest) return trial;
+  if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
   for (int d = 0; d <= trial.highest; ++d) {
     const auto k = static_cast<std::size_t>(d);
-    trial.mean_square[k] = static_cast<float>(fits.mean_square[k]) * scale * scale;
+    trial.mean_square[k] = uncut(static_cast<float>(fits.mean_square[k])) * scale * scale;
   }
   return trial;
 }
@@ -346,27 +365,35 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   std::size_t work = 0;
   for (std::size_t l = 0; l < levels; ++l) work += tree.level(static_cast<int>(l)).size();
   progress.begin("fit", work);
+  std::vector<std::vector<std::uint32_t>> parent(levels);
   neighbours[0] = {tree.root_neighbours()};
-  for (int l = 0; l <= finest; ++l) {
+  parent[0] = {0};
+  for (int l = 1; l <= finest; ++l) {
     const auto at = static_cast<std::size_t>(l);
-    const std::size_t count = tree.level(l).size();
-    trials[at].resize(count);
-    std::vector<std::uint32_t> parent(count, 0);
-    if (l > 0) {
-      neighbours[at].resize(count);
-      const auto& child = tree.level(l - 1).child;
-      parallel_for(0, tree.level(l - 1).size(), 256, [&](std::size_t p) {
-        for (std::uint32_t c = child[p]; c < child[p + 1]; ++c) {
-          parent[c] = static_cast<std::uint32_t>(p);
-          neighbours[at][c] = tree.child_neighbours(l - 1, neighbours[at - 1][p], c);
-        }
-      });
-    }
-    parallel_ranges(0, count, 128, [&](std::size_t first, std::size_t last) {
+    neighbours[at].resize(tree.level(l).size());
+    parent[at].resize(tree.level(l).size());
+    const auto& child = tree.level(l - 1).child;
+    parallel_for(0, tree.level(l - 1).size(), 256, [&](std::size_t p) {
+      for (std::uint32_t c = child[p]; c < child[p + 1]; ++c) {
+        parent[at][c] = static_cast<std::uint32_t>(p);
+        neighbours[at][c] = tree.child_neighbours(l - 1, neighbours[at - 1][p], c);
+      }
+    });
+  }
+  for (int l = finest; l >= 0; --l) {
+    const auto at = static_cast<std::size_t>(l);
+    trials[at].resize(tree.level(l).size());
+    parallel_ranges(0, trials[at].size(), 128, [&](std::size_t first, std::size_t last) {
       Workspace ws;
-      for (std::size_t c = first; c < last; ++c)
+      for (std::size_t c = first; c < last; ++c) {
+        std::span<const Trial> children;
+        if (l < finest) {
+          const auto& child = tree.level(l).child;
+          children = std::span(trials[at + 1]).subspan(child[c], child[c + 1] - child[c]);
+        }
         trials[at][c] = try_block(fitter, l, static_cast<std::uint32_t>(c), neighbours[at][c],
-                                  l > 0 ? neighbours[at - 1][parent[c]] : neighbours[at][c], ws);
+                                  neighbours[l > 0 ? at - 1 : 0][parent[at][c]], children, ws);
+      }
       progress.advance(last - first);
     });
   }
@@ -497,11 +524,10 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
       const float radius = fitter.support_radius(leaf.level);
       if (t.reach == 1) {
         const SampleTree::Neighbours& own = neighbours[at][leaf.cell];
-        gather(tree, leaf.level, own, c, kShift * radius, ws.ids, thinning(fitter, leaf.level, own));
+        gather(tree, leaf.level, own, c, kShift * radius, ws.ids, t.stride);
       } else {
-        const std::int64_t parent = tree.find(leaf.level - 1, leaf.order >> 3);
-        gather(tree, leaf.level - 1, neighbours[at - 1][static_cast<std::size_t>(parent)], c, kShift * t.reach * radius,
-               ws.ids);
+        const std::uint32_t above = parent[at][leaf.cell];
+        gather(tree, leaf.level - 1, neighbours[at - 1][above], c, kShift * t.reach * radius, ws.ids);
       }
       LocalFunction& f = state->functions[i];
       const DegreeFits fits = fit_local(tree, c, t.reach * radius, t.degree, ws, f);

@@ -295,7 +295,8 @@ struct Simplifier {
       for (const std::uint32_t o : t) {
         if (o == v || o == w) continue;
         std::uint32_t* const begin = around.data() + first[o];
-        std::remove(begin, begin + valence[o]--, i);
+        *std::find(begin, begin + valence[o], i) = begin[valence[o] - 1];
+        --valence[o];
       }
       t = {w, w, w};  // goes in the end
     }
@@ -434,7 +435,7 @@ void simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
     merge(
         3, [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[v][k]); },
         [&](std::size_t v, std::size_t k, double value) {
-          mesh.colors[v][k] = static_cast<std::uint8_t>(value + 0.5);
+          mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(value));
         });
   if (!mesh.quality.empty())
     merge(

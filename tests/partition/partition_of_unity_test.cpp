@@ -53,6 +53,7 @@ TEST(PartitionOfUnity, GradientMatchesDifferences) {
   const PartitionOfUnity field = fit(test::torus(20000));
   std::vector<Vec3> x;
   const PointSet cloud = test::torus(300, 8);
+  x.reserve(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i)
     x.push_back(Vec3(cloud.positions[i]) + Vec3(cloud.normals[i]) * (0.01 * static_cast<double>(i % 3)));
   std::vector<double> f(x.size());
