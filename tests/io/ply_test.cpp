@@ -51,7 +51,7 @@ TEST_P(PlyEncodings, PolygonsBecomeFansAndExtrasAreSteppedOver) {
   EXPECT_EQ(p.size(), 6u);
   EXPECT_EQ(p.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {5, 4, 3}}));
   ASSERT_EQ(report_.warnings.size(), 1u);
-  EXPECT_NE(report_.warnings[0].find("1 faces have fewer than 3 corners"), std::string::npos);
+  EXPECT_NE(report_.warnings[0].find("1 faces with fewer than 3 corners"), std::string::npos);
 }
 
 TEST_P(PlyEncodings, FacesBeforeVertices) {
