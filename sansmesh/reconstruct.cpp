@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -18,8 +19,9 @@
 namespace sansmesh {
 namespace {
 
-/// Components smaller than this share of the largest one's area go unless all are asked for.
-constexpr double kSmallComponent = 0.01;
+/// Components with less than this share of the largest one's area near samples go unless all are asked for, and those
+/// that have less than this share of their own area near samples.
+constexpr double kSmallComponent = 0.01, kSupported = 0.25;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
@@ -85,27 +87,9 @@ void prepare_normals(PointSet& points, ReconstructOptions::Normals choice, Progr
   orient_normals(points, {}, progress);
 }
 
-void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, ReconstructReport& report) {
-  const MeshComponents components = find_components(mesh);
-  std::size_t kept = components.size();
-  if (choice.kind == ComponentChoice::Kind::count)
-    kept = std::min<std::size_t>(kept, static_cast<std::size_t>(choice.count));
-  if (choice.kind == ComponentChoice::Kind::automatic)
-    while (kept > 1 && components.area[kept - 1] < kSmallComponent * components.area[0]) --kept;
-  report.components = static_cast<int>(kept);
-  if (kept == components.size()) return;
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = components.of_triangle[i] < kept;
-  keep_triangles(mesh, keep);
-  if (choice.kind == ComponentChoice::Kind::automatic) {
-    const std::size_t dropped = components.size() - kept;
-    report.warnings.push_back(std::to_string(dropped) + (dropped == 1 ? " small component" : " small components") +
-                              " left out (--components all keeps them)");
-  }
-}
-
-/// Cuts the surface where no sample is near.
-void trim_mesh(TriangleMesh& mesh, const PointSet& points, const KdTree& samples, double limit) {
+/// 1 for the vertices that have a sample within `limit`.
+std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const PointSet& points, const KdTree& samples,
+                                       double limit) {
   std::vector<std::uint8_t> near(mesh.vertices.size());
   const Vec3f shift(mesh.origin - points.origin);
   const auto limit2 = static_cast<float>(limit * limit);
@@ -113,6 +97,11 @@ void trim_mesh(TriangleMesh& mesh, const PointSet& points, const KdTree& samples
     const auto found = samples.nearest(mesh.vertices[v] + shift);
     near[v] = found && found->squared_distance <= limit2;
   });
+  return near;
+}
+
+/// Cuts the surface where no sample is near.
+void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near) {
   std::vector<std::uint8_t> keep(mesh.triangles.size());
   for (std::size_t i = 0; i < keep.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
@@ -120,6 +109,51 @@ void trim_mesh(TriangleMesh& mesh, const PointSet& points, const KdTree& samples
   }
   keep_triangles(mesh, keep);
   separate_fans(mesh);
+}
+
+/// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
+/// counts is the area near samples; automatically, components go that have little of it, or hardly any but their own.
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double limit,
+                       ReconstructReport& report) {
+  const MeshComponents components = find_components(mesh);
+  const std::size_t count = components.size();
+  report.components = static_cast<int>(count);
+  if (choice.kind == ComponentChoice::Kind::all || count < 2) return;
+
+  std::vector<double> supported = components.area;
+  if (components.area[1] >= kSmallComponent * components.area[0]) {
+    const std::vector<std::uint8_t> near = near_samples(mesh, points, KdTree(points.positions), limit);
+    supported.assign(count, 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const auto& [a, b, c] = mesh.triangles[i];
+      if (!near[a] || !near[b] || !near[c]) continue;
+      const Vec3f &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
+      supported[components.of_triangle[i]] += 0.5 * static_cast<double>(norm(cross(q - p, r - p)));
+    }
+  }
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return supported[a] > supported[b]; });
+  std::size_t kept = 0;
+  std::vector<std::uint8_t> chosen(count, 0);
+  for (const std::uint32_t k : order) {
+    const bool automatic = choice.kind == ComponentChoice::Kind::automatic;
+    if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
+    if (automatic && kept > 0 &&
+        (supported[k] < kSmallComponent * supported[order[0]] || supported[k] < kSupported * components.area[k]))
+      continue;
+    chosen[k] = 1;
+    ++kept;
+  }
+  report.components = static_cast<int>(kept);
+  if (kept == count) return;
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = chosen[components.of_triangle[i]];
+  keep_triangles(mesh, keep);
+  if (choice.kind == ComponentChoice::Kind::automatic)
+    report.warnings.push_back(std::to_string(count - kept) + (count - kept == 1 ? " component" : " components") +
+                              " too small or too far from the samples left out (--components all keeps them)");
 }
 
 /// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
@@ -213,16 +247,11 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   TriangleMesh mesh = polygonize(field, blocks, points.origin, meshing, progress);
 
   progress.begin("finish mesh");
-  const bool color = options.carry_colors && points.has_colors();
-  if (options.trim || color) {
-    const KdTree samples(points.positions);
-    if (options.trim)
-      trim_mesh(mesh, points, samples, *options.trim > 0 ? *options.trim : std::max(4 * f.spacing, 6 * f.noise));
-    choose_components(mesh, options.components, r);
-    if (color) carry_colors(mesh, points, samples);
-  } else {
-    choose_components(mesh, options.components, r);
-  }
+  const double close = std::max(4 * f.spacing, 6 * f.noise);
+  if (options.trim)
+    trim_mesh(mesh, near_samples(mesh, points, KdTree(points.positions), *options.trim > 0 ? *options.trim : close));
+  choose_components(mesh, options.components, points, 2 * close, r);
+  if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   if (options.measure_quality) {
     const MeshQuality after = measure_quality(mesh);
