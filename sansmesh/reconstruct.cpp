@@ -204,7 +204,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
   fit.error = options.error;
-  fit.support = options.support.value_or(fit.support);
+  fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
   const PartitionOfUnity field = fit_partition_of_unity(points, fit, progress);

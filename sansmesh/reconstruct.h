@@ -29,7 +29,7 @@ struct ReconstructOptions {
   enum class Normals { automatic, as_given, estimate } normals = Normals::automatic;
   std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
   std::optional<double> error;       ///< accepted rms error of a local fit (length); default: a tenth of the noise
-  std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5
+  std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5 to 1.8
   int max_degree = 4;                ///< largest degree of the local polynomials, 1..4
   std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
   /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.

@@ -136,7 +136,8 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
   c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
       ->type_name("LENGTH")
       ->group("Fit");
-  c.add_option("--support", o.support, "Radius of a local fit over the radius of its block, 1.1..3 [1.5]")
+  c.add_option("--support", o.support,
+               "Radius of a local fit over the radius of its block, 1.1..3 [1.5, up to 1.8 with noise]")
       ->type_name("RATIO")
       ->group("Fit");
   c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")

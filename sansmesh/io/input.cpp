@@ -246,7 +246,8 @@ void finish(const Input& in, PointSet& points) {
     const std::size_t before = points.triangles.size();
     std::erase_if(points.triangles, [&](std::array<std::uint32_t, 3>& t) {
       for (std::uint32_t& v : t) {
-        if ((v = new_index[v]) == gone) return true;
+        v = new_index[v];
+        if (v == gone) return true;
       }
       return false;
     });

@@ -1,6 +1,7 @@
 // What the writers share: a file that appears whole or not at all, and fast formatting of rows.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -45,10 +46,7 @@ inline char* put(char* p, T value) {
   return std::to_chars(p, p + number_width, value).ptr;
 }
 inline char* put(char* p, char c) { return *p = c, p + 1; }
-inline char* put(char* p, const char* s) {
-  const std::size_t n = std::strlen(s);
-  return static_cast<char*>(std::memcpy(p, s, n)) + n;
-}
+inline char* put(char* p, const char* s) { return std::copy_n(s, std::strlen(s), p); }
 
 /// How coordinates leave: world = origin + position.
 class WorldCoordinates {

@@ -1,6 +1,10 @@
 // STL, ascii and binary. Corners with identical coordinates become one vertex.
 #include <fmt/core.h>
 
+#include <array>
+#include <bit>
+#include <cstdint>
+
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
@@ -36,7 +40,10 @@ class Welder {
   static constexpr std::uint32_t empty = 0xffffffffu;
 
   // Bits, so that NaN equals itself.
-  static bool same(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof(Vec3)) == 0; }
+  static bool same(const Vec3& a, const Vec3& b) {
+    using Bits = std::array<std::uint64_t, 3>;
+    return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+  }
   static std::size_t hash(const Vec3& p) {
     std::uint64_t h = 0;
     for (int k = 0; k < 3; ++k) {

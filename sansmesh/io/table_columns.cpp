@@ -69,10 +69,9 @@ ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bo
   if (normals_first) {
     m.set(3, 3);
     if (color(6)) m.set(6, 6);
-  } else if (columns == 7 && color(4) && !color(3)) {
-    m.set(6, 4);  // x y z intensity r g b
   } else if (columns == 7 && color(4)) {
-    // Whole intensities 0..255 in front of the colours (PTS), or behind them: PTS is by far the more common.
+    // x y z intensity r g b (PTS). With whole intensities of 0..255 it could as well be r g b intensity, which is by
+    // far the rarer.
     m.set(6, 4);
   } else if (color(3)) {
     m.set(6, 3);

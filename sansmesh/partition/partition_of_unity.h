@@ -17,11 +17,13 @@ namespace sansmesh {
 struct PartitionOptions {
   std::optional<int> max_depth;  ///< deepest level of the tree, 2..14; default: where supports run out of samples
   std::optional<double> error;   ///< accepted rms error of a local function (length); default: 0.1 noise
-  double support = 1.5;          ///< radius of a support / circumscribed radius of its block, 1.1..3
-  int max_degree = 4;            ///< largest polynomial degree, 1..4
-  int min_samples = 9;           ///< a support with fewer samples borrows a larger ball for its fit
-  int max_samples = 1000;        ///< beyond this a block is subdivided without fitting (METHODS case iii);
-                                 ///< on the deepest level only so many of its samples are used
+  /// Radius of a support / circumscribed radius of its block, 1.1..3; default: 1.5, up to 1.8 where noise is large
+  /// against the spacing.
+  std::optional<double> support;
+  int max_degree = 4;      ///< largest polynomial degree, 1..4
+  int min_samples = 9;     ///< a support with fewer samples borrows a larger ball for its fit
+  int max_samples = 1000;  ///< beyond this a block is subdivided without fitting (METHODS case iii);
+                           ///< on the deepest level only so many of its samples are used
   std::array<double, kMaxDegree + 1> coverage{0, 0, 0.4, 0.6, 0.7};  ///< least coverage k for each degree
   double max_eccentricity = 0.2;  ///< beyond it (a border of the data) only planes: curved fits swing off there
   bool sharp = true;              ///< split supports at creases

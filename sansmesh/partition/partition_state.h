@@ -24,8 +24,6 @@ struct PartitionOfUnity::State {
   float edge = 0;
   std::vector<LocalFunction> functions;  ///< heads and, behind them in any order, further pieces of creased supports
   std::vector<std::uint32_t> heads;      ///< first function of each support, in Morton order
-  std::vector<std::uint8_t> level;       ///< of each support's block
-  std::vector<std::uint64_t> cell;       ///< Morton code of each support's block
   std::vector<Vec3f> foot;               ///< of each support's centre on its surface
   SupportTree tree;
   /// Per level, for every block with samples: gap that linear triangles would leave (length; infinite at creases and

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "sansmesh/core/error.h"
@@ -91,6 +92,21 @@ TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
   const auto directions = random_directions(500);
   for (const Vec3& d : directions) sum += std::abs(value_at(field, d));
   EXPECT_LT(sum / static_cast<double>(directions.size()), 0.15 * noise);
+}
+
+TEST(PartitionOfUnity, KnowsNoiseThatIsLargeAgainstTheSpacing) {
+  // Small balls cut off what noise takes out of them; neither the noise nor the scale must be fooled by that.
+  constexpr std::size_t n = 30000;
+  const double spacing = std::sqrt(4 * std::numbers::pi / n);
+  for (const double ratio : {0.5, 1.0, 1.5, 2.0}) {
+    const double noise = ratio * spacing;
+    const PartitionOfUnity field = fit(test::sphere(n, noise, 5));
+    EXPECT_NEAR(field.report().noise, noise, 0.06 * noise) << ratio;
+    double squares = 0;
+    const auto directions = random_directions(400);
+    for (const Vec3& d : directions) squares += std::pow(value_at(field, d), 2);
+    EXPECT_LT(std::sqrt(squares / 400), 0.15 * noise) << ratio;
+  }
 }
 
 TEST(PartitionOfUnity, ReproducesCreases) {

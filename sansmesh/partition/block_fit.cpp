@@ -1,0 +1,151 @@
+#include "sansmesh/partition/block_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sansmesh {
+namespace {
+
+float smooth_weight(float t) { return (1 - t) * (1 - t); }
+
+/// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the
+/// weight that faces away.
+float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f) {
+  const auto positions = tree.positions();
+  const auto normals = tree.normals();
+  const float inverse = 1 / f.scale;
+  ws.samples.clear();
+  float kept = 0, away = 0;
+  for (const std::uint32_t i : ws.ids) {
+    const float t = squared_norm(positions[i] - middle) * inverse * inverse;
+    if (t >= 1) continue;
+    const float weight = smooth_weight(t);
+    if (dot(normals[i], f.nu) < 0) {
+      away += weight;
+      continue;
+    }
+    kept += weight;
+    const Vec3f d = (positions[i] - f.center) * inverse;
+    ws.samples.add(dot(d, f.xi), dot(d, f.eta), dot(d, f.nu), weight);
+  }
+  return kept + away > 0 ? away / (kept + away) : 0;
+}
+
+void set_normal(LocalFunction& f, const Vec3f& nu) {
+  f.nu = nu;
+  tangent_frame(f.nu, f.xi, f.eta);
+}
+
+/// Coverage k (METHODS §3.1): area of the box of the projected samples / area of the projected ball.
+double coverage(const LocalSamples& s) {
+  float lo[2] = {1, 1}, hi[2] = {-1, -1};
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    lo[0] = std::min(lo[0], s.u()[i]), hi[0] = std::max(hi[0], s.u()[i]);
+    lo[1] = std::min(lo[1], s.v()[i]), hi[1] = std::max(hi[1], s.v()[i]);
+  }
+  return std::max(0.0f, hi[0] - lo[0]) * std::max(0.0f, hi[1] - lo[1]) / 3.14159265;
+}
+
+/// Distance of the samples' centre of gravity from the middle of the disc, relative to its radius: 0 in the interior of
+/// a surface, 0.28 at a straight border (under the weights (1 − t²)²).
+double eccentricity(const LocalSamples& s) {
+  double u = 0, v = 0, n = 0;
+  for (std::size_t i = 0; i < s.size(); ++i)
+    u += s.weight()[i] * s.u()[i], v += s.weight()[i] * s.v()[i], n += s.weight()[i];
+  return n > 0 ? std::hypot(u, v) / n : 0;
+}
+
+}  // namespace
+
+void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
+            std::vector<std::uint32_t>& ids, std::size_t stride) {
+  ids.clear();
+  const auto positions = tree.positions();
+  const auto& begin = tree.level(level).begin;
+  const float limit = radius * radius;
+  for (const std::int32_t cell : cells) {
+    if (cell < 0) continue;
+    for (std::uint32_t i = begin[static_cast<std::size_t>(cell)]; i < begin[static_cast<std::size_t>(cell) + 1];
+         i += static_cast<std::uint32_t>(stride))
+      if (squared_norm(positions[i] - c) < limit) ids.push_back(i);
+  }
+}
+
+float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
+                    const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids) {
+  const Vec3f c = fitter.center(level, cell);
+  const float radius = fitter.support_radius(level);
+  const auto enough = [&](float r) {
+    const auto in = std::count_if(
+        ids.begin(), ids.end(), [&](std::uint32_t i) { return squared_norm(fitter.tree.positions()[i] - c) < r * r; });
+    return in >= fitter.options.min_samples;
+  };
+  gather(fitter.tree, level, own, c, kShift * radius, ids);
+  if (enough(radius) || level == 0) return 1;
+  for (const float reach : {1.41f, 2.0f}) {
+    gather(fitter.tree, level - 1, parents, c, kShift * reach * radius, ids);
+    if (enough(reach * radius)) return reach;
+  }
+  return 0;
+}
+
+DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
+                     LocalFunction& f, float* dropped) {
+  const auto positions = tree.positions();
+  const auto normals = tree.normals();
+  const float inverse = 1 / (scale * scale);
+  Vec3f normal, mean;
+  float weight = 0;
+  for (const std::uint32_t i : ws.ids) {
+    const Vec3f d = positions[i] - c;
+    const float t = squared_norm(d) * inverse;
+    if (t >= 1) continue;
+    const float w = smooth_weight(t);
+    normal += normals[i] * w;
+    mean += d * w;
+    weight += w;
+  }
+  normal = normalized(normal);
+  if (normal == Vec3f{}) normal = {0, 0, 1};
+  set_normal(f, normal);
+  f.center = c;
+  f.scale = scale;
+  Vec3f middle = weight > 0 ? c + normal * (dot(mean, normal) / weight) : c;
+  float away = project(tree, middle, ws, f);
+  DegreeFits fits = fit_all_degrees(ws.samples, max_degree);
+  if (fits.highest >= 1) {
+    const auto plane = monomial_coefficients(fits, 1);
+    const float slope = std::hypot(plane[1], plane[2]);
+    if (slope > 0.1f && slope < 2.0f) {
+      set_normal(f, normalized(f.nu - f.xi * plane[1] - f.eta * plane[2]));
+      middle = c + f.nu * (plane[0] * scale / std::sqrt(1 + slope * slope));
+      away = project(tree, middle, ws, f);
+      fits = fit_all_degrees(ws.samples, max_degree);
+    }
+  }
+  if (dropped) *dropped = away;
+  return fits;
+}
+
+int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples) {
+  int d = fits.highest;
+  if (d > 1 && eccentricity(samples) > options.max_eccentricity) return 1;
+  const double k = coverage(samples);
+  while (d > 1 && k < options.coverage[static_cast<std::size_t>(d)]) --d;
+  return d;
+}
+
+void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
+                  std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight) {
+  position.clear(), normal.clear(), weight.clear();
+  const float inverse = 1 / (f.scale * f.scale);
+  for (const std::uint32_t i : ids) {
+    const float t = squared_norm(tree.positions()[i] - f.center) * inverse;
+    if (t >= 1) continue;
+    position.push_back(tree.positions()[i]);
+    normal.push_back(tree.normals()[i]);
+    weight.push_back(smooth_weight(t));
+  }
+}
+
+}  // namespace sansmesh

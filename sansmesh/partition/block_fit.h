@@ -1,0 +1,65 @@
+// Least squares around a block: which samples, in which frame, up to which degree. Internal to partition/.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/partition/local_fit.h"
+#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/sample_tree.h"
+
+namespace sansmesh {
+
+/// The blocks of a tree of samples and the balls around them.
+struct BlockFitter {
+  const SampleTree& tree;
+  const PartitionOptions& options;
+  float support = 1.5f;  ///< radius of a support / circumscribed radius of its block
+  int deepest = 0;       ///< level that is fitted however many samples a block has
+
+  float block_edge(int level) const { return tree.edge() / static_cast<float>(1u << level); }
+
+  Vec3f center(int level, std::uint32_t cell) const {
+    const auto c = morton_cell(tree.level(level).code[cell]);
+    const float h = block_edge(level);
+    return tree.lower() + Vec3f{(static_cast<float>(c[0]) + 0.5f) * h, (static_cast<float>(c[1]) + 0.5f) * h,
+                                (static_cast<float>(c[2]) + 0.5f) * h};
+  }
+
+  float support_radius(int level) const { return support * 0.8660254f * block_edge(level); }
+};
+
+/// Reused from block to block.
+struct Workspace {
+  std::vector<std::uint32_t> ids;
+  LocalSamples samples;
+};
+
+/// A ball shifted along the normal reaches farther from the block's centre than its radius.
+constexpr float kShift = 1.3f;
+
+/// Indices of the samples in a ball (of every stride-th), from the given cells of a level.
+void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
+            std::vector<std::uint32_t>& ids, std::size_t stride = 1);
+
+/// Gathers with the support's own radius or, where too few samples are in it, with up to twice that (the parent's
+/// ball). Returns the factor, or 0 if even that ball holds too few.
+float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
+                    const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids);
+
+/// Fits all degrees around c to the samples in ws.ids. The frame's normal is the mean of the samples' normals,
+/// corrected where a first plane says that it is tilted (noisy normals). The ball is shifted along the normal until the
+/// surface passes through its middle: an off-centre ball cuts more noisy samples off on one side than on the other, a
+/// bias. `dropped` receives the share of the weight on samples that face away.
+DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
+                     LocalFunction& f, float* dropped = nullptr);
+
+/// Robustness (METHODS §3.1): curved polynomials only where the samples cover the support, and surround its middle.
+int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples);
+
+/// All samples of the ball around a fitted function's foot point, whichever way they face.
+void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
+                  std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight);
+
+}  // namespace sansmesh

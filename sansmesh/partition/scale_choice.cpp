@@ -1,0 +1,327 @@
+#include "sansmesh/partition/scale_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+/// tr(G⁻¹ Σ w² m mᵀ) · Σ w / Σ w²: the degrees of freedom that a fit of each degree takes from Σ w r², in units of the
+/// weights' effective count; for w = (1 − t²)² over a disc. Less than the number of basis functions, since those that
+/// live near the rim, where the weights vanish, hardly take part.
+constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
+
+/// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing.
+constexpr double kSupport = 1.5, kNoisySupport = 1.8;
+constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;  // in spacings
+
+/// A triangle of edge e on a surface of curvature κ leaves a mean gap of κ e²/8; a plane fitted to a disc of radius R
+/// leaves an rms of 0.097 κ R² under the weights (1 − t²)². Hence the gap of e = h/2, from the plane's residual.
+float gap_of_plane(double plane_mean_square, double radius, double block_edge) {
+  return static_cast<float>(std::sqrt(plane_mean_square) / (0.097 * radius * radius) * block_edge * block_edge / 32);
+}
+
+/// Every how manieth sample around a block is enough for its fit.
+std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Neighbours& own) {
+  std::size_t near = 0;
+  const auto& begin = fitter.tree.level(level).begin;
+  for (const std::int32_t n : own)
+    if (n >= 0) near += begin[static_cast<std::size_t>(n) + 1] - begin[static_cast<std::size_t>(n)];
+  const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
+  return near > 4 * limit ? near / limit : 1;
+}
+
+/// A ball of radius 1 leaves out the samples that noise takes far off the surface: over all of the disc, offsets z have
+/// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here.
+float uncut(float mean_square) { return mean_square / std::max(0.3f, 1 - 6 * mean_square); }
+
+/// Case (iii) of METHODS §3.1 says: too many samples, subdivide. But where planes on half the scale leave no more than
+/// noise, only more samples make the fit better.
+bool only_noise(std::span<const Trial> children) {
+  double plane = 0, best = 0;
+  for (const Trial& t : children) {
+    if (t.highest < 1) continue;
+    plane += t.mean_square[1];
+    best += t.mean_square[static_cast<std::size_t>(t.highest)];
+  }
+  return best > 0 && plane < 2 * best;
+}
+
+Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
+                const SampleTree::Neighbours& parents, std::span<const Trial> children, Workspace& ws) {
+  Trial trial;
+  const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
+  const bool any_number = only_noise(children);
+  const std::size_t stride = any_number ? 1 : thinning(fitter, level, own);
+  const Vec3f c = fitter.center(level, cell);
+  LocalFunction f;
+  if (stride > 1 && level < fitter.deepest) {
+    // Case (iii): subdivided without a fit. A thinned sample still tells the polygoniser how flat it is here.
+    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
+    const float scale = fitter.support_radius(level);
+    const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped);
+    if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
+    return trial;
+  }
+  trial.stride = static_cast<std::uint32_t>(stride);
+  if (stride > 1) {
+    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
+  } else {
+    trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
+  }
+  if (trial.reach == 0) return trial;
+  const float scale = trial.reach * fitter.support_radius(level);
+  const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
+  if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
+  if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
+  trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
+  trial.effective_count = static_cast<float>(fits.effective_count);
+  for (int d = 0; d <= trial.highest; ++d) {
+    const auto k = static_cast<std::size_t>(d);
+    trial.mean_square[k] = uncut(static_cast<float>(fits.mean_square[k])) * scale * scale;
+  }
+  return trial;
+}
+
+/// Residual variance of the samples about the surface, from the fits of a block and its neighbours; -1: not known.
+float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbours& around) {
+  double sum = 0, n = 0;
+  for (const std::int32_t k : around) {
+    if (k < 0) continue;
+    const Trial& o = trials[static_cast<std::size_t>(k)];
+    // The highest degree with freedom left: what it does not follow is noise, not shape.
+    int d = o.highest;
+    while (d > 1 && o.effective_count < 1.5f * kFreedom[static_cast<std::size_t>(d)]) --d;
+    if (d < 1 || o.reach != 1) continue;
+    const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
+    if (freedom < 1) continue;
+    sum += o.mean_square[static_cast<std::size_t>(d)] * o.effective_count;
+    n += freedom;
+  }
+  return n > 0 ? static_cast<float>(sum / n) : -1;
+}
+
+/// The finest level tried is the last on which a sample typically still has company enough for a quadratic fit.
+int finest_level(const SampleTree& tree, const PartitionOptions& options) {
+  int finest = 2;
+  for (int l = 2; l <= tree.depth(); ++l) {
+    const auto& begin = tree.level(l).begin;
+    double mean = 0;
+    for (std::size_t c = 0; c + 1 < begin.size(); ++c)
+      mean += std::pow(static_cast<double>(begin[c + 1] - begin[c]), 2);
+    if (mean / static_cast<double>(tree.positions().size()) < 4.0 && l > 2 && !options.max_depth) break;
+    finest = l;
+  }
+  return finest;
+}
+
+void find_neighbours(const SampleTree& tree, ScaleChoice& choice) {
+  const auto levels = static_cast<std::size_t>(choice.finest) + 1;
+  choice.neighbours.resize(levels);
+  choice.parent.resize(levels);
+  choice.neighbours[0] = {tree.root_neighbours()};
+  choice.parent[0] = {0};
+  for (std::size_t l = 1; l < levels; ++l) {
+    const int above = static_cast<int>(l) - 1;
+    const std::size_t count = tree.level(above + 1).size();
+    choice.neighbours[l].resize(count);
+    choice.parent[l].resize(count);
+    const auto& child = tree.level(above).child;
+    parallel_for(0, tree.level(above).size(), 256, [&](std::size_t p) {
+      for (std::uint32_t c = child[p]; c < child[p + 1]; ++c) {
+        choice.parent[l][c] = static_cast<std::uint32_t>(p);
+        choice.neighbours[l][c] = tree.child_neighbours(above, choice.neighbours[l - 1][p], c);
+      }
+    });
+  }
+}
+
+/// From the finest level up, so that each block knows what its children found.
+void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress) {
+  const auto levels = static_cast<std::size_t>(choice.finest) + 1;
+  std::size_t work = 0;
+  for (const auto& cells : choice.neighbours) work += cells.size();
+  progress.begin("fit", work);
+  choice.trials.assign(levels, {});
+  for (std::size_t l = levels; l-- > 0;) {
+    const int level = static_cast<int>(l);
+    choice.trials[l].resize(choice.neighbours[l].size());
+    parallel_ranges(0, choice.trials[l].size(), 128, [&](std::size_t first, std::size_t last) {
+      Workspace ws;
+      for (std::size_t c = first; c < last; ++c) {
+        std::span<const Trial> children;
+        if (level < choice.finest) {
+          const auto& child = fitter.tree.level(level).child;
+          children = std::span(choice.trials[l + 1]).subspan(child[c], child[c + 1] - child[c]);
+        }
+        choice.trials[l][c] = try_block(fitter, level, static_cast<std::uint32_t>(c), choice.neighbours[l][c],
+                                        choice.neighbours[l > 0 ? l - 1 : 0][choice.parent[l][c]], children, ws);
+      }
+      progress.advance(last - first);
+    });
+  }
+}
+
+/// Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
+/// that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood; finer levels
+/// are given up.
+void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
+  for (;; --choice.finest) {
+    const auto l = static_cast<std::size_t>(choice.finest);
+    std::vector<Trial>& trials = choice.trials[l];
+    parallel_for(0, trials.size(), 1024,
+                 [&](std::size_t c) { trials[c].noise = pooled_noise(trials, choice.neighbours[l][c]); });
+    std::vector<float> noises;
+    for (const Trial& t : trials)
+      if (t.noise >= 0) noises.push_back(t.noise);
+    if (!noises.empty()) {
+      const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
+      std::nth_element(noises.begin(), middle, noises.end());
+      choice.variance = *middle;
+      if (std::sqrt(choice.variance) < 0.2 * fitter.support_radius(choice.finest)) break;
+    }
+    if (choice.finest <= 2) break;
+  }
+  for (int level = choice.finest - 1; level >= 0; --level) {
+    const auto l = static_cast<std::size_t>(level);
+    const auto& child = fitter.tree.level(level).child;
+    const auto& begin = fitter.tree.level(level + 1).begin;
+    const std::vector<Trial>& below = choice.trials[l + 1];
+    parallel_for(0, choice.trials[l].size(), 1024, [&](std::size_t c) {
+      double sum = 0, n = 0;
+      for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
+        const double m = begin[k + 1] - begin[k];
+        if (below[k].noise >= 0) sum += m * below[k].noise, n += m;
+      }
+      choice.trials[l][c].noise = n > 0 ? static_cast<float>(sum / n) : -1;
+    });
+  }
+}
+
+using Risks = std::array<float, kMaxDegree + 1>;
+
+/// Mallows' estimate of the expected squared error of each degree; infinite where it is not to be had.
+Risks raw_risks(const Trial& t, float noise, float radius) {
+  Risks risks;
+  risks.fill(kInfinite);
+  for (int d = 1; d <= t.highest; ++d) {
+    const auto k = static_cast<std::size_t>(d);
+    risks[k] =
+        t.mean_square[k] - noise * (1 - 2 * kFreedom[k] / t.effective_count) + t.dropped * 0.1f * radius * radius;
+  }
+  return risks;
+}
+
+/// The degree with the least risk, averaged over the neighbourhood (a single block's residual is itself too noisy to
+/// choose by), never below the variance that the fit must have.
+void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, const std::vector<Risks>& raw) {
+  for (int d = 1; d <= t.highest; ++d) {
+    const auto k = static_cast<std::size_t>(d);
+    float sum = 0, n = 0;
+    for (const std::int32_t o : around) {
+      if (o < 0 || raw[static_cast<std::size_t>(o)][k] == kInfinite) continue;
+      sum += raw[static_cast<std::size_t>(o)][k], n += 1;
+    }
+    const float risk = std::max(sum / n, noise * kFreedom[k] / t.effective_count);
+    if (risk < t.risk * (d > 1 ? 0.98f : 1.0f)) t.risk = risk, t.degree = static_cast<std::uint8_t>(d);
+  }
+}
+
+/// Whether a block is better left whole, bottom up.
+void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
+  const auto needed = static_cast<float>(choice.accepted * choice.accepted);
+  for (int level = choice.finest; level >= 0; --level) {
+    const auto l = static_cast<std::size_t>(level);
+    std::vector<Trial>& trials = choice.trials[l];
+    const float radius = fitter.support_radius(level);
+    const auto noise_of = [&](const Trial& t) { return t.noise >= 0 ? t.noise : static_cast<float>(choice.variance); };
+    std::vector<Risks> raw(trials.size());
+    parallel_for(0, raw.size(), 1024,
+                 [&](std::size_t c) { raw[c] = raw_risks(trials[c], noise_of(trials[c]), radius); });
+    parallel_for(0, raw.size(), 1024, [&](std::size_t c) {
+      Trial& t = trials[c];
+      choose_degree(t, noise_of(t), choice.neighbours[l][c], raw);
+      t.best = t.risk;
+      t.leaf = true;
+      if (level == choice.finest) return;
+      const auto& child = fitter.tree.level(level).child;
+      const auto& begin = fitter.tree.level(level + 1).begin;
+      // A child without company enough for a fit counts as badly served as here; its neighbours' supports cover it.
+      double sum = 0, n = 0;
+      for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
+        const double m = begin[k + 1] - begin[k];
+        const float best = std::min(choice.trials[l + 1][k].best, t.risk);
+        if (best < kInfinite) sum += m * best, n += m;
+      }
+      const float below = n > 0 ? static_cast<float>(sum / n) : kInfinite;
+      const bool wanted = t.risk > needed && below < 0.9f * t.risk;
+      if (wanted || (t.risk == kInfinite && below < kInfinite)) t.leaf = false, t.best = below;
+    });
+  }
+}
+
+/// Leaves from the top; blocks that no fit could serve inherit nothing: their neighbours' supports or the far field do.
+void collect_leaves(const SampleTree& tree, ScaleChoice& choice) {
+  std::vector<std::pair<int, std::uint32_t>> stack{{0, 0}};
+  while (!stack.empty()) {
+    const auto [l, c] = stack.back();
+    stack.pop_back();
+    const Trial& t = choice.trials[static_cast<std::size_t>(l)][c];
+    if (t.leaf || l == choice.finest) {
+      if (t.risk < kInfinite) choice.leaves.push_back({tree.level(l).code[c], c, l});
+      continue;
+    }
+    const auto& child = tree.level(l).child;
+    for (std::uint32_t k = child[c + 1]; k-- > child[c];) stack.emplace_back(l + 1, k);
+  }
+  if (choice.leaves.empty()) throw DataError("partition of unity: too few samples for any local fit");
+}
+
+/// Spacing of the samples, from the number that the finest level's balls hold.
+double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
+  std::vector<float> counts;
+  for (const Trial& t : choice.trials[static_cast<std::size_t>(choice.finest)])
+    if (t.highest >= 1 && t.reach == 1) counts.push_back(t.effective_count);
+  if (counts.empty()) return 0;
+  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
+  std::nth_element(counts.begin(), middle, counts.end());
+  // (Σ w)² / Σ w² of the weights (1 − t²)² over a disc is 5/9 of the samples in it.
+  return fitter.support_radius(choice.finest) * std::sqrt(5 * std::numbers::pi / (9 * *middle));
+}
+
+}  // namespace
+
+ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& options, double diagonal,
+                          Progress& progress) {
+  ScaleChoice choice;
+  const int finest = choice.finest = finest_level(tree, options);
+  find_neighbours(tree, choice);
+  choice.support = static_cast<float>(options.support.value_or(kSupport));
+  BlockFitter fitter{tree, options, choice.support, finest};
+  try_blocks(fitter, choice, progress);
+  find_noise(fitter, choice);
+  if (!options.support) {
+    // Where noise is as large as the spacing, wider supports make steadier fits; where it is small, they blur.
+    const double ratio = std::sqrt(choice.variance) / spacing_of(fitter, choice);
+    const double noisy = std::clamp((ratio - kLittleNoise) / (kMuchNoise - kLittleNoise), 0.0, 1.0);
+    if (noisy > 0) {
+      choice.support = fitter.support = static_cast<float>(kSupport + noisy * (kNoisySupport - kSupport));
+      choice.finest = finest;
+      try_blocks(fitter, choice, progress);
+      find_noise(fitter, choice);
+    }
+  }
+  progress.begin("choose scale");
+  choice.accepted = options.error.value_or(std::max(0.1 * std::sqrt(choice.variance), 2e-6 * diagonal));
+  choose_cuts(fitter, choice);
+  collect_leaves(tree, choice);
+  return choice;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,53 @@
+// At which scale, and to which degree, is the surface fitted best everywhere? Internal to partition/.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/partition/block_fit.h"
+
+namespace sansmesh {
+
+/// What a trial fit of one block says about every degree; the winners are fitted again at the end.
+struct Trial {
+  std::array<float, kMaxDegree + 1> mean_square{};  ///< weighted mean squared residual (length²)
+  float effective_count = 0;
+  float dropped = 0;         ///< share of the weight on samples that face away: a second sheet
+  float reach = 1;           ///< radius of the fit / radius of the support
+  std::uint32_t stride = 1;  ///< every how manieth sample was used
+  std::int8_t highest = -1;
+  std::uint8_t degree = 0;  ///< chosen
+  bool leaf = false;
+  float risk = std::numeric_limits<float>::infinity();  ///< expected squared error of the best degree
+  float best = std::numeric_limits<float>::infinity();  ///< of the best cut below this block
+  float noise = 0;                                      ///< local noise variance
+  float gap = std::numeric_limits<float>::infinity();  ///< between the surface and linear triangles of half the block's
+                                                       ///< edge (length)
+};
+
+/// A block that gets a support.
+struct Leaf {
+  std::uint64_t order;  ///< Morton code
+  std::uint32_t cell;   ///< in its level
+  int level;
+};
+
+/// Trial fits of all blocks with samples, on all levels, and what follows from them.
+struct ScaleChoice {
+  int finest = 0;                          ///< finest level worth a fit
+  double variance = 0;                     ///< of the noise (length²)
+  double accepted = 0;                     ///< rms error that needs no subdivision (length)
+  float support = 1.5f;                    ///< radius of a support / circumscribed radius of its block
+  std::vector<std::vector<Trial>> trials;  ///< of each level and cell
+  std::vector<std::vector<SampleTree::Neighbours>> neighbours;  ///< cells around each cell
+  std::vector<std::vector<std::uint32_t>> parent;               ///< cell of the level above
+  std::vector<Leaf> leaves;                                     ///< in Morton order
+};
+
+/// `diagonal`: of the samples' bounding box. Throws DataError where no block can be fitted.
+ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress);
+
+}  // namespace sansmesh
