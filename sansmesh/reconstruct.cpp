@@ -19,14 +19,16 @@
 namespace sansmesh {
 namespace {
 
-/// Components with less than this share of the largest one's area near samples go unless all are asked for, and those
-/// that have less than this share of their own area near samples.
-constexpr double kSmallComponent = 0.01, kSupported = 0.25;
+/// Components go, unless all are asked for, whose samples stand for less than this share of what those of the largest
+/// one stand for, or for less than this share of their own area (a part may well be scanned more sparsely than others).
+constexpr double kSmallComponent = 0.01, kSupported = 0.02;
+/// Samples that are enough to tell the components' shares.
+constexpr std::size_t kSupportSamples = 100000;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for; least gap of the blocks for the latter, in the same unit.
-constexpr double kSimplify = 0.26, kCoarseSimplify = 2.4, kCoarseBlocks = 0.5;
+constexpr double kSimplify = 0.26, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
 
 void check_shape(const PointSet& points) {
   if (points.size() < 4) throw DataError("only " + std::to_string(points.size()) + " points: at least 4 are needed");
@@ -111,9 +113,28 @@ void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near) {
   separate_fans(mesh);
 }
 
+/// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
+std::vector<double> supported_area(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points,
+                                   double spacing) {
+  std::vector<std::uint32_t> of_vertex(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t v : mesh.triangles[i]) of_vertex[v] = components.of_triangle[i];
+  const KdTree vertices(mesh.vertices);
+  const std::size_t stride = 1 + points.size() / kSupportSamples;
+  std::vector<std::uint32_t> nearest((points.size() + stride - 1) / stride);
+  const Vec3f shift(points.origin - mesh.origin);
+  parallel_for(0, nearest.size(), 1024, [&](std::size_t i) {
+    const auto found = vertices.nearest(points.positions[i * stride] + shift);
+    nearest[i] = found ? of_vertex[found->index] : 0;
+  });
+  std::vector<double> area(components.size(), 0);
+  for (const std::uint32_t c : nearest) area[c] += static_cast<double>(stride) * spacing * spacing;
+  return area;
+}
+
 /// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
-/// counts is the area near samples; automatically, components go that have little of it, or hardly any but their own.
-void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double limit,
+/// counts is the area that samples stand for; automatically, components go that have little of it.
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
                        ReconstructReport& report) {
   const MeshComponents components = find_components(mesh);
   const std::size_t count = components.size();
@@ -121,16 +142,8 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return;
 
   std::vector<double> supported = components.area;
-  if (components.area[1] >= kSmallComponent * components.area[0]) {
-    const std::vector<std::uint8_t> near = near_samples(mesh, points, KdTree(points.positions), limit);
-    supported.assign(count, 0);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      const auto& [a, b, c] = mesh.triangles[i];
-      if (!near[a] || !near[b] || !near[c]) continue;
-      const Vec3f &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
-      supported[components.of_triangle[i]] += 0.5 * static_cast<double>(norm(cross(q - p, r - p)));
-    }
-  }
+  if (components.area[1] >= kSmallComponent * components.area[0])
+    supported = supported_area(mesh, components, points, spacing);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -250,7 +263,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   const double close = std::max(4 * f.spacing, 6 * f.noise);
   if (options.trim)
     trim_mesh(mesh, near_samples(mesh, points, KdTree(points.positions), *options.trim > 0 ? *options.trim : close));
-  choose_components(mesh, options.components, points, 2 * close, r);
+  choose_components(mesh, options.components, points, f.spacing, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   if (options.measure_quality) {

@@ -1,0 +1,179 @@
+#include "sansmesh/reconstruct.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "support/clouds.h"
+
+namespace sansmesh {
+namespace {
+
+TriangleMesh run(const PointSet& cloud, const ReconstructOptions& options = {}, ReconstructReport* report = nullptr) {
+  Progress progress;
+  return reconstruct(cloud, options, progress, report);
+}
+
+void append(PointSet& cloud, const PointSet& other, float scale, const Vec3f& shift) {
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    cloud.positions.push_back(other.positions[i] * scale + shift);
+    if (cloud.has_normals()) cloud.normals.push_back(other.normals[i]);
+  }
+}
+
+TEST(Reconstruct, FindsTheTopologyWithAndWithoutNormals) {
+  for (const bool normals : {true, false}) {
+    PointSet ball = test::sphere(4000), ring = test::torus(6000);
+    if (!normals) ball.normals.clear(), ring.normals.clear();
+    const MeshTopology b = measure_topology(run(ball)), r = measure_topology(run(ring));
+    EXPECT_TRUE(b.closed());
+    EXPECT_EQ(b.components, 1u);
+    EXPECT_EQ(b.genus(), 0);
+    EXPECT_TRUE(r.closed());
+    EXPECT_EQ(r.components, 1u);
+    EXPECT_EQ(r.genus(), 1);
+  }
+}
+
+TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
+  PointSet cloud = test::sphere(4000);
+  for (Vec3f& n : cloud.normals) n = -n;
+  ReconstructReport report;
+  const TriangleMesh mesh = run(cloud, {}, &report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("inward"), std::string::npos);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    ASSERT_GT(dot(mesh.normals[i], normalized(mesh.vertices[i])), 0.95f);
+  ReconstructOptions anew;
+  anew.normals = ReconstructOptions::Normals::estimate;
+  EXPECT_TRUE(measure_topology(run(cloud, anew)).closed());
+}
+
+TEST(Reconstruct, StraySamplesMakeNoSheets) {
+  PointSet cloud = test::sphere(8000);
+  append(cloud, test::sphere(14), 0.4f, {3, 0, 0});  // a few samples over a large area
+  ReconstructReport report;
+  const MeshTopology topology = measure_topology(run(cloud, {}, &report));
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.genus(), 0);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("left out"), std::string::npos);
+  ReconstructOptions all;
+  all.components.kind = ComponentChoice::Kind::all;
+  EXPECT_GT(measure_topology(run(cloud, all)).components, 1u);
+}
+
+TEST(Reconstruct, KeepsPartsThatHaveTheirSamples) {
+  PointSet cloud = test::sphere(8000);
+  append(cloud, test::sphere(2000), 0.4f, {3, 0, 0});
+  EXPECT_EQ(measure_topology(run(cloud)).components, 2u);
+}
+
+TEST(Reconstruct, SurveyCoordinatesLoseNothing) {
+  PointSet cloud = test::sphere(4000), far = cloud;
+  far.origin = {512345.678, 5403210.123, 300};
+  const TriangleMesh here = run(cloud), there = run(far);
+  EXPECT_EQ(there.origin, far.origin);
+  ASSERT_EQ(here.vertices.size(), there.vertices.size());
+  for (std::size_t i = 0; i < here.vertices.size(); ++i) ASSERT_LT(norm(here.vertices[i] - there.vertices[i]), 1e-5f);
+}
+
+TEST(Reconstruct, CarriesColours) {
+  PointSet cloud = test::sphere(8000);
+  for (const Vec3f& p : cloud.positions)
+    cloud.colors.push_back(p[2] > 0 ? std::array<std::uint8_t, 3>{250, 10, 20}
+                                    : std::array<std::uint8_t, 3>{0, 30, 200});
+  const TriangleMesh mesh = run(cloud);
+  ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (std::abs(mesh.vertices[i][2]) < 0.15f) continue;
+    EXPECT_EQ(mesh.colors[i][0], mesh.vertices[i][2] > 0 ? 250 : 0);
+  }
+  ReconstructOptions plain;
+  plain.carry_colors = false;
+  EXPECT_TRUE(run(cloud, plain).colors.empty());
+}
+
+TEST(Reconstruct, FewerTrianglesOnDemand) {
+  const PointSet cloud = test::torus(10000);
+  ReconstructOptions options;
+  options.triangles = 500;
+  const TriangleMesh counted = run(cloud, options);
+  EXPECT_LE(counted.triangles.size(), 500u);
+  EXPECT_GE(counted.triangles.size(), 480u);
+  EXPECT_EQ(measure_topology(counted).genus(), 1);
+  options.triangles.reset();
+  const TriangleMesh fine = run(cloud);
+  std::size_t last = fine.triangles.size();
+  for (const double error : {2e-3, 5e-3, 2e-2}) {
+    options.mesh_error = error;
+    const TriangleMesh coarse = run(cloud, options);
+    EXPECT_LT(coarse.triangles.size(), last);
+    last = coarse.triangles.size();
+    Progress progress;
+    const SurfaceDistance distance = measure_distance(coarse, fine, {.samples = 20000}, progress);
+    EXPECT_LT(distance.to_reference.mean, 2 * error);
+    EXPECT_GT(distance.to_reference.mean, 0.3 * error) << "more triangles than were asked for";
+  }
+}
+
+TEST(Reconstruct, IsTheSameForAnyNumberOfThreads) {
+  const PointSet cloud = test::torus(30000);
+  set_thread_count(1);
+  const TriangleMesh one = run(cloud);
+  for (const int threads : {2, 8}) {
+    set_thread_count(threads);
+    const TriangleMesh many = run(cloud);
+    ASSERT_EQ(one.vertices, many.vertices);
+    ASSERT_EQ(one.triangles, many.triangles);
+    ASSERT_EQ(one.normals, many.normals);
+  }
+  set_thread_count(0);
+}
+
+TEST(Reconstruct, StopsWhenCancelled) {
+  Progress* running = nullptr;
+  Progress progress([&](const std::string& stage, double) {
+    if (stage == "march") running->cancel();
+  });
+  running = &progress;
+  EXPECT_THROW(reconstruct(test::sphere(20000), {}, progress), Cancelled);
+}
+
+TEST(Reconstruct, RejectsOptionsOutOfRange) {
+  const PointSet cloud = test::sphere(500);
+  const auto rejects = [&](auto change) {
+    ReconstructOptions options;
+    change(options);
+    EXPECT_THROW(run(cloud, options), ArgumentError);
+  };
+  rejects([](ReconstructOptions& o) { o.max_depth = 1; });
+  rejects([](ReconstructOptions& o) { o.max_depth = 13; });
+  rejects([](ReconstructOptions& o) { o.error = 0; });
+  rejects([](ReconstructOptions& o) { o.error = std::nan(""); });
+  rejects([](ReconstructOptions& o) { o.support = 1; });
+  rejects([](ReconstructOptions& o) { o.max_degree = 5; });
+  rejects([](ReconstructOptions& o) { o.mesh_error = -1; });
+  rejects([](ReconstructOptions& o) { o.triangles = 3; });
+  rejects([](ReconstructOptions& o) { o.trim = -1; });
+  rejects([](ReconstructOptions& o) { o.components = {ComponentChoice::Kind::count, 0}; });
+}
+
+TEST(Reconstruct, RejectsCloudsWithoutVolume) {
+  PointSet cloud;
+  EXPECT_THROW(run(cloud), DataError);
+  cloud.positions.assign(100, {1, 2, 3});
+  EXPECT_THROW(run(cloud), DataError);
+  for (std::size_t i = 0; i < 100; ++i) cloud.positions[i] = Vec3f{1, 2, 3} * static_cast<float>(i);
+  EXPECT_THROW(run(cloud), DataError);
+  for (std::size_t i = 0; i < 100; ++i)
+    cloud.positions[i] = {static_cast<float>(i % 10), static_cast<float>(i / 10), 0};
+  EXPECT_THROW(run(cloud), DataError);
+}
+
+}  // namespace
+}  // namespace sansmesh
