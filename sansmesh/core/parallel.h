@@ -37,7 +37,7 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
 /// Cuts [0, n) into chunks of exactly `chunk` (the last may be shorter), maps each to a value by map(first, last) and
 /// combines the values in chunk order: deterministic floating-point reductions.
 template <class T, class Map, class Combine>
-T parallel_reduce(std::size_t n, std::size_t chunk, T init, Map&& map, Combine&& combine) {
+T parallel_reduce(std::size_t n, std::size_t chunk, const T& init, Map&& map, Combine&& combine) {
   const std::size_t chunks = (n + chunk - 1) / chunk;
   std::vector<T> parts(chunks, init);
   parallel_for(0, chunks, 1, [&](std::size_t c) {

@@ -81,10 +81,12 @@ PointSet sample_faces(const PointSet& mesh, std::size_t count) {
     cloud.normals[i] = s.normal;
     if (!mesh.has_colors()) return;
     const Triangle& t = mesh.triangles[s.triangle];
-    for (std::size_t k = 0; k < 3; ++k)
-      cloud.colors[i][k] = static_cast<std::uint8_t>((1 - s.u - s.v) * static_cast<float>(mesh.colors[t[0]][k]) +
-                                                     s.u * static_cast<float>(mesh.colors[t[1]][k]) +
-                                                     s.v * static_cast<float>(mesh.colors[t[2]][k]) + 0.5f);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float mixed = (1 - s.u - s.v) * static_cast<float>(mesh.colors[t[0]][k]) +
+                          s.u * static_cast<float>(mesh.colors[t[1]][k]) +
+                          s.v * static_cast<float>(mesh.colors[t[2]][k]);
+      cloud.colors[i][k] = static_cast<std::uint8_t>(std::lround(mixed));
+    }
   });
   return cloud;
 }

@@ -156,8 +156,9 @@ class Painter {
     int on = 0;
     const int asking = (n * n + 1) / 2;
     for (int s = 0; s < n * n; ++s) {
-      const float fx = static_cast<float>(x) + (static_cast<float>(s % n) + 0.5f) / static_cast<float>(n);
-      const float fy = static_cast<float>(y) + (static_cast<float>(s / n) + 0.5f) / static_cast<float>(n);
+      const int column = s % n, row = s / n;
+      const float fx = static_cast<float>(x) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n);
+      const float fy = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n);
       const Vec3f direction = camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
                                                 1 - 2 * fy / static_cast<float>(options_.height));
       if (const auto point = scene_.closest(camera_.position, direction)) {
