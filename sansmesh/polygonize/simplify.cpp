@@ -20,7 +20,6 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr double kTurn = 0.5;          // least cosine between a triangle's normals before and after
 constexpr double kTether = 1e-3;       // share of the quadric's trace that ties the optimum to the edge's centroid
-constexpr float kHopeless = 16;        // in accepted errors
 constexpr std::size_t kMostRing = 24;  // triangles around a vertex
 constexpr int kMostRounds = 200;
 
@@ -64,7 +63,6 @@ struct Simplifier {
   const SimplifyOptions& options;
   double error;  ///< accepted now
   std::vector<Vec3> x;
-  std::vector<Vec3f> normal;  ///< weighted by area; only to leave out hopeless edges early
   std::vector<Quadric> quadric;
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> fixed;
@@ -114,9 +112,7 @@ struct Simplifier {
 
   void build_quadrics() {
     quadric.assign(x.size(), {});
-    normal.resize(x.size());
     parallel_for(0, x.size(), 2048, [&](std::size_t v) {
-      Vec3 sum;
       for (const std::uint32_t i : ring(static_cast<std::uint32_t>(v))) {
         const Triangle& t = triangles[i];
         const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
@@ -124,9 +120,7 @@ struct Simplifier {
         if (!(size > 0)) continue;
         const Vec3 n = area / size;
         quadric[v].add_plane(n, dot(n, x[t[0]]), size);
-        sum += area;
       }
-      normal[v] = Vec3f(normalized(sum));
     });
   }
 
@@ -198,13 +192,6 @@ struct Simplifier {
     return true;
   }
 
-  /// The mean plane of one end passes the other end so far away that no point can be near the planes of both: on an arc
-  /// the best point's distance from the planes around is about an eighth of what is asked here.
-  bool hopeless(std::uint32_t a, std::uint32_t b) const {
-    const Vec3f d(x[b] - x[a]);
-    return std::abs(dot(normal[a], d)) + std::abs(dot(normal[b], d)) > kHopeless * static_cast<float>(error);
-  }
-
   Collapse measure(std::uint32_t a, std::uint32_t b) const {
     Quadric q = quadric[a];
     q += quadric[b];
@@ -226,7 +213,7 @@ struct Simplifier {
     for (const std::uint32_t i : ring(v)) {
       const Triangle& t = triangles[i];
       const std::uint32_t w = after(t, v);
-      if (w < v || fixed[w] || hopeless(v, w) || !(quadric[v].weight + quadric[w].weight > 0)) continue;
+      if (w < v || fixed[w] || !(quadric[v].weight + quadric[w].weight > 0)) continue;
       all[n] = measure(v, w);
       n += all[n].cost <= error * error;
     }
@@ -276,8 +263,6 @@ struct Simplifier {
   void collapse(std::uint32_t v, std::uint32_t place) {
     const std::uint32_t w = to[v];
     x[w] = measure(v, w).position;
-    normal[w] = normalized(normal[w] * static_cast<float>(quadric[w].weight) +
-                           normal[v] * static_cast<float>(quadric[v].weight));
     quadric[w] += quadric[v];
     merged_into[v] = w;
     std::uint32_t count = 0;

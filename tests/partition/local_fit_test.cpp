@@ -4,6 +4,10 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/approximation/orthogonal_polynomials.h"
 
 namespace sansmesh {
 namespace {
@@ -58,6 +62,32 @@ TEST(LocalFit, ResidualIsWhatTheCoefficientsLeave) {
     EXPECT_NEAR(reported, sum / weight, 1e-5);
     EXPECT_LE(reported, last);
     last = reported;
+  }
+}
+
+TEST(LocalFit, IsTheFitByOrthogonalPolynomials) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u}) {
+    LocalSamples s = random_samples(40 + 30 * seed, seed);
+    const DegreeFits fits = fit_all_degrees(s, 4);
+    std::array<std::vector<double>, 4> columns;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      columns[0].push_back(s.u()[i]), columns[1].push_back(s.v()[i]);
+      columns[2].push_back(s.w()[i]), columns[3].push_back(s.weight()[i]);
+    }
+    ApproximationSamples<2> samples;
+    samples.positions = {columns[0], columns[1]};
+    samples.values = columns[2];
+    samples.weights = columns[3];
+    OrthogonalFit<2> oracle;
+    oracle.reset(samples, ApproximationFrame<2>{});
+    for (int d = 0; d <= fits.highest; ++d) {
+      ASSERT_TRUE(oracle.raise());
+      const auto k = static_cast<std::size_t>(d);
+      EXPECT_NEAR(fits.mean_square[k], oracle.squared_error() / oracle.weight_sum(), 1e-9);
+      const auto c = monomial_coefficients(fits, d);
+      for (const auto& [u, v] : {std::pair{0.1, -0.7}, {0.9, 0.3}, {-0.5, 0.5}, {0.0, 0.0}})
+        EXPECT_NEAR(value(c, u, v), oracle.value({u, v}), 2e-5) << "seed " << seed << " degree " << d;
+    }
   }
 }
 
