@@ -213,7 +213,7 @@ TEST(Vtp, BadFiles) {
   refuse(good.substr(0, good.size() - 12), "truncated");
   refuse(with("offset=\"0\"", "offset=\"99999999\"", make_vtp({.format = "appended"})), "truncated");
   // Absurd sizes in the headers of arrays.
-  const auto with_first_word = [&](Vtp o, std::uint32_t word, std::size_t at) {
+  const auto with_first_word = [&](const Vtp& o, std::uint32_t word, std::size_t at) {
     std::string s = make_vtp(o);
     return s.replace(s.find("\n_") + 2 + at, 4, raw(word));
   };
