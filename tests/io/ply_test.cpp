@@ -63,7 +63,10 @@ TEST_P(PlyEncodings, FacesBeforeVertices) {
 
 TEST_P(PlyEncodings, TriangleStrips) {
   PlyElement v("vertex", {"float x", "float y", "float z"}), s("tristrips", {"list int int vertex_indices"});
-  for (int i = 0; i < 7; ++i) v.row({0.5 * (i / 2), i % 2 ? 1.0 : 0.0, 0});
+  for (int i = 0; i < 7; ++i) {
+    const int column = i / 2;
+    v.row({0.5 * column, i % 2 ? 1.0 : 0.0, 0});
+  }
   s.add({{0, 1, 2, 3, -1, 4, 5, 6}});
   const PointSet p = read({v, s});
   EXPECT_EQ(p.triangles, (std::vector<Triangle>{{0, 1, 2}, {2, 1, 3}, {4, 5, 6}}));
