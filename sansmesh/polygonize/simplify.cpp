@@ -74,7 +74,7 @@ struct Simplifier {
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
   std::vector<std::uint8_t> blocked;  ///< a cheaper one would have spoilt the shape: worth another try after changes
-  std::vector<std::uint64_t> claim;   ///< the least key of the collapses that end in a vertex
+  std::vector<std::uint64_t> claim;   ///< the least key of the collapses that would change a vertex's ring
   std::size_t left;                   ///< vertices
 
   Simplifier(const SimplifyOptions& o, const std::vector<Vec3f>& vertices, std::vector<Triangle> all,
@@ -238,9 +238,22 @@ struct Simplifier {
     return std::uint64_t{std::bit_cast<std::uint32_t>(cost[v]) >> 23} << 32 | chance;
   }
 
-  void claim_ends(std::uint32_t v) {
+  /// The vertices whose ring a collapse changes: its ends, and those opposite to the edge.
+  std::array<std::uint32_t, 4> touched(std::uint32_t v) const {
+    const std::uint32_t w = to[v];
+    std::array<std::uint32_t, 4> result{v, w, v, v};
+    std::size_t n = 2;
+    for (const std::uint32_t i : ring(v)) {
+      const Triangle& t = triangles[i];
+      if ((t[0] != w && t[1] != w && t[2] != w) || n == 4) continue;
+      result[n++] = t[0] ^ t[1] ^ t[2] ^ v ^ w;
+    }
+    return result;
+  }
+
+  void lay_claim(std::uint32_t v) {
     const std::uint64_t own = key(v);
-    for (const std::uint32_t end : {v, to[v]}) {
+    for (const std::uint32_t end : touched(v)) {
       const std::atomic_ref<std::uint64_t> least(claim[end]);
       std::uint64_t old = least.load(std::memory_order_relaxed);
       while (own < old && !least.compare_exchange_weak(old, own, std::memory_order_relaxed)) {
@@ -248,7 +261,8 @@ struct Simplifier {
     }
   }
 
-  /// Whether no collapse of a smaller key touches a triangle of this one.
+  /// Whether no collapse of a smaller key changes the ring of a vertex of this one's triangles: then those that win
+  /// share no triangle and change no ring twice.
   bool wins(std::uint32_t v) const {
     const std::uint64_t own = key(v);
     for (const std::uint32_t end : {v, to[v]})
@@ -258,8 +272,8 @@ struct Simplifier {
     return true;
   }
 
-  /// Merges v into its partner. Touches only triangles of the two and rings of vertices of these, so that several
-  /// collapses without common triangles run at a time. `place`: room for the merged ring.
+  /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that those that
+  /// win run at a time. `place`: room for the merged ring.
   void collapse(std::uint32_t v, std::uint32_t place) {
     const std::uint32_t w = to[v];
     x[w] = measure(v, w).position;
@@ -299,6 +313,7 @@ struct Simplifier {
 
   /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` vertices.
   void collapse_all(Progress& progress, std::size_t target) {
+    if (left <= target) return;
     std::vector<std::uint32_t> changed, candidates, chosen, place;
     for (std::uint32_t v = 0; v < x.size(); ++v)
       if (merged_into[v] == kNone) changed.push_back(v);
@@ -313,7 +328,7 @@ struct Simplifier {
         flag[v] = 0;
         if (to[v] != kNone) candidates.push_back(v);
       }
-      parallel_for(0, candidates.size(), 4096, [&](std::size_t i) { claim_ends(candidates[i]); });
+      parallel_for(0, candidates.size(), 4096, [&](std::size_t i) { lay_claim(candidates[i]); });
       chosen.clear();
       std::vector<std::uint8_t> won(candidates.size());
       parallel_for(0, candidates.size(), 2048, [&](std::size_t i) { won[i] = wins(candidates[i]); });
@@ -323,7 +338,8 @@ struct Simplifier {
         std::sort(chosen.begin(), chosen.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
         chosen.resize(left - target);
       }
-      for (const std::uint32_t v : candidates) claim[v] = claim[to[v]] = kNoKey;
+      for (const std::uint32_t v : candidates)
+        for (const std::uint32_t end : touched(v)) claim[end] = kNoKey;
 
       place.resize(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -332,9 +348,11 @@ struct Simplifier {
       }
       std::vector<std::uint32_t> kept(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) kept[i] = to[chosen[i]];
-      // A neighbour's change since the cost was found may have made it impossible.
+      // A neighbour's change since the cost was found may have made it impossible. All are asked before any is made:
+      // the answer reads the valence of vertices that another collapse may change.
+      parallel_for(0, chosen.size(), 256,
+                   [&](std::size_t i) { won[i] = possible(chosen[i], measure(chosen[i], kept[i])); });
       parallel_for(0, chosen.size(), 256, [&](std::size_t i) {
-        won[i] = possible(chosen[i], measure(chosen[i], kept[i]));
         if (won[i]) collapse(chosen[i], place[i]);
       });
       changed.clear();

@@ -1,7 +1,6 @@
 #include "sansmesh/polygonize/surface_chain.h"
 
 #include <algorithm>
-#include <atomic>
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
@@ -81,7 +80,7 @@ void cancel_opposite(SurfaceChain& chain) {
       for (std::uint32_t j = i + 1; j < c.first[v + 1]; ++j) {
         const std::uint32_t tj = c.corner[j] / 3, kj = c.corner[j] % 3;
         const Triangle& b = chain.triangles[tj];
-        if (gone[tj] || b[(kj + 1) % 3] != q || b[(kj + 2) % 3] != p) continue;
+        if (b[(kj + 1) % 3] != q || b[(kj + 2) % 3] != p || gone[tj]) continue;  // gone only of this vertex's own
         gone[ti] = gone[tj] = 1;
         break;
       }
