@@ -7,6 +7,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/points/clean_samples.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -24,14 +25,44 @@ namespace {
 constexpr double kSmallComponent = 0.01, kSupported = 0.02;
 /// Samples that are enough to tell the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
+/// A local fit takes this many samples.
+constexpr std::size_t kFewest = 9;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for; least gap of the blocks for the latter, in the same unit.
 constexpr double kSimplify = 0.26, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
 
+std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+void clean(PointSet& points, ReconstructReport& report) {
+  const std::size_t given = points.size();
+  const SampleCleaning cleaned = clean_samples(points);
+  const auto warn = [&](std::size_t n, const char* why) {
+    if (n > 0) report.warnings.push_back(counted(n, "sample") + " left out: " + why);
+  };
+  warn(cleaned.non_finite, "position or normal not finite");
+  warn(cleaned.far_away, "far away from all others");
+  warn(cleaned.duplicates, "at the position of another sample");
+  if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
+}
+
+/// Works in a unit in which the cloud is about 1 large, a power of two so that nothing is rounded: squares and sixth
+/// powers of lengths then stay within float whatever the unit of the input.
+double normalise(PointSet& points) {
+  const Vec3f size = bounds(points).size();
+  const double unit = std::exp2(std::ceil(std::log2(static_cast<double>(std::max({size.x, size.y, size.z})))));
+  const auto factor = static_cast<float>(1 / unit);
+  for (Vec3f& p : points.positions) p *= factor;
+  for (Vec3f& p : points.scanners) p *= factor;
+  points.origin = {};
+  return unit;
+}
+
 void check_shape(const PointSet& points) {
-  if (points.size() < 4) throw DataError("only " + std::to_string(points.size()) + " points: at least 4 are needed");
+  if (points.size() < kFewest)
+    throw DataError("only " + counted(points.size(), "point") + ": at least " + std::to_string(kFewest) +
+                    " are needed");
   switch (classify_shape(points)) {
     case CloudShape::empty:
       throw DataError("no finite points");
@@ -165,7 +196,7 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
   for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = chosen[components.of_triangle[i]];
   keep_triangles(mesh, keep);
   if (choice.kind == ComponentChoice::Kind::automatic)
-    report.warnings.push_back(std::to_string(count - kept) + (count - kept == 1 ? " component" : " components") +
+    report.warnings.push_back(counted(count - kept, "component") +
                               " too small or too far from the samples left out (--components all keeps them)");
 }
 
@@ -195,7 +226,7 @@ void ReconstructOptions::validate() const {
   };
   check(!max_depth || (*max_depth >= 2 && *max_depth <= 12), "max depth must lie in 2..12");
   check(!error || (std::isfinite(*error) && *error > 0), "error must be a positive length");
-  check(!support || (*support >= 1.1 && *support <= 3), "support must lie in 1.1..3");
+  check(!support || (*support >= 1.1 && *support <= 2), "support must lie in 1.1..2");
   check(max_degree >= 1 && max_degree <= 4, "degree must lie in 1..4");
   check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "mesh error must be a positive length");
   check(!triangles || (*triangles >= 4 && enhance),
@@ -210,23 +241,29 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   options.validate();
   ReconstructReport local;
   ReconstructReport& r = report ? *report : local;
-  check_shape(points);
+  r = {};
+  progress.begin("check samples");
+  clean(points, r);
   use_faces(points, options.faces, r);
+  check_shape(points);
+  const Vec3 origin = points.origin;
+  const double unit = normalise(points);
   prepare_normals(points, options.normals, progress, r);
 
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
-  fit.error = options.error;
+  if (options.error) fit.error = *options.error / unit;
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
   const PartitionOfUnity field = fit_partition_of_unity(points, fit, progress);
   const PartitionReport& f = field.report();
-  r.spacing = f.spacing;
-  r.noise = f.noise;
+  r.spacing = f.spacing * unit;
+  r.noise = f.noise * unit;
   r.depth = f.depth;
   r.fits = f.functions;
-  r.mesh_error = options.mesh_error.value_or(default_mesh_error(f));
+  const double mesh_error = options.mesh_error ? *options.mesh_error / unit : default_mesh_error(f);
+  r.mesh_error = mesh_error * unit;
 
   PolygonizeOptions meshing;
   meshing.cluster = options.enhance;
@@ -238,12 +275,12 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   // where a coarse mesh is asked for, it is made from a finer one.
   const bool coarse = options.mesh_error.has_value();
   if (options.enhance) {
-    meshing.simplify = (coarse ? kCoarseSimplify : kSimplify) * r.mesh_error;
+    meshing.simplify = (coarse ? kCoarseSimplify : kSimplify) * mesh_error;
     meshing.triangles = options.triangles.value_or(0);
   }
   const double gap = coarse && options.enhance
-                         ? std::max(kCoarseBlocks * r.mesh_error, std::min(r.mesh_error, default_mesh_error(f)))
-                         : r.mesh_error;
+                         ? std::max(kCoarseBlocks * mesh_error, std::min(mesh_error, default_mesh_error(f)))
+                         : mesh_error;
   const BlockTree blocks = field.mesh_blocks(gap);
   r.blocks = blocks.leaves().size();
   if (options.measure_quality) {
@@ -262,7 +299,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   progress.begin("finish mesh");
   const double close = std::max(4 * f.spacing, 6 * f.noise);
   if (options.trim)
-    trim_mesh(mesh, near_samples(mesh, points, KdTree(points.positions), *options.trim > 0 ? *options.trim : close));
+    trim_mesh(mesh,
+              near_samples(mesh, points, KdTree(points.positions), *options.trim > 0 ? *options.trim / unit : close));
   choose_components(mesh, options.components, points, f.spacing, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
@@ -271,6 +309,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
     r.aspect_mean = after.aspect_mean;
     r.aspect_deviation = after.aspect_deviation;
   }
+  for (Vec3f& v : mesh.vertices) v *= static_cast<float>(unit);
+  mesh.origin = origin;
   progress.finish();
   return mesh;
 }

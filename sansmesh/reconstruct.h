@@ -29,7 +29,7 @@ struct ReconstructOptions {
   enum class Normals { automatic, as_given, estimate } normals = Normals::automatic;
   std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
   std::optional<double> error;       ///< accepted rms error of a local fit (length); default: a tenth of the noise
-  std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..3; default 1.5 to 1.8
+  std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
   int max_degree = 4;                ///< largest degree of the local polynomials, 1..4
   std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
   /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
@@ -38,7 +38,7 @@ struct ReconstructOptions {
   ComponentChoice components;
   bool sharp = true;  ///< reproduce creases where the data shows them
   bool carry_colors = true;
-  bool enhance = true;           ///< well-shaped triangles (METHODS 3.3 and vertex clustering)
+  bool enhance = true;           ///< few, well-shaped triangles: clustering, smoothing, simplification
   bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
 
   /// Throws ArgumentError naming the option.
@@ -46,7 +46,7 @@ struct ReconstructOptions {
 };
 
 struct ReconstructReport {
-  double spacing = 0;      ///< median distance of a sample to its nearest neighbours (length)
+  double spacing = 0;      ///< √(area / samples): edge of the square that one sample stands for (length)
   double noise = 0;        ///< estimated standard deviation of the samples off the surface (length)
   int depth = 0;           ///< deepest level of the block tree used
   std::size_t blocks = 0;  ///< leaf blocks
@@ -59,7 +59,7 @@ struct ReconstructReport {
 };
 
 /// Points (normals are estimated or oriented if need be) → closed manifold mesh. Throws DataError where the points
-/// cannot be reconstructed (fewer than 4, all coincident, collinear or in a plane), ArgumentError for bad options.
+/// cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane), ArgumentError for bad options.
 TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
                          ReconstructReport* report = nullptr);
 

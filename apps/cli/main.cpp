@@ -102,7 +102,7 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
   c.add_option("--preview", a.preview, "Also draw the mesh into this PNG")->type_name("FILE");
   c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
   c.add_option("--components", line.components,
-               "Parts to keep: auto (from 1 % of the largest one's area), all, largest or a number [auto]")
+               "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
       ->type_name("CHOICE");
   c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near [no value: from data]")
       ->type_name("LENGTH")
@@ -128,7 +128,7 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
   c.add_option("--triangles", o.triangles, "Simplify until there are no more triangles than this")
       ->type_name("COUNT")
       ->group("Mesh");
-  c.add_flag("--no-enhance", line.no_enhance, "Keep the triangles as they are cut, without enhancement")->group("Mesh");
+  c.add_flag("--no-enhance", line.no_enhance, "No clustering, smoothing or simplification of triangles")->group("Mesh");
   c.add_flag("--no-colors", line.no_colors, "Leave out the samples' colours")->group("Mesh");
   c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
       ->type_name("LEVEL")
@@ -137,7 +137,7 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
       ->type_name("LENGTH")
       ->group("Fit");
   c.add_option("--support", o.support,
-               "Radius of a local fit over the radius of its block, 1.1..3 [1.5, up to 1.8 with noise]")
+               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 1.8 with noise]")
       ->type_name("RATIO")
       ->group("Fit");
   c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")

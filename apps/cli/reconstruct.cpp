@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "commands.h"
 #include "sansmesh/io/io.h"
@@ -10,11 +11,15 @@
 namespace sansmesh::cli {
 namespace {
 
-void print_report(const ReconstructArguments& arguments, const ReadReport& read, const PointSet& points,
+struct InputSize {
+  std::size_t points;
+  Vec3f extent;
+};
+
+void print_report(const ReconstructArguments& arguments, const ReadReport& read, const InputSize& input,
                   const ReconstructReport& report, const TriangleMesh& mesh, Console& console) {
-  const Vec3f size = bounds(points).size();
-  console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input, counted(points.size(), "point"),
-                          length(size[0]), length(size[1]), length(size[2]), read.format));
+  console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input, counted(input.points, "point"),
+                          length(input.extent[0]), length(input.extent[1]), length(input.extent[2]), read.format));
   console.say(fmt::format("spacing {}, noise {}, {} in {} down to depth {}", length(report.spacing),
                           length(report.noise), counted(report.fits, "local fit"), counted(report.blocks, "block"),
                           report.depth));
@@ -38,13 +43,14 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const PointSet points = read_points(arguments.input, &read);
+  PointSet points = read_points(arguments.input, &read);
+  const InputSize size{points.size(), bounds(points).size()};
   console.warn(arguments.input, read.warnings);
 
   ReconstructReport report;
   TriangleMesh mesh;
   try {
-    mesh = reconstruct(points, arguments.options, progress, &report);
+    mesh = reconstruct(std::move(points), arguments.options, progress, &report);
   } catch (const DataError& error) {
     throw FileError(arguments.input, error.what());
   }
@@ -57,11 +63,11 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   if (!arguments.preview.empty()) write_image(arguments.preview, preview);
   progress.finish();
 
-  print_report(arguments, read, points, report, mesh, console);
+  print_report(arguments, read, size, report, mesh, console);
   if (console.options().json) {
     const MeshTopology topology = measure_topology(mesh);
     nlohmann::ordered_json json;
-    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", points.size()}};
+    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", size.points}};
     json["spacing"] = report.spacing;
     json["noise"] = report.noise;
     json["depth"] = report.depth;

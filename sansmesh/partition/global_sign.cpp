@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/partition/global_sign.h"
@@ -109,7 +110,7 @@ float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& l
   return 0.5f * norm(sum);
 }
 
-GlobalSign::GlobalSign(std::span<const OrientedPatch> patches) {
+GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : unit_(unit) {
   struct Item {
     Vec3f position, area;
     float weight = 0, radius = -1;
@@ -117,9 +118,10 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches) {
   };
   std::vector<Item> items;
   for (const OrientedPatch& p : patches) {
-    const float a = norm(p.area);
-    if (!(a > 0) || !is_finite(p.position)) continue;
-    items.push_back({p.position, p.area, a, std::sqrt(a / 3.14159265f), {p.position, p.position}});
+    const Vec3f position = p.position / unit, area = p.area / unit / unit;
+    const float a = norm(area);
+    if (!(a > 0) || !is_finite(position)) continue;
+    items.push_back({position, area, a, std::sqrt(a / std::numbers::pi_v<float>), {position, position}});
   }
   if (items.empty()) return;
   for (;;) {
@@ -157,18 +159,18 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches) {
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
     float dipole = 0, nearness = 0;
-    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i], &dipole, &nearness);
-    values[i] = dipole / (4 * 3.14159265f);
+    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i] / unit_, &dipole, &nearness);
+    values[i] = dipole / (4 * std::numbers::pi_v<float>);
   }
 }
 
 void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
     float dipole = 0, nearness = 0;
-    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i], &dipole, &nearness);
+    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i] / unit_, &dipole, &nearness);
     // ∫ dA / r⁶ over a plane at distance d is π / (2 d⁴).
-    const float distance = nearness > 0 ? std::sqrt(std::sqrt(1.5707963f / nearness)) : 0;
-    values[i] = std::clamp(1 - dipole / (2 * 3.14159265f), -1.0f, 1.0f) * distance;
+    const float distance = nearness > 0 ? std::sqrt(std::sqrt(0.5f * std::numbers::pi_v<float> / nearness)) : 0;
+    values[i] = std::clamp(1 - dipole / (2 * std::numbers::pi_v<float>), -1.0f, 1.0f) * distance * unit_;
   }
 }
 

@@ -24,8 +24,9 @@ float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& l
 class GlobalSign {
  public:
   GlobalSign() = default;
-  /// Patches that are neighbours in space should be neighbours in the list.
-  explicit GlobalSign(std::span<const OrientedPatch> patches);
+  /// Patches that are neighbours in space should be neighbours in the list. `unit`: about the extent of all of them;
+  /// sums of 1/r⁶ stay in the range of float only in such a unit.
+  explicit GlobalSign(std::span<const OrientedPatch> patches, float unit = 1);
 
   bool empty() const { return levels_.empty(); }
 
@@ -42,6 +43,7 @@ class GlobalSign {
   };
 
  private:
+  float unit_ = 1;
   std::vector<std::vector<Octet>>
       levels_;  ///< [0]: single patches; octet i of level l holds the children of item i of level l + 1
 };

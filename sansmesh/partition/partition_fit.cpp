@@ -33,6 +33,16 @@ void mark_crease(PartitionOfUnity::State& state, int level, std::uint64_t code) 
 
 using State = PartitionOfUnity::State;
 
+/// Mean gap between the surface and linear triangles of half a block's edge h. A triangle of edge e on a surface of
+/// curvature κ leaves κ e²/8; a plane fitted to a disc of radius R leaves an rms of 0.097 κ R² under the weights
+/// (1 − t²)², and the noise. Only half of the noise is taken off: its estimate is not so sure that what is left of a
+/// plane residual that is mostly noise could be trusted to be flat.
+float gap_of(const Trial& t, float noise, float radius, float h) {
+  if (t.plane < 0) return kInfinite;
+  const float bent = std::sqrt(std::max(0.0f, t.plane - 0.5f * noise));
+  return bent / (0.097f * radius * radius) * h * h / 32;
+}
+
 struct FitWorkspace {
   Workspace block;
   std::vector<Vec3f> position, normal;
@@ -116,7 +126,7 @@ void find_patches(const BlockFitter& fitter, const std::vector<Leaf>& leaves, St
     state.foot[i] = foot;
     patches[i] = {foot, f.nu * plane_area_in_cube(foot, f.nu, corner, h)};
   });
-  state.sign = GlobalSign(patches);
+  state.sign = GlobalSign(patches, state.edge);
   for (const OrientedPatch& p : patches) state.report.area += norm(p.area);
 }
 
@@ -130,10 +140,13 @@ void record_flatness(const BlockFitter& fitter, const ScaleChoice& choice, const
     flatness.code = fitter.tree.level(level).code;
     if (level < choice.finest) flatness.child = fitter.tree.level(level).child;
     flatness.gap.resize(choice.trials[l].size());
+    const float h = fitter.block_edge(level);
     for (std::size_t c = 0; c < flatness.gap.size(); ++c) {
       const Trial& t = choice.trials[l][c];
       // Samples that face away are a second sheet, or a surface that bends by more than a right angle.
-      flatness.gap[c] = t.dropped > kSecondSheet ? kInfinite : t.gap + 0.2f * t.dropped * fitter.support_radius(level);
+      const float noise = t.noise >= 0 ? t.noise : static_cast<float>(choice.variance);
+      const float radius = fitter.support_radius(level), gap = gap_of(t, noise, t.reach * radius, h);
+      flatness.gap[c] = t.dropped > kSecondSheet ? kInfinite : gap + 0.2f * t.dropped * radius;
     }
   }
   for (std::size_t i = 0; i < choice.leaves.size(); ++i)
@@ -168,7 +181,7 @@ void PartitionOptions::validate() const {
   };
   check(!max_depth || (*max_depth >= 2 && *max_depth <= 14), "max_depth must lie in 2..14");
   check(!error || *error > 0, "error must be positive");
-  check(!support || (*support >= 1.1 && *support <= 3), "support must lie in 1.1..3");
+  check(!support || (*support >= 1.1 && *support <= 2), "support must lie in 1.1..2");
   check(max_degree >= 1 && max_degree <= kMaxDegree, "max_degree must lie in 1..4");
   check(min_samples >= 3 && min_samples <= 1000, "min_samples must lie in 3..1000");
   check(max_samples >= 50, "max_samples must be at least 50");

@@ -20,12 +20,7 @@ constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f,
 /// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing.
 constexpr double kSupport = 1.5, kNoisySupport = 1.8;
 constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;  // in spacings
-
-/// A triangle of edge e on a surface of curvature κ leaves a mean gap of κ e²/8; a plane fitted to a disc of radius R
-/// leaves an rms of 0.097 κ R² under the weights (1 − t²)². Hence the gap of e = h/2, from the plane's residual.
-float gap_of_plane(double plane_mean_square, double radius, double block_edge) {
-  return static_cast<float>(std::sqrt(plane_mean_square) / (0.097 * radius * radius) * block_edge * block_edge / 32);
-}
+constexpr double kKnownNoise = 0.3;  ///< share of the samples around which the noise of a level must be known
 
 /// Every how manieth sample around a block is enough for its fit.
 std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Neighbours& own) {
@@ -66,7 +61,7 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, const 
     gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
     const float scale = fitter.support_radius(level);
     const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped);
-    if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
+    if (fits.highest >= 1) trial.plane = uncut(static_cast<float>(fits.mean_square[1])) * scale * scale;
     return trial;
   }
   trial.stride = static_cast<std::uint32_t>(stride);
@@ -78,7 +73,7 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, const 
   if (trial.reach == 0) return trial;
   const float scale = trial.reach * fitter.support_radius(level);
   const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
-  if (fits.highest >= 1) trial.gap = gap_of_plane(fits.mean_square[1], 1, fitter.block_edge(level) / scale) * scale;
+  if (fits.highest >= 1) trial.plane = uncut(static_cast<float>(fits.mean_square[1])) * scale * scale;
   if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
@@ -90,7 +85,7 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, const 
 }
 
 /// Residual variance of the samples about the surface, from the fits of a block and its neighbours; -1: not known.
-float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbours& around) {
+float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbours& around, int max_degree) {
   double sum = 0, n = 0;
   for (const std::int32_t k : around) {
     if (k < 0) continue;
@@ -98,7 +93,7 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
     // The highest degree with freedom left: what it does not follow is noise, not shape.
     int d = o.highest;
     while (d > 1 && o.effective_count < 1.5f * kFreedom[static_cast<std::size_t>(d)]) --d;
-    if (d < 1 || o.reach != 1) continue;
+    if (d < std::min(2, max_degree) || o.reach != 1) continue;  // what planes leave is also shape
     const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
     if (freedom < 1) continue;
     sum += o.mean_square[static_cast<std::size_t>(d)] * o.effective_count;
@@ -168,6 +163,24 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
   }
 }
 
+/// Once finer levels are given up, the blocks of the finest one are fitted however many samples they have.
+void refit_finest(BlockFitter& fitter, ScaleChoice& choice) {
+  if (choice.finest == fitter.deepest) return;
+  fitter.deepest = choice.finest;
+  const auto l = static_cast<std::size_t>(choice.finest);
+  parallel_ranges(0, choice.trials[l].size(), 128, [&](std::size_t first, std::size_t last) {
+    Workspace ws;
+    for (std::size_t c = first; c < last; ++c) {
+      Trial& t = choice.trials[l][c];
+      if (t.highest >= 0 || t.reach == 0) continue;
+      const float noise = t.noise;
+      t = try_block(fitter, choice.finest, static_cast<std::uint32_t>(c), choice.neighbours[l][c],
+                    choice.neighbours[l > 0 ? l - 1 : 0][choice.parent[l][c]], {}, ws);
+      t.noise = noise;
+    }
+  });
+}
+
 /// Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
 /// that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood; finer levels
 /// are given up.
@@ -175,12 +188,19 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   for (;; --choice.finest) {
     const auto l = static_cast<std::size_t>(choice.finest);
     std::vector<Trial>& trials = choice.trials[l];
-    parallel_for(0, trials.size(), 1024,
-                 [&](std::size_t c) { trials[c].noise = pooled_noise(trials, choice.neighbours[l][c]); });
+    parallel_for(0, trials.size(), 1024, [&](std::size_t c) {
+      trials[c].noise = pooled_noise(trials, choice.neighbours[l][c], fitter.options.max_degree);
+    });
+    const auto& begin = fitter.tree.level(choice.finest).begin;
     std::vector<float> noises;
-    for (const Trial& t : trials)
-      if (t.noise >= 0) noises.push_back(t.noise);
-    if (!noises.empty()) {
+    double known = 0;
+    for (std::size_t c = 0; c < trials.size(); ++c) {
+      if (trials[c].noise < 0) continue;
+      noises.push_back(trials[c].noise);
+      known += begin[c + 1] - begin[c];
+    }
+    // Where few blocks have company enough, those few are not typical.
+    if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
       choice.variance = *middle;
@@ -317,6 +337,7 @@ ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& option
       find_noise(fitter, choice);
     }
   }
+  refit_finest(fitter, choice);
   progress.begin("choose scale");
   choice.accepted = options.error.value_or(std::max(0.1 * std::sqrt(choice.variance), 2e-6 * diagonal));
   choose_cuts(fitter, choice);

@@ -24,8 +24,8 @@ struct Trial {
   float risk = std::numeric_limits<float>::infinity();  ///< expected squared error of the best degree
   float best = std::numeric_limits<float>::infinity();  ///< of the best cut below this block
   float noise = 0;                                      ///< local noise variance
-  float gap = std::numeric_limits<float>::infinity();  ///< between the surface and linear triangles of half the block's
-                                                       ///< edge (length)
+  float plane = -1;  ///< mean squared residual of the best plane (length²); -1: unknown
+                     ///< edge (length)
 };
 
 /// A block that gets a support.

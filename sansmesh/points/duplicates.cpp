@@ -21,21 +21,23 @@ bool lexicographic(const Vec3f& a, const Vec3f& b) {
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
+std::uint64_t hash_of(const Vec3f& p) {
+  std::uint64_t hash = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float c = p[k] + 0.0f;  // -0 becomes 0
+    hash = (hash ^ std::bit_cast<std::uint32_t>(c)) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
 // Finite samples in the order of a hash of their position: duplicates come together, the lowest index first.
 // Different positions with the same hash are told apart by whoever walks along a run.
 std::vector<KeyIndex> by_position(const std::vector<Vec3f>& positions) {
   std::vector<KeyIndex> keys;
   keys.reserve(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (!is_finite(positions[i])) continue;
-    std::uint64_t hash = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float c = positions[i][k] + 0.0f;  // -0 becomes 0
-      hash = (hash ^ std::bit_cast<std::uint32_t>(c)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 29;
-    }
-    keys.push_back({hash, static_cast<unsigned>(i)});
-  }
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (is_finite(positions[i])) keys.push_back({hash_of(positions[i]), static_cast<unsigned>(i)});
   parallel_sort(keys);
   return keys;
 }
@@ -129,6 +131,18 @@ CloudShape classify_shape(const PointSet& points) {
 std::size_t count_non_finite(const PointSet& points) {
   return static_cast<std::size_t>(
       std::count_if(points.positions.begin(), points.positions.end(), [](const Vec3f& p) { return !is_finite(p); }));
+}
+
+double duplicate_share(const PointSet& points) {
+  const std::uint64_t mask = points.size() < 100000 ? 0 : 63;
+  std::vector<unsigned long> hashes;
+  for (const Vec3f& p : points.positions)
+    if (const std::uint64_t hash = hash_of(p); is_finite(p) && (hash >> 32 & mask) == 0) hashes.push_back(hash);
+  if (hashes.empty()) return 0;
+  const auto count = static_cast<double>(hashes.size());
+  std::sort(hashes.begin(), hashes.end());
+  const auto unique = std::unique(hashes.begin(), hashes.end()) - hashes.begin();
+  return 1 - static_cast<double>(unique) / count;
 }
 
 std::size_t count_unique(const PointSet& points) {

@@ -20,6 +20,10 @@ std::size_t count_non_finite(const PointSet& points);
 /// Number of different finite positions (-0 equals 0).
 std::size_t count_unique(const PointSet& points);
 
+/// About which share of the samples repeats the position of another one: counted over one position in 64, chosen by the
+/// position, or over all of a small cloud.
+double duplicate_share(const PointSet& points);
+
 /// 1 where the position equals that of a sample of lower index (or is not finite), 0 elsewhere.
 std::vector<std::uint8_t> find_duplicates(const PointSet& points);
 

@@ -279,10 +279,12 @@ void orient_normals(PointSet& points, const OrientationOptions& options, Progres
   polish(graph, parts);
   judge_outwardness(graph, parts);
   const SignForest::Root anchor_root = forest.find(anchor);
+  // No sample may have joined the scanners: all seen at a grazing angle, or by scanners that are not there.
+  const bool anchored = scanners && anchor_root.index < graph.size();
   parallel_for(0, graph.size(), 16384, [&](std::size_t s) {
     const std::uint32_t p = parts.part[s];
     bool flip = (parts.sign[s] < 0) != (parts.outwardness[p] < 0);
-    if (scanners && p == parts.part[anchor_root.index]) flip = (parts.sign[s] < 0) != anchor_root.flip;
+    if (anchored && p == parts.part[anchor_root.index]) flip = (parts.sign[s] < 0) != anchor_root.flip;
     if (flip) points.normals[graph.tree().order()[s]] = -graph.normals()[s];
   });
   progress.finish();

@@ -93,6 +93,7 @@ void balance_gaps(const ScalarField& field, const std::vector<Triangle>& triangl
       sum += f[t], n += 1;
       edge += norm(centroid[t] - x[v]);
     }
+    if (std::abs(sum) > 0.3 * edge) return;  // not on the surface: a cap that closes the mesh at the domain's border
     if (n > 0) move[v] = std::clamp(-kMeanOverMiddle * sum / n, -0.2 * edge / n, 0.2 * edge / n);
   });
   parallel_for(0, x.size(), 4096, [&](std::size_t v) { x[v] += Vec3(normals[v]) * move[v]; });

@@ -67,6 +67,53 @@ TEST(Reconstruct, StraySamplesMakeNoSheets) {
   EXPECT_GT(measure_topology(run(cloud, all)).components, 1u);
 }
 
+TEST(Reconstruct, OneFarSampleOrManyDuplicatesDoNoHarm) {
+  const PointSet clean = test::sphere(5000);
+  const std::size_t triangles = run(clean).triangles.size();
+  PointSet far = clean;
+  far.positions.push_back({-4e6f, 5, 5});
+  far.normals.push_back({1, 0, 0});
+  PointSet repeated = clean;
+  for (int copy = 0; copy < 9; ++copy) append(repeated, clean, 1, {0, 0, 0});
+  for (const PointSet& cloud : {far, repeated}) {
+    ReconstructReport report;
+    EXPECT_EQ(run(cloud, {}, &report).triangles.size(), triangles);
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_NE(report.warnings[0].find("left out"), std::string::npos);
+  }
+}
+
+TEST(Reconstruct, DoesNotDependOnTheUnit) {
+  PointSet cloud = test::torus(8000);
+  std::erase_if(cloud.positions, [](const Vec3f& p) { return p[0] > 0.9f; });  // open: the far field takes part
+  cloud.normals.clear();
+  const TriangleMesh one = run(cloud);
+  for (const float unit : {0x1p-40f, 0x1p-10f, 0x1p20f, 0x1p50f}) {
+    PointSet scaled = cloud;
+    for (Vec3f& p : scaled.positions) p *= unit;
+    ReconstructReport report;
+    const TriangleMesh other = run(scaled, {}, &report);
+    ASSERT_EQ(other.triangles, one.triangles) << unit;
+    for (std::size_t i = 0; i < one.vertices.size(); ++i) ASSERT_EQ(other.vertices[i], one.vertices[i] * unit);
+    EXPECT_NEAR(report.spacing, 0.04 * unit, 0.02 * unit);
+  }
+}
+
+TEST(Reconstruct, MoreDepthThanSamplesIsNoHarm) {
+  const PointSet cloud = test::sphere(5000);
+  const std::size_t triangles = run(cloud).triangles.size();
+  ReconstructOptions options;
+  for (const int depth : {6, 9, 12}) {
+    options.max_depth = depth;
+    ReconstructReport report;
+    const TriangleMesh mesh = run(cloud, options, &report);
+    EXPECT_LT(report.noise, 1e-5) << depth;
+    EXPECT_NEAR(static_cast<double>(mesh.triangles.size()), static_cast<double>(triangles),
+                0.5 * static_cast<double>(triangles));
+    EXPECT_EQ(measure_topology(mesh).euler, 2);
+  }
+}
+
 TEST(Reconstruct, KeepsPartsThatHaveTheirSamples) {
   PointSet cloud = test::sphere(8000);
   append(cloud, test::sphere(2000), 0.4f, {3, 0, 0});
@@ -165,6 +212,8 @@ TEST(Reconstruct, RejectsOptionsOutOfRange) {
 
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   PointSet cloud;
+  EXPECT_THROW(run(cloud), DataError);
+  cloud.positions.assign(8, {1, 2, 3});
   EXPECT_THROW(run(cloud), DataError);
   cloud.positions.assign(100, {1, 2, 3});
   EXPECT_THROW(run(cloud), DataError);

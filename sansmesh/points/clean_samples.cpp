@@ -1,0 +1,70 @@
+#include "sansmesh/points/clean_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/points/duplicates.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kQuantile = 0.001;
+constexpr float kMargin = 2;  // extents of the box between the quantiles
+constexpr std::size_t kBoxSamples = 100000;
+constexpr double kManyDuplicates = 0.01;
+
+/// The box of nearly all samples, with a wide margin.
+Box3f main_box(const PointSet& points) {
+  const std::size_t stride = 1 + points.size() / kBoxSamples;
+  std::vector<float> values((points.size() + stride - 1) / stride);
+  const auto cut = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(values.size()));
+  Box3f box{{0, 0, 0}, {0, 0, 0}};
+  float extent = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = points.positions[i * stride][k];
+    std::nth_element(values.begin(), values.begin() + cut, values.end());
+    box.lower[k] = values[static_cast<std::size_t>(cut)];
+    std::nth_element(values.begin(), values.end() - 1 - cut, values.end());
+    box.upper[k] = *(values.end() - 1 - cut);
+    extent = std::max(extent, box.upper[k] - box.lower[k]);
+  }
+  const Vec3f margin = Vec3f{1, 1, 1} * (kMargin * extent);
+  return {box.lower - margin, box.upper + margin};
+}
+
+bool contains(const Box3f& box, const Vec3f& p) {
+  return p.x >= box.lower.x && p.x <= box.upper.x && p.y >= box.lower.y && p.y <= box.upper.y && p.z >= box.lower.z &&
+         p.z <= box.upper.z;
+}
+
+}  // namespace
+
+SampleCleaning clean_samples(PointSet& points) {
+  SampleCleaning cleaning;
+  std::vector<std::uint8_t> mask(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    mask[i] = !is_finite(points.positions[i]) || (points.has_normals() && !is_finite(points.normals[i]));
+    cleaning.non_finite += mask[i];
+  }
+  if (cleaning.non_finite > 0) remove_samples(points, mask);
+  if (points.size() == 0) return cleaning;
+
+  const Box3f box = main_box(points);
+  mask.assign(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    mask[i] = !contains(box, points.positions[i]);
+    cleaning.far_away += mask[i];
+  }
+  if (cleaning.far_away > 0) remove_samples(points, mask);
+
+  if (points.triangles.empty() && duplicate_share(points) > kManyDuplicates) {
+    mask = find_duplicates(points);
+    cleaning.duplicates = static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
+    remove_samples(points, mask);
+  }
+  return cleaning;
+}
+
+}  // namespace sansmesh
