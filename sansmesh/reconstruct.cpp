@@ -32,6 +32,9 @@ constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for; least gap of the blocks for the latter, in the same unit.
 constexpr double kSimplify = 0.26, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
+/// By default a mesh is left alone of which fewer than this share of the vertices could go at first: one that is fine
+/// because the surface bends everywhere.
+constexpr double kLeastGain = 0.35;
 
 std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
@@ -277,6 +280,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   if (options.enhance) {
     meshing.simplify = (coarse ? kCoarseSimplify : kSimplify) * mesh_error;
     meshing.triangles = options.triangles.value_or(0);
+    meshing.least_gain = coarse || options.triangles ? 0 : kLeastGain;
   }
   const double gap = coarse && options.enhance
                          ? std::max(kCoarseBlocks * mesh_error, std::min(mesh_error, default_mesh_error(f)))

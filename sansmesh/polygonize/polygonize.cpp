@@ -266,6 +266,23 @@ struct Extraction {
   }
 };
 
+/// Simplifies the mesh with its vertices at x; false: it is as it was.
+bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std::vector<Vec3>& x, Progress& progress) {
+  if (!(options.simplify > 0)) return false;
+  progress.begin("simplify");
+  parallel_for(0, x.size(), 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - mesh.origin); });
+  std::vector<Vec3f> normals = std::move(mesh.normals);  // made anew for what is left
+  mesh.normals.clear();
+  SimplifyOptions simplify;
+  simplify.error = options.simplify;
+  simplify.triangles = options.triangles;
+  simplify.least_gain = options.least_gain;
+  const bool changed = simplify_mesh(mesh, simplify, progress);
+  if (!changed) mesh.normals = std::move(normals);
+  progress.begin("place vertices again");
+  return changed;
+}
+
 }  // namespace
 
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
@@ -330,20 +347,15 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     });
   };
   for (int step = 1; step < options.root_steps; ++step) to_surface();
-  {
-    const Rings rings(mesh.triangles, n);
-    if (options.smoothing_rounds > 0)
-      smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
-    to_surface();
-    if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
-    if (options.balance && !(options.simplify > 0)) balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
-  }
-  if (options.simplify > 0) {
-    parallel_for(0, n, 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - origin); });
-    progress.begin("simplify");
-    simplify_mesh(mesh, {.error = options.simplify, .triangles = options.triangles}, progress);
-    progress.begin("place vertices again");
+  const Rings rings(mesh.triangles, n);
+  if (options.smoothing_rounds > 0)
+    smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
+  to_surface();
+  if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
+  if (simplified(options, mesh, x, progress)) {
     place_again(field, options, mesh, x);
+  } else if (options.balance) {
+    balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
   }
   const Box3 cube = e.tree.bounds();
   parallel_for(0, x.size(), 4096, [&](std::size_t i) {

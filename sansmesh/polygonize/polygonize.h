@@ -31,6 +31,8 @@ struct PolygonizeOptions {
   /// Collapse edges while the quadric error stays below this (length; simplify.h): few triangles where the surface is
   /// flat, at any scale. 0 = off.
   double simplify = 0;
+  /// With simplify > 0: leave it if it would not bring much (SimplifyOptions).
+  double least_gain = 0;
   /// With simplify > 0: go on until there are no more triangles than this. 0 = not.
   std::size_t triangles = 0;
   /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so

@@ -64,6 +64,7 @@ struct Simplifier {
   double error;  ///< accepted now
   std::vector<Vec3> x;
   std::vector<Quadric> quadric;
+  std::vector<double> own_weight;  ///< before anything merged
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> fixed;
   std::vector<std::uint32_t> merged_into;  ///< kNone: alive
@@ -74,25 +75,28 @@ struct Simplifier {
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
   std::vector<std::uint8_t> blocked;  ///< a cheaper one would have spoilt the shape: worth another try after changes
-  std::vector<std::uint64_t> claim;   ///< the least key of the collapses that would change a vertex's ring
-  std::size_t left;                   ///< vertices
+  // The least key of the collapses that have a vertex as an end, and of those that change its ring.
+  std::vector<std::uint64_t> end_claim, ring_claim;
+  std::size_t left;  ///< vertices
 
   Simplifier(const SimplifyOptions& o, const std::vector<Vec3f>& vertices, std::vector<Triangle> all,
              const Vec3& middle)
       : options(o),
         error(o.error),
         x(vertices.size()),
+        quadric(x.size()),
+        own_weight(x.size()),
         triangles(std::move(all)),
+        fixed(x.size(), 0),
         merged_into(x.size(), kNone),
         to(x.size(), kNone),
         cost(x.size(), 0),
         blocked(x.size(), 0),
-        claim(x.size(), kNoKey),
+        end_claim(x.size(), kNoKey),
+        ring_claim(x.size(), kNoKey),
         left(x.size()) {
     parallel_for(0, x.size(), 8192, [&](std::size_t v) { x[v] = Vec3(vertices[v]) - middle; });
     build_rings();
-    build_quadrics();
-    find_fixed();
   }
 
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return {around.data() + first[v], valence[v]}; }
@@ -110,26 +114,19 @@ struct Simplifier {
       for (const std::uint32_t v : triangles[i]) around[next[v]++] = static_cast<std::uint32_t>(i);
   }
 
-  void build_quadrics() {
-    quadric.assign(x.size(), {});
-    parallel_for(0, x.size(), 2048, [&](std::size_t v) {
-      for (const std::uint32_t i : ring(static_cast<std::uint32_t>(v))) {
-        const Triangle& t = triangles[i];
-        const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
-        const double size = norm(area);
-        if (!(size > 0)) continue;
-        const Vec3 n = area / size;
-        quadric[v].add_plane(n, dot(n, x[t[0]]), size);
-      }
-    });
-  }
-
-  /// Vertices whose triangles are not one closed fan stay: boundaries, and what is not manifold.
-  void find_fixed() {
-    fixed.assign(x.size(), 0);
-    parallel_ranges(0, x.size(), 2048, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) fixed[v] = !closed_fan(static_cast<std::uint32_t>(v));
-    });
+  /// The quadric of a vertex; and vertices whose triangles are not one closed fan stay: boundaries, and what is not
+  /// manifold.
+  void prepare(std::uint32_t v) {
+    fixed[v] = !closed_fan(v);
+    quadric[v] = {};
+    for (const std::uint32_t i : ring(v)) {
+      const Triangle& t = triangles[i];
+      const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
+      const double size = norm(area);
+      if (!(size > 0)) continue;
+      const Vec3 n = area / size;
+      quadric[v].add_plane(n, dot(n, x[t[0]]), size);
+    }
   }
 
   bool closed_fan(std::uint32_t v) const {
@@ -251,24 +248,32 @@ struct Simplifier {
     return result;
   }
 
-  void lay_claim(std::uint32_t v) {
-    const std::uint64_t own = key(v);
-    for (const std::uint32_t end : touched(v)) {
-      const std::atomic_ref<std::uint64_t> least(claim[end]);
-      std::uint64_t old = least.load(std::memory_order_relaxed);
-      while (own < old && !least.compare_exchange_weak(old, own, std::memory_order_relaxed)) {
-      }
+  static void lower(std::uint64_t& claim, std::uint64_t key) {
+    const std::atomic_ref<std::uint64_t> least(claim);
+    std::uint64_t old = least.load(std::memory_order_relaxed);
+    while (key < old && !least.compare_exchange_weak(old, key, std::memory_order_relaxed)) {
     }
   }
 
-  /// Whether no collapse of a smaller key changes the ring of a vertex of this one's triangles: then those that win
-  /// share no triangle and change no ring twice.
+  void lay_claim(std::uint32_t v) {
+    const std::uint64_t own = key(v);
+    for (const std::uint32_t end : {v, to[v]}) lower(end_claim[end], own);
+    for (const std::uint32_t w : touched(v)) lower(ring_claim[w], own);
+  }
+
+  void drop_claim(std::uint32_t v) {
+    for (const std::uint32_t w : touched(v)) end_claim[w] = ring_claim[w] = kNoKey;
+  }
+
+  /// Those that win share no triangle, and no two of them change the ring of a vertex.
   bool wins(std::uint32_t v) const {
     const std::uint64_t own = key(v);
+    for (const std::uint32_t w : touched(v))
+      if (ring_claim[w] < own) return false;
     for (const std::uint32_t end : {v, to[v]})
       for (const std::uint32_t r : ring(end))
         for (const std::uint32_t w : triangles[r])
-          if (claim[w] < own) return false;
+          if (end_claim[w] < own) return false;
     return true;
   }
 
@@ -338,8 +343,7 @@ struct Simplifier {
         std::sort(chosen.begin(), chosen.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
         chosen.resize(left - target);
       }
-      for (const std::uint32_t v : candidates)
-        for (const std::uint32_t end : touched(v)) claim[end] = kNoKey;
+      for (const std::uint32_t v : candidates) drop_claim(v);
 
       place.resize(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -379,7 +383,26 @@ struct Simplifier {
     }
   }
 
+  /// Share of every 64th vertex that has a collapse within the error. Prepares only the vertices it looks at.
+  double share_to_go() {
+    constexpr std::uint32_t kStride = 64;
+    std::size_t looked = 0, can = 0;
+    for (std::uint32_t v = 0; v < x.size(); v += kStride, ++looked) {
+      for (const std::uint32_t i : ring(v))
+        for (const std::uint32_t u : triangles[i]) prepare(u);
+      find_cheapest(v);
+      can += to[v] != kNone;
+    }
+    return looked > 0 ? static_cast<double>(can) / static_cast<double>(looked) : 0;
+  }
+
   void run(Progress& progress) {
+    parallel_ranges(0, x.size(), 2048, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        prepare(static_cast<std::uint32_t>(v));
+        own_weight[v] = std::max(quadric[v].weight, 1e-300);
+      }
+    });
     // A closed mesh has two triangles a vertex, but for the handles.
     const std::size_t most = (options.triangles + triangles.size() % 2) / 2 + x.size() - triangles.size() / 2;
     const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(most, 4) : 0;
@@ -397,18 +420,24 @@ struct Simplifier {
 
 void SimplifyOptions::validate() const {
   if (!(std::isfinite(error) && error > 0)) throw ArgumentError("simplify: error must be a positive length");
+  if (!(least_gain >= 0 && least_gain <= 1)) throw ArgumentError("simplify: least_gain must lie in 0..1");
   if (!(least_shape >= 0 && least_shape <= 0.9)) throw ArgumentError("simplify: least_shape must lie in 0..0.9");
 }
 
-void simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress) {
+bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress) {
   options.validate();
   const std::size_t n = mesh.vertices.size();
   const Vec3 middle(bounds(mesh).center());  // near the origin quadrics lose fewer digits
   Simplifier s(options, mesh.vertices, std::move(mesh.triangles), middle);
-  std::vector<double> own_weight(n);
-  for (std::size_t v = 0; v < n; ++v) own_weight[v] = s.quadric[v].weight;
-
+  if (options.least_gain > 0 && s.share_to_go() < options.least_gain) {
+    mesh.triangles = std::move(s.triangles);
+    return false;
+  }
   s.run(progress);
+  if (s.left == n) {
+    mesh.triangles = std::move(s.triangles);
+    return false;
+  }
 
   // Attributes of what was merged, then the vertices that are left.
   std::vector<std::uint32_t> target(n);
@@ -420,7 +449,7 @@ void simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
   const auto merge = [&](std::size_t components, auto get, auto set) {
     std::vector<double> sum(n * components, 0), weight(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
-      const double w = std::max(own_weight[v], 1e-300);
+      const double w = s.own_weight[v];
       for (std::size_t k = 0; k < components; ++k) sum[target[v] * components + k] += w * get(v, k);
       weight[target[v]] += w;
     }
@@ -463,6 +492,7 @@ void simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
   mesh.triangles = std::move(s.triangles);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = number[v];
+  return true;
 }
 
 }  // namespace sansmesh

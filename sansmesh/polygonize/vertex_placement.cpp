@@ -131,6 +131,7 @@ void place_again(const ScalarField& field, const PolygonizeOptions& options, Tri
   std::vector<Vec3> g(n);
   field.evaluate(x, f, g);
   const Rings rings(mesh.triangles, n);
+  mesh.normals.resize(n);
   parallel_for(0, n, 2048, [&](std::size_t v) {
     const Vec3 normal = normalized(g[v]);
     const double slope2 = squared_norm(g[v]);
