@@ -32,9 +32,10 @@ constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for; least gap of the blocks for the latter, in the same unit.
 constexpr double kSimplify = 0.26, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
-/// By default a mesh is left alone of which fewer than this share of the vertices could go at first: one that is fine
-/// because the surface bends everywhere.
+/// By default a large mesh is left alone of which fewer than this share of the vertices could go at first: one that is
+/// fine because the surface bends everywhere. Simplifying it would take as long as all the rest.
 constexpr double kLeastGain = 0.35;
+constexpr std::size_t kManyBlocks = 100000;
 
 std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
@@ -234,6 +235,8 @@ void ReconstructOptions::validate() const {
   check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "mesh error must be a positive length");
   check(!triangles || (*triangles >= 4 && enhance),
         "the number of triangles must be at least 4, and needs enhancement");
+  check(displacement >= 0 && displacement < 1, "displacement must lie in [0, 1)");
+  check(displacement == 0 || !enhance, "displacement needs enhancement to be off: clustering undoes it");
   check(!trim || (std::isfinite(*trim) && *trim >= 0), "trim must be a length of at least 0");
   check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
         "the number of components must be at least 1");
@@ -272,6 +275,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   meshing.cluster = options.enhance;
   meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
   meshing.creases = options.sharp;
+  meshing.displacement = options.displacement;
   meshing.seeds = field.seeds();
   // Blocks have sizes in powers of two, and triangles of one size in every direction: only edge collapses give each
   // place the triangles it needs. They cost more time than they save elsewhere, so by default only the cheap ones run;
@@ -280,13 +284,13 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   if (options.enhance) {
     meshing.simplify = (coarse ? kCoarseSimplify : kSimplify) * mesh_error;
     meshing.triangles = options.triangles.value_or(0);
-    meshing.least_gain = coarse || options.triangles ? 0 : kLeastGain;
   }
   const double gap = coarse && options.enhance
                          ? std::max(kCoarseBlocks * mesh_error, std::min(mesh_error, default_mesh_error(f)))
                          : mesh_error;
   const BlockTree blocks = field.mesh_blocks(gap);
   r.blocks = blocks.leaves().size();
+  if (r.blocks > kManyBlocks && !coarse && !options.triangles) meshing.least_gain = kLeastGain;
   if (options.measure_quality) {
     PolygonizeOptions plain = meshing;
     plain.cluster = false;
@@ -294,6 +298,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
     plain.smoothing_rounds = 0;
     plain.simplify = 0;
     plain.triangles = 0;
+    plain.displacement = 0;
     const MeshQuality before = measure_quality(polygonize(field, blocks, points.origin, plain, progress));
     r.aspect_mean_before = before.aspect_mean;
     r.aspect_deviation_before = before.aspect_deviation;

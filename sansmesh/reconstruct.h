@@ -38,7 +38,10 @@ struct ReconstructOptions {
   ComponentChoice components;
   bool sharp = true;  ///< reproduce creases where the data shows them
   bool carry_colors = true;
-  bool enhance = true;           ///< few, well-shaped triangles: clustering, smoothing, simplification
+  bool enhance = true;  ///< few, well-shaped triangles: clustering, smoothing, simplification
+  /// Without `enhance`: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before it is cut out,
+  /// by up to α times a quarter of the local block edge.
+  double displacement = 0;
   bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
 
   /// Throws ArgumentError naming the option.

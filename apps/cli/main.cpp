@@ -129,6 +129,9 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
       ->type_name("COUNT")
       ->group("Mesh");
   c.add_flag("--no-enhance", line.no_enhance, "No clustering, smoothing or simplification of triangles")->group("Mesh");
+  c.add_option("--displacement", o.displacement, "With --no-enhance: lattice steps back from the surface, 0..1 [0]")
+      ->type_name("RATIO")
+      ->group("Mesh");
   c.add_flag("--no-colors", line.no_colors, "Leave out the samples' colours")->group("Mesh");
   c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
       ->type_name("LEVEL")

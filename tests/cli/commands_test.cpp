@@ -82,6 +82,16 @@ TEST_F(Commands, JsonIsAllThatIsPrinted) {
   EXPECT_EQ(run({"reconstruct", "in.ply", "-o", "out.obj", "--quiet"}).out, "");
 }
 
+TEST_F(Commands, DisplacementImprovesTheTrianglesOfTheSources) {
+  write_sphere("in.ply", 3000);
+  const Outcome outcome =
+      run({"reconstruct", "in.ply", "-o", "out.ply", "--no-enhance", "--displacement", "0.9", "--quality", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json aspect = Json::parse(outcome.out)["aspect_ratio"];
+  EXPECT_LT(aspect["mean"].get<double>(), aspect["mean_before"].get<double>());
+  EXPECT_EQ(run({"reconstruct", "in.ply", "-o", "out.ply", "--displacement", "0.9"}).code, 2);
+}
+
 TEST_F(Commands, WritesEveryFormat) {
   write_sphere("in.ply", 2000);
   for (const char* ending : {"ply", "obj", "stl", "off", "ply.gz"}) {
