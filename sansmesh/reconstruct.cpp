@@ -9,9 +9,11 @@
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/points/clean_samples.h"
 #include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/spacing.h"
 #include "sansmesh/polygonize/components.h"
 #include "sansmesh/polygonize/mesh_quality.h"
 #include "sansmesh/polygonize/polygonize.h"
@@ -104,6 +106,8 @@ void prepare_normals(PointSet& points, ReconstructOptions::Normals choice, Progr
     return;
   }
   if (choice == Normals::estimate) points.normals.clear();
+  NormalOptions estimation;
+  OrientationOptions orientation;
   progress.begin("check normals");
   switch (check_orientation(points)) {
     case OrientationCheck::oriented:
@@ -114,14 +118,16 @@ void prepare_normals(PointSet& points, ReconstructOptions::Normals choice, Progr
       return;
     case OrientationCheck::missing:
       progress.begin("estimate normals");
-      estimate_normals(points, {}, progress);
+      estimation.spacing = estimate_spacing(points);
+      estimation.noise = orientation.noise = estimate_noise(points);
+      estimate_normals(points, estimation, progress);
       break;
     case OrientationCheck::unoriented:
       report.warnings.push_back("the normals are not oriented consistently: oriented anew");
       break;
   }
   progress.begin("orient normals");
-  orient_normals(points, {}, progress);
+  orient_normals(points, orientation, progress);
 }
 
 /// 1 for the vertices that have a sample within `limit`.

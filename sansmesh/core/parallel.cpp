@@ -38,7 +38,7 @@ void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t gra
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) { tbb::parallel_invoke(a, b); }
-void parallel_sort(std::vector<unsigned long>& values) { tbb::parallel_sort(values.begin(), values.end()); }
+void parallel_sort(std::vector<std::uint64_t>& values) { tbb::parallel_sort(values.begin(), values.end()); }
 void parallel_sort(std::vector<KeyIndex>& values) { tbb::parallel_sort(values.begin(), values.end()); }
 
 }  // namespace sansmesh

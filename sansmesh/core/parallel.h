@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -53,9 +54,9 @@ T parallel_reduce(std::size_t n, std::size_t chunk, const T& init, Map&& map, Co
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b);
 
 /// Sorts by operator< in parallel; equal elements keep no particular order, so keys must be unique for determinism.
-void parallel_sort(std::vector<unsigned long>& values);
+void parallel_sort(std::vector<std::uint64_t>& values);
 struct KeyIndex {
-  unsigned long key;
+  std::uint64_t key;
   unsigned index;
   friend bool operator<(const KeyIndex& a, const KeyIndex& b) {
     return a.key != b.key ? a.key < b.key : a.index < b.index;

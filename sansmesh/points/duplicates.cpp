@@ -135,7 +135,7 @@ std::size_t count_non_finite(const PointSet& points) {
 
 double duplicate_share(const PointSet& points) {
   const std::uint64_t mask = points.size() < 100000 ? 0 : 63;
-  std::vector<unsigned long> hashes;
+  std::vector<std::uint64_t> hashes;
   for (const Vec3f& p : points.positions)
     if (const std::uint64_t hash = hash_of(p); is_finite(p) && (hash >> 32 & mask) == 0) hashes.push_back(hash);
   if (hashes.empty()) return 0;

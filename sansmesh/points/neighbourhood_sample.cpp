@@ -63,7 +63,7 @@ class BallGrid {
 
   template <class Body>
   void for_each_ball(const Vec3f& p, Body&& body) const {
-    const unsigned long c = code(cell_of(p));
+    const std::uint64_t c = code(cell_of(p));
     if (!(marked_[c / 64] >> (c % 64) & 1)) return;
     for (auto e = std::lower_bound(entries_.begin(), entries_.end(), KeyIndex{c, 0});
          e != entries_.end() && e->key == c; ++e)
@@ -78,9 +78,9 @@ class BallGrid {
     return {clamp((p.x - box_.lower.x) * scale_), clamp((p.y - box_.lower.y) * scale_),
             clamp((p.z - box_.lower.z) * scale_)};
   }
-  static unsigned long code(const std::array<int, 3>& c) {
-    return (static_cast<unsigned long>(c[2]) * kResolution + static_cast<unsigned long>(c[1])) * kResolution +
-           static_cast<unsigned long>(c[0]);
+  static std::uint64_t code(const std::array<int, 3>& c) {
+    return (static_cast<std::uint64_t>(c[2]) * kResolution + static_cast<std::uint64_t>(c[1])) * kResolution +
+           static_cast<std::uint64_t>(c[0]);
   }
 
   Box3f box_;

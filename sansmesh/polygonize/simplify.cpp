@@ -22,6 +22,7 @@ constexpr double kTurn = 0.5;          // least cosine between a triangle's norm
 constexpr double kTether = 1e-3;       // share of the quadric's trace that ties the optimum to the edge's centroid
 constexpr std::size_t kMostRing = 24;  // triangles around a vertex
 constexpr int kMostRounds = 200;
+constexpr double kFirstStage = 16;  // the errors of the stages double from this part of what is accepted
 
 /// Σ w (n·x − d)² over planes, as xᵀ A x − 2 b·x + c, and Σ w.
 struct Quadric {
@@ -406,6 +407,10 @@ struct Simplifier {
     // A closed mesh has two triangles a vertex, but for the handles.
     const std::size_t most = (options.triangles + triangles.size() % 2) / 2 + x.size() - triangles.size() / 2;
     const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(most, 4) : 0;
+    // In stages: with all of the error at once nearly every edge would be a candidate, and most would wait for cheaper
+    // ones beside them, round after round.
+    for (error = options.error / kFirstStage; error < options.error; error *= 2) collapse_all(progress, target);
+    error = options.error;
     collapse_all(progress, target);
     const double limit = norm(Vec3(bounds_of().size()));
     while (left > target && target > 0 && error < limit) {

@@ -14,13 +14,13 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_t lattice_vertices) {
   SurfaceChain chain;
   std::vector<std::uint32_t> of_lattice(lattice_vertices, kNone);
-  std::vector<unsigned long> edges;
+  std::vector<std::uint64_t> edges;
   for (const ChainTriangle& t : named)
     for (const ChainVertex& v : t) {
       if (v.a == v.b) {
         of_lattice[v.a] = 0;
       } else {
-        edges.push_back(static_cast<unsigned long>(v.a) << 32 | v.b);
+        edges.push_back(static_cast<std::uint64_t>(v.a) << 32 | v.b);
       }
     }
   for (std::size_t i = 0; i < of_lattice.size(); ++i) {
@@ -31,7 +31,7 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
   parallel_sort(edges);
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   const auto first_edge = static_cast<std::uint32_t>(chain.vertices.size());
-  for (const unsigned long e : edges)
+  for (const std::uint64_t e : edges)
     chain.vertices.push_back({static_cast<std::uint32_t>(e >> 32), static_cast<std::uint32_t>(e & 0xffffffffUL)});
   chain.triangles.resize(named.size());
   parallel_for(0, named.size(), 8192, [&](std::size_t i) {
@@ -40,7 +40,7 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
       if (v.a == v.b) {
         chain.triangles[i][k] = of_lattice[v.a];
       } else {
-        const unsigned long e = static_cast<unsigned long>(v.a) << 32 | v.b;
+        const std::uint64_t e = static_cast<std::uint64_t>(v.a) << 32 | v.b;
         chain.triangles[i][k] =
             first_edge + static_cast<std::uint32_t>(std::lower_bound(edges.begin(), edges.end(), e) - edges.begin());
       }

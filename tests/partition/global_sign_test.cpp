@@ -36,9 +36,7 @@ TEST(PlaneAreaInCube, CellsTileAPlane) {
       for (int z = 0; z < 4; ++z)
         fine += plane_area_in_cube(
             {0.5f, 0.5f, 0.45f}, normal,
-            Vec3f{0.25f, 0.25f, 0.25f} * 0.0f +
-                Vec3f(0.25f * static_cast<float>(x), 0.25f * static_cast<float>(y), 0.25f * static_cast<float>(z)),
-            0.25f);
+            Vec3f(0.25f * static_cast<float>(x), 0.25f * static_cast<float>(y), 0.25f * static_cast<float>(z)), 0.25f);
   EXPECT_NEAR(fine, plane_area_in_cube({0.5f, 0.5f, 0.45f}, normal, {0, 0, 0}, 1), 1e-5);
 }
 

@@ -129,6 +129,17 @@ TEST(Orientation, ScannersDecide) {
   EXPECT_EQ(fraction_correct(blind, truth), 0);
 }
 
+TEST(Orientation, ScannersThatSawNothingDecideNothing) {
+  PointSet points = sample_sphere(4000, 1, 0, 13, {2, 0, 0});
+  const std::vector<Vec3f> truth = points.normals;
+  points.scanners = {{2, 0, 0}};
+  points.scan_of_point.assign(points.size(), 9);  // there is no such scanner
+  scramble_signs(points, 14);
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(points.normals, truth);
+}
+
 TEST(Orientation, ATerrainLooksUp) {
   PointSet points;
   std::mt19937 random(15);
