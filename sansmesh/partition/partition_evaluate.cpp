@@ -206,7 +206,7 @@ const PartitionReport& PartitionOfUnity::report() const { return state_->report;
 namespace {
 
 // Where the supports' weights fade below this, the far field takes over, smoothly.
-constexpr float kFade = 0.005f;
+constexpr float kFade = 0.05f;
 
 void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<float> values,
                    std::span<Vec3f> gradients, std::vector<std::uint32_t>& list, EvaluationTile& tile) {

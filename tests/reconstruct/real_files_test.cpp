@@ -12,7 +12,7 @@ namespace {
 
 struct RealFile {
   const char* name;
-  int components = 1;  ///< −1: nobody knows (vegetation, loose triangles, a horn of a few samples)
+  int components = 1;  ///< −1: nobody knows (vegetation, loose triangles)
   int genus = -1;      ///< −1: not known
 };
 
@@ -44,7 +44,7 @@ INSTANTIATE_TEST_SUITE_P(Points, RealFiles,
                                            RealFile{"icosahedron.off", 1, 0}, RealFile{"igea_gt.ply", 1, 0},
                                            RealFile{"kinect_capture0001.pcd", -1}, RealFile{"kitten.xyz", 1, 1},
                                            RealFile{"lidar_autzen_trim.las", -1}, RealFile{"lidar_samp11.pcd", -1},
-                                           RealFile{"max-planck_5k.obj", 1, 0}, RealFile{"oni.pwn", -1},
+                                           RealFile{"max-planck_5k.obj", 1, 0}, RealFile{"oni.pwn", 1},
                                            RealFile{"rocker-arm.obj", 1, 1}, RealFile{"soup_chair.obj", -1},
                                            RealFile{"soup_self_intersect.obj", 1}, RealFile{"soup_triangles.stl", -1},
                                            RealFile{"sphere_1k.xyz", 1, 0}, RealFile{"sphere_20k_noisy.xyz", 1, 0},
