@@ -33,7 +33,7 @@ constexpr std::size_t kFewest = 9;
 constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for; least gap of the blocks for the latter, in the same unit.
-constexpr double kSimplify = 0.26, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
+constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
 /// By default a large mesh is left alone of which fewer than this share of the vertices could go at first: one that is
 /// fine because the surface bends everywhere. Simplifying it would take as long as all the rest.
 constexpr double kLeastGain = 0.35;
