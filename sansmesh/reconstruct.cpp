@@ -313,11 +313,12 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
 
   progress.begin("finish mesh");
   const double close = std::max(4 * f.spacing, 6 * f.noise);
+  const bool color = options.carry_colors && points.has_colors();
+  const KdTree samples = options.trim || color ? KdTree(points.positions) : KdTree();
   if (options.trim)
-    trim_mesh(mesh,
-              near_samples(mesh, points, KdTree(points.positions), *options.trim > 0 ? *options.trim / unit : close));
+    trim_mesh(mesh, near_samples(mesh, points, samples, *options.trim > 0 ? *options.trim / unit : close));
   choose_components(mesh, options.components, points, f.spacing, r);
-  if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
+  if (color) carry_colors(mesh, points, samples);
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
   if (options.measure_quality) {
     const MeshQuality after = measure_quality(mesh);

@@ -112,7 +112,6 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   if (!arguments.reference.empty()) {
     DistanceOptions options;
     options.samples = arguments.samples;
-    progress.begin("distances", 2);
     const SurfaceDistance d = measure_distance(surface, reference, options, progress);
     say_distance("to reference", d.to_reference, d, console);
     say_distance("from reference", d.from_reference, d, console);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
 #include <string>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/union_find.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -19,12 +19,6 @@ constexpr float kReach = 4;
 /// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread
 /// evenly in space have about 0.6.
 constexpr double kScattered = 0.4;
-
-std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 bool looks_scattered(const KdTree& tree, std::span<const std::uint32_t> neighbours) {
   std::vector<Vec3f> offsets;
   for (const std::uint32_t other : neighbours) offsets.push_back(tree.position(other) - tree.position(neighbours[0]));
@@ -91,8 +85,8 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
   });
 
   // Detached: clusters of too few samples, the isolated ones left out.
-  std::vector<std::uint32_t> parent(n), members(n, 0);
-  std::iota(parent.begin(), parent.end(), 0u);
+  UnionFind clusters(n);
+  std::vector<std::uint32_t> members(n, 0);
   for (std::uint32_t s = 0; s < n; ++s) {
     if (isolated[s]) continue;
     for (std::size_t k = 0; k < kFound; ++k) {
@@ -100,13 +94,12 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
       if (isolated[other]) continue;
       const float reach = kReach * std::min(around[s], around[other]);
       if (squared_distance(tree.position(s), tree.position(other)) > reach * reach) continue;
-      const std::uint32_t a = find_root(parent, s), b = find_root(parent, other);
-      parent[std::max(a, b)] = std::min(a, b);
+      clusters.join(s, other);
     }
   }
-  for (std::uint32_t s = 0; s < n; ++s) ++members[find_root(parent, s)];
+  for (std::uint32_t s = 0; s < n; ++s) ++members[clusters.find(s)];
   for (std::uint32_t s = 0; s < n; ++s)
-    if (isolated[s] || members[find_root(parent, s)] < options.min_cluster) mask[tree.order()[s]] = 1;
+    if (isolated[s] || members[clusters.find(s)] < options.min_cluster) mask[tree.order()[s]] = 1;
   // A cloud of nothing but tiny clusters is sparse, not made of outliers.
   const auto marked = static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
   if (2 * marked > points.size())

@@ -3,23 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "sansmesh/core/union_find.h"
+#include "sansmesh/polygonize/vertex_corners.h"
+
 namespace sansmesh {
 namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-struct UnionFind {
-  std::vector<std::uint32_t> parent;
-  explicit UnionFind(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);
-  }
-};
 
 template <class T>
 void copy_vertex(std::vector<T>& attribute, std::size_t from) {
@@ -89,13 +79,8 @@ void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
 
 void separate_fans(TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
-  std::vector<std::uint32_t> first(n + 1, 0);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) ++first[v + 1];
-  for (std::size_t v = 0; v < n; ++v) first[v + 1] += first[v];
-  std::vector<std::uint32_t> corner(3 * mesh.triangles.size()), next(first.begin(), first.end() - 1);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) corner[next[mesh.triangles[i][k]]++] = static_cast<std::uint32_t>(3 * i + k);
+  const VertexCorners corners(mesh.triangles, n);
+  const std::vector<std::uint32_t>&first = corners.first, &corner = corners.corner;
   // All fans are found on the mesh as it is; only then are corners renamed.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> renamed;
   for (std::size_t v = 0; v < n; ++v) {

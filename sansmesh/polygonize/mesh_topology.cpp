@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/union_find.h"
+#include "sansmesh/polygonize/vertex_corners.h"
 
 namespace sansmesh {
 namespace {
@@ -17,38 +19,6 @@ bool has_area(const TriangleMesh& mesh, const Triangle& t) {
   const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
   return squared_norm(cross(b - a, c - a)) > 0;  // false for NaN, too
 }
-
-/// The corners (3·triangle + k) at each vertex, in ascending order.
-struct CornersOfVertex {
-  std::vector<std::uint32_t> first, corner;
-
-  CornersOfVertex(std::size_t vertices, const std::vector<Triangle>& triangles)
-      : first(vertices + 1), corner(3 * triangles.size()) {
-    for (const Triangle& t : triangles)
-      for (const std::uint32_t v : t) ++first[v + 1];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) corner[next[triangles[i][k]]++] = static_cast<std::uint32_t>(3 * i + k);
-  }
-};
-
-/// A root for each vertex: vertices of one component have the same.
-class Components {
- public:
-  explicit Components(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return v;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// What is seen from one vertex; each edge is counted at its lower vertex.
 struct Local {
@@ -65,7 +35,7 @@ struct Spoke {
   }
 };
 
-void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const CornersOfVertex& corners,
+void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const VertexCorners& corners,
                  std::vector<Spoke>& spokes, std::vector<std::uint32_t>& fan, Local& out) {
   const std::size_t first = corners.first[v], count = corners.first[v + 1] - first;
   if (count == 0) return;
@@ -105,7 +75,7 @@ void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const 
 
 std::size_t count_loops(std::size_t vertices, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& edges) {
   if (edges.empty()) return 0;
-  Components loops(vertices);
+  UnionFind loops(vertices);
   for (const auto& [a, b] : edges) loops.join(a, b);
   std::size_t count = 0;
   std::vector<std::uint8_t> seen(vertices);
@@ -127,7 +97,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
   }
   result.triangles = triangles.size();
 
-  const CornersOfVertex corners(n, triangles);
+  const VertexCorners corners(triangles, n);
   const Local total = parallel_reduce(
       n, kChunk, Local{},
       [&](std::size_t first, std::size_t last) {
@@ -159,7 +129,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
   result.euler =
       static_cast<long>(result.vertices) - static_cast<long>(result.edges) + static_cast<long>(result.triangles);
 
-  Components components(n);
+  UnionFind components(n);
   for (const Triangle& t : triangles) components.join(t[0], t[1]), components.join(t[1], t[2]);
   std::vector<std::size_t> size(n);
   for (const Triangle& t : triangles) result.components += size[components.find(t[0])]++ == 0;

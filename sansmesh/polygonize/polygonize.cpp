@@ -309,7 +309,6 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   const std::size_t n = chain.vertices.size();
   std::vector<Vec3> x(n), g(n);
   std::vector<double> f(n);
-  std::vector<float> reach(n);  // how far a vertex may move: about the lattice's local edge
   std::vector<Vec3f> start(n);
   std::vector<std::uint8_t> on_cap(n);  // closes the mesh at a face of the cube: there is no surface to move it to
   parallel_for(0, n, 4096, [&](std::size_t i) {

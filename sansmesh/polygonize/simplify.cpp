@@ -69,8 +69,7 @@ struct Simplifier {
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> fixed;
   std::vector<std::uint32_t> merged_into;  ///< kNone: alive
-  // Triangles around each vertex: around[first .. first + valence]. A merged ring takes the place of the two it came
-  // from if it fits, else a new place at the end.
+  // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end.
   std::vector<std::uint32_t> first, valence, around;
   // The cheapest collapse of an edge from a vertex to one of higher index.
   std::vector<std::uint32_t> to;

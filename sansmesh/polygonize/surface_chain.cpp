@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/vertex_corners.h"
 
 namespace sansmesh {
 namespace {
@@ -49,27 +50,9 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
   return chain;
 }
 
-/// Corners (3·triangle + k) around each vertex.
-struct Corners {
-  std::vector<std::uint32_t> first, corner;
-};
-
-Corners corners_of(const std::vector<Triangle>& triangles, std::size_t vertices) {
-  Corners c;
-  c.first.assign(vertices + 1, 0);
-  for (const Triangle& t : triangles)
-    for (const std::uint32_t v : t) ++c.first[v + 1];
-  for (std::size_t v = 0; v < vertices; ++v) c.first[v + 1] += c.first[v];
-  c.corner.resize(3 * triangles.size());
-  std::vector<std::uint32_t> next(c.first.begin(), c.first.end() - 1);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) c.corner[next[triangles[i][k]]++] = static_cast<std::uint32_t>(3 * i + k);
-  return c;
-}
-
 /// Removes pairs of triangles on the same three vertices with opposite orientation.
 void cancel_opposite(SurfaceChain& chain) {
-  const Corners c = corners_of(chain.triangles, chain.vertices.size());
+  const VertexCorners c(chain.triangles, chain.vertices.size());
   std::vector<std::uint8_t> gone(chain.triangles.size(), 0);
   parallel_for(0, chain.vertices.size(), 4096, [&](std::size_t v) {
     for (std::uint32_t i = c.first[v]; i < c.first[v + 1]; ++i) {
@@ -100,7 +83,7 @@ struct Fans {
 };
 
 /// The fans around a vertex. Returns their number, or 0 if an edge of the vertex has more than two triangles.
-int fans_of(const SurfaceChain& chain, const Corners& c, std::size_t v, Fans& fans) {
+int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fans& fans) {
   const std::uint32_t first = c.first[v], n = c.first[v + 1] - first;
   auto& [link, out, back] = fans;
   link.assign(n, kNone);
@@ -151,17 +134,12 @@ SurfaceChain make_surface_chain(
     const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
     std::vector<std::uint8_t>& merged) {
   for (int round = 1;; ++round) {
-    SurfaceChain chain;
-    {
-      const std::vector<ChainTriangle> named = march(merged);
-      std::size_t lattice = merged.size();
-      chain = number_vertices(named, lattice);
-    }
+    SurfaceChain chain = number_vertices(march(merged), merged.size());
     chain.rounds = round;
     if (merged.empty()) return chain;
     cancel_opposite(chain);
     const std::size_t n = chain.vertices.size();
-    const Corners c = corners_of(chain.triangles, n);
+    const VertexCorners c(chain.triangles, n);
     std::vector<std::uint8_t> bad(n, 0);
     std::vector<std::uint8_t> fans(n, 1);
     parallel_ranges(0, n, 4096, [&](std::size_t first, std::size_t last) {
