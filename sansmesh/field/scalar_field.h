@@ -2,6 +2,8 @@
 // consumers (polygonisers, renderers, evaluators), none of which knows the other.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <span>
 
 #include "sansmesh/core/box.h"
@@ -21,6 +23,14 @@ class ScalarField {
   /// Values, and if `gradients` is not empty gradients, at all of x. One call a batch: neighbouring points in
   /// neighbouring slots evaluate fastest. Sizes must agree (gradients may be empty). Safe from several threads.
   virtual void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const = 0;
+
+  /// The same, and which of x lie in the domain of definition (1; elsewhere 0): only there does a change of sign mean a
+  /// surface. A field that is defined everywhere need not override this.
+  virtual void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                                  std::span<std::uint8_t> inside) const {
+    evaluate(x, values, gradients);
+    std::fill(inside.begin(), inside.end(), std::uint8_t{1});
+  }
 };
 
 }  // namespace sansmesh
