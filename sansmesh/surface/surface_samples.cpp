@@ -1,0 +1,86 @@
+#include "sansmesh/surface/surface_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/noise.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kNeighbours = 16;
+constexpr std::size_t kFewest = 9;
+
+/// Distances at duplicates vanish, but a sample must not stand for nothing.
+constexpr double kLeastSpacing = 0.05;
+
+double median(std::vector<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+}  // namespace
+
+SurfaceSamples prepare_samples(const PointSet& points, Progress& progress) {
+  if (!points.has_normals()) throw DataError("the samples have no normals: estimate and orient them first");
+  progress.begin("prepare samples");
+  std::vector<std::uint32_t> good;
+  std::vector<Vec3f> positions;
+  good.reserve(points.size()), positions.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!is_finite(points.positions[i]) || !is_finite(points.normals[i]) || points.normals[i] == Vec3f{}) continue;
+    good.push_back(static_cast<std::uint32_t>(i));
+    positions.push_back(points.positions[i]);
+  }
+  if (good.size() < kFewest)
+    throw DataError("only " + std::to_string(good.size()) + " samples have a position and a normal: at least " +
+                    std::to_string(kFewest) + " are needed");
+
+  SurfaceSamples s;
+  {
+    const KdTree order(positions);
+    const std::size_t n = good.size();
+    s.positions.resize(n), s.normals.resize(n), s.source.resize(n);
+    parallel_for(0, n, 16384, [&](std::size_t slot) {
+      const std::uint32_t i = order.order()[slot];
+      s.positions[slot] = positions[i];
+      s.source[slot] = good[i];
+      s.normals[slot] = normalized(points.normals[good[i]]);
+    });
+  }
+  s.tree = KdTree(s.positions);
+  const std::size_t k = std::min(kNeighbours + 1, s.size());
+  std::vector<float> raw(s.size()), smooth(s.size());
+  std::vector<std::uint32_t> around(s.size() * k);
+  s.tree.for_each_nearest(k, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+    const std::uint32_t i = s.tree.order()[slot];
+    const double d2 = static_cast<double>(found.back().squared_distance);
+    raw[i] = static_cast<float>(std::sqrt(std::numbers::pi * d2 / static_cast<double>(k - 1)));
+    for (std::size_t j = 0; j < k; ++j) around[i * k + j] = s.tree.order()[found[j].index];
+  });
+  s.median_spacing = median(raw);
+  if (!(s.median_spacing > 0)) throw DataError("most samples coincide: there is no surface");
+  const auto least = static_cast<float>(kLeastSpacing * s.median_spacing);
+  for (float& r : raw) r = std::max(r, least);
+  parallel_for(0, s.size(), 4096, [&](std::size_t i) {
+    float sum = 0;
+    for (std::size_t j = 0; j < k; ++j) sum += raw[around[i * k + j]];
+    smooth[i] = sum / static_cast<float>(k);
+  });
+  s.spacing = std::move(smooth);
+  s.noise = estimate_noise(points);
+  progress.finish();
+  return s;
+}
+
+BallUnion sample_balls(const SurfaceSamples& samples, double reach) {
+  BallUnion balls{samples.positions, samples.spacing};
+  for (float& r : balls.radii) r *= static_cast<float>(reach);
+  return balls;
+}
+
+}  // namespace sansmesh
