@@ -1,0 +1,302 @@
+// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/surface/implicit_kernels.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
+#include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
+
+#include "sansmesh/surface/implicit_kernels.h"
+#include "sansmesh/surface/numbers-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+
+/// Squares below this do not divide.
+constexpr float kTiny = 1e-30f;
+
+struct Lanes {
+  V x, y, z;
+};
+
+/// Weights (1 − d²/R²)⁴ of compact support: within a few percent exp(−d²/h²) for R = 2h.
+template <bool kGradient>
+struct CompactWeight {
+  HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
+                                  Num<kGradient>& w) {
+    const V a = Constant(c.inverse_support);
+    const V t = hn::Max(hn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
+    if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
+    const V t2 = hn::Mul(t, t), t3 = hn::Mul(t2, t);
+    const V derivative = hn::Mul(t3, Constant(-4 * c.weight * c.inverse_support));
+    w = Radial(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), derivative, dx, dy, dz, static_cast<const Num<kGradient>*>(nullptr));
+    return true;
+  }
+};
+
+/// exp(−ε d²/h²), as far as it counts.
+constexpr float kGaussianEnd = 12;
+template <bool kGradient>
+struct GaussianWeight {
+  HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
+                                  Num<kGradient>& w) {
+    const V r = hn::Mul(d2, Constant(c.inverse_support));
+    const auto near = hn::Lt(r, Constant(kGaussianEnd));
+    if (hn::AllFalse(Tag(), near)) return false;
+    const V e = hn::IfThenElseZero(near, hn::Mul(hn::Exp(Tag(), hn::Neg(r)), Constant(c.weight)));
+    w = Radial(e, hn::Mul(e, Constant(-c.inverse_support)), dx, dy, dz, static_cast<const Num<kGradient>*>(nullptr));
+    return true;
+  }
+};
+
+/// Which way the surface next to the points looks: means of normals with half as wide weights.
+template <class Weight>
+HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes& p) {
+  Lanes n{hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
+  for (const Candidate& c : candidates) {
+    const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
+    const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    Value w;
+    if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
+    V narrow = hn::Mul(w.v, Constant(1 / c.weight));
+    narrow = hn::Mul(narrow, narrow);
+    narrow = hn::MulAdd(hn::Mul(narrow, narrow), Constant(c.weight), Constant(0));
+    n.x = hn::MulAdd(narrow, Constant(c.nx), n.x);
+    n.y = hn::MulAdd(narrow, Constant(c.ny), n.y);
+    n.z = hn::MulAdd(narrow, Constant(c.nz), n.z);
+  }
+  const V n2 = hn::MulAdd(n.x, n.x, hn::MulAdd(n.y, n.y, hn::Mul(n.z, n.z)));
+  const V inverse = hn::IfThenElseZero(hn::Gt(n2, hn::Zero(Tag())),
+                                       hn::Div(Constant(1), hn::Sqrt(hn::Max(n2, Constant(1e-38f)))));
+  return {hn::Mul(n.x, inverse), hn::Mul(n.y, inverse), hn::Mul(n.z, inverse)};
+}
+
+/// 1 for samples that look the same way, down to 0 for those 120° off and more.
+HWY_INLINE V SameSheet(const Candidate& c, const Lanes& n) {
+  const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
+  return hn::Min(hn::Max(hn::MulAdd(cosine, Constant(2), Constant(1)), hn::Zero(Tag())), Constant(1));
+}
+
+/// Moments of the samples under the weights: everything that the formulas are made of.
+template <bool kGradient>
+struct Sums {
+  Num<kGradient> w, plane, square;
+  Num3<kGradient> x, n;
+  Num<kGradient> plane_m;  // under the generating functions
+  Num3<kGradient> m;
+};
+
+template <bool kGradient>
+HWY_INLINE Num<kGradient> MeanPlane(const Sums<kGradient>& s, const Num3<kGradient>& p) {
+  return (Dot(p, s.n) - s.plane) / s.w;
+}
+
+/// Adamson & Alexa 2003: distance from the weighted mean of the samples along the weighted mean of their normals.
+template <bool kGradient>
+HWY_INLINE Num<kGradient> Adamson(const Sums<kGradient>& s, const Num3<kGradient>& p) {
+  const Num<kGradient> length = Root(Dot(s.n, s.n) + Constant(kTiny));
+  return (Dot(p, s.n) - Dot(s.x, s.n) / s.w) / length;
+}
+
+/// Guennebaud & Gross 2007: distance from the algebraic sphere that fits positions and normals (closed form of
+/// Guennebaud, Germann & Gross 2008, β = 1).
+template <bool kGradient>
+HWY_INLINE Num<kGradient> AlgebraicSphere(const Sums<kGradient>& s, const Num3<kGradient>& p) {
+  using N = Num<kGradient>;
+  const N spread = s.square - Dot(s.x, s.x) / s.w;
+  const N twist = s.plane - Dot(s.x, s.n) / s.w;
+  // A single sample, or coincident ones, have no spread: a plane then.
+  const auto flat = hn::Le(spread.v, hn::Mul(s.w.v, Constant(kTiny)));
+  const N u4 = Select(flat, Fixed<kGradient>(0), twist / Select(flat, Fixed<kGradient>(1), spread) * Constant(0.5f));
+  const N two = u4 + u4;
+  const Num3<kGradient> u{(s.n.x - two * s.x.x) / s.w, (s.n.y - two * s.x.y) / s.w, (s.n.z - two * s.x.z) / s.w};
+  const N u0 = (Dot(u, s.x) + u4 * s.square) / s.w * Constant(-1);
+  const N algebraic = u0 + Dot(u, p) + u4 * Dot(p, p);
+  const Num3<kGradient> g{u.x + two * p.x, u.y + two * p.y, u.z + two * p.z};
+  // The root is the same everywhere on one sphere: 2 |u4| times its radius.
+  const N g2 = Dot(g, g);
+  N pratt = g2 - two * (algebraic + algebraic);
+  pratt = Select(hn::Gt(pratt.v, Constant(kTiny)), pratt, Fixed<kGradient>(kTiny));
+  return (algebraic + algebraic) / (Root(g2 + Constant(kTiny)) + Root(pratt));
+}
+
+/// Laguerre polynomial of the generating function (METHODS §1.4, three variables) and its derivative.
+template <int kOrder>
+HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
+  if constexpr (kOrder == 2) {
+    value = Constant(1), derivative = hn::Zero(Tag());
+  } else if constexpr (kOrder == 4) {
+    value = hn::Sub(Constant(2.5f), r), derivative = Constant(-1);
+  } else {
+    value = hn::MulAdd(r, hn::MulAdd(r, Constant(0.5f), Constant(-3.5f)), Constant(4.375f));
+    derivative = hn::Sub(r, Constant(3.5f));
+  }
+}
+/// What the polynomials add up to over a plane, relative to the Gaussians alone.
+constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 ? 1.5f : 1.875f; }
+
+/// The second pass of Amenta & Kil: ⟨n, ∇e⟩ with e the weighted energy of the distances along n.
+template <bool kGradient>
+HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const Lanes& p,
+                                   const Num3<kGradient>& point, const Sums<kGradient>& s, bool sheets,
+                                   const Lanes& near) {
+  using N = Num<kGradient>;
+  constexpr const N* kTag = nullptr;
+  const N length = Root(Dot(s.n, s.n) + Constant(kTiny));
+  const Num3<kGradient> n{s.n.x / length, s.n.y / length, s.n.z / length};
+  N energy = Fixed<kGradient>(0);
+  for (const Candidate& c : candidates) {
+    const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
+    const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    const V a = Constant(c.inverse_support);
+    const V t = hn::Max(hn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
+    if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) continue;
+    V factor = Constant(c.weight);
+    if (sheets) factor = hn::Mul(factor, SameSheet(c, near));
+    const V t2 = hn::Mul(t, t), t3 = hn::Mul(hn::Mul(t2, t), factor);
+    const N w3 = Radial(t3, hn::Mul(hn::Mul(t2, factor), Constant(-3 * c.inverse_support)), dx, dy, dz, kTag);
+    const N w4 = Radial(hn::Mul(t3, t), hn::Mul(t3, Constant(-4 * c.inverse_support)), dx, dy, dz, kTag);
+    const Num3<kGradient> d{point.x + Constant(-c.x), point.y + Constant(-c.y), point.z + Constant(-c.z)};
+    const N distance = Dot(n, d);
+    energy = energy + distance * (w4 - distance * distance * w3 * Constant(4 * c.inverse_support));
+  }
+  return energy / s.w;
+}
+
+template <bool kGradient>
+HWY_INLINE void StoreGradient(const Num<kGradient>& f, std::size_t at, GroupValues& out) {
+  hn::Store(f.v, Tag(), out.value + at);
+  if constexpr (kGradient) {
+    hn::Store(f.x, Tag(), out.x + at);
+    hn::Store(f.y, Tag(), out.y + at);
+    hn::Store(f.z, Tag(), out.z + at);
+  }
+}
+
+template <ImplicitFormula kFormula, int kOrder, bool kGradient>
+void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+              GroupValues& out) {
+  using N = Num<kGradient>;
+  constexpr const N* kTag = nullptr;
+  constexpr bool kGaussian = kFormula == ImplicitFormula::amls;
+  using Weight = std::conditional_t<kGaussian, GaussianWeight<kGradient>, CompactWeight<kGradient>>;
+  using PlainWeight = std::conditional_t<kGaussian, GaussianWeight<false>, CompactWeight<false>>;
+  constexpr bool kPositions = kFormula == ImplicitFormula::adamson || kFormula == ImplicitFormula::apss;
+  const Tag tag;
+  const V zero = hn::Zero(tag), one = Constant(1);
+  for (std::size_t at = 0; at < kGroup; at += kLanes) {
+    if (at >= group.count && at > 0) break;
+    const Lanes p{hn::Load(tag, group.x + at), hn::Load(tag, group.y + at), hn::Load(tag, group.z + at)};
+    const Num3<kGradient> point = Coordinates(p.x, p.y, p.z, kTag);
+    Lanes near{zero, zero, zero};
+    if (kernel.sheets) near = NearNormals<PlainWeight>(candidates, p);
+
+    const N nought = Fixed<kGradient>(0);
+    const Num3<kGradient> nought3 = Zero3<kGradient>();
+    Sums<kGradient> s{nought, nought, nought, nought3, nought3, nought, nought3};
+    V inside = Constant(-1);
+    V nearest = Constant(1e30f);  // hoppe
+    N nearest_plane = nought;
+    for (const Candidate& c : candidates) {
+      const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
+      const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+      N w;
+      if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
+      const V height = hn::MulAdd(dx, Constant(c.nx), hn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
+      V same = one;
+      if (kernel.sheets) {
+        same = SameSheet(c, near);
+        w = w * same;
+      }
+      const V in_ball = hn::NegMulAdd(d2, Constant(c.inverse_reach), one);
+      const V in_slab = hn::NegMulAdd(hn::Mul(height, height), Constant(c.inverse_height), one);
+      inside = hn::Max(inside, hn::Min(in_ball, in_slab));
+      if constexpr (kFormula == ImplicitFormula::hoppe) {
+        const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
+        const auto closer = hn::Lt(far, nearest);
+        nearest = hn::Min(far, nearest);
+        N plane = Number(height, kTag);
+        if constexpr (kGradient) plane.x = Constant(c.nx), plane.y = Constant(c.ny), plane.z = Constant(c.nz);
+        nearest_plane = Select(closer, plane, nearest_plane);
+        s.w = s.w + w;
+        continue;
+      }
+      s.w = s.w + w;
+      AddMul(s.n, w, c.nx, c.ny, c.nz);
+      s.plane = AddMul(s.plane, w, Constant(c.plane));
+      if constexpr (kPositions) AddMul(s.x, w, c.x, c.y, c.z);
+      if constexpr (kFormula == ImplicitFormula::apss) s.square = AddMul(s.square, w, Constant(c.square));
+      if constexpr (kFormula == ImplicitFormula::amls) {
+        V laguerre, slope;
+        const V a = Constant(c.inverse_support);
+        Laguerre<kOrder>(hn::Mul(d2, a), laguerre, slope);
+        const N phi = w * Radial(laguerre, hn::Mul(slope, a), dx, dy, dz, kTag);
+        AddMul(s.m, phi, c.mx, c.my, c.mz);
+        s.plane_m = AddMul(s.plane_m, phi, Constant(c.plane_m));
+      }
+    }
+    const auto reached = hn::Gt(s.w.v, zero);
+    hn::Store(s.w.v, tag, out.weight + at);
+    hn::Store(inside, tag, out.inside + at);
+    s.w = Select(reached, s.w, Fixed<kGradient>(1));
+    if constexpr (kFormula == ImplicitFormula::hoppe) {
+      StoreGradient(nearest_plane, at, out);
+      continue;
+    }
+    const N mean = MeanPlane(s, point);
+    N f = mean;
+    if constexpr (kFormula == ImplicitFormula::adamson) f = Adamson(s, point);
+    if constexpr (kFormula == ImplicitFormula::apss) f = AlgebraicSphere(s, point);
+    if constexpr (kFormula == ImplicitFormula::amls)
+      f = (Dot(point, s.m) - s.plane_m) / s.w * Constant(1 / LaguerreMean(kOrder));
+    if constexpr (kFormula == ImplicitFormula::extremal)
+      f = Extremal(candidates, p, point, s, kernel.sheets, near);
+    StoreGradient(Select(hn::Gt(inside, zero), f, mean), at, out);
+  }
+}
+
+template <bool kGradient>
+void EvaluateFormula(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                     GroupValues& out) {
+  using F = ImplicitFormula;
+  switch (kernel.formula) {
+    case F::hoppe:
+      return Evaluate<F::hoppe, 2, kGradient>(kernel, candidates, group, out);
+    case F::adamson:
+      return Evaluate<F::adamson, 2, kGradient>(kernel, candidates, group, out);
+    case F::kolluri:
+      return Evaluate<F::kolluri, 2, kGradient>(kernel, candidates, group, out);
+    case F::extremal:
+      return Evaluate<F::extremal, 2, kGradient>(kernel, candidates, group, out);
+    case F::apss:
+      return Evaluate<F::apss, 2, kGradient>(kernel, candidates, group, out);
+    case F::amls:
+      if (kernel.order == 2) return Evaluate<F::amls, 2, kGradient>(kernel, candidates, group, out);
+      if (kernel.order == 4) return Evaluate<F::amls, 4, kGradient>(kernel, candidates, group, out);
+      return Evaluate<F::amls, 6, kGradient>(kernel, candidates, group, out);
+  }
+}
+
+void ImplicitValues(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                    bool gradients, GroupValues& out) {
+  if (gradients) return EvaluateFormula<true>(kernel, candidates, group, out);
+  EvaluateFormula<false>(kernel, candidates, group, out);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sansmesh::detail {
+HWY_EXPORT(ImplicitValues);
+
+void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                     bool gradients, GroupValues& out) {
+  HWY_DYNAMIC_DISPATCH(ImplicitValues)(kernel, candidates, group, gradients, out);
+}
+
+}  // namespace sansmesh::detail
+#endif

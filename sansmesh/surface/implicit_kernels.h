@@ -1,0 +1,29 @@
+// The sums over samples behind every implicit surface: sixteen points at a time, SIMD inside.
+#pragma once
+
+#include <span>
+
+#include "sansmesh/surface/sample_group.h"
+
+namespace sansmesh::detail {
+
+enum class ImplicitFormula { hoppe, adamson, kolluri, extremal, apss, amls };
+
+struct ImplicitKernel {
+  ImplicitFormula formula = ImplicitFormula::kolluri;
+  int order = 4;        ///< of the generating functions, 2, 4 or 6 (amls)
+  bool sheets = false;  ///< samples that look the other way than those next to the point do not count
+};
+
+struct GroupValues {
+  alignas(64) float value[kGroup], x[kGroup], y[kGroup], z[kGroup];  ///< value and gradient
+  alignas(64) float inside[kGroup];                                  ///< > 0 in the domain of definition
+  alignas(64) float weight[kGroup];                                  ///< 0 where no support reaches
+};
+
+/// Values (and gradients, if asked for) at all lanes of the group. Outside of the domain the value is that of the plain
+/// weighted mean of the tangent planes, whatever the formula.
+void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                     bool gradients, GroupValues& out);
+
+}  // namespace sansmesh::detail

@@ -1,0 +1,90 @@
+// Surfaces as zero sets of weighted means of the samples: nothing is fitted beforehand but a few numbers a sample, and
+// nothing is solved (METHODS §2.1, §2.3).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/field/ball_union.h"
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/surface/surface_samples.h"
+
+namespace sansmesh {
+
+enum class ImplicitMethod {
+  hoppe,     ///< tangent plane of the nearest sample (Hoppe et al. 1992)
+  adamson,   ///< distance from the mean of the samples along the mean normal (Adamson & Alexa 2003)
+  kolluri,   ///< mean of the tangent planes, samples weighted by the area they stand for (Kolluri 2005)
+  dey,       ///< the same with supports that follow the feature size (Dey & Sun 2005)
+  extremal,  ///< extremum along the normal of the energy of the distances (Amenta & Kil 2004)
+  apss,      ///< algebraic sphere fitted to the samples and their normals (Guennebaud & Gross 2007)
+  amls       ///< iterated approximate moving least squares (tejada2008 §4.3.1)
+};
+
+/// Names as users write them; throws ArgumentError naming the choices.
+ImplicitMethod implicit_method(const std::string& name);
+const std::vector<std::string>& implicit_method_names();
+
+struct ImplicitOptions {
+  ImplicitMethod method = ImplicitMethod::apss;
+  /// Width h of the weights, exp(−d²/h²) or the compact (1 − d²/(2h)²)⁴ that resembles it, as a multiple of the local
+  /// spacing of the samples, 0.5..20; default: from the noise.
+  std::optional<double> smoothing;
+  /// Width of the weights as one length for the whole cloud, in place of `smoothing`.
+  std::optional<double> width;
+  int order = 4;                  ///< amls: order of the approximation, 2, 4 or 6
+  std::optional<int> iterations;  ///< amls: 0..100; default: by leave-one-out cross validation, with the width
+  bool separate_sheets = true;    ///< samples that look the other way than those nearby do not count
+  /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10.
+  double reach = kReach;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// What was chosen for the data.
+struct ImplicitReport {
+  double spacing = 0, noise = 0;  ///< of the samples (length)
+  double smoothing = 0;           ///< median width over median spacing
+  int iterations = 0;             ///< amls
+};
+
+/// Defined in balls around the samples, cut to slabs along their tangent planes: there the value is near the signed
+/// distance and its change of sign is the surface. Farther out, as far as supports reach, it is the mean of the tangent
+/// planes; beyond, the signed distance to the nearest sample. Gradients are exact derivatives but for the choice of
+/// sheet, whose weights are taken as constant.
+class ImplicitSurface : public ScalarField {
+ public:
+  ~ImplicitSurface() override;
+  ImplicitSurface(ImplicitSurface&&) noexcept;
+  ImplicitSurface& operator=(ImplicitSurface&&) noexcept;
+
+  Box3 bounds() const override;
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+  void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                          std::span<std::uint8_t> inside) const override;
+
+  /// The balls of the domain of definition.
+  BallUnion balls() const;
+  const SurfaceSamples& samples() const;
+  const ImplicitReport& report() const;
+
+  struct State;  ///< internal
+
+ private:
+  friend ImplicitSurface make_implicit_surface(SurfaceSamples, const ImplicitOptions&, Progress&);
+  explicit ImplicitSurface(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Throws ArgumentError for bad options.
+ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress);
+
+/// Width of the weights over the spacing that suits samples with so much noise (length): as little as keeps them
+/// together without noise, wider the more there is.
+double default_smoothing(const SurfaceSamples& samples);
+
+}  // namespace sansmesh

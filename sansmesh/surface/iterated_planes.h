@@ -1,0 +1,40 @@
+// Coefficients of iterated approximate moving least squares on a surface, computed once for all points.
+#pragma once
+
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/surface/surface_samples.h"
+
+namespace sansmesh::detail {
+
+struct IterationOptions {
+  int order = 4;                 ///< of the generating functions: 2, 4, 6
+  int iterations = 3;
+  bool separate_sheets = true;
+};
+
+/// M f(x) = Σ_i (⟨x, m_i⟩ − e_i) φ_i(x): the iteration Mⁿ⁺¹ = Mⁿ + Σ (g_i − Mⁿ(x_i)) φ_i with g_i = ⟨x − x_i, n_i⟩
+/// (METHODS §2.3) is linear in g, and g is affine in x; so with B = Σ_k (I − A)^k, A_ij = φ_j(x_i), it comes down to
+/// m = B n and e = B ⟨x, n⟩, whatever x.
+struct IteratedPlanes {
+  std::vector<Vec3f> m;
+  std::vector<float> offset;  ///< e_i − ⟨x_i, m_i⟩: small, and hence good enough in float
+};
+
+/// `widths`: σ_i of the Gaussians exp(−d²/σ²) (length).
+IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<float>& widths,
+                              const IterationOptions& options, Progress& progress);
+
+/// The width, as a multiple of the spacing, and the number of iterations with the least leave-one-out error: how far
+/// each of some samples is from the surface that the others make. `smoothing`: known width, or 0; `iterations`: known
+/// number, or −1.
+struct IterationChoice {
+  double smoothing = 1;
+  int iterations = 0;
+  double error = 0;  ///< root mean square (length)
+};
+IterationChoice choose_iterations(const SurfaceSamples& samples, const IterationOptions& options, double smoothing,
+                                  int iterations);
+
+}  // namespace sansmesh::detail

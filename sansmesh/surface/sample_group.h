@@ -1,0 +1,84 @@
+// Points that lie close together and the samples whose supports reach them: the unit in which surfaces are evaluated.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/search/ball_tree.h"
+
+namespace sansmesh::detail {
+
+/// Points are evaluated together, one a lane; more than the widest vectors have, so that groups do not depend on it.
+constexpr std::size_t kGroup = 16;
+
+/// One sample as the kernels want it: a cache line, lengths relative to the group's centre.
+struct alignas(64) Candidate {
+  float x, y, z;
+  float inverse_support;  ///< 1 / R², or ε / h² for Gaussians
+  float nx, ny, nz;
+  float weight;  ///< constant factor: what the sample stands for
+  float plane;   ///< ⟨x_i, n_i⟩
+  float square;  ///< ‖x_i‖²
+  float inverse_reach;  ///< 1 / r²: the domain is a ball of radius r, …
+  float inverse_height;  ///< 1 / z²: … cut to at most z from the sample's tangent plane
+  float mx, my, mz;  ///< coefficient of the iterated approximation: ⟨x, m⟩ − plane_m
+  float plane_m;
+};
+
+/// Up to kGroup points relative to a centre, as a structure of arrays; unused lanes repeat the last point.
+struct PointGroup {
+  alignas(64) float x[kGroup], y[kGroup], z[kGroup];
+  std::uint32_t slot[kGroup];  ///< where each point's answer goes
+  std::size_t count = 0;
+  Vec3f center;
+};
+
+/// Cuts a batch into groups whose boxes are at most `extent` wide, after sorting it along a space-filling curve where it
+/// is not in a sensible order, and calls visit(group, box) for each; the same groups for the same batch. Points that are
+/// not finite are left out.
+template <class Visit>
+void for_each_group(std::span<const Vec3> x, double extent, Visit&& visit);
+
+/// Order in which the points of a batch are taken: sorted by cells of the given edge, or as they come if they are few.
+/// Leaves out points that are not finite.
+void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t>& order);
+
+template <class Visit>
+void for_each_group(std::span<const Vec3> x, double extent, Visit&& visit) {
+  thread_local std::vector<std::uint64_t> order_of_thread;
+  std::vector<std::uint64_t> order;
+  order.swap(order_of_thread);  // `visit` may evaluate another surface
+  order_batch(x, extent, order);
+  PointGroup group;
+  for (std::size_t first = 0; first < order.size();) {
+    Box3 box;
+    std::size_t last = first;
+    for (; last < order.size() && last - first < kGroup; ++last) {
+      Box3 grown = box;
+      grown.extend(x[static_cast<std::uint32_t>(order[last])]);
+      const Vec3 size = grown.size();
+      if (last > first && std::max({size.x, size.y, size.z}) > extent) break;
+      box = grown;
+    }
+    group.count = last - first;
+    group.center = Vec3f(box.center());
+    const Vec3 center(group.center);
+    for (std::size_t k = 0; k < kGroup; ++k) {
+      const auto i = static_cast<std::uint32_t>(order[std::min(first + k, last - 1)]);
+      const Vec3f p(x[i] - center);
+      group.slot[k] = i;
+      group.x[k] = p.x, group.y[k] = p.y, group.z[k] = p.z;
+    }
+    Box3f around;
+    around.extend(Vec3f(box.lower)), around.extend(Vec3f(box.upper));
+    visit(group, around);
+    first = last;
+  }
+  order.swap(order_of_thread);
+}
+
+}  // namespace sansmesh::detail
