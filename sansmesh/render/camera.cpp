@@ -30,6 +30,14 @@ ViewDirection named_view(const std::string& name) {
   throw ArgumentError("unknown view '" + name + "': front, back, left, right, top, bottom or iso");
 }
 
+std::vector<ViewDirection> turntable(const ViewDirection& view, int frames) {
+  if (frames < 1) throw ArgumentError("frames must be at least 1, not " + std::to_string(frames));
+  std::vector<ViewDirection> views;
+  for (int i = 0; i < frames; ++i)
+    views.push_back({i == 0 ? view.azimuth : std::remainder(view.azimuth + 360.0 * i / frames, 360.0), view.elevation});
+  return views;
+}
+
 Camera frame_camera(std::span<const Vec3f> points, const ViewDirection& view, UpAxis up, double field_of_view,
                     double aspect, double margin, double radius) {
   const double azimuth = view.azimuth * std::numbers::pi / 180, elevation = view.elevation * std::numbers::pi / 180;

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "sansmesh/core/vec.h"
 
@@ -19,6 +20,9 @@ struct ViewDirection {
 
 /// front, back, left, right, top, bottom or iso. Throws ArgumentError naming the view and the choices.
 ViewDirection named_view(const std::string& name);
+
+/// `frames` views (at least 1) evenly around the up axis, the first of them `view`.
+std::vector<ViewDirection> turntable(const ViewDirection& view, int frames);
 
 /// Pinhole camera. `right`, `up` and `backward` are orthonormal; the picture plane at distance 1 reaches from
 /// −half_width to half_width and from −half_height to half_height.

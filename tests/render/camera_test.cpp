@@ -79,6 +79,18 @@ TEST(Camera, NamedViewsLookFromWhereTheySay) {
   }
 }
 
+TEST(Camera, TurntableGoesAroundOnce) {
+  const std::vector<ViewDirection> views = turntable({35, 20}, 8);
+  ASSERT_EQ(views.size(), 8u);
+  EXPECT_EQ(views[0].azimuth, 35);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(views[i].elevation, 20);
+    const double step = views[(i + 1) % 8].azimuth - views[i].azimuth;
+    EXPECT_NEAR(std::remainder(step, 360.0), 45, 1e-9);
+  }
+  EXPECT_THROW(turntable({0, 0}, 0), ArgumentError);
+}
+
 TEST(Camera, AxesAreOrthonormalAndRightHanded) {
   const std::vector<Vec3f> points = random_points(10, {1, 1, 1});
   for (const UpAxis up : {UpAxis::y, UpAxis::z}) {
