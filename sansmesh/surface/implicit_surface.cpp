@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
-#include "sansmesh/search/ball_tree.h"
+#include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
 #include "sansmesh/surface/implicit_kernels.h"
 #include "sansmesh/surface/iterated_planes.h"
@@ -13,15 +12,10 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kCompactSupport = 2;         // R / h of the compact weights
-constexpr double kGaussianSupport = 3.4641;   // where the kernels cut Gaussians off: √12
-/// Thickness of the domain, as a share of the width of the weights: within it no formula changes its sign twice. The
-/// generating functions of orders 4 and 6 do so at 1.22 and 0.96 widths from a plane, the extremal energy at 0.8.
-constexpr double kSlab = 0.75;
-/// Boxes of groups of points over the median spacing: smaller ones waste lanes, larger ones waste samples.
-constexpr double kGroupExtent = 1.5;
-/// Widths that Dey & Sun's supports stay between, over the spacing, and their share of the feature size.
-constexpr double kLeastWidth = 1, kMostWidth = 2.5, kFeatureShare = 0.35;
+/// Noise over spacing from which on the normals are smoothed first, and from which on twice.
+constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
+/// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
+constexpr double kMostWidth = 2, kFeatureShare = 0.35;
 
 struct Name {
   ImplicitMethod method;
@@ -52,17 +46,27 @@ detail::ImplicitFormula formula_of(ImplicitMethod method) {
   throw ArgumentError("unknown surface method");
 }
 
+/// Order, width and iterations of the approximation with the least leave-one-out error, as far as they are not given.
+detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOptions& options,
+                               detail::IterationOptions iteration) {
+  detail::IterationChoice best;
+  for (const int order : {2, 4}) {
+    if (options.order && order != 2) break;
+    iteration.order = options.order.value_or(order);
+    const auto choice = detail::choose_iterations(samples, iteration, options.smoothing.value_or(0),
+                                                  options.iterations.value_or(-1));
+    if (order == 2 || choice.error < best.error) best = choice;
+  }
+  return best;
+}
+
 }  // namespace
 
 struct ImplicitSurface::State {
   SurfaceSamples samples;
   ImplicitReport report;
   detail::ImplicitKernel kernel;
-  std::vector<detail::Candidate> candidates;  // positions relative to the cloud's origin
-  std::vector<float> reach;
-  BallTree supports;
-  Box3 bounds;
-  double extent = 0;
+  detail::Candidates candidates;
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                 std::span<std::uint8_t> inside) const;
@@ -72,7 +76,7 @@ struct ImplicitSurface::State {
 void ImplicitSurface::State::beyond_supports(const Vec3& x, double& value, Vec3* gradient) const {
   const auto nearest = samples.tree.nearest(Vec3f(x));
   if (!nearest) {
-    value = bounds.diagonal();
+    value = candidates.bounds().diagonal();
     if (gradient) *gradient = {};
     return;
   }
@@ -86,36 +90,23 @@ void ImplicitSurface::State::beyond_supports(const Vec3& x, double& value, Vec3*
 
 void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                       std::span<std::uint8_t> inside) const {
-  struct Scratch {
-    std::vector<std::uint32_t> near;
-    std::vector<detail::Candidate> chosen;
-  };
-  thread_local Scratch scratch;
   detail::GroupValues out;
-  detail::for_each_group(x, extent, [&](const detail::PointGroup& group, const Box3f& box) {
-    supports.touching(box, scratch.near);
-    scratch.chosen.resize(scratch.near.size());
-    const Vec3f& o = group.center;
-    for (std::size_t k = 0; k < scratch.near.size(); ++k) {
-      detail::Candidate& c = scratch.chosen[k];
-      c = candidates[scratch.near[k]];
-      c.x -= o.x, c.y -= o.y, c.z -= o.z;
-      c.plane = c.x * c.nx + c.y * c.ny + c.z * c.nz;
-      c.square = c.x * c.x + c.y * c.y + c.z * c.z;
-      c.plane_m += c.x * c.mx + c.y * c.my + c.z * c.mz;
-    }
-    detail::implicit_values(kernel, scratch.chosen, group, !gradients.empty(), out);
-    for (std::size_t k = 0; k < group.count; ++k) {
-      const std::uint32_t i = group.slot[k];
-      if (!inside.empty()) inside[i] = out.inside[k] > 0;
-      if (!(out.weight[k] > 0)) {
-        beyond_supports(x[i], values[i], gradients.empty() ? nullptr : &gradients[i]);
-        continue;
-      }
-      values[i] = static_cast<double>(out.value[k]);
-      if (!gradients.empty()) gradients[i] = Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
-    }
-  });
+  candidates.for_each_group(
+      x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool mixed) {
+        detail::ImplicitKernel how = kernel;
+        how.sheets = kernel.sheets && mixed;
+        detail::implicit_values(how, chosen, group, !gradients.empty(), out);
+        for (std::size_t k = 0; k < group.count; ++k) {
+          const std::uint32_t i = group.slot[k];
+          if (!inside.empty()) inside[i] = out.inside[k] > 0;
+          if (!(out.weight[k] > 0)) {
+            beyond_supports(x[i], values[i], gradients.empty() ? nullptr : &gradients[i]);
+            continue;
+          }
+          values[i] = static_cast<double>(out.value[k]);
+          if (!gradients.empty()) gradients[i] = Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
+        }
+      });
 }
 
 ImplicitMethod implicit_method(const std::string& name) {
@@ -142,78 +133,61 @@ void ImplicitOptions::validate() const {
   };
   check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
   check(!width || (std::isfinite(*width) && *width > 0), "width must be a positive length");
-  check(order == 2 || order == 4 || order == 6, "order must be 2, 4 or 6");
+  check(!order || *order == 2 || *order == 4 || *order == 6, "order must be 2, 4 or 6");
   check(!iterations || (*iterations >= 0 && *iterations <= 100), "iterations must lie in 0..100");
   check(reach >= 0.5 && reach <= 10, "reach must lie in 0.5..10");
 }
 
-double default_smoothing(const SurfaceSamples& samples) {
-  const double ratio = samples.noise / samples.median_spacing;
-  return std::clamp(1.2 + 1.5 * ratio, 1.2, 4.0);
+double default_smoothing(double noise_over_spacing, ImplicitMethod method) {
+  const double least = method == ImplicitMethod::apss ? 1.2 : 1.1;
+  return std::clamp(least + 2.2 * noise_over_spacing, least, 5.0);
 }
 
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress) {
   options.validate();
   auto state = std::make_unique<ImplicitSurface::State>();
-  const bool gaussian = options.method == ImplicitMethod::amls;
-  detail::IterationOptions iteration{options.order, options.iterations.value_or(0), options.separate_sheets};
-  double smoothing = options.smoothing.value_or(default_smoothing(samples));
-  if (gaussian && !options.width && (!options.smoothing || !options.iterations)) {
+  const bool amls = options.method == ImplicitMethod::amls;
+  const double ratio = samples.noise / samples.median_spacing;
+  double smoothing = options.smoothing.value_or(default_smoothing(ratio, options.method));
+  if (ratio > kSomeNoise) smooth_normals(samples, default_smoothing(ratio), ratio > kMuchNoise ? 2 : 1);
+  detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0),
+                                     options.separate_sheets};
+  if (amls && !options.width && (!options.smoothing || !options.iterations || !options.order)) {
     progress.begin("cross validation");
-    const auto choice = detail::choose_iterations(samples, iteration, options.smoothing.value_or(0),
-                                                  options.iterations.value_or(-1));
+    const detail::IterationChoice choice = choose(samples, options, iteration);
     smoothing = choice.smoothing;
+    iteration.order = choice.order;
     iteration.iterations = choice.iterations;
     progress.finish();
   }
 
-  std::vector<float> widths = samples.spacing;
-  for (float& w : widths) w = options.width ? static_cast<float>(*options.width) : w * static_cast<float>(smoothing);
+  std::vector<float> widths = detail::weight_widths(samples, smoothing, options.width);
   if (options.method == ImplicitMethod::dey) {
     const std::vector<float> feature = estimate_feature_size(samples, progress);
     for (std::size_t i = 0; i < widths.size(); ++i)
-      widths[i] = std::clamp(static_cast<float>(kFeatureShare) * feature[i],
-                             static_cast<float>(kLeastWidth) * samples.spacing[i],
-                             static_cast<float>(std::max(kMostWidth, smoothing)) * samples.spacing[i]);
+      widths[i] = std::clamp(static_cast<float>(kFeatureShare) * feature[i], widths[i],
+                             static_cast<float>(kMostWidth) * widths[i]);
   }
   detail::IteratedPlanes planes{samples.normals, std::vector<float>(samples.size(), 0)};
-  if (gaussian) planes = detail::iterate_planes(samples, widths, iteration, progress);
+  if (amls) planes = detail::iterate_planes(samples, widths, iteration, progress);
 
   progress.begin("supports");
+  using detail::WeightKind;
+  state->candidates =
+      detail::Candidates(samples, widths, amls ? WeightKind::gaussian : WeightKind::compact, options.reach);
   const std::size_t n = samples.size();
-  std::vector<float> radii(n);
-  state->reach.resize(n), state->candidates.resize(n);
-  Box3f box;
   for (std::size_t i = 0; i < n; ++i) {
-    detail::Candidate& c = state->candidates[i];
-    const Vec3f &p = samples.positions[i], &normal = samples.normals[i];
-    const float h = widths[i], s = samples.spacing[i];
-    radii[i] = h * static_cast<float>(gaussian ? kGaussianSupport : kCompactSupport);
-    const float reach = std::min(s * static_cast<float>(options.reach), radii[i]);
-    const float height = h * static_cast<float>(kSlab);
-    c = {};
-    c.x = p.x, c.y = p.y, c.z = p.z;
-    c.inverse_support = gaussian ? 1 / (h * h) : 1 / (radii[i] * radii[i]);
-    c.nx = normal.x, c.ny = normal.y, c.nz = normal.z;
-    const float share = s / static_cast<float>(samples.median_spacing);
-    c.weight = share * share;
-    c.inverse_reach = 1 / (reach * reach);
-    c.inverse_height = 1 / (height * height);
+    detail::Candidate& c = state->candidates.all()[i];
     c.mx = planes.m[i].x, c.my = planes.m[i].y, c.mz = planes.m[i].z;
     c.plane_m = planes.offset[i];
-    state->reach[i] = reach;
-    box.extend(p - Vec3f{reach, reach, reach});
-    box.extend(p + Vec3f{reach, reach, reach});
   }
-  state->supports = BallTree(samples.positions, radii);
-  state->bounds = {Vec3(box.lower), Vec3(box.upper)};
-  state->extent = kGroupExtent * samples.median_spacing;
-  state->kernel = {formula_of(options.method), options.order,
+  state->kernel = {formula_of(options.method), iteration.order,
                    options.separate_sheets && options.method != ImplicitMethod::hoppe};
-  std::vector<float> ratio(n);
-  for (std::size_t i = 0; i < n; ++i) ratio[i] = widths[i] / samples.spacing[i];
-  std::nth_element(ratio.begin(), ratio.begin() + static_cast<std::ptrdiff_t>(n / 2), ratio.end());
-  state->report = {samples.median_spacing, samples.noise, static_cast<double>(ratio[n / 2]), iteration.iterations};
+  std::vector<float> relative(n);
+  for (std::size_t i = 0; i < n; ++i) relative[i] = widths[i] / samples.spacing[i];
+  std::nth_element(relative.begin(), relative.begin() + static_cast<std::ptrdiff_t>(n / 2), relative.end());
+  state->report = {samples.median_spacing, samples.noise, static_cast<double>(relative[n / 2]), iteration.order,
+                   iteration.iterations};
   state->samples = std::move(samples);
   progress.finish();
   return ImplicitSurface(std::move(state));
@@ -224,10 +198,10 @@ ImplicitSurface::~ImplicitSurface() = default;
 ImplicitSurface::ImplicitSurface(ImplicitSurface&&) noexcept = default;
 ImplicitSurface& ImplicitSurface::operator=(ImplicitSurface&&) noexcept = default;
 
-Box3 ImplicitSurface::bounds() const { return state_->bounds; }
+Box3 ImplicitSurface::bounds() const { return state_->candidates.bounds(); }
 const SurfaceSamples& ImplicitSurface::samples() const { return state_->samples; }
 const ImplicitReport& ImplicitSurface::report() const { return state_->report; }
-BallUnion ImplicitSurface::balls() const { return {state_->samples.positions, state_->reach}; }
+BallUnion ImplicitSurface::balls() const { return {state_->samples.positions, state_->candidates.reach()}; }
 
 void ImplicitSurface::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   state_->evaluate(x, values, gradients, {});

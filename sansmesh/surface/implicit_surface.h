@@ -36,8 +36,8 @@ struct ImplicitOptions {
   std::optional<double> smoothing;
   /// Width of the weights as one length for the whole cloud, in place of `smoothing`.
   std::optional<double> width;
-  int order = 4;                  ///< amls: order of the approximation, 2, 4 or 6
-  std::optional<int> iterations;  ///< amls: 0..100; default: by leave-one-out cross validation, with the width
+  std::optional<int> order;       ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by
+  std::optional<int> iterations;  ///< amls: 0..100; … leave-one-out cross validation, together with the width
   bool separate_sheets = true;    ///< samples that look the other way than those nearby do not count
   /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10.
   double reach = kReach;
@@ -49,7 +49,7 @@ struct ImplicitOptions {
 struct ImplicitReport {
   double spacing = 0, noise = 0;  ///< of the samples (length)
   double smoothing = 0;           ///< median width over median spacing
-  int iterations = 0;             ///< amls
+  int order = 0, iterations = 0;  ///< amls
 };
 
 /// Defined in balls around the samples, cut to slabs along their tangent planes: there the value is near the signed
@@ -83,8 +83,8 @@ class ImplicitSurface : public ScalarField {
 /// Throws ArgumentError for bad options.
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress);
 
-/// Width of the weights over the spacing that suits samples with so much noise (length): as little as keeps them
+/// Width of the weights over the spacing that suits samples with so much noise over spacing: as little as keeps them
 /// together without noise, wider the more there is.
-double default_smoothing(const SurfaceSamples& samples);
+double default_smoothing(double noise_over_spacing, ImplicitMethod method = ImplicitMethod::apss);
 
 }  // namespace sansmesh

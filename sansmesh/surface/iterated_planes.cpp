@@ -37,13 +37,17 @@ class Rows {
     tree_ = BallTree(samples.positions, radii);
   }
 
+  /// The generating functions at a sample.
   void row(std::uint32_t i, std::vector<Entry>& out) const {
+    row(samples_.positions[i], samples_.normals[i], out);
+  }
+  /// The same at any point x where the surface looks into direction n.
+  void row(const Vec3f& x, const Vec3f& n, std::vector<Entry>& out) const {
     thread_local std::vector<std::uint32_t> near;
     Box3f box;
-    box.extend(samples_.positions[i]);
+    box.extend(x);
     tree_.touching(box, near);
     out.clear();
-    const Vec3f &x = samples_.positions[i], &n = samples_.normals[i];
     double sum = 0;
     for (const std::uint32_t j : near) {
       const Vec3f d = x - samples_.positions[j];
@@ -70,12 +74,34 @@ class Rows {
   BallTree tree_;
 };
 
-constexpr std::size_t kPlaces = 120;   // samples left out in turn
+constexpr std::size_t kPlaces = 100;   // samples left out in turn
 constexpr int kMostIterations = 10;
 constexpr float kForget = 2e-4f;       // entries of the powers' rows that no longer matter
 constexpr double kWorthIt = 0.99;      // further iterations must lower the error by more than this
 
-/// Rows of (I − A)^{n+1} at one sample for n = 0, 1, …: its leave-one-out errors.
+/// Where noise is large against the width, a sample off the surface has neighbours that are off it in the same
+/// direction: the surface seems to follow the noise. So the others are asked at its foot on a mean plane.
+constexpr double kFootWidth = 2.5;   // of the weights of the mean, over the spacing
+constexpr double kFootNoise = 0.05;  // over the spacing: without noise the sample itself is a better place
+
+Vec3f foot_of(const SurfaceSamples& s, std::uint32_t i) {
+  const Vec3f x = s.positions[i];
+  if (s.noise < kFootNoise * s.median_spacing) return x;
+  const float width = static_cast<float>(kFootWidth) * s.spacing[i];
+  std::vector<Neighbour> near;
+  s.tree.within(x, 2 * width, near);
+  Vec3f mean, normal;
+  float sum = 0;
+  for (const Neighbour& j : near) {
+    const float w = std::max(0.0f, dot(s.normals[i], s.normals[j.index])) * std::exp(-j.squared_distance / (width * width));
+    mean += w * (s.positions[j.index] - x), normal += w * s.normals[j.index];
+    sum += w;
+  }
+  normal = normalized(normal);
+  return sum > 0 ? x + normal * dot(mean / sum, normal) : x;
+}
+
+/// Leave-one-out errors at one sample for n = 0, 1, … iterations.
 class LeaveOneOut {
  public:
   LeaveOneOut(const SurfaceSamples& samples, const Rows& rows) : samples_(samples), rows_(rows) {}
@@ -83,22 +109,26 @@ class LeaveOneOut {
   std::array<double, kMostIterations + 1> errors(std::uint32_t place, int most) {
     std::array<double, kMostIterations + 1> result{};
     rows_of_.clear();
-    std::unordered_map<std::uint32_t, double> v{{place, 1.0}}, next;
+    // v: the generating functions at the foot, times (I − A)^n; their sums are the weights of the samples' planes.
+    std::vector<Rows::Entry> start;
+    rows_.row(foot_of(samples_, place), samples_.normals[place], start);
+    std::unordered_map<std::uint32_t, double> v, next, total;
+    for (const Rows::Entry& e : start) v[e.column] = static_cast<double>(e.value);
     for (int n = 0; n <= most; ++n) {
+      double sum = 0, weights = 0;
+      for (const auto& [j, value] : v) total[j] += value;
+      for (const auto& [j, value] : total) {
+        if (j == place) continue;  // left out: the others make up for its weight
+        weights += value;
+        sum += value * dot(Vec3(samples_.positions[place] - samples_.positions[j]), Vec3(samples_.normals[j]));
+      }
+      // Where the others do not reach, nothing can be said.
+      result[static_cast<std::size_t>(n)] = weights > 0.05 ? sum / weights : std::numeric_limits<double>::quiet_NaN();
       next = v;
       for (const auto& [l, value] : v)
         for (const Rows::Entry& e : row(l)) next[e.column] -= value * static_cast<double>(e.value);
       std::erase_if(next, [](const auto& item) { return std::abs(item.second) < static_cast<double>(kForget); });
       v.swap(next);
-      double residual = 0;
-      for (const auto& [j, value] : v) {
-        const Vec3 d(samples_.positions[place] - samples_.positions[j]);
-        residual += value * dot(d, Vec3(samples_.normals[j]));
-      }
-      const auto own = v.find(place);
-      // Where the others do not reach, nothing can be said.
-      result[static_cast<std::size_t>(n)] =
-          own == v.end() || own->second < 1e-3 ? std::numeric_limits<double>::quiet_NaN() : residual / own->second;
     }
     return result;
   }
@@ -187,7 +217,9 @@ IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<f
 
 IterationChoice choose_iterations(const SurfaceSamples& samples, const IterationOptions& options, double smoothing,
                                   int iterations) {
-  std::vector<double> candidates{0.8, 1, 1.25, 1.6, 2, 2.5, 3.2};
+  const bool clean = samples.noise < kFootNoise * samples.median_spacing;
+  std::vector<double> candidates{1.25, 1.6, 2, 2.5, 3.2};
+  if (clean) candidates = {0.8, 1, 1.25, 1.6};
   if (smoothing > 0) candidates = {smoothing};
   const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : kMostIterations;
   const std::size_t places = std::min(kPlaces, samples.size());
@@ -208,7 +240,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
       std::vector<double> squares;
       for (const auto& e : errors) squares.push_back(e[static_cast<std::size_t>(n)]);
       const double error = robust_error(std::move(squares));
-      if (error < kWorthIt * best.error) best = {factor, iterations >= 0 ? iterations : n, error};
+      if (error < kWorthIt * best.error) best = {options.order, factor, iterations >= 0 ? iterations : n, error};
     }
   }
   best.error *= samples.median_spacing;

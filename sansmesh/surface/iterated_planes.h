@@ -30,6 +30,7 @@ IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<f
 /// each of some samples is from the surface that the others make. `smoothing`: known width, or 0; `iterations`: known
 /// number, or −1.
 struct IterationChoice {
+  int order = 4;
   double smoothing = 1;
   int iterations = 0;
   double error = 0;  ///< root mean square (length)

@@ -77,6 +77,27 @@ SurfaceSamples prepare_samples(const PointSet& points, Progress& progress) {
   return s;
 }
 
+void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds) {
+  std::vector<Vec3f> next(samples.size());
+  for (int round = 0; round < rounds; ++round) {
+    parallel_ranges(0, samples.size(), 1024, [&](std::size_t first, std::size_t last) {
+      std::vector<Neighbour> near;
+      for (std::size_t i = first; i < last; ++i) {
+        const float radius = 2 * static_cast<float>(smoothing) * samples.spacing[i];
+        samples.tree.within(samples.positions[i], radius, near);
+        Vec3f sum;
+        for (const Neighbour& j : near) {
+          const float t = 1 - j.squared_distance / (radius * radius);
+          const Vec3f& n = samples.normals[j.index];
+          sum += t * t * t * t * std::max(0.0f, dot(samples.normals[i], n)) * n;
+        }
+        next[i] = squared_norm(sum) > 0 ? normalized(sum) : samples.normals[i];
+      }
+    });
+    samples.normals.swap(next);
+  }
+}
+
 BallUnion sample_balls(const SurfaceSamples& samples, double reach) {
   BallUnion balls{samples.positions, samples.spacing};
   for (float& r : balls.radii) r *= static_cast<float>(reach);

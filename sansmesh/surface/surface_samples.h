@@ -30,6 +30,11 @@ struct SurfaceSamples {
 /// samples are left, or all of them coincide.
 SurfaceSamples prepare_samples(const PointSet& points, Progress& progress);
 
+/// Replaces the normals by means over neighbours with the compact weights of the given width over spacing, those that
+/// look the other way left out. Estimated normals follow the noise of the positions that they were estimated from; the
+/// means do so less.
+void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds);
+
 /// The ball around each sample in which the surface is defined, as a multiple of its spacing: a disc of that radius
 /// stays without any sample about once in 300,000 times if samples lie at random.
 constexpr double kReach = 2;

@@ -1,0 +1,91 @@
+#include "sansmesh/surface/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sansmesh::detail {
+namespace {
+
+constexpr double kCompactSupport = 2, kGaussianSupport = 3.4641;  // over h
+/// Thickness of the domain, as a share of the width of the weights: within it no formula changes its sign twice. The
+/// generating functions of orders 4 and 6 do so at 1.22 and 0.96 widths from a plane, the extremal energy at 0.8.
+constexpr double kSlab = 0.75;
+/// Boxes of groups of points over the median spacing: smaller ones waste lanes, larger ones waste samples.
+constexpr double kGroupExtent = 1.5;
+/// Cosine to the mean normal from which on any two differ by less than 90°.
+constexpr float kAgree = 0.7072f;
+
+}  // namespace
+
+std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width) {
+  std::vector<float> widths = samples.spacing;
+  for (float& w : widths) w = width ? static_cast<float>(*width) : w * static_cast<float>(smoothing);
+  return widths;
+}
+
+Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, WeightKind kind, double reach)
+    : candidates_(samples.size()), extent_(kGroupExtent * samples.median_spacing) {
+  const bool gaussian = kind == WeightKind::gaussian;
+  std::vector<float> radii(samples.size());
+  Box3f box;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    Candidate& c = candidates_[i];
+    const Vec3f &p = samples.positions[i], &n = samples.normals[i];
+    const float h = widths[i], s = samples.spacing[i];
+    radii[i] = h * static_cast<float>(gaussian ? kGaussianSupport : kCompactSupport);
+    const float ball = std::min(s * static_cast<float>(reach), radii[i]);
+    const float height = h * static_cast<float>(kSlab);
+    const float share = s / static_cast<float>(samples.median_spacing);
+    c = {};
+    c.x = p.x, c.y = p.y, c.z = p.z;
+    c.inverse_support = gaussian ? 1 / (h * h) : 1 / (radii[i] * radii[i]);
+    c.nx = n.x, c.ny = n.y, c.nz = n.z;
+    c.weight = share * share;
+    c.inverse_reach = 1 / (ball * ball);
+    c.inverse_height = 1 / (height * height);
+    box.extend(p - Vec3f{ball, ball, ball});
+    box.extend(p + Vec3f{ball, ball, ball});
+  }
+  supports_ = BallTree(samples.positions, radii);
+  bounds_ = {Vec3(box.lower), Vec3(box.upper)};
+}
+
+std::vector<float> Candidates::reach() const {
+  std::vector<float> radii(candidates_.size());
+  for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = 1 / std::sqrt(candidates_[i].inverse_reach);
+  return radii;
+}
+
+bool Candidates::gather(const PointGroup& group, const Box3f& box, std::vector<Candidate>& chosen) const {
+  thread_local std::vector<std::uint32_t> near;
+  supports_.touching(box, near);
+  chosen.resize(near.size());
+  const Vec3f& o = group.center;
+  Vec3f mean;
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    Candidate& c = chosen[k];
+    c = candidates_[near[k]];
+    c.x -= o.x, c.y -= o.y, c.z -= o.z;
+    c.plane = c.x * c.nx + c.y * c.ny + c.z * c.nz;
+    c.square = c.x * c.x + c.y * c.y + c.z * c.z;
+    c.plane_m += c.x * c.mx + c.y * c.my + c.z * c.mz;
+    mean.x += c.nx, mean.y += c.ny, mean.z += c.nz;
+  }
+  const float limit = kAgree * norm(mean);
+  for (const Candidate& c : chosen)
+    if (c.nx * mean.x + c.ny * mean.y + c.nz * mean.z < limit) return true;
+  return false;
+}
+
+void Candidates::for_each_group(std::span<const Vec3> x, const Visit& visit) const {
+  thread_local std::vector<Candidate> of_thread;
+  std::vector<Candidate> chosen;
+  chosen.swap(of_thread);  // `visit` may ask another surface
+  detail::for_each_group(x, extent_, [&](const PointGroup& group, const Box3f& box) {
+    const bool mixed = gather(group, box, chosen);
+    visit(group, chosen, mixed);
+  });
+  chosen.swap(of_thread);
+}
+
+}  // namespace sansmesh::detail
