@@ -264,6 +264,7 @@ void OrthogonalFit<D>::monomial_coefficients(std::span<double> coefficients) con
   }
 }
 
+template class OrthogonalFit<1>;
 template class OrthogonalFit<2>;
 template class OrthogonalFit<3>;
 

@@ -39,8 +39,8 @@ struct ValueAndGradient {
   std::array<double, D> gradient{};
 };
 
-/// The least-squares approximation g = Σ c_j ψ_j of samples in D = 2 or 3 variables, grown one polynomial at a time in
-/// the order of PolynomialOrder. ψ_0 = 1, ψ_j = u_k ψ_{j'} − Σ_l α_jl ψ_l, orthogonal for ⟨a, b⟩ = Σ_i w_i a(u_i)
+/// The least-squares approximation g = Σ c_j ψ_j of samples in D = 1, 2 or 3 variables, grown one polynomial at a time
+/// in the order of PolynomialOrder. ψ_0 = 1, ψ_j = u_k ψ_{j'} − Σ_l α_jl ψ_l, orthogonal for ⟨a, b⟩ = Σ_i w_i a(u_i)
 /// b(u_i).
 ///
 ///     OrthogonalFit<2> fit;
@@ -92,6 +92,10 @@ class OrthogonalFit {
 
   /// √w_i (f_i − g(x_i)), in the order of the samples.
   std::span<const double> weighted_residuals() const { return {residual_.data(), count_}; }
+  /// √w_i ψ_j(x_i), in the order of the samples; 0 if dropped.
+  std::span<const double> weighted_basis(int j) const {
+    return {rows_.data() + static_cast<std::size_t>(j) * stride_, count_};
+  }
   /// Σ w_i (f_i − g(x_i))².
   double squared_error() const { return squared_error_; }
   double weight_sum() const { return weight_sum_; }
@@ -137,6 +141,7 @@ class OrthogonalFit {
   std::vector<double> dots_;
 };
 
+extern template class OrthogonalFit<1>;
 extern template class OrthogonalFit<2>;
 extern template class OrthogonalFit<3>;
 

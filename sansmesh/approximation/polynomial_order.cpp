@@ -70,6 +70,7 @@ PolynomialOrder<D>::PolynomialOrder() {
   }
 }
 
+template class PolynomialOrder<1>;
 template class PolynomialOrder<2>;
 template class PolynomialOrder<3>;
 

@@ -1,4 +1,4 @@
-// The order in which polynomials in two or three variables are made orthogonal, and what each step has to compute.
+// The order in which polynomials in one to three variables are made orthogonal, and what each step has to compute.
 #pragma once
 
 #include <array>
@@ -7,8 +7,9 @@
 
 namespace sansmesh {
 
-/// Number of monomials in `dimension` (2 or 3) variables up to `degree` >= 0.
+/// Number of monomials in `dimension` (1, 2 or 3) variables up to `degree` >= 0.
 constexpr int monomial_count(int dimension, int degree) {
+  if (dimension == 1) return degree + 1;
   const int triangle = (degree + 1) * (degree + 2) / 2;
   return dimension == 2 ? triangle : triangle * (degree + 3) / 3;
 }
@@ -61,6 +62,7 @@ class PolynomialOrder {
   std::array<std::vector<int>, D> product_;
 };
 
+extern template class PolynomialOrder<1>;
 extern template class PolynomialOrder<2>;
 extern template class PolynomialOrder<3>;
 

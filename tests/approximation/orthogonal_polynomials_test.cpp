@@ -159,6 +159,7 @@ TEST(OrthogonalFit, IsOrthogonalAndEqualsQr) {
   unsigned seed = 1;
   for (const bool weighted : {false, true})
     for (int degree = 0; degree <= 4; ++degree) {
+      check_against_qr<1>(40, weighted, degree, ++seed);
       check_against_qr<2>(60, weighted, degree, ++seed);
       check_against_qr<2>(333, weighted, degree, ++seed);
       check_against_qr<3>(400, weighted, degree, ++seed);
@@ -209,6 +210,7 @@ void check_reproduction(bool weighted) {
 
 TEST(OrthogonalFit, ReproducesEveryPolynomialOfItsDegree) {
   for (const bool weighted : {false, true}) {
+    check_reproduction<1>(weighted);
     check_reproduction<2>(weighted);
     check_reproduction<3>(weighted);
   }
@@ -265,6 +267,7 @@ void check_savings(bool weighted) {
 
 TEST(OrthogonalFit, SkippedProductsVanishAndReusedOnesAgree) {
   for (const bool weighted : {false, true}) {
+    check_savings<1>(weighted);
     check_savings<2>(weighted);
     check_savings<3>(weighted);
   }

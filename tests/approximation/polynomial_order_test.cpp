@@ -19,6 +19,8 @@ std::string row(int degree) {
 }
 
 TEST(PolynomialOrder, IsTheTriangleOfThePaper) {
+  EXPECT_EQ(row<1>(0), "0 ");
+  EXPECT_EQ(row<1>(3), "3 ");
   EXPECT_EQ(row<2>(0), "00 ");
   EXPECT_EQ(row<2>(1), "10 01 ");
   EXPECT_EQ(row<2>(2), "20 11 02 ");
@@ -46,6 +48,7 @@ void check_order() {
 }
 
 TEST(PolynomialOrder, MultiplicationRespectsTheOrder) {
+  check_order<1>();
   check_order<2>();
   check_order<3>();
 }
