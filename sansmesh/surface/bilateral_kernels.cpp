@@ -1,0 +1,69 @@
+// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/surface/bilateral_kernels.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+#include "sansmesh/surface/bilateral_kernels.h"
+#include "sansmesh/surface/near_normals-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+
+constexpr float kFarthest = 60;  // exponent beyond which exp() is nothing
+
+void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group, int iterations,
+                 GroupNormals& normals) {
+  const Tag tag;
+  const V zero = hn::Zero(tag), one = Constant(1);
+  for (std::size_t at = 0; at < kGroup; at += kLanes) {
+    if (at >= group.count && at > 0) break;
+    const Lanes p{hn::Load(tag, group.x + at), hn::Load(tag, group.y + at), hn::Load(tag, group.z + at)};
+    Lanes n{hn::Load(tag, normals.x + at), hn::Load(tag, normals.y + at), hn::Load(tag, normals.z + at)};
+    for (int k = 0; k < iterations; ++k) {
+      Lanes sum{zero, zero, zero};
+      for (const Candidate& c : candidates) {
+        const V dx = hn::Sub(Constant(c.x), p.x), dy = hn::Sub(Constant(c.y), p.y), dz = hn::Sub(Constant(c.z), p.z);
+        const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+        const V t = hn::Max(hn::NegMulAdd(d2, Constant(c.inverse_support), one), zero);
+        if (hn::AllFalse(tag, hn::Gt(t, zero))) continue;
+        const V t2 = hn::Mul(t, t);
+        const V z = hn::MulAdd(n.x, dx, hn::MulAdd(n.y, dy, hn::Mul(n.z, dz)));
+        const V exponent = hn::Min(hn::Mul(hn::Mul(z, z), Constant(c.inverse_height)), Constant(kFarthest));
+        const V w = hn::Mul(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), hn::Exp(tag, hn::Neg(exponent)));
+        // The other side of a thin sheet does not count, whatever its distance.
+        const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
+        const V own = hn::IfThenElseZero(hn::Gt(cosine, zero), w);
+        sum.x = hn::MulAdd(own, Constant(c.nx), sum.x);
+        sum.y = hn::MulAdd(own, Constant(c.ny), sum.y);
+        sum.z = hn::MulAdd(own, Constant(c.nz), sum.z);
+      }
+      const V n2 = hn::MulAdd(sum.x, sum.x, hn::MulAdd(sum.y, sum.y, hn::Mul(sum.z, sum.z)));
+      const auto good = hn::Gt(n2, Constant(1e-36f));
+      const V inverse = hn::Div(one, hn::Sqrt(hn::IfThenElse(good, n2, one)));
+      n.x = hn::IfThenElse(good, hn::Mul(sum.x, inverse), n.x);
+      n.y = hn::IfThenElse(good, hn::Mul(sum.y, inverse), n.y);
+      n.z = hn::IfThenElse(good, hn::Mul(sum.z, inverse), n.z);
+    }
+    hn::Store(n.x, tag, normals.x + at), hn::Store(n.y, tag, normals.y + at), hn::Store(n.z, tag, normals.z + at);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sansmesh::detail {
+HWY_EXPORT(RefineGroup);
+
+void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations,
+                  GroupNormals& normals) {
+  HWY_DYNAMIC_DISPATCH(RefineGroup)(candidates, group, iterations, normals);
+}
+
+}  // namespace sansmesh::detail
+#endif

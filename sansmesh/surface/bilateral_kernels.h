@@ -1,0 +1,18 @@
+// The sums behind the bilateral normals: sixteen points at a time, SIMD inside.
+#pragma once
+
+#include <span>
+
+#include "sansmesh/surface/sample_group.h"
+
+namespace sansmesh::detail {
+
+struct GroupNormals {
+  alignas(64) float x[kGroup], y[kGroup], z[kGroup];
+};
+
+/// Refines the unit normals in place. `inverse_height` of the candidates is 1 / (2σ²).
+void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations,
+                  GroupNormals& normals);
+
+}  // namespace sansmesh::detail

@@ -1,0 +1,83 @@
+#include "sansmesh/surface/bilateral_normals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/surface/bilateral_kernels.h"
+#include "sansmesh/surface/candidates.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kSmoothing = 1.2;
+constexpr double kHeightOverSpacing = 0.33, kHeightOverNoise = 1;
+
+}  // namespace
+
+struct BilateralNormals::State {
+  detail::Candidates candidates;
+  int iterations = 0;
+};
+
+void BilateralOptions::validate() const {
+  const auto check = [](bool ok, const char* what) {
+    if (!ok) throw ArgumentError(what);
+  };
+  check(!height || (std::isfinite(*height) && *height > 0), "height must be a positive length");
+  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
+  check(iterations >= 0 && iterations <= 20, "iterations must lie in 0..20");
+}
+
+BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options)
+    : state_(std::make_unique<State>()) {
+  options.validate();
+  state_->iterations = options.iterations;
+  const double noise = samples.noise / samples.median_spacing;
+  const auto widths =
+      detail::weight_widths(samples, options.smoothing.value_or(std::min(kSmoothing + 1.5 * noise, 5.0)), std::nullopt);
+  state_->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, kReach);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double height = options.height.value_or(kHeightOverSpacing * static_cast<double>(samples.spacing[i]) +
+                                                  kHeightOverNoise * samples.noise);
+    state_->candidates.all()[i].inverse_height = static_cast<float>(1 / (2 * height * height));
+  }
+}
+
+BilateralNormals::BilateralNormals(BilateralNormals&&) noexcept = default;
+BilateralNormals& BilateralNormals::operator=(BilateralNormals&&) noexcept = default;
+BilateralNormals::~BilateralNormals() = default;
+
+void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals) const {
+  detail::GroupNormals n;
+  state_->candidates.for_each_group(
+      x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool) {
+        for (std::size_t k = 0; k < detail::kGroup; ++k) {
+          const Vec3f given(normalized(normals[group.slot[k]]));
+          n.x[k] = given.x, n.y[k] = given.y, n.z[k] = given.z;
+        }
+        detail::refine_group(chosen, group, state_->iterations, n);
+        for (std::size_t k = 0; k < group.count; ++k)
+          normals[group.slot[k]] = Vec3(Vec3f{n.x[k], n.y[k], n.z[k]});
+      });
+}
+
+void SharpField::sharpen(std::span<const Vec3> x, std::span<Vec3> gradients) const {
+  if (gradients.empty()) return;
+  std::vector<Vec3> normals(gradients.begin(), gradients.end());
+  normals_.refine(x, normals);
+  for (std::size_t i = 0; i < normals.size(); ++i) gradients[i] = normals[i] * norm(gradients[i]);
+}
+
+void SharpField::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  field_.evaluate(x, values, gradients);
+  sharpen(x, gradients);
+}
+
+void SharpField::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                                    std::span<std::uint8_t> inside) const {
+  field_.evaluate_in_domain(x, values, gradients, inside);
+  sharpen(x, gradients);
+}
+
+}  // namespace sansmesh

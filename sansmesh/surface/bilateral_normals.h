@@ -1,0 +1,60 @@
+// A normal field that turns sharply where the samples' normals do (METHODS §2.4; tejada2008 §4.3.2).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/surface/surface_samples.h"
+
+namespace sansmesh {
+
+struct BilateralOptions {
+  /// σ: samples farther than this from the tangent plane at the point count little (length); default: a third of the
+  /// local spacing, and the noise.
+  std::optional<double> height;
+  std::optional<double> smoothing;  ///< width of the radial weights over the local spacing, 0.5..20; default: 1.2
+  int iterations = 4;               ///< 0..20
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// n⁽ᵏ⁺¹⁾(x) = normalise Σ n_i φ_i(x) exp(−⟨n⁽ᵏ⁾(x), x_i − x⟩² / (2σ²)): samples on the tangent plane decide, so that
+/// next to an edge those of the other side lose their say. Only sensible on or next to the surface; the samples' own
+/// normals should be robust (denoise_normals).
+class BilateralNormals {
+ public:
+  /// Throws ArgumentError for bad options.
+  BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options);
+  BilateralNormals(BilateralNormals&&) noexcept;
+  BilateralNormals& operator=(BilateralNormals&&) noexcept;
+  ~BilateralNormals();
+
+  /// Replaces the normals at x by refined ones. Where no sample is near they stay. Sizes must agree.
+  void refine(std::span<const Vec3> x, std::span<Vec3> normals) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Another field's values with refined directions of its gradients: pictures and meshes of it show sharp edges, the
+/// surface itself is the same.
+class SharpField : public ScalarField {
+ public:
+  /// Both must outlive the field.
+  SharpField(const ScalarField& field, const BilateralNormals& normals) : field_(field), normals_(normals) {}
+  Box3 bounds() const override { return field_.bounds(); }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+  void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                          std::span<std::uint8_t> inside) const override;
+
+ private:
+  void sharpen(std::span<const Vec3> x, std::span<Vec3> gradients) const;
+
+  const ScalarField& field_;
+  const BilateralNormals& normals_;
+};
+
+}  // namespace sansmesh

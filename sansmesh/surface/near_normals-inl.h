@@ -1,0 +1,87 @@
+// Weights, and which samples belong to the sheet that a point is next to: shared by all kernels. Included once for each
+// instruction set.
+#if defined(SANSMESH_SURFACE_NEAR_NORMALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SANSMESH_SURFACE_NEAR_NORMALS_INL_H_
+#undef SANSMESH_SURFACE_NEAR_NORMALS_INL_H_
+#else
+#define SANSMESH_SURFACE_NEAR_NORMALS_INL_H_
+#endif
+
+#include <hwy/contrib/math/math-inl.h>
+
+#include <span>
+
+#include "sansmesh/surface/numbers-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+
+/// One vector a lane.
+struct Lanes {
+  V x, y, z;
+};
+
+/// Weights (1 − d²/R²)⁴ of compact support: within a few percent exp(−d²/h²) for R = 2h.
+template <bool kGradient>
+struct CompactWeight {
+  HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
+                                  Num<kGradient>& w) {
+    const V a = Constant(c.inverse_support);
+    const V t = hn::Max(hn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
+    if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
+    const V t2 = hn::Mul(t, t), t3 = hn::Mul(t2, t);
+    const V derivative = hn::Mul(t3, Constant(-4 * c.weight * c.inverse_support));
+    w = Radial(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), derivative, dx, dy, dz, static_cast<const Num<kGradient>*>(nullptr));
+    return true;
+  }
+};
+
+/// exp(−ε d²/h²), as far as it counts.
+constexpr float kGaussianEnd = 12;
+template <bool kGradient>
+struct GaussianWeight {
+  HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
+                                  Num<kGradient>& w) {
+    const V r = hn::Mul(d2, Constant(c.inverse_support));
+    const auto near = hn::Lt(r, Constant(kGaussianEnd));
+    if (hn::AllFalse(Tag(), near)) return false;
+    const V e = hn::IfThenElseZero(near, hn::Mul(hn::Exp(Tag(), hn::Neg(r)), Constant(c.weight)));
+    w = Radial(e, hn::Mul(e, Constant(-c.inverse_support)), dx, dy, dz, static_cast<const Num<kGradient>*>(nullptr));
+    return true;
+  }
+};
+
+/// Which way the surface next to the points looks: means of normals with half as wide weights.
+template <class Weight>
+HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes& p) {
+  Lanes n{hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
+  for (const Candidate& c : candidates) {
+    const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
+    const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    Value w;
+    if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
+    V narrow = hn::Mul(w.v, Constant(1 / c.weight));
+    narrow = hn::Mul(narrow, narrow);
+    narrow = hn::MulAdd(hn::Mul(narrow, narrow), Constant(c.weight), Constant(0));
+    n.x = hn::MulAdd(narrow, Constant(c.nx), n.x);
+    n.y = hn::MulAdd(narrow, Constant(c.ny), n.y);
+    n.z = hn::MulAdd(narrow, Constant(c.nz), n.z);
+  }
+  const V n2 = hn::MulAdd(n.x, n.x, hn::MulAdd(n.y, n.y, hn::Mul(n.z, n.z)));
+  const V inverse = hn::IfThenElseZero(hn::Gt(n2, hn::Zero(Tag())),
+                                       hn::Div(Constant(1), hn::Sqrt(hn::Max(n2, Constant(1e-38f)))));
+  return {hn::Mul(n.x, inverse), hn::Mul(n.y, inverse), hn::Mul(n.z, inverse)};
+}
+
+/// 1 for samples that look the same way, down to 0 for those 120° off and more.
+HWY_INLINE V SameSheet(const Candidate& c, const Lanes& n) {
+  const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
+  return hn::Min(hn::Max(hn::MulAdd(cosine, Constant(2), Constant(1)), hn::Zero(Tag())), Constant(1));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#endif

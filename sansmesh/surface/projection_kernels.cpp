@@ -1,0 +1,320 @@
+// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/surface/projection_kernels.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+#include "sansmesh/surface/near_normals-inl.h"
+#include "sansmesh/surface/projection_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+
+constexpr float kLeast = 1e-30f;  // squares below this do not divide
+constexpr int kInverseSteps = 4;  // of the inverse iteration: the smallest eigenvalue is far below the others
+constexpr int kLevinSteps = 6;    // of the minimisation over plane and offset
+/// Ridge of the normal equations, over the diagonal: too few samples then give the flattest surface.
+constexpr float kRidge = 1e-5f;
+
+HWY_INLINE V Times(const V& a, const V& b) { return hn::Mul(a, b); }
+HWY_INLINE V Dot3(const Lanes& a, const Lanes& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE Lanes Along(const Lanes& p, const Lanes& n, const V& t) {
+  return {hn::MulAdd(n.x, t, p.x), hn::MulAdd(n.y, t, p.y), hn::MulAdd(n.z, t, p.z)};
+}
+HWY_INLINE Lanes Unit(const Lanes& a, const Lanes& otherwise) {
+  const V n2 = Dot3(a, a);
+  const auto good = hn::Gt(n2, Constant(kLeast));
+  const V inverse = hn::Div(Constant(1), hn::Sqrt(hn::IfThenElse(good, n2, Constant(1))));
+  return {hn::IfThenElse(good, Times(a.x, inverse), otherwise.x), hn::IfThenElse(good, Times(a.y, inverse), otherwise.y),
+          hn::IfThenElse(good, Times(a.z, inverse), otherwise.z)};
+}
+
+/// The frame that tangent_frame() of core/vec.h gives.
+HWY_INLINE void TangentFrame(const Lanes& n, Lanes& t, Lanes& b) {
+  const V one = Constant(1);
+  const V sign = hn::CopySign(one, n.z);
+  const V a = hn::Div(Constant(-1), hn::Add(sign, n.z));
+  const V c = Times(Times(n.x, n.y), a);
+  t = {hn::MulAdd(Times(Times(sign, n.x), n.x), a, one), Times(sign, c), hn::Neg(Times(sign, n.x))};
+  b = {c, hn::MulAdd(Times(n.y, n.y), a, sign), hn::Neg(n.y)};
+}
+
+/// Unit vector of least variance of a covariance matrix, by inverse iteration with its adjugate from `start`.
+HWY_INLINE Lanes LeastAxis(V xx, V xy, V xz, V yy, V yz, V zz, const Lanes& start) {
+  const V trace = hn::Max(hn::Add(xx, hn::Add(yy, zz)), Constant(kLeast));
+  const V scale = hn::Div(Constant(1), trace);
+  const V ridge = Constant(1e-5f);
+  xx = hn::MulAdd(xx, scale, ridge), yy = hn::MulAdd(yy, scale, ridge), zz = hn::MulAdd(zz, scale, ridge);
+  xy = Times(xy, scale), xz = Times(xz, scale), yz = Times(yz, scale);
+  const auto cofactor = [](const V& a, const V& b, const V& c, const V& d) { return hn::NegMulAdd(b, c, Times(a, d)); };
+  const V axx = cofactor(yy, yz, yz, zz), axy = cofactor(xz, xy, zz, yz), axz = cofactor(xy, xz, yy, yz);
+  const V ayy = cofactor(xx, xz, xz, zz), ayz = cofactor(xy, xx, yz, xz), azz = cofactor(xx, xy, xy, yy);
+  Lanes n = start;
+  for (int k = 0; k < kInverseSteps; ++k) {
+    const Lanes next{hn::MulAdd(axx, n.x, hn::MulAdd(axy, n.y, Times(axz, n.z))),
+                     hn::MulAdd(axy, n.x, hn::MulAdd(ayy, n.y, Times(ayz, n.z))),
+                     hn::MulAdd(axz, n.x, hn::MulAdd(ayz, n.y, Times(azz, n.z)))};
+    n = Unit(next, n);
+  }
+  const V side = hn::CopySign(Constant(1), Dot3(n, start));
+  return {Times(n.x, side), Times(n.y, side), Times(n.z, side)};
+}
+
+/// Solves the symmetric positive definite systems of kSize unknowns in place: the lower triangle of `a` (row by row)
+/// becomes its Cholesky factor, `b` the solution.
+template <int kSize>
+HWY_INLINE void SolveLanes(V* a, V* b) {
+  const auto at = [](int i, int j) { return i * (i + 1) / 2 + j; };
+  for (int j = 0; j < kSize; ++j) {
+    V pivot = a[at(j, j)];
+    const V least = hn::Max(Times(pivot, Constant(kRidge)), Constant(kLeast));
+    pivot = hn::MulAdd(pivot, Constant(kRidge), pivot);
+    for (int k = 0; k < j; ++k) pivot = hn::NegMulAdd(a[at(j, k)], a[at(j, k)], pivot);
+    const V root = hn::Sqrt(hn::Max(pivot, least));
+    const V inverse = hn::Div(Constant(1), root);
+    a[at(j, j)] = inverse;
+    for (int i = j + 1; i < kSize; ++i) {
+      V sum = a[at(i, j)];
+      for (int k = 0; k < j; ++k) sum = hn::NegMulAdd(a[at(i, k)], a[at(j, k)], sum);
+      a[at(i, j)] = Times(sum, inverse);
+    }
+  }
+  for (int i = 0; i < kSize; ++i) {
+    for (int k = 0; k < i; ++k) b[i] = hn::NegMulAdd(a[at(i, k)], b[k], b[i]);
+    b[i] = Times(b[i], a[at(i, i)]);
+  }
+  for (int i = kSize - 1; i >= 0; --i) {
+    for (int k = i + 1; k < kSize; ++k) b[i] = hn::NegMulAdd(a[at(k, i)], b[k], b[i]);
+    b[i] = Times(b[i], a[at(i, i)]);
+  }
+}
+
+struct Offset {
+  V x, y, z, square;
+};
+HWY_INLINE Offset From(const Lanes& p, const Candidate& c) {
+  const V x = hn::Sub(Constant(c.x), p.x), y = hn::Sub(Constant(c.y), p.y), z = hn::Sub(Constant(c.z), p.z);
+  return {x, y, z, hn::MulAdd(x, x, hn::MulAdd(y, y, Times(z, z)))};
+}
+
+/// Weight of a candidate at the offset; false where no lane is reached.
+HWY_INLINE bool WeightAt(const Candidate& c, const Offset& o, bool sheets, const Lanes& near, V& w) {
+  const V t = hn::Max(hn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), hn::Zero(Tag()));
+  if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
+  const V t2 = Times(t, t);
+  w = Times(Times(t2, t2), Constant(c.weight));
+  if (sheets) w = Times(w, SameSheet(c, near));
+  return true;
+}
+
+struct Plane {
+  Lanes normal;
+  V distance;  // of the point from the plane, along the normal: the plane passes through p + distance · normal
+  V width2;    // mean of h² under the weights
+};
+
+/// The plane through the weighted mean of the samples, with their mean normal, or that of least squares.
+template <bool kLeastSquares>
+HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p, bool sheets, const Lanes& near,
+                          V* inside) {
+  const V zero = hn::Zero(Tag());
+  V w0 = zero, wx = zero, wy = zero, wz = zero, nx = zero, ny = zero, nz = zero;
+  V xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero, h2 = zero, reach = Constant(-1);
+  for (const Candidate& c : candidates) {
+    const Offset o = From(p, c);
+    V w;
+    if (!WeightAt(c, o, sheets, near, w)) continue;
+    reach = hn::Max(reach, hn::NegMulAdd(o.square, Constant(c.inverse_reach), Constant(1)));
+    const V ax = Times(w, o.x), ay = Times(w, o.y), az = Times(w, o.z);
+    w0 = hn::Add(w0, w), wx = hn::Add(wx, ax), wy = hn::Add(wy, ay), wz = hn::Add(wz, az);
+    nx = hn::MulAdd(w, Constant(c.nx), nx), ny = hn::MulAdd(w, Constant(c.ny), ny), nz = hn::MulAdd(w, Constant(c.nz), nz);
+    h2 = hn::MulAdd(w, Constant(0.25f / c.inverse_support), h2);
+    if constexpr (kLeastSquares) {
+      xx = hn::MulAdd(ax, o.x, xx), xy = hn::MulAdd(ax, o.y, xy), xz = hn::MulAdd(ax, o.z, xz);
+      yy = hn::MulAdd(ay, o.y, yy), yz = hn::MulAdd(ay, o.z, yz), zz = hn::MulAdd(az, o.z, zz);
+    }
+  }
+  if (inside) *inside = hn::IfThenElse(hn::Gt(w0, zero), reach, Constant(-1));
+  const V inverse = hn::Div(Constant(1), hn::Max(w0, Constant(kLeast)));
+  const Lanes mean{Times(wx, inverse), Times(wy, inverse), Times(wz, inverse)};
+  Lanes n = Unit({nx, ny, nz}, {zero, zero, Constant(1)});
+  if constexpr (kLeastSquares)
+    n = LeastAxis(hn::NegMulAdd(wx, mean.x, xx), hn::NegMulAdd(wx, mean.y, xy), hn::NegMulAdd(wx, mean.z, xz),
+                  hn::NegMulAdd(wy, mean.y, yy), hn::NegMulAdd(wy, mean.z, yz), hn::NegMulAdd(wz, mean.z, zz), n);
+  return {n, Dot3(n, mean), Times(h2, inverse)};
+}
+
+HWY_INLINE void StoreFoot(const Lanes& p, const Lanes& n, const V& xx, const V& xy, const V& yy, const V& inside,
+                          std::size_t at, GroupFeet& out) {
+  const Tag d;
+  hn::Store(p.x, d, out.x + at), hn::Store(p.y, d, out.y + at), hn::Store(p.z, d, out.z + at);
+  hn::Store(n.x, d, out.nx + at), hn::Store(n.y, d, out.ny + at), hn::Store(n.z, d, out.nz + at);
+  hn::Store(xx, d, out.xx + at), hn::Store(xy, d, out.xy + at), hn::Store(yy, d, out.yy + at);
+  hn::Store(inside, d, out.inside + at);
+}
+
+/// Levin, Alexa et al.: a plane, then over it the quadratic polynomial of weighted least squares, about q.
+HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes& q, const Plane& plane, bool sheets,
+                              const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
+  const V zero = hn::Zero(Tag());
+  Lanes t, b;
+  TangentFrame(plane.normal, t, b);
+  const V unit = hn::Div(Constant(1), hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));
+  V a[21], f[6];
+  for (V& v : a) v = zero;
+  for (V& v : f) v = zero;
+  // Moments w uⁱ vʲ; the matrix of the basis 1, u, v, u², uv, v² is made of fifteen of them.
+  V m[15];
+  for (V& v : m) v = zero;
+  for (const Candidate& c : candidates) {
+    const Offset o = From(q, c);
+    V w;
+    if (!WeightAt(c, o, sheets, near, w)) continue;
+    const Lanes d{Times(o.x, unit), Times(o.y, unit), Times(o.z, unit)};
+    const V u = Dot3(d, t), v = Dot3(d, b), z = Dot3(d, plane.normal);
+    const V wu = Times(w, u), wv = Times(w, v), wuu = Times(wu, u), wuv = Times(wu, v), wvv = Times(wv, v);
+    const V uu = Times(u, u), uv = Times(u, v), vv = Times(v, v);
+    m[0] = hn::Add(m[0], w), m[1] = hn::Add(m[1], wu), m[2] = hn::Add(m[2], wv);
+    m[3] = hn::Add(m[3], wuu), m[4] = hn::Add(m[4], wuv), m[5] = hn::Add(m[5], wvv);
+    m[6] = hn::MulAdd(wuu, u, m[6]), m[7] = hn::MulAdd(wuu, v, m[7]);
+    m[8] = hn::MulAdd(wvv, u, m[8]), m[9] = hn::MulAdd(wvv, v, m[9]);
+    m[10] = hn::MulAdd(wuu, uu, m[10]), m[11] = hn::MulAdd(wuu, uv, m[11]), m[12] = hn::MulAdd(wuu, vv, m[12]);
+    m[13] = hn::MulAdd(wvv, uv, m[13]), m[14] = hn::MulAdd(wvv, vv, m[14]);
+    f[0] = hn::MulAdd(w, z, f[0]), f[1] = hn::MulAdd(wu, z, f[1]), f[2] = hn::MulAdd(wv, z, f[2]);
+    f[3] = hn::MulAdd(wuu, z, f[3]), f[4] = hn::MulAdd(wuv, z, f[4]), f[5] = hn::MulAdd(wvv, z, f[5]);
+  }
+  const int map[21] = {0, 1, 3, 2, 4, 5, 3, 6, 7, 10, 4, 7, 8, 11, 12, 5, 8, 9, 12, 13, 14};
+  for (int k = 0; k < 21; ++k) a[k] = m[map[k]];
+  SolveLanes<6>(a, f);
+  const V one = Constant(1);
+  const Lanes p = Along(q, plane.normal, hn::Div(f[0], unit));
+  // The polynomial's own tangent plane and second derivatives at u = v = 0.
+  const V steep = hn::Div(one, hn::Sqrt(hn::MulAdd(f[1], f[1], hn::MulAdd(f[2], f[2], one))));
+  const Lanes n = Unit(Along(Along(plane.normal, t, hn::Neg(f[1])), b, hn::Neg(f[2])), plane.normal);
+  const V scale = Times(Times(unit, steep), Constant(1));
+  const V xx = Times(Times(f[3], Constant(2)), scale), xy = Times(f[4], scale), yy = Times(Times(f[5], Constant(2)), scale);
+  // The same form in the frame of the new normal.
+  Lanes t2, b2;
+  TangentFrame(n, t2, b2);
+  const V tt = Dot3(t, t2), tb = Dot3(t, b2), bt = Dot3(b, t2), bb = Dot3(b, b2);
+  const auto form = [&](const V& u1, const V& v1, const V& u2, const V& v2) {
+    return hn::MulAdd(Times(u1, u2), xx, hn::MulAdd(hn::MulAdd(u1, v2, Times(u2, v1)), xy, Times(Times(v1, v2), yy)));
+  };
+  StoreFoot(p, n, form(tt, bt, tt, bt), form(tt, bt, tb, bb), form(tb, bb, tb, bb), inside, at, out);
+}
+
+/// METHODS §2.2: the mean plane, then directional curvatures κ_i = 2 z_i / ρ_i² about q. In terms of the heights z_i the
+/// fit of χ₁ + χ₂ cos 2θ + χ₃ sin 2θ to κ_i with weights ρ^{2τ} exp(−ρ²/h²) is one of
+/// δ + ½ χ₁ ρ² + ½ χ₂ (u² − v²) + χ₃ u v to z_i with weights ρ^{2τ−4} exp(−ρ²/h²), without a single angle. The offset δ
+/// replaces the fixed point of the diffusion: where the anisotropic mean of the heights, less what curvature adds to
+/// it, vanishes.
+template <int kTau, bool kDiffusion>
+HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const ProjectionKernel& kernel, const Lanes& q,
+                              const Plane& plane, const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
+  const V zero = hn::Zero(Tag()), one = Constant(1);
+  Lanes t, b;
+  TangentFrame(plane.normal, t, b);
+  const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // lengths in h
+  V a[10], f[4];
+  for (V& v : a) v = zero;
+  for (V& v : f) v = zero;
+  for (const Candidate& c : candidates) {
+    const Offset o = From(q, c);
+    V w;
+    if (!WeightAt(c, o, kernel.sheets, near, w)) continue;
+    const Lanes d{Times(o.x, unit), Times(o.y, unit), Times(o.z, unit)};
+    const V u = Dot3(d, t), v = Dot3(d, b), z = Dot3(d, plane.normal);
+    const V uu = Times(u, u), vv = Times(v, v);
+    const V r2 = hn::Add(uu, vv);
+    if constexpr (kDiffusion) {
+      // |κ| = 2 |z| / ρ², with the ρ of the sample's distance: it never vanishes off the plane.
+      const V far = hn::MulAdd(z, z, r2);
+      const V excess = hn::Sub(hn::Div(hn::Abs(hn::Add(z, z)), hn::Max(far, Constant(1e-6f))), Constant(kernel.threshold));
+      const V lambda2 = Constant(kernel.threshold * kernel.threshold);
+      const V beyond = hn::Max(excess, zero);
+      if (kernel.hard)
+        w = hn::IfThenElse(hn::Gt(excess, zero), Times(w, Constant(1e-3f)), w);
+      else
+        w = Times(w, hn::Div(lambda2, hn::MulAdd(Times(beyond, beyond), Constant(10), lambda2)));
+    }
+    if constexpr (kTau == 1) w = hn::Div(w, hn::Max(r2, Constant(1e-2f)));
+    if constexpr (kTau == 3) w = Times(w, r2);
+    const V p1 = Times(r2, Constant(0.5f)), p2 = Times(hn::Sub(uu, vv), Constant(0.5f)), p3 = Times(u, v);
+    const V w1 = Times(w, p1), w2 = Times(w, p2), w3 = Times(w, p3);
+    a[0] = hn::Add(a[0], w), a[1] = hn::Add(a[1], w1), a[3] = hn::Add(a[3], w2), a[6] = hn::Add(a[6], w3);
+    a[2] = hn::MulAdd(w1, p1, a[2]), a[4] = hn::MulAdd(w1, p2, a[4]), a[5] = hn::MulAdd(w2, p2, a[5]);
+    a[7] = hn::MulAdd(w1, p3, a[7]), a[8] = hn::MulAdd(w2, p3, a[8]), a[9] = hn::MulAdd(w3, p3, a[9]);
+    f[0] = hn::MulAdd(w, z, f[0]), f[1] = hn::MulAdd(w1, z, f[1]);
+    f[2] = hn::MulAdd(w2, z, f[2]), f[3] = hn::MulAdd(w3, z, f[3]);
+  }
+  SolveLanes<4>(a, f);
+  const Lanes p = Along(q, plane.normal, hn::Div(f[0], unit));
+  StoreFoot(p, plane.normal, Times(hn::Add(f[1], f[2]), unit), Times(f[3], unit), Times(hn::Sub(f[1], f[2]), unit),
+            inside, at, out);
+}
+
+void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                  GroupFeet& out) {
+  const Tag tag;
+  const V zero = hn::Zero(tag);
+  for (std::size_t at = 0; at < kGroup; at += kLanes) {
+    if (at >= group.count && at > 0) break;
+    const Lanes r{hn::Load(tag, group.x + at), hn::Load(tag, group.y + at), hn::Load(tag, group.z + at)};
+    Lanes near{zero, zero, zero};
+    if (kernel.sheets) near = NearNormals<CompactWeight<false>>(candidates, r);
+    V inside;
+    if (kernel.formula == ProjectionFormula::curvature) {
+      const Plane plane = FitPlane<false>(candidates, r, kernel.sheets, near, &inside);
+      const Lanes q = Along(r, plane.normal, plane.distance);
+      const auto foot = [&](auto tau) {
+        if (kernel.diffusion)
+          CurvatureFoot<decltype(tau)::value, true>(candidates, kernel, q, plane, near, inside, at, out);
+        else
+          CurvatureFoot<decltype(tau)::value, false>(candidates, kernel, q, plane, near, inside, at, out);
+      };
+      if (kernel.tau == 1)
+        foot(std::integral_constant<int, 1>());
+      else if (kernel.tau == 3)
+        foot(std::integral_constant<int, 3>());
+      else
+        foot(std::integral_constant<int, 2>());
+      continue;
+    }
+    Plane plane = FitPlane<true>(candidates, r, kernel.sheets, near, &inside);
+    Lanes q = Along(r, plane.normal, plane.distance);
+    // Alexa et al. take the weights about r. Levin's plane is the minimum over direction and offset, with weights about
+    // its own foot q: a fixed point of the same step with r = q, for which q stays on the line through r.
+    if (kernel.formula == ProjectionFormula::levin) {
+      for (int k = 0; k < kLevinSteps; ++k) {
+        const Plane next = FitPlane<true>(candidates, q, kernel.sheets, near, nullptr);
+        // The plane's point below r.
+        const Lanes from_r{hn::Sub(q.x, r.x), hn::Sub(q.y, r.y), hn::Sub(q.z, r.z)};
+        plane = next;
+        plane.distance = hn::Add(Dot3(next.normal, from_r), next.distance);
+        q = Along(r, plane.normal, plane.distance);
+      }
+    }
+    QuadraticFoot(candidates, q, plane, kernel.sheets, near, inside, at, out);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sansmesh::detail {
+HWY_EXPORT(ProjectGroup);
+
+void project_group(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                   GroupFeet& out) {
+  HWY_DYNAMIC_DISPATCH(ProjectGroup)(kernel, candidates, group, out);
+}
+
+}  // namespace sansmesh::detail
+#endif

@@ -1,0 +1,32 @@
+// One application of a projection operator to a group of points: sixteen at a time, SIMD inside.
+#pragma once
+
+#include <span>
+
+#include "sansmesh/surface/sample_group.h"
+
+namespace sansmesh::detail {
+
+enum class ProjectionFormula { levin, alexa, curvature };
+
+struct ProjectionKernel {
+  ProjectionFormula formula = ProjectionFormula::curvature;
+  bool sheets = false;  ///< samples that look the other way than those next to the point do not count
+  /// curvature: samples whose directional curvature exceeds λ = threshold / h count less, or not at all.
+  bool diffusion = true, hard = false;
+  float threshold = 2;
+  int tau = 2;  ///< curvature: exponent of the M-like weights, 1..3
+};
+
+struct GroupFeet {
+  alignas(64) float x[kGroup], y[kGroup], z[kGroup];     ///< positions relative to the group's centre
+  alignas(64) float nx[kGroup], ny[kGroup], nz[kGroup];  ///< unit normals
+  alignas(64) float xx[kGroup], xy[kGroup], yy[kGroup];  ///< of FootPoint
+  alignas(64) float inside[kGroup];                      ///< > 0 in the balls of the domain
+};
+
+/// Only lanes with inside > 0 hold a foot point.
+void project_group(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                   GroupFeet& out);
+
+}  // namespace sansmesh::detail

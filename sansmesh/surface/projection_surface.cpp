@@ -1,0 +1,127 @@
+#include "sansmesh/surface/projection_surface.h"
+
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/surface/candidates.h"
+#include "sansmesh/surface/projection_kernels.h"
+
+namespace sansmesh {
+namespace {
+
+struct Name {
+  ProjectionMethod method;
+  const char* name;
+};
+constexpr Name kNames[] = {{ProjectionMethod::levin, "levin"},
+                           {ProjectionMethod::alexa, "alexa"},
+                           {ProjectionMethod::curvature, "curvature"}};
+
+/// Least width over the spacing: the polynomials need about a dozen samples.
+constexpr double kLeastSmoothing = 1.4, kNoiseSmoothing = 2.2, kMostSmoothing = 5;
+/// Noise over spacing from which on the normals are smoothed first, and from which on twice.
+constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
+
+detail::ProjectionFormula formula_of(ProjectionMethod method) {
+  if (method == ProjectionMethod::levin) return detail::ProjectionFormula::levin;
+  if (method == ProjectionMethod::alexa) return detail::ProjectionFormula::alexa;
+  return detail::ProjectionFormula::curvature;
+}
+
+}  // namespace
+
+struct ProjectionSurface::State {
+  SurfaceSamples samples;
+  detail::ProjectionKernel kernel;
+  detail::Candidates candidates;
+  double smoothing = 0;
+};
+
+ProjectionMethod projection_method(const std::string& name) {
+  std::string known;
+  for (const Name& n : kNames) {
+    if (name == n.name) return n.method;
+    known += (known.empty() ? "" : ", ") + std::string(n.name);
+  }
+  throw ArgumentError("unknown projection '" + name + "': known are " + known);
+}
+
+const std::vector<std::string>& projection_method_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> result;
+    for (const Name& n : kNames) result.emplace_back(n.name);
+    return result;
+  }();
+  return names;
+}
+
+void ProjectionOptions::validate() const {
+  const auto check = [](bool ok, const char* what) {
+    if (!ok) throw ArgumentError(what);
+  };
+  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
+  check(!width || (std::isfinite(*width) && *width > 0), "width must be a positive length");
+  check(reach >= 0.5 && reach <= 10, "reach must lie in 0.5..10");
+  check(std::isfinite(threshold) && threshold > 0, "threshold must be positive");
+  check(tau >= 1 && tau <= 3, "tau must be 1, 2 or 3");
+}
+
+ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,
+                                          Progress& progress) {
+  options.validate();
+  auto state = std::make_unique<ProjectionSurface::State>();
+  progress.begin("supports");
+  const double ratio = samples.noise / samples.median_spacing;
+  state->smoothing =
+      options.smoothing.value_or(std::min(kLeastSmoothing + kNoiseSmoothing * ratio, kMostSmoothing));
+  if (ratio > kSomeNoise) smooth_normals(samples, state->smoothing, ratio > kMuchNoise ? 2 : 1);
+  const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.width);
+  state->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach);
+  using Diffusion = ProjectionOptions::Diffusion;
+  state->kernel = {formula_of(options.method),
+                   options.separate_sheets,
+                   options.diffusion != Diffusion::none,
+                   options.diffusion == Diffusion::hard,
+                   static_cast<float>(options.threshold),
+                   options.tau};
+  state->samples = std::move(samples);
+  progress.finish();
+  return ProjectionSurface(std::move(state));
+}
+
+ProjectionSurface::ProjectionSurface(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ProjectionSurface::~ProjectionSurface() = default;
+ProjectionSurface::ProjectionSurface(ProjectionSurface&&) noexcept = default;
+ProjectionSurface& ProjectionSurface::operator=(ProjectionSurface&&) noexcept = default;
+
+Box3 ProjectionSurface::bounds() const { return state_->candidates.bounds(); }
+BallUnion ProjectionSurface::balls() const { return {state_->samples.positions, state_->candidates.reach()}; }
+const SurfaceSamples& ProjectionSurface::samples() const { return state_->samples; }
+double ProjectionSurface::smoothing() const { return state_->smoothing; }
+
+void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> feet) const {
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    feet[i] = {};
+    feet[i].position = x[i];  // those that are not finite stay so
+  }
+  detail::GroupFeet out;
+  state_->candidates.for_each_group(
+      x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool mixed) {
+        detail::ProjectionKernel how = state_->kernel;
+        how.sheets = how.sheets && mixed;
+        detail::project_group(how, chosen, group, out);
+        for (std::size_t k = 0; k < group.count; ++k) {
+          const Vec3 p = Vec3(group.center) + Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
+          const Vec3 n(Vec3f{out.nx[k], out.ny[k], out.nz[k]});
+          if (!(out.inside[k] > 0) || !is_finite(p) || !is_finite(n)) continue;
+          feet[group.slot[k]] = {p,
+                                 n,
+                                 static_cast<double>(out.xx[k]),
+                                 static_cast<double>(out.xy[k]),
+                                 static_cast<double>(out.yy[k]),
+                                 true};
+        }
+      });
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,65 @@
+// Surfaces as the points that a projection operator leaves where they are (METHODS §2.1, §2.2).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/field/ball_union.h"
+#include "sansmesh/field/projection.h"
+#include "sansmesh/surface/surface_samples.h"
+
+namespace sansmesh {
+
+enum class ProjectionMethod {
+  levin,     ///< plane of least weighted squares over direction and offset, then a quadratic polynomial (Levin 2003)
+  alexa,     ///< the same with weights about the point itself: one step (Alexa et al. 2003)
+  curvature  ///< mean plane, then principal curvatures from directional ones (tejada2008 §4.2)
+};
+
+/// Names as users write them; throws ArgumentError naming the choices.
+ProjectionMethod projection_method(const std::string& name);
+const std::vector<std::string>& projection_method_names();
+
+struct ProjectionOptions {
+  ProjectionMethod method = ProjectionMethod::curvature;
+  std::optional<double> smoothing;  ///< width of the weights over the local spacing, 0.5..20; default: from the noise
+  std::optional<double> width;      ///< width of the weights as one length, in place of `smoothing`
+  bool separate_sheets = true;      ///< samples that look the other way than those nearby do not count
+  double reach = kReach;            ///< radius of the domain's balls over the local spacing, 0.5..10
+  /// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier
+  /// 2005, g = λ²/(λ² + 10(|κ| − λ)²)); hard, hardly at all; none.
+  enum class Diffusion { none, soft, hard } diffusion = Diffusion::none;
+  double threshold = 2;  ///< curvature: λ times the width, > 0
+  int tau = 2;           ///< curvature: exponent of the M-like weights, 1..3
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+class ProjectionSurface : public Projection {
+ public:
+  ~ProjectionSurface() override;
+  ProjectionSurface(ProjectionSurface&&) noexcept;
+  ProjectionSurface& operator=(ProjectionSurface&&) noexcept;
+
+  Box3 bounds() const override;
+  void project(std::span<const Vec3> x, std::span<FootPoint> feet) const override;
+
+  BallUnion balls() const;
+  const SurfaceSamples& samples() const;
+  double smoothing() const;
+
+  struct State;  ///< internal
+
+ private:
+  friend ProjectionSurface make_projection_surface(SurfaceSamples, const ProjectionOptions&, Progress&);
+  explicit ProjectionSurface(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Throws ArgumentError for bad options.
+ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options, Progress& progress);
+
+}  // namespace sansmesh
