@@ -32,7 +32,7 @@ struct ApproximateMlsOptions {
   /// exp(−π²/ε) of the values (times a factor that grows with the order), shows between samples.
   double shape = 1;
   /// h, a length > 0. Unset: SampleIndex::spacing().
-  std::optional<double> spacing;
+  std::optional<double> spacing = {};
   /// n >= 0: number of times that the approximation of the residual is added.
   int iterations = 4;
   Normalisation normalisation = Normalisation::kPartition;
