@@ -1,21 +1,106 @@
-#include "sansmesh/render/ball_segments.h"
-
+// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/render/ball_segments.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
 #include <embree3/rtcore.h>
+#include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/render/ball_segments.h"
 
+#ifndef SANSMESH_BALL_SEGMENTS_ONCE
+#define SANSMESH_BALL_SEGMENTS_ONCE
+namespace sansmesh::detail {
+
+constexpr unsigned kPacket = 8;  // rays
+
+struct Ball {
+  float x, y, z, radius;
+};
+
+/// What a packet of rays has found so far; Embree hands its first member back to the callback.
+struct PacketQuery {
+  RTCIntersectContext context;
+  alignas(32) float entry[kPacket], exit[kPacket], radius[kPacket];
+  alignas(32) int ball[kPacket];
+};
+
+}  // namespace sansmesh::detail
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// One ball against a packet. Embree finds balls in an order that depends on its tree, and that on the threads which
+/// built it. The answer must not: of several balls with the same entry the one that ends last, then the first one
+/// counts. No fused multiply-add: its rounding would differ from that of machines without it.
+void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
+  const hn::CappedTag<float, kPacket> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const Ball& ball = static_cast<const Ball*>(arguments->geometryUserPtr)[arguments->primID];
+  auto& query = *reinterpret_cast<PacketQuery*>(arguments->context);
+  auto& ray = reinterpret_cast<RTCRayHit8*>(arguments->rayhit)->ray;
+  const auto zero = hn::Zero(d), radius = hn::Set(d, ball.radius);
+  const auto own = hn::Set(di, static_cast<int>(arguments->primID));
+  for (std::size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+    const auto x = hn::Sub(hn::Set(d, ball.x), hn::Load(d, ray.org_x + i));
+    const auto y = hn::Sub(hn::Set(d, ball.y), hn::Load(d, ray.org_y + i));
+    const auto z = hn::Sub(hn::Set(d, ball.z), hn::Load(d, ray.org_z + i));
+    const auto dx = hn::Load(d, ray.dir_x + i), dy = hn::Load(d, ray.dir_y + i), dz = hn::Load(d, ray.dir_z + i);
+    const auto middle = hn::Add(hn::Add(hn::Mul(x, dx), hn::Mul(y, dy)), hn::Mul(z, dz));
+    // Not |to centre|² − middle²: the difference of large numbers, from afar.
+    const auto px = hn::Sub(x, hn::Mul(middle, dx)), py = hn::Sub(y, hn::Mul(middle, dy)),
+               pz = hn::Sub(z, hn::Mul(middle, dz));
+    const auto aside = hn::Add(hn::Add(hn::Mul(px, px), hn::Mul(py, py)), hn::Mul(pz, pz));
+    const auto square = hn::Sub(hn::Mul(radius, radius), aside);
+    const auto half = hn::Sqrt(hn::Max(square, zero));
+    const auto entry = hn::Max(hn::Load(d, ray.tnear + i), hn::Sub(middle, half)), exit = hn::Add(middle, half);
+    const auto slack = hn::Add(hn::Mul(hn::Set(d, BallSegments::kSlackOfRadius), radius),
+                               hn::Mul(hn::Set(d, BallSegments::kSlackOfDistance), entry));
+    const auto best_entry = hn::Load(d, query.entry + i), best_exit = hn::Load(d, query.exit + i);
+    const auto best_ball = hn::Load(di, query.ball + i);
+    const auto valid = hn::RebindMask(d, hn::Ne(hn::LoadU(di, arguments->valid + i), hn::Zero(di)));
+    const auto crosses = hn::And(hn::And(valid, hn::Gt(square, zero)), hn::Gt(exit, hn::Add(entry, slack)));
+    const auto later =
+        hn::Or(hn::Gt(exit, best_exit), hn::And(hn::Eq(exit, best_exit), hn::RebindMask(d, hn::Lt(own, best_ball))));
+    const auto first = hn::Or(hn::Lt(entry, best_entry), hn::And(hn::Eq(entry, best_entry), later));
+    const auto better = hn::And(crosses, first);
+    if (hn::AllFalse(d, better)) continue;
+    hn::Store(hn::IfThenElse(better, entry, best_entry), d, query.entry + i);
+    hn::Store(hn::IfThenElse(better, exit, best_exit), d, query.exit + i);
+    hn::Store(hn::IfThenElse(better, radius, hn::Load(d, query.radius + i)), d, query.radius + i);
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, better), own, best_ball), di, query.ball + i);
+    hn::Store(hn::IfThenElse(better, entry, hn::Load(d, ray.tfar + i)), d, ray.tfar + i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace sansmesh {
+namespace detail {
+HWY_EXPORT(CrossBall);
+
+void cross_ball(const RTCIntersectFunctionNArguments* arguments) { HWY_DYNAMIC_DISPATCH(CrossBall)(arguments); }
+}
+
+using detail::Ball;
+using detail::kPacket;
 
 /// Spheres of Embree itself will not do: from inside a ball they tell where it ends, but not that one is inside. So the
 /// balls are geometry of our own, which hands out both ends.
 struct BallSegments::State {
-  struct Ball {
-    float x, y, z, radius;
-  };
   std::vector<Ball> balls;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -31,55 +116,11 @@ struct BallSegments::State {
 
 namespace {
 
-using Ball = float[4];
-constexpr unsigned kPacket = 8;
-
-/// Embree hands its first member back to the callbacks.
-struct Query {
-  RTCIntersectContext context;
-  BallSegment* best;       // of the rays of the packet
-  unsigned ball[kPacket];  // the ball behind each of them
-};
-
 void ball_bounds(const RTCBoundsFunctionArguments* arguments) {
-  const float* ball = static_cast<const float*>(arguments->geometryUserPtr) + std::size_t{4} * arguments->primID;
+  const Ball& ball = static_cast<const Ball*>(arguments->geometryUserPtr)[arguments->primID];
   RTCBounds& b = *arguments->bounds_o;
-  b.lower_x = ball[0] - ball[3], b.lower_y = ball[1] - ball[3], b.lower_z = ball[2] - ball[3];
-  b.upper_x = ball[0] + ball[3], b.upper_y = ball[1] + ball[3], b.upper_z = ball[2] + ball[3];
-}
-
-void cross_ball(const RTCIntersectFunctionNArguments* arguments) {
-  const float* ball = static_cast<const float*>(arguments->geometryUserPtr) + std::size_t{4} * arguments->primID;
-  auto* query = reinterpret_cast<Query*>(arguments->context);
-  const unsigned n = arguments->N;
-  RTCRayN* ray = RTCRayHitN_RayN(arguments->rayhit, n);
-  RTCHitN* hit = RTCRayHitN_HitN(arguments->rayhit, n);
-  const float radius = ball[3];
-  for (unsigned i = 0; i < n; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    const Vec3f to_center{ball[0] - RTCRayN_org_x(ray, n, i), ball[1] - RTCRayN_org_y(ray, n, i),
-                          ball[2] - RTCRayN_org_z(ray, n, i)};
-    const Vec3f direction{RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i)};
-    const float middle = dot(to_center, direction);
-    const float square = radius * radius - squared_norm(to_center - middle * direction);
-    if (!(square > 0)) continue;
-    const float half = std::sqrt(square), from = RTCRayN_tnear(ray, n, i);
-    const float entry = std::max(from, middle - half), exit = middle + half;
-    if (!(exit > entry + BallSegments::slack(entry, radius)) || entry > RTCRayN_tfar(ray, n, i)) continue;
-    const unsigned lane = RTCRayN_id(ray, n, i);
-    BallSegment& best = query->best[lane];
-    // Embree finds balls in an order that depends on its tree, and that on the threads which built it: the answer must
-    // not.
-    if (best.found &&
-        (entry > best.entry ||
-         (entry == best.entry && (exit < best.exit || (exit == best.exit && arguments->primID > query->ball[lane])))))
-      continue;
-    best = {true, entry, exit, radius};
-    query->ball[lane] = arguments->primID;
-    RTCRayN_tfar(ray, n, i) = entry;
-    RTCHitN_geomID(hit, n, i) = 0;
-    RTCHitN_primID(hit, n, i) = arguments->primID;
-  }
+  b.lower_x = ball.x - ball.radius, b.lower_y = ball.y - ball.radius, b.lower_z = ball.z - ball.radius;
+  b.upper_x = ball.x + ball.radius, b.upper_y = ball.y + ball.radius, b.upper_z = ball.z + ball.radius;
 }
 
 }  // namespace
@@ -103,7 +144,7 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(s.balls.size()));
   rtcSetGeometryUserData(geometry, s.balls.data());
   rtcSetGeometryBoundsFunction(geometry, ball_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, cross_ball);
+  rtcSetGeometryIntersectFunction(geometry, detail::cross_ball);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(s.scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -112,31 +153,31 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
 }
 
 void BallSegments::first(std::span<const SegmentQuery> queries, std::span<BallSegment> segments) const {
+  constexpr float kEndless = std::numeric_limits<float>::infinity();
+  RTCRayHit8 packet{};
+  detail::PacketQuery query;
+  rtcInitIntersectContext(&query.context);
+  query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (std::size_t first = 0; first < queries.size(); first += kPacket) {
     const auto count = static_cast<unsigned>(std::min<std::size_t>(kPacket, queries.size() - first));
-    alignas(32) int valid[kPacket] = {};
-    RTCRayHit8 packet;
-    Query query;
-    rtcInitIntersectContext(&query.context);
-    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    query.best = segments.data() + first;
+    alignas(32) int valid[kPacket];
     for (unsigned i = 0; i < kPacket; ++i) {
       const SegmentQuery& q = queries[first + std::min(i, count - 1)];
       valid[i] = i < count ? -1 : 0;
-      if (i < count) segments[first + i] = {};
       packet.ray.org_x[i] = q.origin.x, packet.ray.org_y[i] = q.origin.y, packet.ray.org_z[i] = q.origin.z;
       packet.ray.dir_x[i] = q.direction.x, packet.ray.dir_y[i] = q.direction.y, packet.ray.dir_z[i] = q.direction.z;
       packet.ray.tnear[i] = q.from;
       packet.ray.tfar[i] = q.far;
-      packet.ray.time[i] = 0;
       packet.ray.mask[i] = 0xFFFFFFFFu;
-      packet.ray.id[i] = i;
-      packet.ray.flags[i] = 0;
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-      packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      query.entry[i] = query.exit[i] = kEndless;
+      query.ball[i] = -1;
     }
     rtcIntersect8(valid, state_->scene, &query.context, &packet);
+    for (unsigned i = 0; i < count; ++i)
+      segments[first + i] = {query.ball[i] >= 0, query.entry[i], query.exit[i], query.radius[i]};
   }
 }
 
 }  // namespace sansmesh
+#endif

@@ -38,7 +38,8 @@ class BallSegments {
   void first(std::span<const SegmentQuery> queries, std::span<BallSegment> segments) const;
 
   /// Length along the ray that counts as nothing.
-  static float slack(float distance, float radius) { return 1e-4f * radius + 1e-6f * distance; }
+  static float slack(float distance, float radius) { return kSlackOfRadius * radius + kSlackOfDistance * distance; }
+  static constexpr float kSlackOfRadius = 1e-4f, kSlackOfDistance = 1e-6f;
 
  private:
   struct State;
