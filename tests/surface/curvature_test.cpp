@@ -1,0 +1,274 @@
+#include "sansmesh/surface/curvature.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "surface/curvature_shapes.h"
+
+namespace sansmesh {
+namespace {
+
+using test::Curved;
+using test::curved_cloud;
+using test::CurvedCloud;
+using Weights = CurvatureOptions::Weights;
+
+constexpr Curved kShapes[] = {Curved::sphere, Curved::torus, Curved::ellipsoid};
+
+std::vector<PrincipalCurvatures> curvatures(const PointSet& points, const CurvatureOptions& options = {}) {
+  Progress progress;
+  return estimate_curvatures(points, options, progress);
+}
+
+/// Root mean square error of both curvatures over their own root mean square.
+double relative_error(const CurvedCloud& truth, const std::vector<PrincipalCurvatures>& found) {
+  double error = 0, size = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const double d1 = static_cast<double>(found[i].k1) - truth.k1[i],
+                 d2 = static_cast<double>(found[i].k2) - truth.k2[i];
+    error += d1 * d1 + d2 * d2;
+    size += truth.k1[i] * truth.k1[i] + truth.k2[i] * truth.k2[i];
+  }
+  return std::sqrt(error / size);
+}
+
+TEST(Curvature, OfCleanSamplesIsThatOfTheSurface) {
+  for (const Curved shape : kShapes) {
+    const CurvedCloud cloud = curved_cloud(shape, 20000, 0, 1);
+    EXPECT_LT(relative_error(cloud, curvatures(cloud.points)), 0.015) << static_cast<int>(shape);
+    CurvatureOptions source;
+    source.offset = source.refit_normal = false;
+    EXPECT_LT(relative_error(cloud, curvatures(cloud.points, source)), 0.015) << static_cast<int>(shape);
+  }
+}
+
+TEST(Curvature, OfNoisySamplesWithEstimatedNormalsIsClose) {
+  for (const Curved shape : kShapes) {
+    CurvedCloud cloud = curved_cloud(shape, 20000, 0.002, 2);
+    test::use_estimated_normals(cloud.points);
+    EXPECT_LT(relative_error(cloud, curvatures(cloud.points)), 0.05) << static_cast<int>(shape);
+    cloud = curved_cloud(shape, 20000, 0.01, 3);
+    test::use_estimated_normals(cloud.points);
+    EXPECT_LT(relative_error(cloud, curvatures(cloud.points)), 0.1) << static_cast<int>(shape);
+  }
+}
+
+TEST(Curvature, NeedsWeightsThatDistrustNearSamples) {
+  for (const Curved shape : kShapes) {
+    const CurvedCloud cloud =
+        curved_cloud(shape, 10000, 0.002, 4);  // true normals: the weights alone make the difference
+    CurvatureOptions options;
+    options.offset = options.refit_normal = false;
+    options.neighbours = 160;
+    const double m_like = relative_error(cloud, curvatures(cloud.points, options));
+    options.weights = Weights::gaussian;
+    const double gaussian = relative_error(cloud, curvatures(cloud.points, options));
+    options.weights = Weights::uniform;
+    const double uniform = relative_error(cloud, curvatures(cloud.points, options));
+    EXPECT_GT(gaussian, 4 * m_like);
+    EXPECT_GT(uniform, 2 * m_like);
+    options = {};
+    options.neighbours = 160;
+    EXPECT_LT(relative_error(cloud, curvatures(cloud.points, options)), 0.9 * m_like);
+  }
+}
+
+TEST(Curvature, NeighbourhoodsAreNearTheBestOnes) {
+  for (const Curved shape : {Curved::torus, Curved::ellipsoid})
+    for (const double noise : {0.0, 0.002, 0.01}) {
+      CurvedCloud cloud = curved_cloud(shape, 10000, noise, 5);
+      test::use_estimated_normals(cloud.points);
+      const double chosen = relative_error(cloud, curvatures(cloud.points));
+      for (const int neighbours : {20, 40, 80, 160, 320, 640}) {
+        CurvatureOptions options;
+        options.neighbours = neighbours;
+        EXPECT_LT(chosen, 1.6 * relative_error(cloud, curvatures(cloud.points, options)) + 0.01) << neighbours;
+      }
+    }
+}
+
+TEST(Curvature, DirectionsAreThoseOfTheSurface) {
+  for (const Curved shape : {Curved::torus, Curved::ellipsoid}) {
+    CurvedCloud cloud = curved_cloud(shape, 20000, 0.002, 6);
+    test::use_estimated_normals(cloud.points);
+    const auto found = curvatures(cloud.points);
+    std::size_t judged = 0, good = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const PrincipalCurvatures& c = found[i];
+      ASSERT_TRUE(c.defined);
+      ASSERT_GE(c.k1, c.k2);
+      ASSERT_NEAR(norm(c.direction1), 1, 1e-5);
+      ASSERT_NEAR(norm(c.direction2), 1, 1e-5);
+      ASSERT_NEAR(dot(c.direction1, c.direction2), 0, 1e-5);
+      ASSERT_NEAR(dot(c.direction1, c.normal), 0, 1e-5);
+      ASSERT_NEAR(dot(c.direction2, c.normal), 0, 1e-5);
+      if (cloud.k1[i] - cloud.k2[i] < 0.5) continue;
+      ++judged;
+      good += std::abs(dot(Vec3(c.direction1), cloud.direction1[i])) > std::cos(5 * std::numbers::pi / 180);
+    }
+    EXPECT_GT(judged, 10000u);
+    EXPECT_GT(static_cast<double>(good), 0.97 * static_cast<double>(judged));
+  }
+}
+
+TEST(Curvature, MovesWithTheCloudAndScalesInversely) {
+  CurvedCloud cloud = curved_cloud(Curved::ellipsoid, 4000, 0.003, 7);
+  const auto before = curvatures(cloud.points);
+  // A rotation by 2 asin 0.6 about (2, −1, 2)/3, as a quaternion; then a scale and a shift.
+  const Vec3 q = Vec3{2, -1, 2} / 3 * 0.6;
+  const double w = 0.8, scale = 7;
+  const auto rotate = [&](const Vec3& p) { return p + cross(q, cross(q, p) + p * w) * 2.0; };
+  PointSet moved = cloud.points;
+  for (Vec3f& p : moved.positions) p = Vec3f(rotate(Vec3(p)) * scale + Vec3{3, 4, 5});
+  for (Vec3f& n : moved.normals) n = Vec3f(rotate(Vec3(n)));
+  const auto after = curvatures(moved);
+  std::size_t same = 0, compared = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    // Rounding may exchange neighbours of like distance.
+    same += std::abs(after[i].k1 * 7 - before[i].k1) < 0.01f && std::abs(after[i].k2 * 7 - before[i].k2) < 0.01f;
+    if (before[i].k1 - before[i].k2 < 0.3f) continue;
+    ++compared;
+    EXPECT_GT(std::abs(dot(rotate(Vec3(before[i].direction1)), Vec3(after[i].direction1))), 0.99);
+  }
+  EXPECT_GT(same, before.size() * 99 / 100);
+  EXPECT_GT(compared, 1000u);
+}
+
+TEST(Curvature, TurnsItsSignWithTheNormals) {
+  CurvedCloud cloud = curved_cloud(Curved::torus, 4000, 0, 8);
+  const auto outward = curvatures(cloud.points);
+  for (Vec3f& n : cloud.points.normals) n = -n;
+  const auto inward = curvatures(cloud.points);
+  for (std::size_t i = 0; i < outward.size(); ++i) {
+    EXPECT_NEAR(outward[i].k1, -inward[i].k2, 1e-3f);
+    EXPECT_NEAR(outward[i].k2, -inward[i].k1, 1e-3f);
+  }
+}
+
+TEST(Curvature, IsTheSameForAnyNumberOfThreads) {
+  CurvedCloud cloud = curved_cloud(Curved::torus, 10000, 0.005, 9);
+  const auto many = curvatures(cloud.points);
+  set_thread_count(1);
+  const auto one = curvatures(cloud.points);
+  set_thread_count(0);
+  for (std::size_t i = 0; i < many.size(); ++i) ASSERT_TRUE(many[i].k1 == one[i].k1 && many[i].k2 == one[i].k2);
+}
+
+TEST(Curvature, AnywhereAgreesWithThatAtSamples) {
+  const CurvedCloud cloud = curved_cloud(Curved::torus, 20000, 0, 10);
+  for (const bool radius : {false, true}) {
+    CurvatureOptions options;
+    options.neighbours = 30;
+    if (radius) options.radius = 0.08;
+    const CurvatureEstimator estimator(cloud.points, options);
+    Progress progress;
+    const auto at_samples = estimator.at_samples(progress);
+    std::vector<Vec3> x, normals;
+    for (std::size_t i = 0; i < 1000; ++i) {
+      x.emplace_back(cloud.points.positions[i]);
+      normals.emplace_back(cloud.points.normals[i]);
+    }
+    std::vector<PrincipalCurvatures> found(x.size());
+    estimator.evaluate(x, normals, found);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_TRUE(found[i].defined);
+      EXPECT_NEAR(found[i].k1, at_samples[i].k1, 2e-3);
+      EXPECT_NEAR(found[i].k2, at_samples[i].k2, 2e-3);
+    }
+    // Between the surface and the points the offset tells the distance, and the curvatures are those of the surface.
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += normals[i] * 0.02;
+    estimator.evaluate(x, normals, found);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_TRUE(found[i].defined);
+      EXPECT_NEAR(found[i].offset, -0.02, 1e-3);
+      EXPECT_NEAR(found[i].k1, 2.5, 0.2);
+    }
+    // Far away there is nothing.
+    for (Vec3& p : x) p *= 10.0;
+    estimator.evaluate(x, normals, found);
+    for (const PrincipalCurvatures& c : found) EXPECT_FALSE(c.defined);
+  }
+}
+
+TEST(Curvature, SeesOneSheetOfAThinPlate) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> u(-1, 1);
+  PointSet plate;
+  for (int i = 0; i < 20000; ++i) {
+    const float side = i % 2 ? 1.0f : -1.0f;
+    plate.positions.push_back({u(random), u(random), 0.005f * side});
+    plate.normals.push_back({0, 0, side});
+  }
+  for (const PrincipalCurvatures& c : curvatures(plate)) {
+    if (!c.defined) continue;
+    EXPECT_LT(curvedness(c), 1e-3f);
+  }
+}
+
+TEST(Curvature, OfDegenerateInputIsUndefined) {
+  PointSet points;
+  EXPECT_TRUE(curvatures(points).empty());
+  points.positions.assign(100, {1, 1, 1});
+  points.normals.assign(100, {0, 0, 1});
+  for (const PrincipalCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
+  for (std::size_t i = 0; i < 100; ++i) points.positions[i] = {static_cast<float>(i), 0, 0};
+  for (const PrincipalCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
+  points.positions.resize(4);
+  points.normals.resize(4);
+  for (const PrincipalCurvatures& c : curvatures(points)) EXPECT_FALSE(c.defined);
+  CurvedCloud cloud = curved_cloud(Curved::sphere, 2000, 0, 12);
+  cloud.points.positions[7].x = std::numeric_limits<float>::quiet_NaN();
+  cloud.points.normals[8] = {};
+  cloud.points.normals[9].y = std::numeric_limits<float>::infinity();
+  const auto found = curvatures(cloud.points);
+  ASSERT_EQ(found.size(), 2000u);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].defined, i < 7 || i > 9);
+    if (i < 7 || i > 9) {
+      EXPECT_NEAR(found[i].k1, 1, 0.02);
+    }
+  }
+}
+
+TEST(Curvature, ChecksItsArguments) {
+  PointSet points;
+  points.positions.assign(10, {});
+  EXPECT_THROW(curvatures(points), DataError);
+  points.normals.assign(10, {0, 0, 1});
+  const auto bad = [&](auto change) {
+    CurvatureOptions options;
+    change(options);
+    EXPECT_THROW(curvatures(points, options), ArgumentError);
+  };
+  bad([](CurvatureOptions& o) { o.tau = 0; });
+  bad([](CurvatureOptions& o) { o.radius = 0; });
+  bad([](CurvatureOptions& o) { o.neighbours = 3; });
+  bad([](CurvatureOptions& o) { o.noise = -1; });
+  const CurvatureEstimator estimator(points, {});
+  std::vector<Vec3> x(2), normals(1);
+  std::vector<PrincipalCurvatures> result(2);
+  EXPECT_THROW(estimator.evaluate(x, normals, result), ArgumentError);
+}
+
+TEST(Curvature, DerivedMeasures) {
+  PrincipalCurvatures c;
+  EXPECT_EQ(shape_index(c), 0);
+  c.k1 = 3, c.k2 = 1;
+  EXPECT_FLOAT_EQ(mean_curvature(c), 2);
+  EXPECT_FLOAT_EQ(gaussian_curvature(c), 3);
+  EXPECT_FLOAT_EQ(curvedness(c), std::sqrt(5.0f));
+  c.k2 = 3;
+  EXPECT_FLOAT_EQ(shape_index(c), 1);
+  c.k2 = -3;
+  EXPECT_FLOAT_EQ(shape_index(c), 0);
+  c.k2 = 0;
+  EXPECT_FLOAT_EQ(shape_index(c), 0.5f);
+  c.k1 = 0, c.k2 = -2;
+  EXPECT_FLOAT_EQ(shape_index(c), -0.5f);
+}
+
+}  // namespace
+}  // namespace sansmesh
