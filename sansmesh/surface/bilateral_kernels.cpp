@@ -15,7 +15,7 @@ namespace HWY_NAMESPACE {
 
 constexpr float kFarthest = 60;  // exponent beyond which exp() is nothing
 
-void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group, int iterations,
+void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group, int iterations, float inverse_turn,
                  GroupNormals& normals) {
   const Tag tag;
   const V zero = hn::Zero(tag), one = Constant(1);
@@ -32,10 +32,12 @@ void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group,
         if (hn::AllFalse(tag, hn::Gt(t, zero))) continue;
         const V t2 = hn::Mul(t, t);
         const V z = hn::MulAdd(n.x, dx, hn::MulAdd(n.y, dy, hn::Mul(n.z, dz)));
-        const V exponent = hn::Min(hn::Mul(hn::Mul(z, z), Constant(c.inverse_height)), Constant(kFarthest));
+        const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
+        // ‖n − n_i‖² = 2 − 2⟨n, n_i⟩
+        const V turn = hn::Mul(hn::Sub(one, cosine), Constant(inverse_turn));
+        const V exponent = hn::Min(hn::MulAdd(hn::Mul(z, z), Constant(c.inverse_height), turn), Constant(kFarthest));
         const V w = hn::Mul(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), hn::Exp(tag, hn::Neg(exponent)));
         // The other side of a thin sheet does not count, whatever its distance.
-        const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
         const V own = hn::IfThenElseZero(hn::Gt(cosine, zero), w);
         sum.x = hn::MulAdd(own, Constant(c.nx), sum.x);
         sum.y = hn::MulAdd(own, Constant(c.ny), sum.y);
@@ -60,9 +62,9 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh::detail {
 HWY_EXPORT(RefineGroup);
 
-void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations,
+void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations, float inverse_turn,
                   GroupNormals& normals) {
-  HWY_DYNAMIC_DISPATCH(RefineGroup)(candidates, group, iterations, normals);
+  HWY_DYNAMIC_DISPATCH(RefineGroup)(candidates, group, iterations, inverse_turn, normals);
 }
 
 }  // namespace sansmesh::detail

@@ -11,8 +11,8 @@ struct GroupNormals {
   alignas(64) float x[kGroup], y[kGroup], z[kGroup];
 };
 
-/// Refines the unit normals in place. `inverse_height` of the candidates is 1 / (2σ²).
-void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations,
+/// Refines the unit normals in place. `inverse_height` of the candidates is 1 / (2σ²); `inverse_turn` is 1 / τ².
+void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations, float inverse_turn,
                   GroupNormals& normals);
 
 }  // namespace sansmesh::detail

@@ -18,6 +18,7 @@ constexpr double kHeightOverSpacing = 0.33, kHeightOverNoise = 1;
 struct BilateralNormals::State {
   detail::Candidates candidates;
   int iterations = 0;
+  float inverse_turn = 0;
 };
 
 void BilateralOptions::validate() const {
@@ -26,6 +27,7 @@ void BilateralOptions::validate() const {
   };
   check(!height || (std::isfinite(*height) && *height > 0), "height must be a positive length");
   check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
+  check(std::isfinite(turn) && turn > 0, "turn must be positive");
   check(iterations >= 0 && iterations <= 20, "iterations must lie in 0..20");
 }
 
@@ -33,6 +35,7 @@ BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const Bilatera
     : state_(std::make_unique<State>()) {
   options.validate();
   state_->iterations = options.iterations;
+  state_->inverse_turn = static_cast<float>(1 / (options.turn * options.turn));
   const double noise = samples.noise / samples.median_spacing;
   const auto widths =
       detail::weight_widths(samples, options.smoothing.value_or(std::min(kSmoothing + 1.5 * noise, 5.0)), std::nullopt);
@@ -56,9 +59,8 @@ void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals) 
           const Vec3f given(normalized(normals[group.slot[k]]));
           n.x[k] = given.x, n.y[k] = given.y, n.z[k] = given.z;
         }
-        detail::refine_group(chosen, group, state_->iterations, n);
-        for (std::size_t k = 0; k < group.count; ++k)
-          normals[group.slot[k]] = Vec3(Vec3f{n.x[k], n.y[k], n.z[k]});
+        detail::refine_group(chosen, group, state_->iterations, state_->inverse_turn, n);
+        for (std::size_t k = 0; k < group.count; ++k) normals[group.slot[k]] = Vec3(Vec3f{n.x[k], n.y[k], n.z[k]});
       });
 }
 

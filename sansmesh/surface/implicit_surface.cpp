@@ -53,8 +53,8 @@ detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOpti
   for (const int order : {2, 4}) {
     if (options.order && order != 2) break;
     iteration.order = options.order.value_or(order);
-    const auto choice = detail::choose_iterations(samples, iteration, options.smoothing.value_or(0),
-                                                  options.iterations.value_or(-1));
+    const auto choice =
+        detail::choose_iterations(samples, iteration, options.smoothing.value_or(0), options.iterations.value_or(-1));
     if (order == 2 || choice.error < best.error) best = choice;
   }
   return best;
@@ -90,6 +90,10 @@ void ImplicitSurface::State::beyond_supports(const Vec3& x, double& value, Vec3*
 
 void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                       std::span<std::uint8_t> inside) const {
+  // Points that are not finite belong to no group.
+  std::fill(values.begin(), values.end(), candidates.bounds().diagonal());
+  std::fill(gradients.begin(), gradients.end(), Vec3{});
+  std::fill(inside.begin(), inside.end(), std::uint8_t{0});
   detail::GroupValues out;
   candidates.for_each_group(
       x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool mixed) {

@@ -33,12 +33,12 @@ struct ImplicitOptions {
   ImplicitMethod method = ImplicitMethod::apss;
   /// Width h of the weights, exp(−d²/h²) or the compact (1 − d²/(2h)²)⁴ that resembles it, as a multiple of the local
   /// spacing of the samples, 0.5..20; default: from the noise.
-  std::optional<double> smoothing;
+  std::optional<double> smoothing = {};
   /// Width of the weights as one length for the whole cloud, in place of `smoothing`.
-  std::optional<double> width;
-  std::optional<int> order;       ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by
-  std::optional<int> iterations;  ///< amls: 0..100; … leave-one-out cross validation, together with the width
-  bool separate_sheets = true;    ///< samples that look the other way than those nearby do not count
+  std::optional<double> width = {};
+  std::optional<int> order = {};       ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by
+  std::optional<int> iterations = {};  ///< amls: 0..100; … leave-one-out cross validation, together with the width
+  bool separate_sheets = true;         ///< samples that look the other way than those nearby do not count
   /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10.
   double reach = kReach;
   /// Throws ArgumentError naming the field.

@@ -32,7 +32,8 @@ struct CompactWeight {
     if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
     const V t2 = hn::Mul(t, t), t3 = hn::Mul(t2, t);
     const V derivative = hn::Mul(t3, Constant(-4 * c.weight * c.inverse_support));
-    w = Radial(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), derivative, dx, dy, dz, static_cast<const Num<kGradient>*>(nullptr));
+    w = Radial(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), derivative, dx, dy, dz,
+               static_cast<const Num<kGradient>*>(nullptr));
     return true;
   }
 };
@@ -61,16 +62,17 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
     const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
     Value w;
     if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
-    V narrow = hn::Mul(w.v, Constant(1 / c.weight));
+    // The fourth power, scaled so that small ones do not vanish.
+    V narrow = hn::Mul(w.v, Constant(1e4f / c.weight));
     narrow = hn::Mul(narrow, narrow);
-    narrow = hn::MulAdd(hn::Mul(narrow, narrow), Constant(c.weight), Constant(0));
+    narrow = hn::Mul(hn::Mul(narrow, narrow), Constant(c.weight));
     n.x = hn::MulAdd(narrow, Constant(c.nx), n.x);
     n.y = hn::MulAdd(narrow, Constant(c.ny), n.y);
     n.z = hn::MulAdd(narrow, Constant(c.nz), n.z);
   }
   const V n2 = hn::MulAdd(n.x, n.x, hn::MulAdd(n.y, n.y, hn::Mul(n.z, n.z)));
-  const V inverse = hn::IfThenElseZero(hn::Gt(n2, hn::Zero(Tag())),
-                                       hn::Div(Constant(1), hn::Sqrt(hn::Max(n2, Constant(1e-38f)))));
+  const V inverse =
+      hn::IfThenElseZero(hn::Gt(n2, hn::Zero(Tag())), hn::Div(Constant(1), hn::Sqrt(hn::Max(n2, Constant(1e-38f)))));
   return {hn::Mul(n.x, inverse), hn::Mul(n.y, inverse), hn::Mul(n.z, inverse)};
 }
 

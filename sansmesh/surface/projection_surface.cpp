@@ -13,9 +13,8 @@ struct Name {
   ProjectionMethod method;
   const char* name;
 };
-constexpr Name kNames[] = {{ProjectionMethod::levin, "levin"},
-                           {ProjectionMethod::alexa, "alexa"},
-                           {ProjectionMethod::curvature, "curvature"}};
+constexpr Name kNames[] = {
+    {ProjectionMethod::levin, "levin"}, {ProjectionMethod::alexa, "alexa"}, {ProjectionMethod::curvature, "curvature"}};
 
 /// Least width over the spacing: the polynomials need about a dozen samples.
 constexpr double kLeastSmoothing = 1.4, kNoiseSmoothing = 2.2, kMostSmoothing = 5;
@@ -72,8 +71,7 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   auto state = std::make_unique<ProjectionSurface::State>();
   progress.begin("supports");
   const double ratio = samples.noise / samples.median_spacing;
-  state->smoothing =
-      options.smoothing.value_or(std::min(kLeastSmoothing + kNoiseSmoothing * ratio, kMostSmoothing));
+  state->smoothing = options.smoothing.value_or(std::min(kLeastSmoothing + kNoiseSmoothing * ratio, kMostSmoothing));
   if (ratio > kSomeNoise) smooth_normals(samples, state->smoothing, ratio > kMuchNoise ? 2 : 1);
   const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.width);
   state->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach);
@@ -105,23 +103,19 @@ void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> fe
     feet[i].position = x[i];  // those that are not finite stay so
   }
   detail::GroupFeet out;
-  state_->candidates.for_each_group(
-      x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool mixed) {
-        detail::ProjectionKernel how = state_->kernel;
-        how.sheets = how.sheets && mixed;
-        detail::project_group(how, chosen, group, out);
-        for (std::size_t k = 0; k < group.count; ++k) {
-          const Vec3 p = Vec3(group.center) + Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
-          const Vec3 n(Vec3f{out.nx[k], out.ny[k], out.nz[k]});
-          if (!(out.inside[k] > 0) || !is_finite(p) || !is_finite(n)) continue;
-          feet[group.slot[k]] = {p,
-                                 n,
-                                 static_cast<double>(out.xx[k]),
-                                 static_cast<double>(out.xy[k]),
-                                 static_cast<double>(out.yy[k]),
-                                 true};
-        }
-      });
+  state_->candidates.for_each_group(x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen,
+                                           bool mixed) {
+    detail::ProjectionKernel how = state_->kernel;
+    how.sheets = how.sheets && mixed;
+    detail::project_group(how, chosen, group, out);
+    for (std::size_t k = 0; k < group.count; ++k) {
+      const Vec3 p = Vec3(group.center) + Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
+      const Vec3 n(Vec3f{out.nx[k], out.ny[k], out.nz[k]});
+      if (!(out.inside[k] > 0) || !is_finite(p) || !is_finite(n)) continue;
+      feet[group.slot[k]] = {
+          p, n, static_cast<double>(out.xx[k]), static_cast<double>(out.xy[k]), static_cast<double>(out.yy[k]), true};
+    }
+  });
 }
 
 }  // namespace sansmesh
