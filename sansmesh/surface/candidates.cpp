@@ -73,7 +73,7 @@ bool Candidates::gather(const PointGroup& group, const Box3f& box, std::vector<C
   }
   const float limit = kAgree * norm(mean);
   for (const Candidate& c : chosen)
-    if (c.nx * mean.x + c.ny * mean.y + c.nz * mean.z < limit) return true;
+    if (!(c.nx * mean.x + c.ny * mean.y + c.nz * mean.z > limit)) return true;  // so too where the mean vanishes
   return false;
 }
 

@@ -53,10 +53,15 @@ struct GaussianWeight {
   }
 };
 
-/// Which way the surface next to the points looks: means of normals with half as wide weights.
+/// Which way the surface next to the points looks: means of normals with half as wide weights. Where these disagree,
+/// between two sheets, the nearest sample decides.
 template <class Weight>
 HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes& p) {
-  Lanes n{hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
+  constexpr float kClear = 0.25f;  // squared length of the mean from which on it is one sheet's
+  const Tag tag;
+  const V zero = hn::Zero(tag);
+  Lanes n{zero, zero, zero}, nearest{zero, zero, zero};
+  V sum = zero, largest = zero;
   for (const Candidate& c : candidates) {
     const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
     const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
@@ -66,14 +71,22 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
     V narrow = hn::Mul(w.v, Constant(1e4f / c.weight));
     narrow = hn::Mul(narrow, narrow);
     narrow = hn::Mul(hn::Mul(narrow, narrow), Constant(c.weight));
-    n.x = hn::MulAdd(narrow, Constant(c.nx), n.x);
-    n.y = hn::MulAdd(narrow, Constant(c.ny), n.y);
-    n.z = hn::MulAdd(narrow, Constant(c.nz), n.z);
+    const V nx = Constant(c.nx), ny = Constant(c.ny), nz = Constant(c.nz);
+    n.x = hn::MulAdd(narrow, nx, n.x), n.y = hn::MulAdd(narrow, ny, n.y), n.z = hn::MulAdd(narrow, nz, n.z);
+    sum = hn::Add(sum, narrow);
+    const auto best = hn::Gt(narrow, largest);
+    largest = hn::Max(narrow, largest);
+    nearest = {hn::IfThenElse(best, nx, nearest.x), hn::IfThenElse(best, ny, nearest.y),
+               hn::IfThenElse(best, nz, nearest.z)};
   }
+  const V share = hn::Div(Constant(1), hn::Max(sum, Constant(1e-30f)));
+  n = {hn::Mul(n.x, share), hn::Mul(n.y, share), hn::Mul(n.z, share)};
   const V n2 = hn::MulAdd(n.x, n.x, hn::MulAdd(n.y, n.y, hn::Mul(n.z, n.z)));
-  const V inverse =
-      hn::IfThenElseZero(hn::Gt(n2, hn::Zero(Tag())), hn::Div(Constant(1), hn::Sqrt(hn::Max(n2, Constant(1e-38f)))));
-  return {hn::Mul(n.x, inverse), hn::Mul(n.y, inverse), hn::Mul(n.z, inverse)};
+  const auto clear = hn::Gt(n2, Constant(kClear));
+  const V inverse = hn::Div(Constant(1), hn::Sqrt(hn::IfThenElse(clear, n2, Constant(1))));
+  return {hn::IfThenElse(clear, hn::Mul(n.x, inverse), nearest.x),
+          hn::IfThenElse(clear, hn::Mul(n.y, inverse), nearest.y),
+          hn::IfThenElse(clear, hn::Mul(n.z, inverse), nearest.z)};
 }
 
 /// 1 for samples that look the same way, down to 0 for those 120° off and more.
