@@ -104,9 +104,9 @@ struct ApproximateMlsChoice {
 /// ε and the number of iterations by leave-one-out cross validation: sample k is left out, the approximation iterated
 /// without it and compared with f_k. Not an estimate by the diagonal of a matrix (fasshauer2007 takes Σ (I − A)^k for
 /// the inverse of A there, which is right only in the limit): the iteration without sample k is carried out, but only
-/// within the cutoff radius around it; further away the iteration with all samples is taken, from which it hardly
-/// differs (errors agree with those of computing all anew to about 1e-3). Few iterations come out for noisy values,
-/// many for clean ones. `options` gives order, spacing, normalisation and cutoff. Deterministic. Throws as the
+/// as far from it as φ exceeds 1 % of its peak; further away the iteration with all samples is taken, from which it
+/// hardly differs (errors agree with those of computing all anew to about 1 %). Few iterations come out for noisy
+/// values, many for clean ones. `options` gives order, spacing, normalisation and cutoff. Deterministic. Throws as the
 /// constructor of ApproximateMls.
 template <int D>
 ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> positions, std::span<const double> values,

@@ -10,6 +10,9 @@
 namespace sansmesh {
 namespace {
 
+// The iteration without a sample is carried out as far from it as φ exceeds this fraction of its peak.
+constexpr double kPatch = 1e-2;
+
 // Part of the cloud that is treated as if it were all, and which of its samples to leave out.
 template <int D>
 struct Region {
@@ -132,7 +135,7 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
   ApproximateMlsChoice choice;
   for (const double shape : search.shapes) {
     const LaguerreGaussian phi(D, options.order, shape, spacing);
-    const double radius = phi.cutoff(options.cutoff);
+    const double radius = phi.cutoff(options.cutoff), patch = std::min(radius, phi.cutoff(kPatch));
     std::vector<double> total(steps, 0.0);
     std::size_t count = 0;
     for (const Region<D>& region : regions) {
@@ -147,7 +150,7 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
       }
       std::vector<double> errors(region.left_out.size() * steps);
       parallel_for(0, region.left_out.size(), 1, [&](std::size_t i) {
-        leave_one_out<D>(matrix, region, phi, radius, options.normalisation, c, region.left_out[i],
+        leave_one_out<D>(matrix, region, phi, patch, options.normalisation, c, region.left_out[i],
                          search.max_iterations, history, std::span(errors).subspan(i * steps, steps));
       });
       for (std::size_t i = 0; i < region.left_out.size(); ++i)

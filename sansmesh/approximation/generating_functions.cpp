@@ -75,17 +75,17 @@ RadialValue RadialKernel::with_slope(double r2) const {
   const double t2 = r2 * inverse_square_;
   switch (function_) {
     case RadialFunction::kThinPlate: {
-      if (!(r2 > 0)) return {};
-      const double log = std::log(r2);
-      return {0.5 * r2 * log, log + 1};
+      if (!(t2 > 0)) return {};
+      const double log = std::log(t2);
+      return {0.5 * t2 * log, inverse_square_ * (log + 1)};
     }
     case RadialFunction::kBiharmonic: {
-      const double r = std::sqrt(r2);
-      return {-r, r > 0 ? -1 / r : 0};
+      const double t = std::sqrt(t2);
+      return {-t, t > 0 ? -inverse_square_ / t : 0};
     }
     case RadialFunction::kTriharmonic: {
-      const double r = std::sqrt(r2);
-      return {r2 * r, 3 * r};
+      const double t = std::sqrt(t2);
+      return {t2 * t, 3 * inverse_square_ * t};
     }
     case RadialFunction::kMultiquadric: {
       const double root = std::sqrt(1 + t2);

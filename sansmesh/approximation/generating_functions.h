@@ -17,9 +17,9 @@ struct RadialValue {
 /// Radial basis functions. t = r / scale. Signs are such that every one is (conditionally) positive definite in up to
 /// three variables; `order` says which polynomials must be added: those of degree < order.
 enum class RadialFunction {
-  kThinPlate,            ///< "thin-plate": r² log r, order 2
-  kBiharmonic,           ///< "biharmonic": −r, order 1
-  kTriharmonic,          ///< "triharmonic": r³, order 2
+  kThinPlate,            ///< "thin-plate": t² log t, order 2
+  kBiharmonic,           ///< "biharmonic": −t, order 1
+  kTriharmonic,          ///< "triharmonic": t³, order 2
   kMultiquadric,         ///< "multiquadric": −√(1 + t²), order 1
   kInverseMultiquadric,  ///< "inverse-multiquadric": 1/√(1 + t²), order 0
   kGaussian,             ///< "gaussian": exp(−t²), order 0
@@ -31,7 +31,8 @@ enum class RadialFunction {
 RadialFunction radial_function_of_name(std::string_view name);
 std::string_view name_of(RadialFunction function);
 
-/// One radial basis function with its scale, a length > 0 (without effect for the first three).
+/// One radial basis function with its scale, a length > 0 (interpolants with the first three do not
+/// depend on it).
 class RadialKernel {
  public:
   /// Throws ArgumentError for a scale that is not positive and finite.
@@ -44,7 +45,7 @@ class RadialKernel {
   bool is_compact() const {
     return function_ == RadialFunction::kWendlandC2 || function_ == RadialFunction::kWendlandC4;
   }
-  /// Whether the scale changes the function.
+  /// Whether interpolants depend on the scale.
   bool has_scale() const { return function_ > RadialFunction::kTriharmonic; }
   /// Order of conditional positive definiteness: polynomials of degree < order() belong to it.
   int order() const {
@@ -65,11 +66,11 @@ class RadialKernel {
     const double t2 = r2 * inverse_square_;
     switch (function_) {
       case RadialFunction::kThinPlate:
-        return r2 > 0 ? 0.5 * r2 * std::log(r2) : 0;
+        return t2 > 0 ? 0.5 * t2 * std::log(t2) : 0;
       case RadialFunction::kBiharmonic:
-        return -std::sqrt(r2);
+        return -std::sqrt(t2);
       case RadialFunction::kTriharmonic:
-        return r2 * std::sqrt(r2);
+        return t2 * std::sqrt(t2);
       case RadialFunction::kMultiquadric:
         return -std::sqrt(1 + t2);
       case RadialFunction::kInverseMultiquadric:
@@ -89,7 +90,7 @@ class RadialKernel {
     }
     return 0;
   }
-  /// φ and φ'/r. At r = 0, where r and r² log r have no slope, it is 0.
+  /// φ and φ'/r. At r = 0, where t and t² log t have no slope, it is 0.
   RadialValue with_slope(double r2) const;
 
  private:

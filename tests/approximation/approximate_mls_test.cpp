@@ -216,7 +216,7 @@ TEST(ApproximateMls, LeavingOneOutIsWhatItSays) {
         sum += e * e;
       }
       const double error = std::sqrt(sum / static_cast<double>(x.size()));
-      EXPECT_NEAR(choice.errors[0][static_cast<std::size_t>(n)] / error, 1, 1e-3) << n;
+      EXPECT_NEAR(choice.errors[0][static_cast<std::size_t>(n)] / error, 1, 2e-2) << n;
     }
   }
 }

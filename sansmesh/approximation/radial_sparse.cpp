@@ -1,0 +1,263 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "sansmesh/approximation/radial_system.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh::detail {
+namespace {
+
+constexpr std::size_t kMaxEntries = std::size_t{1} << 30;
+constexpr std::size_t kBlock = 512;            ///< rows, fixed: sums do not depend on threads
+constexpr std::size_t kFactorNeighbours = 24;  ///< entries a row of the preconditioner
+
+struct Rows {
+  std::vector<std::size_t> start;
+  std::vector<std::uint32_t> column;
+  std::vector<double> value;
+
+  // y = M x for c interleaved right-hand sides.
+  void multiply(std::size_t c, std::span<const double> x, std::span<double> y) const {
+    switch (c) {
+      case 1:
+        return multiply_by<1>(1, x, y);
+      case 2:
+        return multiply_by<2>(2, x, y);
+      case 3:
+        return multiply_by<3>(3, x, y);
+      case 4:
+        return multiply_by<4>(4, x, y);
+      case 5:
+        return multiply_by<5>(5, x, y);
+      default:
+        return multiply_by<0>(c, x, y);
+    }
+  }
+  // C right-hand sides; 0: c of them, up to 11.
+  template <std::size_t C>
+  void multiply_by(std::size_t c, std::span<const double> x, std::span<double> y) const {
+    const std::size_t count = C > 0 ? C : c;
+    parallel_for(0, start.size() - 1, kBlock, [&](std::size_t i) {
+      std::array<double, C != 0 ? C : 11> sum{};
+      for (std::size_t e = start[i]; e < start[i + 1]; ++e) {
+        const double a = value[e];
+        const double* other = x.data() + column[e] * count;
+        for (std::size_t m = 0; m < count; ++m) sum[m] += a * other[m];
+      }
+      std::copy_n(sum.begin(), count, y.begin() + static_cast<std::ptrdiff_t>(i * count));
+    });
+  }
+  Rows transposed() const {
+    Rows t;
+    const std::size_t n = start.size() - 1;
+    t.start.assign(n + 1, 0);
+    for (const std::uint32_t j : column) ++t.start[j + 1];
+    for (std::size_t j = 0; j < n; ++j) t.start[j + 1] += t.start[j];
+    t.column.resize(column.size());
+    t.value.resize(value.size());
+    std::vector<std::size_t> next(t.start.begin(), t.start.end() - 1);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t e = start[i]; e < start[i + 1]; ++e) {
+        const std::size_t to = next[column[e]]++;
+        t.column[to] = static_cast<std::uint32_t>(i);
+        t.value[to] = value[e];
+      }
+    return t;
+  }
+};
+
+std::uint64_t mixed(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+// Rows, filled by `fill(i, columns, values)` in blocks.
+template <class Fill>
+Rows build_rows(std::size_t n, Fill&& fill) {
+  Rows rows;
+  rows.start.assign(n + 1, 0);
+  std::vector<Rows> blocks((n + kBlock - 1) / kBlock);
+  parallel_for(0, blocks.size(), 1, [&](std::size_t b) {
+    Rows& block = blocks[b];
+    for (std::size_t i = b * kBlock; i < std::min(n, (b + 1) * kBlock); ++i) {
+      const std::size_t before = block.column.size();
+      fill(i, block.column, block.value);
+      rows.start[i + 1] = block.column.size() - before;
+    }
+  });
+  for (std::size_t i = 0; i < n; ++i) rows.start[i + 1] += rows.start[i];
+  rows.column.resize(rows.start[n]);
+  rows.value.resize(rows.start[n]);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const auto at = static_cast<std::ptrdiff_t>(rows.start[b * kBlock]);
+    std::copy(blocks[b].column.begin(), blocks[b].column.end(), rows.column.begin() + at);
+    std::copy(blocks[b].value.begin(), blocks[b].value.end(), rows.value.begin() + at);
+    blocks[b] = {};
+  }
+  return rows;
+}
+
+// Dot products of c interleaved vectors.
+std::vector<double> dots(std::size_t c, std::span<const double> a, std::span<const double> b) {
+  return parallel_reduce(
+      a.size() / c, 4096, std::vector<double>(c, 0.0),
+      [&](std::size_t first, std::size_t last) {
+        std::vector<double> sum(c, 0.0);
+        for (std::size_t i = first * c; i < last * c; i += c)
+          for (std::size_t m = 0; m < c; ++m) sum[m] += a[i + m] * b[i + m];
+        return sum;
+      },
+      [](std::vector<double> s, const std::vector<double>& t) {
+        for (std::size_t m = 0; m < s.size(); ++m) s[m] += t[m];
+        return s;
+      });
+}
+
+}  // namespace
+
+template <int D>
+SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const SampleIndex<D>& samples,
+                          std::span<const double> f, double tolerance, int max_iterations, PolynomialTail<D>& tail,
+                          std::span<double> c) {
+  using Hit = typename SampleIndex<D>::Hit;
+  const std::size_t n = samples.size();
+  const std::span<const Position<D>> x = samples.positions();
+
+  std::vector<Hit> probe;
+  double expected = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(n, 64); ++i) {
+    samples.within(x[samples.order()[i * n / std::min<std::size_t>(n, 64)]], kernel.support(), probe);
+    expected += static_cast<double>(probe.size()) / static_cast<double>(std::min<std::size_t>(n, 64));
+  }
+  if (expected * static_cast<double>(n) > static_cast<double>(kMaxEntries))
+    throw DataError("approximation: the support holds about " + std::to_string(static_cast<long>(expected)) +
+                    " samples: lower the scale");
+
+  // A, rows by index, nearest first; and the preconditioner from the nearest of those that come earlier in a random
+  // order: an approximate inverse G of the Cholesky factor, G A Gᵀ ≈ 1, exact on the pattern (kolotilina1993).
+  const auto rank = [](std::size_t i) { return mixed(i + 1); };
+  const Rows a = build_rows(n, [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
+    thread_local std::vector<Hit> hits;
+    samples.within(x[i], kernel.support(), hits);
+    for (const Hit& hit : hits) {
+      column.push_back(hit.index);
+      value.push_back(kernel(hit.squared_distance) + (hit.index == i ? ridge : 0));
+    }
+  });
+  const Rows g = build_rows(n, [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
+    std::array<std::uint32_t, kFactorNeighbours + 1> set;
+    Eigen::Index count = 0;
+    for (std::size_t e = a.start[i]; e < a.start[i + 1] && count < static_cast<Eigen::Index>(kFactorNeighbours); ++e)
+      if (a.column[e] != i && rank(a.column[e]) < rank(i)) set[static_cast<std::size_t>(count++)] = a.column[e];
+    set[static_cast<std::size_t>(count++)] = static_cast<std::uint32_t>(i);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFactorNeighbours + 1, kFactorNeighbours + 1> local(count,
+                                                                                                                 count);
+    for (Eigen::Index p = 0; p < count; ++p)
+      for (Eigen::Index q = 0; q <= p; ++q)
+        local(p, q) = local(q, p) =
+            kernel(squared_distance<D>(x[set[static_cast<std::size_t>(p)]], x[set[static_cast<std::size_t>(q)]])) +
+            (p == q ? ridge : 0);
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFactorNeighbours + 1, 1> y(count);
+    y.setZero();
+    y[count - 1] = 1;
+    Eigen::LLT<Eigen::Ref<decltype(local)>> llt(local);
+    if (llt.info() == Eigen::Success) llt.solveInPlace(y);
+    if (llt.info() != Eigen::Success || !(y[count - 1] > 0) || !y.allFinite()) {  // nearly coincident: Jacobi
+      y.setZero();
+      y[count - 1] = 1;
+    }
+    const double root = std::sqrt(y[count - 1]);
+    for (Eigen::Index p = 0; p < count; ++p) {
+      column.push_back(set[static_cast<std::size_t>(p)]);
+      value.push_back(y[p] / root);
+    }
+  });
+  const Rows gt = g.transposed();
+
+  // Right-hand sides: the values, then the monomials; all at once, one pass over A for each step.
+  const std::size_t m = 1 + static_cast<std::size_t>(tail.size);
+  std::vector<double> b(n * m), solution(n * m, 0.0), r, z(n * m), p, ap(n * m), t(n * m);
+  for (std::size_t i = 0; i < n; ++i) {
+    b[i * m] = f[i];
+    tail.basis(x[i], b.data() + i * m + 1);
+  }
+  r = b;
+  const std::vector<double> norm = dots(m, b, b);
+  const auto precondition = [&] {
+    g.multiply(m, r, t);
+    gt.multiply(m, t, z);
+  };
+  precondition();
+  p = z;
+  std::vector<double> rz = dots(m, r, z);
+  SparseResult result;
+  const auto worst = [&] {
+    const std::vector<double> rr = dots(m, r, r);
+    double w = 0;
+    for (std::size_t k = 0; k < m; ++k)
+      if (norm[k] > 0) w = std::max(w, rr[k] / norm[k]);
+    return std::sqrt(w);
+  };
+  while ((result.residual = worst()) > tolerance && result.iterations < max_iterations) {
+    a.multiply(m, p, ap);
+    const std::vector<double> pap = dots(m, p, ap);
+    std::vector<double> alpha(m, 0.0);
+    for (std::size_t k = 0; k < m; ++k)
+      if (pap[k] > 0) alpha[k] = rz[k] / pap[k];
+    for (std::size_t i = 0; i < n * m; i += m)
+      for (std::size_t k = 0; k < m; ++k) {
+        solution[i + k] += alpha[k] * p[i + k];
+        r[i + k] -= alpha[k] * ap[i + k];
+      }
+    precondition();
+    const std::vector<double> next = dots(m, r, z);
+    for (std::size_t i = 0; i < n * m; i += m)
+      for (std::size_t k = 0; k < m; ++k) p[i + k] = z[i + k] + (rz[k] > 0 ? next[k] / rz[k] : 0) * p[i + k];
+    rz = next;
+    ++result.iterations;
+  }
+  if (!(result.residual <= tolerance))
+    throw DataError("approximation: conjugate gradients reach a residual of " + std::to_string(result.residual) +
+                    " only: lower the scale, add a ridge or raise the tolerance");
+
+  // (Pᵀ A⁻¹ P) b = Pᵀ A⁻¹ f, c = A⁻¹ f − A⁻¹ P b.
+  Eigen::VectorXd beta;
+  if (tail.size > 0) {
+    Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(tail.size, tail.size);
+    Eigen::VectorXd rhs = Eigen::VectorXd::Zero(tail.size);
+    for (std::size_t i = 0; i < n; ++i)
+      for (Eigen::Index k = 0; k < tail.size; ++k) {
+        const double pk = b[i * m + 1 + static_cast<std::size_t>(k)];
+        rhs[k] += pk * solution[i * m];
+        for (Eigen::Index l = 0; l < tail.size; ++l)
+          schur(k, l) += pk * solution[i * m + 1 + static_cast<std::size_t>(l)];
+      }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tail.size, tail.size);
+    qr.setThreshold(1e-9);
+    qr.compute(schur);
+    beta = qr.solve(rhs);
+    result.dropped = tail.size - static_cast<int>(qr.rank());
+  }
+  tail.coefficient.fill(0);
+  for (Eigen::Index k = 0; k < tail.size; ++k) tail.coefficient[static_cast<std::size_t>(k)] = beta[k];
+  for (std::size_t i = 0; i < n; ++i) {
+    c[i] = solution[i * m];
+    for (Eigen::Index k = 0; k < tail.size; ++k) c[i] -= beta[k] * solution[i * m + 1 + static_cast<std::size_t>(k)];
+  }
+  return result;
+}
+
+#define SANSMESH_INSTANTIATE(D)                                                                                      \
+  template SparseResult solve_sparse<D>(const RadialKernel&, double, const SampleIndex<D>&, std::span<const double>, \
+                                        double, int, PolynomialTail<D>&, std::span<double>);
+SANSMESH_INSTANTIATE(1)
+SANSMESH_INSTANTIATE(2)
+SANSMESH_INSTANTIATE(3)
+#undef SANSMESH_INSTANTIATE
+
+}  // namespace sansmesh::detail
