@@ -47,42 +47,51 @@ TEST(Curvature, OfCleanSamplesIsThatOfTheSurface) {
 
 TEST(Curvature, OfNoisySamplesWithEstimatedNormalsIsClose) {
   for (const Curved shape : kShapes) {
-    CurvedCloud cloud = curved_cloud(shape, 20000, 0.002, 2);
+    CurvedCloud cloud = curved_cloud(shape, 8000, 0.002, 2);
     test::use_estimated_normals(cloud.points);
     EXPECT_LT(relative_error(cloud, curvatures(cloud.points)), 0.05) << static_cast<int>(shape);
-    cloud = curved_cloud(shape, 20000, 0.01, 3);
+    cloud = curved_cloud(shape, 8000, 0.01, 3);
     test::use_estimated_normals(cloud.points);
     EXPECT_LT(relative_error(cloud, curvatures(cloud.points)), 0.1) << static_cast<int>(shape);
   }
 }
 
+// Exact normals and one neighbourhood for all: the weights alone make the difference.
 TEST(Curvature, NeedsWeightsThatDistrustNearSamples) {
   for (const Curved shape : kShapes) {
-    const CurvedCloud cloud =
-        curved_cloud(shape, 10000, 0.002, 4);  // true normals: the weights alone make the difference
+    const CurvedCloud cloud = curved_cloud(shape, 5000, 0.002, 4);
     CurvatureOptions options;
     options.offset = options.refit_normal = false;
-    options.neighbours = 160;
     const double m_like = relative_error(cloud, curvatures(cloud.points, options));
     options.weights = Weights::gaussian;
     const double gaussian = relative_error(cloud, curvatures(cloud.points, options));
     options.weights = Weights::uniform;
     const double uniform = relative_error(cloud, curvatures(cloud.points, options));
-    EXPECT_GT(gaussian, 4 * m_like);
-    EXPECT_GT(uniform, 2 * m_like);
-    options = {};
-    options.neighbours = 160;
-    EXPECT_LT(relative_error(cloud, curvatures(cloud.points, options)), 0.9 * m_like);
+    EXPECT_LT(m_like, 0.15);
+    EXPECT_GT(gaussian, 6 * m_like);
+    EXPECT_GT(uniform, 3 * m_like);
+  }
+}
+
+// With neighbourhoods of the size chosen for the noise: far larger ones have more bias the more the fit is free.
+TEST(Curvature, OffsetAndSlopesPayWhereSamplesAndNormalsAreNoisy) {
+  for (const Curved shape : kShapes) {
+    CurvedCloud cloud = curved_cloud(shape, 5000, 0.004, 13);
+    test::use_estimated_normals(cloud.points);
+    const double free = relative_error(cloud, curvatures(cloud.points));
+    CurvatureOptions source;
+    source.offset = source.refit_normal = false;
+    EXPECT_LT(free, 0.6 * relative_error(cloud, curvatures(cloud.points, source)));
   }
 }
 
 TEST(Curvature, NeighbourhoodsAreNearTheBestOnes) {
   for (const Curved shape : {Curved::torus, Curved::ellipsoid})
     for (const double noise : {0.0, 0.002, 0.01}) {
-      CurvedCloud cloud = curved_cloud(shape, 10000, noise, 5);
+      CurvedCloud cloud = curved_cloud(shape, 4000, noise, 5);
       test::use_estimated_normals(cloud.points);
       const double chosen = relative_error(cloud, curvatures(cloud.points));
-      for (const int neighbours : {20, 40, 80, 160, 320, 640}) {
+      for (const int neighbours : {20, 60, 180, 540}) {
         CurvatureOptions options;
         options.neighbours = neighbours;
         EXPECT_LT(chosen, 1.6 * relative_error(cloud, curvatures(cloud.points, options)) + 0.01) << neighbours;
@@ -92,7 +101,7 @@ TEST(Curvature, NeighbourhoodsAreNearTheBestOnes) {
 
 TEST(Curvature, DirectionsAreThoseOfTheSurface) {
   for (const Curved shape : {Curved::torus, Curved::ellipsoid}) {
-    CurvedCloud cloud = curved_cloud(shape, 20000, 0.002, 6);
+    CurvedCloud cloud = curved_cloud(shape, 10000, 0.002, 6);
     test::use_estimated_normals(cloud.points);
     const auto found = curvatures(cloud.points);
     std::size_t judged = 0, good = 0;
@@ -109,7 +118,7 @@ TEST(Curvature, DirectionsAreThoseOfTheSurface) {
       ++judged;
       good += std::abs(dot(Vec3(c.direction1), cloud.direction1[i])) > std::cos(5 * std::numbers::pi / 180);
     }
-    EXPECT_GT(judged, 10000u);
+    EXPECT_GT(judged, 5000u);
     EXPECT_GT(static_cast<double>(good), 0.97 * static_cast<double>(judged));
   }
 }
@@ -197,9 +206,9 @@ TEST(Curvature, SeesOneSheetOfAThinPlate) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> u(-1, 1);
   PointSet plate;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     const float side = i % 2 ? 1.0f : -1.0f;
-    plate.positions.push_back({u(random), u(random), 0.005f * side});
+    plate.positions.push_back({u(random), u(random), 0.01f * side});
     plate.normals.push_back({0, 0, side});
   }
   for (const PrincipalCurvatures& c : curvatures(plate)) {

@@ -1,0 +1,106 @@
+#include "sansmesh/surface/curvature_colors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+using Quantity = CurvatureColorOptions::Quantity;
+
+constexpr std::size_t kNear = 8;     ///< samples that a colour is mixed from
+constexpr double kFullColor = 0.95;  ///< quantile of the absolute values that gets the full colour
+constexpr Vec3f kUnknown{0.6f, 0.6f, 0.6f};
+
+float value(const PrincipalCurvatures& c, Quantity quantity) {
+  if (!c.defined) return std::numeric_limits<float>::quiet_NaN();
+  switch (quantity) {
+    case Quantity::mean:
+      return mean_curvature(c);
+    case Quantity::gaussian:
+      return gaussian_curvature(c);
+    case Quantity::k1:
+      return c.k1;
+    case Quantity::k2:
+      return c.k2;
+  }
+  return 0;
+}
+
+float gamma_encoded(double linear) {
+  linear = std::clamp(linear, 0.0, 1.0);
+  return static_cast<float>(linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055);
+}
+
+}  // namespace
+
+Vec3f diverging_color(float t) {
+  t = std::isfinite(t) ? std::clamp(t, -1.0f, 1.0f) : t > 0 ? 1.0f : t < 0 ? -1.0f : 0.0f;
+  const double s = std::abs(static_cast<double>(t));
+  // The ends have the same lightness and the same distance from grey, both within sRGB.
+  const double angle = t < 0 ? 4.53 : 0.45, chroma = 0.155 * s, lightness = 0.98 - 0.48 * s;
+  const double a = chroma * std::cos(angle), b = chroma * std::sin(angle);
+  const auto cube = [](double v) { return v * v * v; };
+  const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b);
+  const double m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b);
+  const double k = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
+  return {gamma_encoded(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * k),
+          gamma_encoded(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * k),
+          gamma_encoded(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * k)};
+}
+
+void CurvatureColorOptions::validate() const {
+  if (range && !(*range > 0 && std::isfinite(*range)))
+    throw ArgumentError("CurvatureColorOptions::range must be positive");
+  curvature.validate();
+}
+
+CurvatureColors::CurvatureColors(const PointSet& points, const CurvatureColorOptions& options, Progress& progress) {
+  options.validate();
+  const std::vector<PrincipalCurvatures> curvatures = estimate_curvatures(points, options.curvature, progress);
+  tree_ = KdTree(points.positions);
+  normals_ = points.normals;
+  values_.resize(curvatures.size());
+  parallel_for(0, curvatures.size(), 4096, [&](std::size_t i) { values_[i] = value(curvatures[i], options.quantity); });
+  if (options.range) {
+    range_ = *options.range;
+    return;
+  }
+  std::vector<float> sizes;
+  for (const float v : values_)
+    if (std::isfinite(v)) sizes.push_back(std::abs(v));
+  if (sizes.empty()) return;
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(kFullColor * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), at, sizes.end());
+  range_ = static_cast<double>(*at);
+}
+
+void CurvatureColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const {
+  if (x.size() != colors.size()) throw ArgumentError("CurvatureColors::evaluate: points and colours differ in number");
+  parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
+    std::array<Neighbour, kNear> near;
+    for (std::size_t i = first; i < last; ++i) {
+      colors[i] = kUnknown;
+      const std::size_t n = tree_.nearest(Vec3f(x[i]), near);
+      if (n == 0) continue;
+      // A bump that ends at the farthest sample: no jump where samples come and go.
+      const double reach = static_cast<double>(near[n - 1].squared_distance) * 1.0001 + 1e-37;
+      double sum = 0, total = 0;
+      for (std::size_t j = 0; j < n; ++j) {
+        const std::uint32_t index = near[j].index;
+        if (!std::isfinite(values_[index]) || dot(normals_[index], normals_[near[0].index]) < 0) continue;
+        const double t = 1 - static_cast<double>(near[j].squared_distance) / reach, w = t * t + 1e-9;
+        sum += w * static_cast<double>(values_[index]);
+        total += w;
+      }
+      if (total > 0) colors[i] = diverging_color(range_ > 0 ? static_cast<float>(sum / total / range_) : 0.0f);
+    }
+  });
+}
+
+}  // namespace sansmesh
