@@ -93,7 +93,7 @@ namespace detail {
 HWY_EXPORT(CrossBall);
 
 void cross_ball(const RTCIntersectFunctionNArguments* arguments) { HWY_DYNAMIC_DISPATCH(CrossBall)(arguments); }
-}
+}  // namespace detail
 
 using detail::Ball;
 using detail::kPacket;

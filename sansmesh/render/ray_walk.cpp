@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sansmesh {
 namespace {
@@ -10,7 +11,10 @@ constexpr int kAims = 8;                // jumps to where the surface should be,
 constexpr int kRimSteps = 3;            // bisections towards the rim of the domain
 constexpr int kQuickRounds = 5;         // in a bracket, before it is halved
 constexpr int kMostEvaluations = 5000;  // no ray needs them; no field may hang us
-constexpr double kOutsideStep = 0.25;   // of the ball's radius
+constexpr double kOutsideStep = 0.25;   // of the ball's radius, at least
+constexpr double kAimReach = 3;         // largest steps that a jump may be long,
+constexpr double kAimSlant = 4;         // and distances to the surface
+constexpr double kBeyond = 4;           // radii: values outside of the domain beyond that are no distances
 constexpr double kTrust = 1.2;          // no surface is nearer than the field's value over this
 
 bool opposite(double a, double b) { return (a < 0) != (b < 0); }
@@ -34,7 +38,8 @@ void RayWalk::begin(const BallSegment& segment) {
   known_ = rim_ = aims_ = 0;
   from_outside_ = leaving_ = false;
   phase_ = Phase::march;
-  want_ = Want::value;
+  residual_ = 0;
+  want_ = Want::root;
 }
 
 void RayWalk::leave() { begin(following_); }
@@ -78,7 +83,7 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
   if (!sample.inside || !std::isfinite(sample.value)) {
     // No crossing counts across a hole.
     if (phase_ != Phase::march) return go_on_from(high_, rules);
-    return step_outside(rules);
+    return step_outside(sample, rules);
   }
   if (!start && accept(sample, rules)) {
     // At grazing angles the root that a foot suggests is far from where the foot agrees.
@@ -86,6 +91,7 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
     normal_ = sample.normal;
     return finish(true);
   }
+  residual_ = sample.residual;
   if (phase_ == Phase::bracket) return narrow(sample, rules);
   const Place now{at_, sample.value};
   if (phase_ == Phase::dip) {
@@ -99,7 +105,8 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
   }
   if (from_outside_) {
     // Is the surface between the rim of the domain and here?
-    if (rim_ < kRimSteps && std::abs(now.value) < now.t - outside_) {
+    const bool other_side = std::abs(outside_value_) > kBeyond * radius_ || opposite(outside_value_, now.value);
+    if (rim_ < kRimSteps && other_side && std::abs(now.value) < now.t - outside_) {
       ++rim_;
       inside_again_ = now.t;
       at_ = 0.5 * (outside_ + now.t);
@@ -126,7 +133,12 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
 /// Whether the sample shows that the surface is here.
 bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
   const double tolerance = rules.tolerance * radius_;
-  if (rules.feet) return sample.residual <= tolerance;
+  if (rules.feet) {
+    // Each jump leaves a share of the last residual: so will the next one, which need not be asked.
+    if (sample.residual <= tolerance) return true;
+    const double share = std::max(0.1, sample.residual / residual_);
+    return sample.residual * share <= 0.5 * tolerance && std::abs(sample.root) <= 40 * tolerance;
+  }
   if (!(std::abs(sample.root) <= radius_)) return false;
   const double root = at_ + sample.root;
   if (root > end_) return false;
@@ -138,12 +150,12 @@ bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
 }
 
 void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
-  const double distance = std::abs(sample.value);
+  // Fields that flatten out are farther from zero than their value.
+  const double distance = std::abs(sample.value) / std::clamp(sample.steepness, 0.4, 1.0);
   const double step = std::clamp(distance, rules.smallest_step * radius_, rules.largest_step * radius_);
-  double root = sample.root;
-  if (!rules.feet && !(root > 0) && known_ > 1)
-    root = -sample.value * (low_.t - before_.t) / (low_.value - before_.value);
-  if (aims_ < kAims && std::abs(root) <= (rules.feet ? 1 : rules.largest_step) * radius_) {
+  const double root = sample.root;
+  const double reach = std::max(step, std::min(kAimReach * rules.largest_step * radius_, kAimSlant * distance));
+  if (aims_ < kAims && std::abs(root) <= reach) {
     if (root > 0) {
       ++aims_;
       return go_to(low_.t + root, rules, Want::root);
@@ -158,10 +170,11 @@ void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
       return;
     }
   }
-  go_to(low_.t + step, rules, Want::value);
+  residual_ = 0;
+  go_to(low_.t + step, rules, Want::root);
 }
 
-void RayWalk::step_outside(const WalkRules& rules) {
+void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
   if (leaving_) return leave();
   if (known_ > 0 && rim_ < kRimSteps && std::abs(low_.value) < at_ - low_.t) {
     ++rim_;
@@ -169,13 +182,18 @@ void RayWalk::step_outside(const WalkRules& rules) {
     want_ = Want::value;
     return;
   }
-  const double ahead = from_outside_ && inside_again_ > at_ ? inside_again_ : at_ + kOutsideStep * radius_;
+  // What a field says beyond its domain may be worth little, but for how far to go.
+  const double value = std::abs(sample.value), least = kOutsideStep * radius_;
+  const double step = value < kBeyond * radius_ ? std::clamp(0.7 * value, least, radius_) : least;
+  const double ahead = from_outside_ && inside_again_ > at_ ? inside_again_ : at_ + step;
   if (known_ > 0) rim_ = 0;
   known_ = 0;
   from_outside_ = true;
   outside_ = at_;
+  outside_value_ = std::isfinite(sample.value) ? sample.value : std::numeric_limits<double>::max();
   inside_again_ = 0;
-  go_to(ahead, rules, Want::value);
+  residual_ = 0;
+  go_to(ahead, rules, Want::root);
 }
 
 /// Three samples on the same side, the middle one nearest: would a parabola through them reach the surface?
@@ -203,21 +221,18 @@ void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
   known_ = 1;
   if (leaving_) return leave();
   const double step = std::clamp(std::abs(place.value), rules.smallest_step * radius_, rules.largest_step * radius_);
-  go_to(place.t + step, rules, Want::value);
+  go_to(place.t + step, rules, Want::root);
 }
 
 /// The sample is one end of the bracket [low_, high_]: where to look next.
 void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
   const double width = high_.t - low_.t, guard = 0.25 * std::min(rules.tolerance * radius_, width);
   const double middle = 0.5 * (low_.t + high_.t);
-  double t = middle;
-  if (++rounds_ <= kQuickRounds) {
-    const double aimed = at_ + sample.root;
-    const bool trusted = aimed > low_.t && aimed < high_.t;
-    t = trusted ? aimed : low_.t + width * low_.value / (low_.value - high_.value);
-  } else if (rounds_ > 80 || !(t > low_.t && t < high_.t)) {
-    return go_on_from(high_, rules);
-  }
+  const double aimed = at_ + sample.root;
+  const bool quick = ++rounds_ <= kQuickRounds, trusted = quick && aimed > low_.t && aimed < high_.t;
+  if (rounds_ > 80 || !(middle > low_.t && middle < high_.t)) return go_on_from(high_, rules);
+  const double t = trusted ? aimed : quick ? low_.t + width * low_.value / (low_.value - high_.value) : middle;
+  if (!trusted) residual_ = 0;
   at_ = std::clamp(t, low_.t + guard, high_.t - guard);
   want_ = Want::root;
 }

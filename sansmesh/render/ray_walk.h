@@ -20,8 +20,9 @@ struct WalkSample {
   double value = 0;     ///< signed distance, about
   /// How far along the ray the surface should be, by what is known here; not a number: nothing is.
   double root = std::numeric_limits<double>::quiet_NaN();
-  double slant = 1;     ///< |cosine| between ray and normal, with `root`
-  double residual = 0;  ///< projections: distance to the foot
+  double slant = 1;      ///< |cosine| between ray and normal, with `root`
+  double steepness = 1;  ///< length of the gradient, with `root`
+  double residual = 0;   ///< projections: distance to the foot
   Vec3f normal;
 };
 
@@ -64,7 +65,7 @@ class RayWalk {
   void go_to(double t, const WalkRules& rules, Want want);
   void stop_at(double t, const WalkRules& rules, const BallSegment& following);
   void march_on(const WalkSample& sample, const WalkRules& rules);
-  void step_outside(const WalkRules& rules);
+  void step_outside(const WalkSample& sample, const WalkRules& rules);
   bool accept(const WalkSample& sample, const WalkRules& rules) const;
   bool look_into_dip(const Place& now, const WalkRules& rules);
   void close_in(const WalkSample& sample, const WalkRules& rules);
@@ -79,10 +80,12 @@ class RayWalk {
   bool at_start_ = false;  // the ray starts here, in a ball
   bool leaving_ = false;   // the last sample before a gap between the balls
   bool hit_ = false;
-  BallSegment following_;    // behind that gap
-  int known_ = 0;            // how many of low_ and before_ hold, of one stretch inside the domain
-  Place low_, before_;       // the last sample and the one before it
-  Place high_;               // other side of the surface, or where to go on after a look into a dip
+  BallSegment following_;  // behind that gap
+  int known_ = 0;          // how many of low_ and before_ hold, of one stretch inside the domain
+  Place low_, before_;     // the last sample and the one before it
+  Place high_;             // other side of the surface, or where to go on after a look into a dip
+  double residual_ = 0;    // of the sample before, if it aimed at this one; else 0
+  double outside_value_ = 0;
   double outside_ = 0;       // the last place outside of the domain
   double inside_again_ = 0;  // a place beyond it that is inside
   bool from_outside_ = false;

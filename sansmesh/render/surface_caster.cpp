@@ -240,6 +240,7 @@ void SurfaceCaster::State::sample_field(std::span<const CastRay> batch, Scratch&
         sample.normal = Vec3f(normalized(gradient));
         sample.root = -sample.value / along;
         sample.slant = std::abs(along) / length;
+        sample.steepness = length;
       }
       s.walks[who[k]].take(sample, rules);
     }
