@@ -1,0 +1,182 @@
+#include "sansmesh/points/denoise_normals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kSlots = 2048;
+constexpr std::size_t kCandidates = 24;
+constexpr std::size_t kReach = 4;  ///< candidates are this many times more samples than the blur: twice as far
+constexpr float kClearly = 1.15f;  ///< how many times more support a plane must have to win
+constexpr float kAtLeast = 1.5f;   ///< and how many samples more
+constexpr float kAlike = 0.9903f;  ///< cos 8°: candidates this near to the own normal are left to the averages
+constexpr std::size_t kLeastVoters = 24;
+
+/// n or −n, whichever is on the side of `reference`.
+Vec3f aligned(const Vec3f& n, const Vec3f& reference) { return dot(n, reference) < 0 ? -n : n; }
+
+class NormalDenoiser {
+ public:
+  NormalDenoiser(const PointSet& points, const NormalDenoisingOptions& options)
+      : options_(options), tree_(points.positions), positions_(tree_.positions()), normals_(tree_.size()) {
+    for (std::size_t slot = 0; slot < normals_.size(); ++slot) {
+      const Vec3f n = points.normals[tree_.order()[slot]];
+      normals_[slot] = is_finite(n) ? normalized(n) : Vec3f{};
+    }
+    const double spacing = options.spacing ? *options.spacing : estimate_spacing(points);
+    const double noise = options.noise ? *options.noise : estimate_noise(points);
+    blur_ = static_cast<std::size_t>(options.neighbours.value_or(choose_neighbours(spacing, noise)));
+    noisy_ = noise > 0.1 * spacing;
+    thickness_ = static_cast<float>(1.5 * noise + 0.08 * spacing);
+  }
+
+  void vote(Progress& progress) {
+    if (!(thickness_ > 0)) return;
+    const std::vector<Vec3f> before = normals_;
+    const std::size_t voters = std::max(kLeastVoters, noisy_ ? 2 * blur_ : blur_),
+                      reach = std::max(kReach * blur_, 2 * kLeastVoters);
+    parallel_ranges(0, tree_.size(), kSlots, [&](std::size_t first, std::size_t last) {
+      std::vector<Vec3f> offsets;
+      std::vector<float> weights;
+      tree_.for_each_nearest(reach, first, last, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+        const Vec3f own = before[slot];
+        if (found.size() < 8 || squared_norm(own) == 0) return;
+        const std::span<const Neighbour> near = found.first(std::min(voters, found.size()));
+        const float radius = near.back().squared_distance;
+        if (!(radius > 0)) return;
+        offsets.clear();
+        weights.clear();
+        for (const Neighbour& n : near) {
+          offsets.push_back(positions_[n.index] - positions_[slot]);
+          weights.push_back(1 - 0.8f * n.squared_distance / radius);
+        }
+        Vec3f best = own;
+        const float own_support = support(offsets, weights, own);
+        float most = std::max(kClearly * own_support, own_support + kAtLeast);
+        for (std::size_t c = 0; c < kCandidates; ++c) {
+          const Vec3f candidate = aligned(before[found[(c + 1) * (found.size() - 1) / kCandidates].index], own);
+          if (squared_norm(candidate) == 0 || dot(candidate, own) > kAlike) continue;
+          const float s = support(offsets, weights, candidate);
+          if (s > most) most = s, best = candidate;
+        }
+        normals_[slot] = best;
+      });
+      progress.advance(last - first);
+    });
+  }
+
+  void average(Progress& progress) {
+    const std::vector<Vec3f> before = normals_;
+    const std::size_t count = std::clamp<std::size_t>(blur_ / 2, 12, 60);
+    const float angle = static_cast<float>(-0.5 / (options_.angle * options_.angle));
+    // The height of a neighbour over the plane tells another face only where it is more than that of a curved one.
+    const float height = thickness_ > 0 ? -0.125f / (thickness_ * thickness_) : 0;
+    parallel_ranges(0, tree_.size(), kSlots, [&](std::size_t first, std::size_t last) {
+      tree_.for_each_nearest(count, first, last, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+        const Vec3f own = before[slot];
+        if (found.size() < 3 || squared_norm(own) == 0 || !(found.back().squared_distance > 0)) return;
+        const float distance = -2 / found.back().squared_distance;
+        // Weighted linear regression over the tangent plane: plain averages are drawn towards where the samples are.
+        Vec3f t, b;
+        tangent_frame(own, t, b);
+        float s0 = 0, su = 0, sv = 0, suu = 0, suv = 0, svv = 0;
+        Vec3f n0, nu, nv;
+        for (const Neighbour& n : found) {
+          const Vec3f other = aligned(before[n.index], own);
+          if (squared_norm(other) == 0) continue;
+          const Vec3f d = positions_[n.index] - positions_[slot];
+          const float h = dot(other, d);
+          const float w = std::exp(distance * n.squared_distance + angle * squared_norm(other - own) + height * h * h);
+          const float u = dot(d, t), v = dot(d, b);
+          s0 += w, su += w * u, sv += w * v, suu += w * u * u, suv += w * u * v, svv += w * v * v;
+          n0 += other * w, nu += other * (w * u), nv += other * (w * v);
+        }
+        if (!(s0 > 0)) return;
+        // The value at the sample: Σ w (1 − α u − β v) n with the slopes' moments taken out. A little is added to the
+        // diagonal: one-sided neighbours at creases do not carry a slope far.
+        const float ridge = 0.1f * (suu + svv);
+        const float a00 = suu + ridge, a11 = svv + ridge, determinant = a00 * a11 - suv * suv;
+        if (determinant > 0) {
+          const float alpha = (su * a11 - sv * suv) / determinant, beta = (sv * a00 - su * suv) / determinant;
+          n0 -= nu * alpha + nv * beta;
+        }
+        if (dot(n0, own) > 0) normals_[slot] = normalized(n0);
+      });
+      progress.advance(last - first);
+    });
+  }
+
+  void store(std::vector<Vec3f>& normals) const {
+    for (std::size_t slot = 0; slot < normals_.size(); ++slot) normals[tree_.order()[slot]] = normals_[slot];
+  }
+  std::size_t size() const { return tree_.size(); }
+
+ private:
+  /// How many neighbours a plane with this normal holds, by Geman and McClure's kernel of their heights over it. The
+  /// sample itself is off the surface by noise: the plane may pass beside it.
+  float support(std::span<const Vec3f> offsets, std::span<const float> weights, const Vec3f& normal) const {
+    float shift = 0, sum = 0;
+    for (int round = 0; round < (noisy_ ? 2 : 1); ++round) {
+      const float scale = round == 0 && noisy_ ? 0.5f / thickness_ : 1 / thickness_;
+      float moment = 0;
+      sum = 0;
+      for (std::size_t i = 0; i < offsets.size(); ++i) {
+        const float height = dot(offsets[i], normal), h = (height - shift) * scale, t = 1 + h * h;
+        const float w = weights[i] / (t * t);
+        sum += w;
+        moment += w * height;
+      }
+      if (sum > 0) shift = moment / sum;
+    }
+    return sum;
+  }
+
+  NormalDenoisingOptions options_;
+  KdTree tree_;
+  std::vector<Vec3f> positions_, normals_;  ///< in tree order
+  std::size_t blur_ = 0;
+  float thickness_ = 0;
+  bool noisy_ = false;
+};
+
+}  // namespace
+
+void NormalDenoisingOptions::validate() const {
+  if (neighbours && (*neighbours < 6 || *neighbours > 240))
+    throw ArgumentError("NormalDenoisingOptions::neighbours is " + std::to_string(*neighbours) +
+                        "; it must lie in 6..240");
+  if (rounds < 0 || rounds > 20)
+    throw ArgumentError("NormalDenoisingOptions::rounds is " + std::to_string(rounds) + "; it must lie in 0..20");
+  if (!(angle > 0 && angle <= std::numbers::pi / 2))
+    throw ArgumentError("NormalDenoisingOptions::angle must lie in (0, π/2]");
+  if (spacing && !(*spacing >= 0)) throw ArgumentError("NormalDenoisingOptions::spacing must not be negative");
+  if (noise && !(*noise >= 0)) throw ArgumentError("NormalDenoisingOptions::noise must not be negative");
+}
+
+void denoise_normals(PointSet& points, const NormalDenoisingOptions& options, Progress& progress) {
+  options.validate();
+  if (points.normals.size() != points.size()) throw DataError("there are no normals to denoise");
+  NormalDenoiser denoiser(points, options);
+  const auto rounds = static_cast<std::size_t>(options.rounds);
+  progress.begin("denoise normals", denoiser.size() * (rounds + (options.vote ? 1 : 0)));
+  if (options.vote) denoiser.vote(progress);
+  for (std::size_t round = 0; round < rounds; ++round) denoiser.average(progress);
+  denoiser.store(points.normals);
+  progress.finish();
+}
+
+}  // namespace sansmesh
