@@ -7,6 +7,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/render/corner_normals.h"
+#include "sansmesh/render/lighting.h"
 
 namespace sansmesh {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 constexpr float kOffset = 2e-4f;          // of the diagonal: hides what floats cannot resolve
 constexpr float kDiscOverSpacing = 1.3f;  // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kBallOverSpacing = 0.8f;
-
-float linear_channel(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
 
 /// Drops what cannot be drawn; keeps the order of what can.
 TriangleMesh drawable(const TriangleMesh& mesh) {
@@ -54,10 +53,6 @@ RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
 
 }  // namespace
 
-Vec3f linear_color(const Vec3f& srgb) {
-  return {linear_channel(srgb.x), linear_channel(srgb.y), linear_channel(srgb.z)};
-}
-
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
   Subject subject{drawable(mesh), 0};
   TriangleMesh& own = subject.mesh;
@@ -92,7 +87,10 @@ PreviewScene::PreviewScene(Subject subject, const RenderOptions& options, const 
   TriangleMesh& mesh = subject_.mesh;
   if (options.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
   if (!options.use_colors) mesh.colors.clear();
-  for (int i = 0; i < 256; ++i) linear_[static_cast<std::size_t>(i)] = linear_channel(static_cast<float>(i) / 255);
+  for (int i = 0; i < 256; ++i) {
+    const float c = static_cast<float>(i) / 255;
+    linear_[static_cast<std::size_t>(i)] = linear_color({c, c, c}).x;
+  }
 }
 
 Vec3f PreviewScene::vertex_color(std::uint32_t vertex) const {
@@ -139,6 +137,16 @@ std::optional<SurfacePoint> PreviewScene::closest(const Vec3f& origin, const Vec
   // Discs and balls of a rough cloud pierce each other: their neighbours must not shade them.
   point.position += hit->normal * (side * (kOffset + subject_.radius));
   return point;
+}
+
+void PreviewScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
+                           std::span<std::optional<SurfacePoint>> points) const {
+  for (std::size_t i = 0; i < directions.size(); ++i) points[i] = closest(eye, directions[i]);
+}
+
+void PreviewScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    answers[i] = rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length);
 }
 
 }  // namespace sansmesh

@@ -1,11 +1,14 @@
 // What a picture shows: a mesh or cloud, cleaned, scaled to a handy size and ready for rays.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
 
 namespace sansmesh {
@@ -19,27 +22,17 @@ struct Subject {
 /// Throws DataError where nothing is left.
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options);
 
-/// sRGB 0..1 → linear light.
-Vec3f linear_color(const Vec3f& srgb);
-
-/// Where a ray from the eye ends.
-struct SurfacePoint {
-  Vec3f position;  ///< just off the surface on the viewer's side: further rays start here
-  Vec3f normal;    ///< for shading, unit, on the viewer's side
-  Vec3f color;     ///< share of light reflected, linear
-};
-
-class PreviewScene {
+class PreviewScene : public PictureScene {
  public:
   /// `toward_viewer`: normal of discs that have none.
   PreviewScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer);
-  std::optional<SurfacePoint> closest(const Vec3f& origin, const Vec3f& direction) const;
-  bool blocked(const Vec3f& origin, const Vec3f& direction, float length) const {
-    return rays_.blocked(origin, direction, length);
-  }
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override;
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
   const std::vector<Vec3f>& points() const { return subject_.mesh.vertices; }
 
  private:
+  std::optional<SurfacePoint> closest(const Vec3f& eye, const Vec3f& direction) const;
   SurfacePoint on_triangle(const RayHit& hit, const Vec3f& at) const;
   Vec3f vertex_color(std::uint32_t vertex) const;
 

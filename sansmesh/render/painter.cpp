@@ -1,0 +1,368 @@
+#include "sansmesh/render/painter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/render/lighting.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kTile = 64;
+constexpr int kBlock = 17;               // pixels whose rays go together: a quarter of a tile with its rim
+constexpr int kSmooth = 2;               // pixels to each side
+constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
+constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
+constexpr float kBounce = 0.22f;         // light that what blocks the sky sends instead
+
+struct Spot {
+  float x = 0, y = 0;
+};
+
+/// Linear light → byte of sRGB, rounded up from `threshold` on.
+std::uint8_t srgb_byte(float c, float threshold = 0.5f) {
+  c = std::clamp(c, 0.0f, 1.0f);
+  const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+  return static_cast<std::uint8_t>(255 * s + 1 - threshold);
+}
+
+/// Points of the unit disc, evenly spread from any one on: the additive recurrence by the plastic number (Roberts
+/// 2018).
+std::vector<Spot> spread_over_disc(int count) {
+  std::vector<Spot> spots;
+  for (int i = 0; i < count; ++i) {
+    const double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0), v = std::fmod(0.5 + 0.5698402909980532 * i, 1.0);
+    const double r = std::sqrt(u), angle = 2 * std::numbers::pi * v;
+    spots.push_back({static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle))});
+  }
+  return spots;
+}
+
+/// Another part of the pattern for each pixel of a 5 × 5 square, over which the picture is smoothed: wherever that
+/// window lies, it holds the whole pattern, and hence no grain is left.
+constexpr int kParts = 25;
+int pattern_part(int x, int y) {
+  x += 5 * kSmooth, y += 5 * kSmooth;  // the rim lies at negative places
+  return 5 * ((x + 2 * y) % 5) + (2 * x + y) % 5;
+}
+
+/// Directions around a unit vector.
+struct Around {
+  Vec3f n, t, b;
+  explicit Around(const Vec3f& axis) : n(axis) { tangent_frame(n, t, b); }
+  /// Spots spread evenly over the disc give directions distributed like the cosine.
+  Vec3f operator()(const Spot& p) const {
+    return p.x * t + p.y * b + std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y)) * n;
+  }
+};
+
+/// What the samples of a pixel saw: means over those on the surface, and over those that asked for `dark`.
+struct Pixel {
+  float cover = 0;               // share of samples on the surface
+  Vec3f position, normal;        // sums of unit normals are shorter than 1 where they differ
+  Vec3f color;                   // share of light reflected
+  Vec3f ambient;                 // light from all around; this down to `dark` is what few rays make noisy
+  float open = 0;                // share of the sky that is not blocked
+  float lit = 0, lit_asked = 0;  // share of the key light that is not blocked; number of samples for that
+  float dark = 0;                // loss of light on the ground
+  float asked = 0;               // number of samples for that
+  float facing = 0, fill = 0;    // cosines to the key and fill light
+  float shine = 0, sheen = 0;    // mirrored key light; sky at grazing angles
+  Vec3f beyond;                  // light from mirrors and clear bodies
+};
+
+/// Rays of a block, and their answers.
+struct Batch {
+  std::vector<Vec3f> directions;
+  std::vector<std::optional<SurfacePoint>> points;
+  std::vector<ShadowRay> rays;
+  std::vector<std::uint8_t> answers;
+};
+
+/// A pixel is worked out twice: the first time it says what rays it would like to know about, ...
+struct Recorder {
+  std::vector<ShadowRay>& rays;
+  bool operator()(const Vec3f& origin, const Vec3f& direction, float length) const {
+    rays.push_back({origin, direction, length});
+    return false;
+  }
+};
+/// ... the second time it gets the answers. Which rays it asks for must not depend on them.
+struct Replay {
+  const std::uint8_t* next;
+  bool operator()(const Vec3f& origin, const Vec3f& direction, float length) { return *next++ != 0; }
+};
+
+}  // namespace
+
+class Painter::Work {
+ public:
+  Work(const PictureScene& scene, const Camera& camera, const RenderOptions& options)
+      : scene_(scene),
+        camera_(camera),
+        options_(options),
+        lighting_(camera),
+        up_frame_(options.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0}),
+        key_frame_(lighting_.key),
+        spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, options.occlusion_rays))),
+        footprint_(2 * camera.half_height / static_cast<float>(options.height)) {}
+
+  /// Lets shadows fall on the plane that far below the lowest point.
+  void add_ground(std::span<const Vec3f> points, float below) {
+    Box3f box;
+    for (const Vec3f& p : points) box.extend(p);
+    const int axis = options_.up == UpAxis::z ? 2 : 1;
+    floor_ = box.lower[axis] - below;
+    foot_ = box.center();
+    foot_[axis] = floor_;
+    Vec3f half = box.size() * 0.5f;
+    half[axis] *= 0.5f;
+    shadow_reach_ = 1.6f * norm(half) + below;
+    // From below or along the ground there is nothing that a shadow could fall on.
+    ground_ = dot(camera_.position, up_frame_.n) > floor_ + 0.02f && dot(key_frame_.n, up_frame_.n) > 0.1f;
+  }
+
+  Image paint(Progress& progress) const {
+    Image image(options_.width, options_.height);
+    const int across = (options_.width + kTile - 1) / kTile, down = (options_.height + kTile - 1) / kTile;
+    const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+    progress.begin("rendering", tiles);
+    parallel_for(0, tiles, 1, [&](std::size_t tile) {
+      paint_tile(static_cast<int>(tile) % across * kTile, static_cast<int>(tile) / across * kTile, image);
+      progress.advance();
+    });
+    progress.finish();
+    return image;
+  }
+
+ private:
+  void paint_tile(int left, int top, Image& image) const {
+    constexpr int kStride = kTile + 2 * kSmooth;
+    const int right = std::min(left + kTile, image.width), bottom = std::min(top + kTile, image.height);
+    std::vector<Pixel> pixels(static_cast<std::size_t>(kStride) * kStride);
+    const auto at = [&](int x, int y) -> Pixel& {
+      return pixels[static_cast<std::size_t>((y - top + kSmooth) * kStride + x - left + kSmooth)];
+    };
+    // A rim around the tile serves to smooth, beyond the picture's border as well.
+    Batch batch;
+    for (int y = top - kSmooth; y < bottom + kSmooth; y += kBlock)
+      for (int x = left - kSmooth; x < right + kSmooth; x += kBlock)
+        look(x, y, std::min(x + kBlock, right + kSmooth), std::min(y + kBlock, bottom + kSmooth), batch, at);
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x) image.at(x, y) = finish(smoothed(at, x, y), x, y);
+  }
+
+  /// All pixels of a block, whose rays go together.
+  template <class At>
+  void look(int left, int top, int right, int bottom, Batch& batch, const At& at) const {
+    const int n = options_.samples;
+    batch.directions.clear();
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x)
+        for (int s = 0; s < n * n; ++s) {
+          const int column = s % n, row = s / n;
+          const float fx = static_cast<float>(x) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n);
+          const float fy = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n);
+          batch.directions.push_back(camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
+                                                       1 - 2 * fy / static_cast<float>(options_.height)));
+        }
+    batch.points.resize(batch.directions.size());
+    scene_.closest(camera_.position, batch.directions, batch.points);
+
+    batch.rays.clear();
+    const auto all_pixels = [&](auto& blocked) {
+      std::size_t first = 0;
+      for (int y = top; y < bottom; ++y)
+        for (int x = left; x < right; ++x, first += static_cast<std::size_t>(n * n))
+          at(x, y) = pixel(x, y, &batch.directions[first], &batch.points[first], blocked);
+    };
+    Recorder recorder{batch.rays};
+    all_pixels(recorder);
+    if (batch.rays.empty()) return;
+    batch.answers.resize(batch.rays.size());
+    scene_.blocked(batch.rays, batch.answers);
+    Replay replay{batch.answers.data()};
+    all_pixels(replay);
+  }
+
+  template <class Blocked>
+  Pixel pixel(int x, int y, const Vec3f* directions, const std::optional<SurfacePoint>* points,
+              Blocked& blocked) const {
+    const int n = options_.samples;
+    const int part = pattern_part(x, y);
+    Pixel sum;
+    int on = 0;
+    const int asking = (n * n + 1) / 2;
+    for (int s = 0; s < n * n; ++s) {
+      if (points[s]) {
+        add_surface(*points[s], directions[s], part * n * n + s, sum, blocked);
+        ++on;
+      } else if (s % 2 == 0) {  // smooth as it is, the shadow needs no more
+        sum.dark += ground_shadow(directions[s], part * asking + s / 2, blocked);
+        sum.asked += 1;
+      }
+    }
+    if (sum.asked > 0) sum.dark /= sum.asked;
+    if (on == 0) return sum;
+    const float share = 1 / static_cast<float>(on);
+    for (Vec3f* v : {&sum.position, &sum.normal, &sum.color, &sum.ambient, &sum.beyond}) *v *= share;
+    sum.lit = sum.lit_asked > 0 ? sum.lit / sum.lit_asked : 1;
+    for (float* v : {&sum.open, &sum.facing, &sum.fill, &sum.shine, &sum.sheen}) *v *= share;
+    sum.cover = static_cast<float>(on) / static_cast<float>(n * n);
+    return sum;
+  }
+
+  /// Shadows become means over the neighbours on the same smooth piece of surface, which keeps few rays from showing;
+  /// shape and colour stay as they are.
+  template <class At>
+  Pixel smoothed(const At& at, int x, int y) const {
+    Pixel pixel = at(x, y);
+    const float far = 3 * footprint_ * norm(pixel.position - camera_.position);
+    float weights = 0, lit_weights = 0, ground = 0, open = 0, lit = 0, dark = 0;
+    Vec3f ambient;
+    for (int v = y - kSmooth; v <= y + kSmooth; ++v) {
+      for (int u = x - kSmooth; u <= x + kSmooth; ++u) {
+        const Pixel& other = at(u, v);
+        ground += other.asked;
+        dark += other.asked * other.dark;
+        const float likeness = 5 * dot(pixel.normal, other.normal) - 4;
+        if (likeness <= 0 || std::abs(dot(pixel.normal, other.position - pixel.position)) > far) continue;
+        const float weight = likeness * other.cover;
+        weights += weight;
+        open += weight * other.open;
+        lit_weights += likeness * other.lit_asked;
+        lit += likeness * other.lit_asked * other.lit;
+        ambient += weight * other.ambient;
+      }
+    }
+    if (weights > 0) {
+      pixel.open = open / weights;
+      pixel.ambient = ambient / weights;
+    }
+    if (lit_weights > 0) pixel.lit = lit / lit_weights;
+    if (ground > 0) pixel.dark = dark / ground;
+    return pixel;
+  }
+
+  std::array<std::uint8_t, 4> finish(const Pixel& pixel, int x, int y) const {
+    const Vec3f light =
+        pixel.ambient + Lighting::kFill * (pixel.fill * pixel.open) + Lighting::kKey * (pixel.facing * pixel.lit);
+    const Vec3f gloss = Lighting::kKey * (pixel.shine * pixel.lit) + Lighting::kSkyHigh * (pixel.sheen * pixel.open);
+    const Vec3f bright = product(pixel.color, light) + gloss;
+    const Vec3f surface = shoulder(bright) + pixel.beyond;
+    const float beside = 1 - pixel.cover;
+    if (options_.background == RenderOptions::Background::transparent) {
+      // The shadow is black that lets the rest through.
+      const float alpha = std::min(1.0f, pixel.cover + beside * pixel.dark);
+      if (!(alpha > 0)) return {0, 0, 0, 0};
+      const Vec3f color = surface * (pixel.cover / alpha);
+      return {srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z),
+              static_cast<std::uint8_t>(std::lround(255 * alpha))};
+    }
+    const Vec3f color = surface * pixel.cover + background(x, y) * (beside * (1 - pixel.dark));
+    // Without a little dither the wide gradient shows steps.
+    const bool plain = options_.background == RenderOptions::Background::solid || pixel.cover > 0;
+    const float threshold = plain ? 0.5f : (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
+    return {srgb_byte(color.x, threshold), srgb_byte(color.y, threshold), srgb_byte(color.z, threshold), 255};
+  }
+
+  Vec3f background(int x, int y) const {
+    return background_light(options_, (static_cast<float>(x) + 0.5f) / static_cast<float>(options_.width),
+                            (static_cast<float>(y) + 0.5f) / static_cast<float>(options_.height));
+  }
+
+  template <class Blocked>
+  bool in_key_shadow(const Vec3f& from, int index, Blocked& blocked) const {
+    const Spot& spot = spots_[static_cast<std::size_t>(index)];
+    return blocked(from, key_frame_({kLightSpread * spot.x, kLightSpread * spot.y}),
+                   std::numeric_limits<float>::infinity());
+  }
+
+  template <class Blocked>
+  void add_surface(const SurfacePoint& point, const Vec3f& direction, int index, Pixel& sum, Blocked& blocked) const {
+    const Vec3f& n = point.normal;
+    sum.position += point.position;
+    sum.normal += n;
+    sum.color += point.color;
+    sum.beyond += point.beyond;
+    add_ambient(point, index, sum, blocked);
+    sum.fill += std::max(0.0f, dot(n, lighting_.fill));
+    sum.sheen += point.gloss * lighting_.sheen(n, direction);
+    const float facing = dot(n, lighting_.key);
+    // Where the surface turns away, whether the key light is blocked does not matter, except to the neighbours.
+    if (facing > 0) {
+      sum.facing += facing;
+      sum.shine += point.gloss * lighting_.shine(n, direction);
+    }
+    if (options_.samples > 1 && index % 2 != 0) return;  // smooth as it is, the shadow needs no more
+    if (!options_.shadows || (facing > 0 && !in_key_shadow(point.position, index, blocked))) sum.lit += 1;
+    sum.lit_asked += 1;
+  }
+
+  /// Light from all around that falls on the surface, and the share of it that is not blocked.
+  template <class Blocked>
+  void add_ambient(const SurfacePoint& point, int index, Pixel& sum, Blocked& blocked) const {
+    const int rays = options_.occlusion_rays;
+    if (rays == 0) {
+      sum.ambient += lighting_.ambient(point.normal);
+      sum.open += 1;
+      return;
+    }
+    const Around frame(point.normal);
+    const float share = 1 / static_cast<float>(rays);
+    for (int k = 0; k < rays; ++k) {
+      const Vec3f direction = frame(spots_[static_cast<std::size_t>(index * rays + k)]);
+      const Vec3f light = lighting_.sky_light(direction) * share;
+      if (blocked(point.position, direction, kOcclusionReach)) {
+        sum.ambient += product(light, point.color) * kBounce;
+      } else {
+        sum.ambient += light;
+        sum.open += share;
+      }
+    }
+  }
+
+  /// How much darker the ground is for the subject standing on it, 0..1.
+  template <class Blocked>
+  float ground_shadow(const Vec3f& direction, int index, Blocked& blocked) const {
+    const Vec3f& up = up_frame_.n;
+    const float descent = dot(direction, up);
+    if (!ground_ || descent > -1e-3f) return 0;
+    const Vec3f at = camera_.position + (floor_ - dot(camera_.position, up)) / descent * direction;
+    const float d = norm(at - foot_) / shadow_reach_;
+    if (d >= 1) return 0;
+    float dark = in_key_shadow(at, index, blocked) ? 0.38f : 0.0f;
+    if (options_.occlusion_rays > 0) {
+      const Spot& spot = spots_[static_cast<std::size_t>(index)];
+      if (blocked(at, up_frame_(spot), kOcclusionReach)) dark += 0.5f;
+    }
+    return dark * (1 - d * d) * (1 - d * d);
+  }
+
+  const PictureScene& scene_;
+  const Camera& camera_;
+  const RenderOptions& options_;
+  Lighting lighting_;
+  Around up_frame_, key_frame_;
+  std::vector<Spot> spots_;
+  Vec3f foot_;
+  float footprint_ = 0;  // of a pixel at distance 1
+  float floor_ = 0, shadow_reach_ = 1;
+  bool ground_ = false;
+};
+
+Painter::Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options)
+    : work_(std::make_unique<Work>(scene, camera, options)) {}
+Painter::~Painter() = default;
+void Painter::add_ground(std::span<const Vec3f> points, float below) { work_->add_ground(points, below); }
+Image Painter::paint(Progress& progress) const { return work_->paint(progress); }
+
+}  // namespace sansmesh

@@ -1,0 +1,37 @@
+// From rays to pixels: soft light on whatever a scene holds.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/render/camera.h"
+#include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/picture_scene.h"
+
+namespace sansmesh {
+
+/// Share of the picture's half left free around the subject.
+constexpr double kPictureMargin = 0.13;
+
+/// The subject's box should be centred at 0 with a diagonal of about 1. What is passed must outlive the painter.
+class Painter {
+ public:
+  Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options);
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  /// Lets shadows fall on the plane that far below the lowest point.
+  void add_ground(std::span<const Vec3f> points, float below);
+
+  /// In tiles, in parallel; the picture does not depend on the number of threads.
+  Image paint(Progress& progress) const;
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace sansmesh
