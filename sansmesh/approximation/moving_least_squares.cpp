@@ -60,9 +60,14 @@ MovingLeastSquares<D>::MovingLeastSquares(std::span<const Position<D>> positions
       }
     });
   }
-  std::map<int, std::vector<std::uint32_t>> by_octave;
-  for (std::size_t i = 0; i < n; ++i) by_octave[std::ilogb(radii_[i])].push_back(static_cast<std::uint32_t>(i));
-  for (auto& [octave, samples] : by_octave) {
+  // Layers of half an octave each.
+  std::map<int, std::vector<std::uint32_t>> by_radius;
+  for (std::size_t i = 0; i < n; ++i) {
+    int octave = 0;
+    const double part = std::frexp(radii_[i], &octave);
+    by_radius[2 * octave + (part >= 0.70710678118654752 ? 1 : 0)].push_back(static_cast<std::uint32_t>(i));
+  }
+  for (auto& [key, samples] : by_radius) {
     Layer layer;
     std::vector<Position<D>> own;
     for (const std::uint32_t i : samples) {
@@ -108,7 +113,9 @@ void MovingLeastSquares<D>::evaluate_one(const Position<D>& x, Scratch& s, doubl
   for (std::size_t k = 0; k < D; ++k) samples.positions[k] = s.positions[k];
   samples.values = s.values;
   samples.weights = s.weights;
-  s.fit.reset(samples, ApproximationFrame<D>{x, reach > 0 ? std::sqrt(reach) : 1});
+  // The weights fall so fast that their mass lies within this part of the radius: norms then do not shrink from one
+  // degree to the next, which would look like cancellation.
+  s.fit.reset(samples, ApproximationFrame<D>{x, reach > 0 ? 0.35 * std::sqrt(reach) : 1});
   degree = 0;
   while (degree < options_.degree && static_cast<std::size_t>(monomial_count(D, degree + 1)) <= n) ++degree;
   while (s.fit.size() < monomial_count(D, degree)) s.fit.add_polynomial();

@@ -17,7 +17,7 @@ enum class RbfSolver {
   kAutomatic,  ///< kDense up to 1,500 samples; beyond, kSparse for Wendland's functions and kLocal for all others
   kDense,      ///< one system of all samples by Cholesky; O(n³), at most kMaxDense samples
   kSparse,     ///< the same for Wendland's functions by preconditioned conjugate gradients
-  kLocal       ///< many small systems, blended by a partition of unity: O(n) (babuska1997, cavoretto2015)
+  kLocal       ///< many small systems, blended by a partition of unity: O(n) (babuska1997, cavoretto2016)
 };
 
 struct RbfOptions {
