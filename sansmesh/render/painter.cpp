@@ -105,7 +105,7 @@ struct Replay {
 
 class Painter::Work {
  public:
-  Work(const PictureScene& scene, const Camera& camera, const RenderOptions& options)
+  Work(const PictureScene& scene, const Camera& camera, const RenderOptions& options, bool smooth_light)
       : scene_(scene),
         camera_(camera),
         options_(options),
@@ -113,7 +113,8 @@ class Painter::Work {
         up_frame_(options.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0}),
         key_frame_(lighting_.key),
         spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, options.occlusion_rays))),
-        footprint_(2 * camera.half_height / static_cast<float>(options.height)) {}
+        footprint_(2 * camera.half_height / static_cast<float>(options.height)),
+        rim_(smooth_light ? kSmooth : 0) {}
 
   /// Lets shadows fall on the plane that far below the lowest point.
   void add_ground(std::span<const Vec3f> points, float below) {
@@ -153,11 +154,11 @@ class Painter::Work {
     };
     // A rim around the tile serves to smooth, beyond the picture's border as well.
     Batch batch;
-    for (int y = top - kSmooth; y < bottom + kSmooth; y += kBlock)
-      for (int x = left - kSmooth; x < right + kSmooth; x += kBlock)
-        look(x, y, std::min(x + kBlock, right + kSmooth), std::min(y + kBlock, bottom + kSmooth), batch, at);
+    for (int y = top - rim_; y < bottom + rim_; y += kBlock)
+      for (int x = left - rim_; x < right + rim_; x += kBlock)
+        look(x, y, std::min(x + kBlock, right + rim_), std::min(y + kBlock, bottom + rim_), batch, at);
     for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x) image.at(x, y) = finish(smoothed(at, x, y), x, y);
+      for (int x = left; x < right; ++x) image.at(x, y) = finish(rim_ > 0 ? smoothed(at, x, y) : at(x, y), x, y);
   }
 
   /// All pixels of a block, whose rays go together.
@@ -355,12 +356,13 @@ class Painter::Work {
   std::vector<Spot> spots_;
   Vec3f foot_;
   float footprint_ = 0;  // of a pixel at distance 1
+  int rim_ = kSmooth;    // pixels around a tile
   float floor_ = 0, shadow_reach_ = 1;
   bool ground_ = false;
 };
 
-Painter::Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options)
-    : work_(std::make_unique<Work>(scene, camera, options)) {}
+Painter::Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options, bool smooth_light)
+    : work_(std::make_unique<Work>(scene, camera, options, smooth_light)) {}
 Painter::~Painter() = default;
 void Painter::add_ground(std::span<const Vec3f> points, float below) { work_->add_ground(points, below); }
 Image Painter::paint(Progress& progress) const { return work_->paint(progress); }

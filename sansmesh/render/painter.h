@@ -18,7 +18,8 @@ constexpr double kPictureMargin = 0.13;
 /// The subject's box should be centred at 0 with a diagonal of about 1. What is passed must outlive the painter.
 class Painter {
  public:
-  Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options);
+  /// `smooth_light`: shadows are means over neighbouring pixels; not needed where there are none.
+  Painter(const PictureScene& scene, const Camera& camera, const RenderOptions& options, bool smooth_light = true);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;

@@ -77,8 +77,9 @@ struct Ball {
   float x, y, z, radius;
 };
 
-void place_balls(Ball* balls, std::span<const Vec3f> centers, float radius) {
-  for (std::size_t i = 0; i < centers.size(); ++i) balls[i] = {centers[i].x, centers[i].y, centers[i].z, radius};
+template <class Radius>
+void place_balls(Ball* balls, std::span<const Vec3f> centers, const Radius& radius) {
+  for (std::size_t i = 0; i < centers.size(); ++i) balls[i] = {centers[i].x, centers[i].y, centers[i].z, radius(i)};
 }
 
 }  // namespace
@@ -98,20 +99,33 @@ RayScene RayScene::triangles(std::span<const Vec3f> vertices, std::span<const Tr
   return RayScene(std::move(state));
 }
 
-RayScene RayScene::balls(std::span<const Vec3f> centers, float radius) {
-  auto state = std::make_unique<State>(RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  place_balls(state->buffer<Ball>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, centers.size()), centers, radius);
+template <class Radius>
+std::unique_ptr<RayScene::State> RayScene::make_balls(std::span<const Vec3f> centers, std::span<const Vec3f> normals,
+                                                      const Radius& radius) {
+  const bool flat = !normals.empty();
+  auto state = std::make_unique<State>(flat ? RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT : RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  place_balls(state->template buffer<Ball>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, centers.size()), centers, radius);
+  if (flat)
+    std::copy(normals.begin(), normals.end(),
+              state->template buffer<Vec3f>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, normals.size()));
   state->commit();
-  return RayScene(std::move(state));
+  return state;
+}
+
+RayScene RayScene::balls(std::span<const Vec3f> centers, float radius) {
+  return RayScene(make_balls(centers, {}, [=](std::size_t) { return radius; }));
+}
+
+RayScene RayScene::balls(std::span<const Vec3f> centers, std::span<const float> radii) {
+  return RayScene(make_balls(centers, {}, [=](std::size_t i) { return radii[i]; }));
 }
 
 RayScene RayScene::discs(std::span<const Vec3f> centers, std::span<const Vec3f> normals, float radius) {
-  auto state = std::make_unique<State>(RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
-  place_balls(state->buffer<Ball>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, centers.size()), centers, radius);
-  std::copy(normals.begin(), normals.end(),
-            state->buffer<Vec3f>(RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, normals.size()));
-  state->commit();
-  return RayScene(std::move(state));
+  return RayScene(make_balls(centers, normals, [=](std::size_t) { return radius; }));
+}
+
+RayScene RayScene::discs(std::span<const Vec3f> centers, std::span<const Vec3f> normals, std::span<const float> radii) {
+  return RayScene(make_balls(centers, normals, [=](std::size_t i) { return radii[i]; }));
 }
 
 namespace {

@@ -24,7 +24,9 @@ class RayScene {
   /// Corners must exist and be finite.
   static RayScene triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
   static RayScene balls(std::span<const Vec3f> centers, float radius);
+  static RayScene balls(std::span<const Vec3f> centers, std::span<const float> radii);
   static RayScene discs(std::span<const Vec3f> centers, std::span<const Vec3f> normals, float radius);
+  static RayScene discs(std::span<const Vec3f> centers, std::span<const Vec3f> normals, std::span<const float> radii);
 
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
@@ -36,6 +38,9 @@ class RayScene {
  private:
   struct State;
   explicit RayScene(std::unique_ptr<State> state);
+  template <class Radius>
+  static std::unique_ptr<State> make_balls(std::span<const Vec3f> centers, std::span<const Vec3f> normals,
+                                           const Radius& radius);
   std::unique_ptr<State> state_;
 };
 

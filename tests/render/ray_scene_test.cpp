@@ -69,7 +69,13 @@ TEST(RayScene, BallsAndDiscsAreWhereTheyShouldBe) {
   EXPECT_GT(ball->normal.z, 0.999f);
   EXPECT_FALSE(balls.closest({1.5f, 0, 5}, {0, 0, -1}));
 
+  const std::vector<float> radii{0.5f, 2};
+  EXPECT_NEAR(RayScene::balls(centers, radii).closest({3, 0, 5}, {0, 0, -1})->distance, 3, 1e-5);
+  EXPECT_NEAR(RayScene::balls(centers, radii).closest({0, 0, 5}, {0, 0, -1})->distance, 4.5, 1e-5);
+
   const std::vector<Vec3f> normals{{0, 0, 1}, {1, 0, 0}};
+  EXPECT_TRUE(RayScene::discs(centers, normals, radii).closest({9, 1.3f, 1.3f}, {-1, 0, 0}));
+  EXPECT_FALSE(RayScene::discs(centers, normals, radii).closest({0.4f, 0.4f, 5}, {0, 0, -1}));
   const RayScene discs = RayScene::discs(centers, normals, 0.5f);
   const auto disc = discs.closest({0.3f, 0.3f, 5}, {0, 0, -1});
   ASSERT_TRUE(disc);

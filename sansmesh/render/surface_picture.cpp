@@ -1,0 +1,99 @@
+#include "sansmesh/render/surface_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/render/painter.h"
+#include "sansmesh/render/surface_scene.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kDepthTile = 32;
+
+void check_range(const char* name, double value, double lowest, double highest) {
+  if (value >= lowest && value <= highest) return;
+  throw ArgumentError(std::string(name) + " must be from " + std::to_string(lowest) + " to " + std::to_string(highest) +
+                      ", not " + std::to_string(value));
+}
+
+}  // namespace
+
+void SurfaceRenderOptions::validate() const {
+  RenderOptions::validate();
+  check_range("reflection", reflection, 0, 1);
+  check_range("transmission", transmission, 0, 1);
+  check_range("refraction_index", refraction_index, 1, 4);
+  check_range("bounces", bounces, 1, 16);
+  if (reflection + transmission > 1 + 1e-9)
+    throw ArgumentError("reflection + transmission must be at most 1, not " +
+                        std::to_string(reflection + transmission));
+}
+
+Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points, const ColorField* colors,
+                     const SurfaceRenderOptions& options, Progress& progress) {
+  options.validate();
+  SurfaceRenderOptions own = options;
+  if (own.plain) {
+    own.shadows = own.ground = false;
+    own.occlusion_rays = 0;
+    own.samples = 1;
+  }
+  Box3 box;
+  for (const Vec3f& p : points)
+    if (is_finite(p)) box.extend(Vec3(p));
+  if (box.empty()) throw DataError("nothing to draw: no finite points");
+  const double size = box.diagonal();
+  if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
+  const PictureFrame frame{box.center(), size};
+  std::vector<Vec3f> placed;
+  placed.reserve(points.size());
+  for (const Vec3f& p : points)
+    if (is_finite(p)) placed.push_back(frame.to_picture(Vec3(p)));
+
+  const double aspect = static_cast<double>(own.width) / own.height;
+  double reach = 0;
+  if (own.steady)
+    for (const Vec3f& p : placed) reach = std::max(reach, static_cast<double>(norm(p)));
+  const Vec3f middle;
+  const std::span<const Vec3f> framed = own.steady ? std::span(&middle, 1) : std::span<const Vec3f>(placed);
+  const Camera camera = frame_camera(framed, own.view, own.up, own.field_of_view, aspect, kPictureMargin, reach);
+
+  progress.begin("preparing");
+  const SurfaceScene scene(caster, frame, camera, colors, own);
+  Painter painter(scene, camera, own, !own.plain);
+  if (own.ground) painter.add_ground(placed, 0);
+  return painter.paint(progress);
+}
+
+DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height) {
+  check_range("width", width, 1, 16384);
+  check_range("height", height, 1, 16384);
+  DepthMap map{width, height,
+               std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                                  std::numeric_limits<float>::infinity())};
+  const int across = (width + kDepthTile - 1) / kDepthTile, down = (height + kDepthTile - 1) / kDepthTile;
+  parallel_for(0, static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 1, [&](std::size_t tile) {
+    const int left = static_cast<int>(tile) % across * kDepthTile, top = static_cast<int>(tile) / across * kDepthTile;
+    const int right = std::min(left + kDepthTile, width), bottom = std::min(top + kDepthTile, height);
+    std::vector<CastRay> rays;
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x)
+        rays.push_back(
+            {camera.position, camera.direction((2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1,
+                                               1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(height))});
+    std::vector<CastHit> hits(rays.size());
+    caster.cast(rays, hits);
+    std::size_t k = 0;
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x, ++k)
+        if (hits[k].hit) map.distances[static_cast<std::size_t>(y) * width + x] = hits[k].distance;
+  });
+  return map;
+}
+
+}  // namespace sansmesh

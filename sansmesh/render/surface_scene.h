@@ -1,0 +1,57 @@
+// A meshless surface as a painter sees it: lit, mirroring, clear.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/field/color_field.h"
+#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/ray_scene.h"
+#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface_picture.h"
+
+namespace sansmesh {
+
+/// The painter's coordinates: (x − center) / size.
+struct PictureFrame {
+  Vec3 center;
+  double size = 1;
+  Vec3f to_picture(const Vec3& x) const { return Vec3f((x - center) / size); }
+  Vec3f to_surface(const Vec3f& x) const { return Vec3f(Vec3(x) * size + center); }
+};
+
+class SurfaceScene : public PictureScene {
+ public:
+  /// What is passed must outlive the scene; `colors` may be null. `camera` in the painter's coordinates.
+  SurfaceScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
+               const SurfaceRenderOptions& options);
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override;
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
+
+ private:
+  struct Path;
+  struct Scratch;
+  void color_hits(Scratch& scratch) const;
+  void split(const CastHit& hit, const Vec3f& direction, float weight, std::uint32_t slot, Scratch& scratch) const;
+  void follow(Scratch& scratch, std::span<std::optional<SurfacePoint>> points) const;
+  Vec3f environment(const Vec3f& direction) const;
+  Vec3f off_surface(const CastHit& hit, const Vec3f& toward, float share) const;
+  std::optional<RayScene> shadow_discs();
+
+  const SurfaceCaster& caster_;
+  PictureFrame frame_;
+  Camera camera_;
+  const ColorField* colors_;
+  const SurfaceRenderOptions& options_;
+  Lighting lighting_;
+  Vec3f color_;
+  float own_ = 1, mirror_ = 0, clear_ = 0, index_ = 1;  // shares of light; index of refraction
+  float gloss_ = 1;
+  float disc_over_ball_ = 0;
+  std::optional<RayScene> discs_;
+};
+
+}  // namespace sansmesh
