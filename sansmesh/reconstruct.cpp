@@ -7,13 +7,6 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_of_unity.h"
-#include "sansmesh/points/clean_samples.h"
-#include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/orientation.h"
-#include "sansmesh/points/sample_faces.h"
-#include "sansmesh/points/spacing.h"
 #include "sansmesh/polygonize/components.h"
 #include "sansmesh/polygonize/mesh_quality.h"
 #include "sansmesh/polygonize/polygonize.h"
@@ -27,10 +20,6 @@ namespace {
 constexpr double kSmallComponent = 0.01, kSupported = 0.02;
 /// Samples that are enough to tell the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
-/// A local fit takes this many samples.
-constexpr std::size_t kFewest = 9;
-/// Samples of the faces of a mesh whose vertices are not enough.
-constexpr std::size_t kFaceSamples = 400000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for; least gap of the blocks for the latter, in the same unit.
 constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
@@ -38,106 +27,17 @@ constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8, kCoarseBlocks = 0.5;
 /// fine because the surface bends everywhere. Simplifying it would take as long as all the rest.
 constexpr double kLeastGain = 0.35;
 constexpr std::size_t kManyBlocks = 100000;
+/// Mesh error of surfaces that do not know their own, over the spacing and the noise.
+constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 
 std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
-void clean(PointSet& points, ReconstructReport& report) {
-  const std::size_t given = points.size();
-  const SampleCleaning cleaned = clean_samples(points);
-  const auto warn = [&](std::size_t n, const char* why) {
-    if (n > 0) report.warnings.push_back(counted(n, "sample") + " left out: " + why);
-  };
-  warn(cleaned.non_finite, "position or normal not finite");
-  warn(cleaned.far_away, "far away from all others");
-  warn(cleaned.duplicates, "at the position of another sample");
-  if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
-}
-
-/// Works in a unit in which the cloud is about 1 large, a power of two so that nothing is rounded: squares and sixth
-/// powers of lengths then stay within float whatever the unit of the input.
-double normalise(PointSet& points) {
-  const Vec3f size = bounds(points).size();
-  const double unit = std::exp2(std::ceil(std::log2(static_cast<double>(std::max({size.x, size.y, size.z})))));
-  const auto factor = static_cast<float>(1 / unit);
-  for (Vec3f& p : points.positions) p *= factor;
-  for (Vec3f& p : points.scanners) p *= factor;
-  points.origin = {};
-  return unit;
-}
-
-void check_shape(const PointSet& points) {
-  if (points.size() < kFewest)
-    throw DataError("only " + counted(points.size(), "point") + ": at least " + std::to_string(kFewest) +
-                    " are needed");
-  switch (classify_shape(points)) {
-    case CloudShape::empty:
-      throw DataError("no finite points");
-    case CloudShape::point:
-      throw DataError("all points coincide: there is no surface to reconstruct");
-    case CloudShape::line:
-      throw DataError("all points lie on one line: there is no surface to reconstruct");
-    case CloudShape::plane:
-      throw DataError("all points lie in one plane: a closed surface cannot be reconstructed");
-    case CloudShape::volume:
-      break;
-  }
-}
-
-/// Faces as samples where the vertices are not enough, and as the source of normals.
-void use_faces(PointSet& points, ReconstructOptions::Faces faces, ReconstructReport& report) {
-  using Faces = ReconstructOptions::Faces;
-  if (points.triangles.empty() || faces == Faces::ignore) return;
-  const bool forced = faces == Faces::sample;
-  if (forced || !vertices_suffice(points)) {
-    PointSet samples = sample_faces(points, kFaceSamples);
-    if (samples.size() == 0) return;
-    points = std::move(samples);
-    if (!forced) report.warnings.push_back("its vertices alone are too sparse: its faces were sampled instead");
-  } else if (!points.has_normals()) {
-    set_normals_from_faces(points);
-  }
-}
-
-void prepare_normals(PointSet& points, ReconstructOptions::Normals choice, Progress& progress,
-                     ReconstructReport& report) {
-  using Normals = ReconstructOptions::Normals;
-  if (choice == Normals::as_given) {
-    if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
-    return;
-  }
-  if (choice == Normals::estimate) points.normals.clear();
-  NormalOptions estimation;
-  OrientationOptions orientation;
-  progress.begin("check normals");
-  switch (check_orientation(points)) {
-    case OrientationCheck::oriented:
-      return;
-    case OrientationCheck::inward:
-      report.warnings.push_back("the normals point inward: turned round");
-      for (Vec3f& n : points.normals) n = -n;
-      return;
-    case OrientationCheck::missing:
-      progress.begin("estimate normals");
-      estimation.spacing = estimate_spacing(points);
-      estimation.noise = orientation.noise = estimate_noise(points);
-      estimate_normals(points, estimation, progress);
-      break;
-    case OrientationCheck::unoriented:
-      report.warnings.push_back("the normals are not oriented consistently: oriented anew");
-      break;
-  }
-  progress.begin("orient normals");
-  orient_normals(points, orientation, progress);
-}
-
 /// 1 for the vertices that have a sample within `limit`.
-std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const PointSet& points, const KdTree& samples,
-                                       double limit) {
+std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit) {
   std::vector<std::uint8_t> near(mesh.vertices.size());
-  const Vec3f shift(mesh.origin - points.origin);
   const auto limit2 = static_cast<float>(limit * limit);
   parallel_for(0, near.size(), 2048, [&](std::size_t v) {
-    const auto found = samples.nearest(mesh.vertices[v] + shift);
+    const auto found = samples.nearest(mesh.vertices[v]);
     near[v] = found && found->squared_distance <= limit2;
   });
   return near;
@@ -228,9 +128,102 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
   });
 }
 
+/// Without options of its own a mesh is cut out like this.
+PolygonizeOptions meshing_options(const ReconstructOptions& options, double mesh_error) {
+  PolygonizeOptions meshing;
+  meshing.cluster = options.enhance;
+  meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
+  meshing.creases = options.sharp;
+  meshing.displacement = options.displacement;
+  // Blocks have sizes in powers of two, and triangles of one size in every direction: only edge collapses give each
+  // place the triangles it needs. They cost more time than they save elsewhere, so by default only the cheap ones run;
+  // where a coarse mesh is asked for, it is made from a finer one.
+  if (options.enhance) {
+    meshing.simplify = (options.mesh_error ? kCoarseSimplify : kSimplify) * mesh_error;
+    meshing.triangles = options.triangles.value_or(0);
+  }
+  return meshing;
+}
+
+TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const ReconstructOptions& options,
+                     PolygonizeOptions meshing, Progress& progress, ReconstructReport& r) {
+  r.blocks = blocks.leaves().size();
+  if (r.blocks > kManyBlocks && !options.mesh_error && !options.triangles) meshing.least_gain = kLeastGain;
+  if (options.measure_quality) {
+    PolygonizeOptions plain = meshing;
+    plain.cluster = false;
+    plain.creases = false;
+    plain.smoothing_rounds = 0;
+    plain.simplify = 0;
+    plain.triangles = 0;
+    plain.displacement = 0;
+    const MeshQuality before = measure_quality(polygonize(field, blocks, {}, plain, progress));
+    r.aspect_mean_before = before.aspect_mean;
+    r.aspect_deviation_before = before.aspect_deviation;
+  }
+  return polygonize(field, blocks, {}, meshing, progress);
+}
+
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const ReconstructOptions& options,
+                 ReconstructReport& r) {
+  choose_components(mesh, options.components, points, spacing, r);
+  if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
+  if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
+  if (options.measure_quality) {
+    const MeshQuality after = measure_quality(mesh);
+    r.aspect_mean = after.aspect_mean;
+    r.aspect_deviation = after.aspect_deviation;
+  }
+}
+
+/// Back from the coordinates of a prepared cloud.
+void to_input(TriangleMesh& mesh, const Vec3& origin, double unit) {
+  for (Vec3f& v : mesh.vertices) v *= static_cast<float>(unit);
+  mesh.origin = origin;
+}
+
+/// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples, and trimmed where it leaves
+/// its domain of definition.
+TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
+                                 ReconstructReport& r) {
+  SurfaceOptions choice = *options.surface;
+  choice.faces = options.faces;
+  choice.normals = options.normals;
+  const SurfaceModel model = make_surface_model(std::move(points), choice, progress);
+  r.warnings = model.warnings();
+  r.spacing = model.report().spacing;
+  r.noise = model.report().noise;
+  const double unit = model.unit(), spacing = r.spacing / unit;
+  const double mesh_error = options.mesh_error
+                                ? *options.mesh_error / unit
+                                : std::max(kErrorOverSpacing * spacing, kErrorOverNoise * r.noise / unit);
+  r.mesh_error = mesh_error * unit;
+  PolygonizeOptions meshing = meshing_options(options, mesh_error);
+  meshing.creases = choice.sharp;
+  meshing.placement = model.placement();
+  meshing.seeds = model.seeds();
+  const BlockTree blocks = model.blocks(1);
+  r.depth = blocks.depth();
+  TriangleMesh mesh = cut_out(model.field(), blocks, options, meshing, progress, r);
+
+  progress.begin("finish mesh");
+  std::vector<Vec3> x(mesh.vertices.begin(), mesh.vertices.end());
+  std::vector<double> values(x.size());
+  std::vector<std::uint8_t> inside(x.size());
+  model.field().evaluate_in_domain(x, values, {}, inside);
+  if (std::find(inside.begin(), inside.end(), 0) != inside.end()) trim_mesh(mesh, inside);
+  if (options.trim && *options.trim > 0)
+    trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), *options.trim / unit));
+  finish_mesh(mesh, model.points(), spacing, options, r);
+  to_input(mesh, model.origin(), unit);
+  progress.finish();
+  return mesh;
+}
+
 }  // namespace
 
 void ReconstructOptions::validate() const {
+  if (surface) surface->validate();
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
@@ -254,13 +247,10 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   ReconstructReport local;
   ReconstructReport& r = report ? *report : local;
   r = {};
-  progress.begin("check samples");
-  clean(points, r);
-  use_faces(points, options.faces, r);
-  check_shape(points);
-  const Vec3 origin = points.origin;
-  const double unit = normalise(points);
-  prepare_normals(points, options.normals, progress, r);
+  if (options.surface) return reconstruct_surface(std::move(points), options, progress, r);
+  PreparedCloud cloud = prepare_cloud(std::move(points), options.faces, options.normals, progress);
+  r.warnings = std::move(cloud.warnings);
+  const double unit = cloud.unit;
 
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
@@ -268,7 +258,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
-  const PartitionOfUnity field = fit_partition_of_unity(points, fit, progress);
+  const PartitionOfUnity field = fit_partition_of_unity(cloud.points, fit, progress);
   const PartitionReport& f = field.report();
   r.spacing = f.spacing * unit;
   r.noise = f.noise * unit;
@@ -277,56 +267,22 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   const double mesh_error = options.mesh_error ? *options.mesh_error / unit : default_mesh_error(f);
   r.mesh_error = mesh_error * unit;
 
-  PolygonizeOptions meshing;
-  meshing.cluster = options.enhance;
-  meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
-  meshing.creases = options.sharp;
-  meshing.displacement = options.displacement;
+  PolygonizeOptions meshing = meshing_options(options, mesh_error);
   meshing.seeds = field.seeds();
-  // Blocks have sizes in powers of two, and triangles of one size in every direction: only edge collapses give each
-  // place the triangles it needs. They cost more time than they save elsewhere, so by default only the cheap ones run;
-  // where a coarse mesh is asked for, it is made from a finer one.
   const bool coarse = options.mesh_error.has_value();
-  if (options.enhance) {
-    meshing.simplify = (coarse ? kCoarseSimplify : kSimplify) * mesh_error;
-    meshing.triangles = options.triangles.value_or(0);
-  }
   const double gap = coarse && options.enhance
                          ? std::max(kCoarseBlocks * mesh_error, std::min(mesh_error, default_mesh_error(f)))
                          : mesh_error;
-  const BlockTree blocks = field.mesh_blocks(gap);
-  r.blocks = blocks.leaves().size();
-  if (r.blocks > kManyBlocks && !coarse && !options.triangles) meshing.least_gain = kLeastGain;
-  if (options.measure_quality) {
-    PolygonizeOptions plain = meshing;
-    plain.cluster = false;
-    plain.creases = false;
-    plain.smoothing_rounds = 0;
-    plain.simplify = 0;
-    plain.triangles = 0;
-    plain.displacement = 0;
-    const MeshQuality before = measure_quality(polygonize(field, blocks, points.origin, plain, progress));
-    r.aspect_mean_before = before.aspect_mean;
-    r.aspect_deviation_before = before.aspect_deviation;
-  }
-  TriangleMesh mesh = polygonize(field, blocks, points.origin, meshing, progress);
+  TriangleMesh mesh = cut_out(field, field.mesh_blocks(gap), options, meshing, progress, r);
 
   progress.begin("finish mesh");
-  const double close = std::max(4 * f.spacing, 6 * f.noise);
-  const bool color = options.carry_colors && points.has_colors();
-  const KdTree samples = options.trim || color ? KdTree(points.positions) : KdTree();
-  if (options.trim)
-    trim_mesh(mesh, near_samples(mesh, points, samples, *options.trim > 0 ? *options.trim / unit : close));
-  choose_components(mesh, options.components, points, f.spacing, r);
-  if (color) carry_colors(mesh, points, samples);
-  if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
-  if (options.measure_quality) {
-    const MeshQuality after = measure_quality(mesh);
-    r.aspect_mean = after.aspect_mean;
-    r.aspect_deviation = after.aspect_deviation;
+  if (options.trim) {
+    const double close = std::max(4 * f.spacing, 6 * f.noise);
+    const KdTree samples(cloud.points.positions);
+    trim_mesh(mesh, near_samples(mesh, samples, *options.trim > 0 ? *options.trim / unit : close));
   }
-  for (Vec3f& v : mesh.vertices) v *= static_cast<float>(unit);
-  mesh.origin = origin;
+  finish_mesh(mesh, cloud.points, f.spacing, options, r);
+  to_input(mesh, cloud.origin, unit);
   progress.finish();
   return mesh;
 }

@@ -8,6 +8,8 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/prepare_cloud.h"
+#include "sansmesh/surface_model.h"
 
 namespace sansmesh {
 
@@ -21,12 +23,13 @@ struct ComponentChoice {
 
 /// All optional lengths are in the unit of the input; where absent they are derived from the data.
 struct ReconstructOptions {
-  /// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
-  /// the faces where the vertices are too few or far apart to describe the surface.
-  enum class Faces { automatic, ignore, sample } faces = Faces::automatic;
-  /// Given normals are used, and turned where they are not consistent or point inward; as_given: not even looked at;
-  /// estimate: they are replaced.
-  enum class Normals { automatic, as_given, estimate } normals = Normals::automatic;
+  using Faces = FaceUse;
+  using Normals = NormalUse;
+  Faces faces = Faces::automatic;
+  Normals normals = Normals::automatic;
+  /// Another surface than the adaptive partition of unity, whose own options then mean nothing: max_depth, error,
+  /// support, max_degree. It is cut where it leaves its domain of definition: not closed where the samples have borders.
+  std::optional<SurfaceOptions> surface;
   std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
   std::optional<double> error;       ///< accepted rms error of a local fit (length); default: a tenth of the noise
   std::optional<double> support;     ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8

@@ -8,6 +8,10 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/reconstruct.h"
 #include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/surface/curvature.h"
+#include "sansmesh/surface/lop.h"
+#include "sansmesh/surface_model.h"
 
 namespace sansmesh::cli {
 
@@ -41,7 +45,34 @@ void run_info(const InfoArguments& arguments, Console& console);
 struct RenderArguments {
   std::string input, output;
   RenderOptions options;
+  std::optional<SurfaceOptions> surface;  ///< cast rays at this surface of the samples
+  SurfaceRenderOptions surface_options;   ///< what it has beyond `options`
+  std::string color_by;                   ///< mean, gaussian, k1, k2: curvature as colour; empty: the samples' colours
+  std::optional<double> color_range;      ///< curvature with the full colour
+  int frames = 0;                         ///< of a turntable; 0: one picture
 };
 void run_render(const RenderArguments& arguments, Console& console);
+void run_surface_picture(const RenderArguments& arguments, Console& console);
+
+struct ProjectArguments {
+  std::string input, onto, output;
+  std::string method = "curvature";  ///< a projection, an implicit surface, or lop
+  bool ascii = false;
+  SurfaceOptions surface;
+  LopOptions lop;
+  int steps = 10;
+  double tolerance = 1e-3;           ///< over the spacing
+  std::optional<std::size_t> points;  ///< resample to about so many
+};
+void run_project(const ProjectArguments& arguments, Console& console);
+
+struct CurvatureArguments {
+  std::string input, output, preview;
+  std::string color_by = "mean";
+  std::optional<double> color_range;
+  bool ascii = false;
+  CurvatureOptions options;
+};
+void run_curvature(const CurvatureArguments& arguments, Console& console);
 
 }  // namespace sansmesh::cli

@@ -67,13 +67,18 @@ struct CommandLine {
   ReconstructArguments reconstruct;
   std::string components = "auto";
   bool smooth_only = false, no_colors = false, no_enhance = false;
+  SurfaceOptions surface;
+  std::string surface_name;
+  bool no_sheets = false;
   NormalsArguments normals;
   bool no_orient = false;
   EvaluateArguments evaluate;
   InfoArguments info;
   RenderArguments render;
+  ProjectArguments project;
+  CurvatureArguments curvature;
   std::string view, background = "gradient";
-  bool flat = false, z_up = false;
+  bool flat = false, z_up = false, no_shadows = false;
 };
 
 void add_common(CLI::App& command, CommandLine& line) {
@@ -91,6 +96,45 @@ CLI::App& add_command(CLI::App& app, const char* name, const std::string& what, 
   command.footer(kReadable);
   add_common(command, line);
   return command;
+}
+
+/// The options of meshless surfaces. Those of one command are those of all: only one runs.
+void add_surface(CLI::App& c, CommandLine& line, const std::string& what) {
+  SurfaceOptions& o = line.surface;
+  std::string names;
+  for (const std::string& name : surface_names()) names += (names.empty() ? "" : ", ") + name;
+  c.add_option("--surface", line.surface_name, what + ": " + names)->type_name("NAME")->group("Surface");
+  c.add_flag("--sharp", o.sharp, "Edges and corners: normals that turn sharply (bilateral)")->group("Surface");
+  c.add_option("--smoothing", o.smoothing, "Width of the weights over the spacing of the samples, 0.5..20 [from noise]")
+      ->type_name("RATIO")
+      ->group("Surface");
+  c.add_option("--bandwidth", o.width, "Width of the weights as one length, in place of --smoothing")
+      ->type_name("LENGTH")
+      ->group("Surface");
+  c.add_option("--order", o.order, "amls: order of the approximation, 2, 4 or 6 [by cross validation]")
+      ->type_name("ORDER")
+      ->group("Surface");
+  c.add_option("--iterations", o.iterations, "amls: 0 smooths most, many interpolate [by cross validation]")
+      ->type_name("COUNT")
+      ->group("Surface");
+  c.add_option("--diffusion", o.diffusion, "curvature: samples far off count less: none, soft or hard [none]")
+      ->type_name("CHOICE")
+      ->group("Surface");
+  c.add_flag("--no-sheets", line.no_sheets, "Let samples of the other side of a thin part count too")->group("Surface");
+}
+
+/// What was said about the surface; nothing if it was not named.
+std::optional<SurfaceOptions> chosen_surface(CommandLine& line) {
+  const SurfaceOptions none;
+  SurfaceOptions& o = line.surface;
+  o.separate_sheets = !line.no_sheets;
+  if (!line.surface_name.empty()) {
+    o.method = line.surface_name;
+    return o;
+  }
+  if (o.smoothing || o.width || o.order || o.iterations || o.diffusion != none.diffusion || line.no_sheets)
+    throw ArgumentError("--smoothing, --bandwidth, --order, --iterations, --diffusion and --no-sheets need --surface NAME");
+  return std::nullopt;
 }
 
 CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
@@ -147,10 +191,12 @@ CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
       ->type_name("DEGREE")
       ->group("Fit");
   c.add_flag("--smooth", line.smooth_only, "Do not look for creases and corners")->group("Fit");
+  add_surface(c, line, "Cut another surface out, as it stands [partition]");
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
            "  sansmesh reconstruct terrain.las -o terrain.ply --trim\n"
+           "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return c;
 }
@@ -212,6 +258,107 @@ CLI::App& add_render(CLI::App& app, CommandLine& line) {
       ->check(CLI::IsMember({"gradient", "white", "black", "transparent"}).description(""));
   c.add_flag("--flat", line.flat, "Show the triangles: no interpolated normals");
   c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")->type_name("LENGTH");
+  c.add_option("--antialiasing", o.samples, "Rays a pixel in each direction, 1..8 [3]")->type_name("COUNT");
+  c.add_flag("--no-shadows", line.no_shadows, "No shadows");
+  add_surface(c, line, "Cast rays at this surface of the samples, without a mesh");
+  SurfaceRenderOptions& s = a.surface_options;
+  c.add_option("--color-by", a.color_by, "Curvature as colour: mean, gaussian, k1 or k2; red convex, blue concave")
+      ->type_name("QUANTITY")
+      ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
+      ->group("Surface");
+  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length [from data]")
+      ->type_name("VALUE")
+      ->check(CLI::PositiveNumber.description(""))
+      ->group("Surface");
+  c.add_option("--reflection", s.reflection, "Share of the light that a mirror would send, 0..1 [0]")
+      ->type_name("SHARE")
+      ->group("Surface");
+  c.add_option("--transmission", s.transmission, "Share of the light that comes through the body, 0..1 [0]")
+      ->type_name("SHARE")
+      ->group("Surface");
+  c.add_option("--refraction-index", s.refraction_index, "Of the body: 1.33 water, 1.5 glass [1.5]")
+      ->type_name("RATIO")
+      ->group("Surface");
+  c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow")->group("Surface");
+  c.add_flag("--plain", s.plain, "Quick: one ray a pixel, no shadows, no ground")->group("Surface");
+  c.add_option("--frames", a.frames, "Pictures all around, as NAME_000.png, NAME_001.png, …")
+      ->type_name("COUNT")
+      ->check(CLI::Range(1, 100000).description(""))
+      ->group("Surface");
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh render surface.ply -o surface.png --view front\n"
+           "  sansmesh render scan.ply -o scan.png --surface apss\n"
+           "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
+           "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
+  return c;
+}
+
+CLI::App& add_project(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "project", "Points → points on the surface of samples: denoise, resample", line);
+  ProjectArguments& a = line.project;
+  c.add_option("input", a.input, "Points to move")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
+  c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
+  std::string names;
+  for (const std::string& name : surface_names()) names += (names.empty() ? "" : ", ") + name;
+  c.add_option("--method", a.method, "lop (consolidation of the input) or a surface: " + names + " [curvature]")
+      ->type_name("NAME");
+  c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
+      ->type_name("COUNT")
+      ->check(CLI::Range(1u, 2000000000u).description(""));
+  c.add_option("--steps", a.steps, "Most steps of a point, 1..1000 [10]")->type_name("COUNT");
+  c.add_option("--tolerance", a.tolerance, "A step shorter than this, over the spacing, is the last [0.001]")
+      ->type_name("RATIO");
+  c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
+      ->type_name("LENGTH");
+  c.add_option("--repulsion", a.lop.repulsion, "lop: points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
+  SurfaceOptions& o = line.surface;
+  c.add_option("--smoothing", o.smoothing, "Width of the weights over the spacing of the samples, 0.5..20 [from noise]")
+      ->type_name("RATIO");
+  c.add_option("--diffusion", o.diffusion, "curvature: samples far off count less: none, soft or hard [none]")
+      ->type_name("CHOICE");
+  c.add_flag("--sharp", o.sharp, "Normals that turn sharply at edges and corners");
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh project noisy.ply -o smooth.ply\n"
+           "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"
+           "  sansmesh project scan.ply -o dense.ply --points 1000000\n"
+           "  sansmesh project outliers.ply -o even.ply --method lop --points 20000");
+  return c;
+}
+
+CLI::App& add_curvature(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "curvature", "Points → principal curvatures and directions at them", line);
+  CurvatureArguments& a = line.curvature;
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv (others: colours only)")
+      ->type_name("FILE")
+      ->required();
+  c.add_option("--preview", a.preview, "Also draw the coloured points into this PNG")->type_name("FILE");
+  c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
+  c.add_option("--color-by", a.color_by, "mean, gaussian, k1 or k2 [mean]")
+      ->type_name("QUANTITY")
+      ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""));
+  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length [from data]")
+      ->type_name("VALUE")
+      ->check(CLI::PositiveNumber.description(""));
+  c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 8..2000 [from noise and shape]")
+      ->type_name("COUNT");
+  c.add_option("--radius", a.options.radius, "Width of the weights as one length, in place of --neighbours")
+      ->type_name("LENGTH");
+  c.add_option("--tau", a.options.tau, "Exponent of the M-like weights, 1..4 [2]")->type_name("EXPONENT");
+  c.add_option("--weights", a.options.weights, "m-like, gaussian or uniform [m-like]")
+      ->transform(choices<CurvatureOptions::Weights>({{"m-like", CurvatureOptions::Weights::m_like},
+                                                      {"gaussian", CurvatureOptions::Weights::gaussian},
+                                                      {"uniform", CurvatureOptions::Weights::uniform}}))
+      ->type_name("CHOICE");
+  c.footer(std::string(kReadable) +
+           "\n\nCurvatures are per length of the input, positive where the surface is convex."
+           "\n\nExamples:\n"
+           "  sansmesh curvature scan.ply -o curved.ply --preview curved.png\n"
+           "  sansmesh curvature scan.ply -o table.csv --color-by gaussian");
   return c;
 }
 
@@ -224,12 +371,18 @@ void run(const CLI::App& app, CommandLine& line) {
     o.sharp = !line.smooth_only;
     o.carry_colors = !line.no_colors;
     o.enhance = !line.no_enhance;
+    if (const auto surface = chosen_surface(line); surface && surface->method != "partition") o.surface = surface;
     run_reconstruct(line.reconstruct, console);
   } else if (app.got_subcommand("normals")) {
     line.normals.orient = !line.no_orient;
     run_normals(line.normals, console);
   } else if (app.got_subcommand("evaluate")) {
     run_evaluate(line.evaluate, console);
+  } else if (app.got_subcommand("project")) {
+    line.project.surface = line.surface;
+    run_project(line.project, console);
+  } else if (app.got_subcommand("curvature")) {
+    run_curvature(line.curvature, console);
   } else if (app.got_subcommand("info")) {
     run_info(line.info, console);
   } else {
@@ -237,6 +390,10 @@ void run(const CLI::App& app, CommandLine& line) {
     if (!line.view.empty()) o.view = named_view(line.view);
     if (line.z_up) o.up = UpAxis::z;
     o.smooth = !line.flat;
+    o.shadows = !line.no_shadows;
+    line.render.surface = chosen_surface(line);
+    if (!line.render.surface && (line.surface.sharp || line.render.frames > 0 || !line.render.color_by.empty()))
+      throw ArgumentError("--sharp, --color-by and --frames need --surface NAME");
     using Background = RenderOptions::Background;
     if (line.background == "transparent") o.background = Background::transparent;
     if (line.background == "white" || line.background == "black") {
@@ -259,6 +416,8 @@ int main(int argc, char** argv) {
   add_evaluate(app, line);
   add_info(app, line);
   add_render(app, line);
+  add_project(app, line);
+  add_curvature(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -12,6 +12,12 @@
 
 namespace sansmesh {
 
+/// One number a sample, with a name: what was computed there.
+struct Attribute {
+  std::string name;  ///< a word, as files want it: k1, mean_curvature, …
+  std::vector<float> values;
+};
+
 /// Samples of a surface as a structure of arrays. Every optional array is either empty or as long as `positions`.
 struct PointSet {
   /// Positions relative to `origin`, in the file's unit. Survey coordinates (six-digit eastings with millimetres)
@@ -24,6 +30,8 @@ struct PointSet {
   std::vector<std::array<std::uint8_t, 3>> colors;
   /// Confidence or quality of each sample, larger is better, in the file's own scale.
   std::vector<float> confidence;
+  /// Further numbers; every one as long as `positions`. Written to PLY and CSV.
+  std::vector<Attribute> attributes;
   /// For merged range scans: which scanner position (index into `scanners`) saw the sample. May be empty.
   std::vector<std::uint16_t> scan_of_point;
   /// Scanner positions relative to `origin`, where known.

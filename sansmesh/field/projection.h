@@ -40,12 +40,13 @@ void project_to_fixed_point(const Projection& projection, std::span<const Vec3> 
                             std::span<FootPoint> feet);
 
 /// The signed distance to the foot point, ⟨x − p(x), n(x)⟩, with n as its gradient: lets polygonisers and ray casters
-/// treat a projection like any other field. Undefined points are outside of the domain, their value is
-/// a positive number, the diagonal of the box.
+/// treat a projection like any other field. Undefined points are outside of the domain; their values are those of
+/// another field, or the diagonal of the box.
 class ProjectionField : public ScalarField {
  public:
-  /// `projection` must outlive the field.
-  explicit ProjectionField(const Projection& projection) : projection_(projection) {}
+  /// `projection` and `beyond` must outlive the field.
+  explicit ProjectionField(const Projection& projection, const ScalarField* beyond = nullptr)
+      : projection_(projection), beyond_(beyond) {}
   Box3 bounds() const override { return projection_.bounds(); }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
@@ -53,6 +54,7 @@ class ProjectionField : public ScalarField {
 
  private:
   const Projection& projection_;
+  const ScalarField* beyond_;
 };
 
 }  // namespace sansmesh

@@ -11,8 +11,7 @@ struct Vertices {
   const std::vector<Vec3f>& positions;
   const std::vector<Vec3f>& normals;
   const std::vector<std::array<std::uint8_t, 3>>& colors;
-  const std::vector<float>& scalar;
-  const char* scalar_name;
+  const std::vector<const Attribute*>& scalars;
   const std::vector<std::array<std::uint32_t, 3>>& triangles;
 };
 
@@ -23,7 +22,7 @@ char* put_bytes(char* p, const T& value) {
 
 std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) {
   const std::size_t n = v.positions.size();
-  const bool normals = !v.normals.empty(), colors = !v.colors.empty(), scalar = !v.scalar.empty();
+  const bool normals = !v.normals.empty(), colors = !v.colors.empty();
   const WorldCoordinates world(v.origin, v.positions);
   const bool wide = world.needs_double();
 
@@ -32,7 +31,7 @@ std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) 
   for (const char* name : {"x", "y", "z"}) header += fmt::format("property {} {}\n", wide ? "double" : "float", name);
   if (normals) header += "property float nx\nproperty float ny\nproperty float nz\n";
   if (colors) header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  if (scalar) header += fmt::format("property float {}\n", v.scalar_name);
+  for (const Attribute* a : v.scalars) header += fmt::format("property float {}\n", a->name);
   if (!v.triangles.empty()) {
     header += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", v.triangles.size());
   }
@@ -40,11 +39,11 @@ std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) 
   std::vector<std::string> parts{std::move(header)};
 
   if (options.ascii) {
-    append_rows(parts, n, 10 * (number_width + 1) + 1, [&](std::size_t i, char* p) {
+    append_rows(parts, n, (10 + v.scalars.size()) * (number_width + 1) + 1, [&](std::size_t i, char* p) {
       p = world.put(p, i, ' ');
       for (int k = 0; normals && k < 3; ++k) p = put(put(p, ' '), v.normals[i][k]);
       for (int k = 0; colors && k < 3; ++k) p = put(put(p, ' '), static_cast<int>(v.colors[i][k]));
-      if (scalar) p = put(put(p, ' '), v.scalar[i]);
+      for (const Attribute* a : v.scalars) p = put(put(p, ' '), a->values[i]);
       return put(p, '\n');
     });
     append_rows(parts, v.triangles.size(), 40, [&](std::size_t t, char* p) {
@@ -55,14 +54,14 @@ std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) 
     return parts;
   }
 
-  const std::size_t record = (wide ? 24 : 12) + (normals ? 12 : 0) + (colors ? 3 : 0) + (scalar ? 4 : 0);
+  const std::size_t record = (wide ? 24 : 12) + (normals ? 12 : 0) + (colors ? 3 : 0) + 4 * v.scalars.size();
   std::string body(n * record + v.triangles.size() * 13, '\0');
   parallel_for(0, n, 1 << 14, [&](std::size_t i) {
     char* p = body.data() + i * record;
     p = wide ? put_bytes(p, world.world(i)) : put_bytes(p, world.world_float(i));
     if (normals) p = put_bytes(p, v.normals[i]);
     if (colors) p = put_bytes(p, v.colors[i]);
-    if (scalar) put_bytes(p, v.scalar[i]);
+    for (const Attribute* a : v.scalars) p = put_bytes(p, a->values[i]);
   });
   char* const faces = body.data() + n * record;
   parallel_for(0, v.triangles.size(), 1 << 14, [&](std::size_t t) {
@@ -77,12 +76,19 @@ std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) 
 }  // namespace
 
 std::vector<std::string> mesh_to_ply(const TriangleMesh& m, const WriteOptions& options) {
-  return to_ply({m.origin, m.vertices, m.normals, m.colors, m.quality, "quality", m.triangles}, options);
+  const Attribute quality{"quality", m.quality};
+  std::vector<const Attribute*> scalars;
+  if (!m.quality.empty()) scalars.push_back(&quality);
+  return to_ply({m.origin, m.vertices, m.normals, m.colors, scalars, m.triangles}, options);
 }
 
 std::vector<std::string> points_to_ply(const PointSet& p, const WriteOptions& options) {
   const std::vector<Triangle> no_faces;
-  return to_ply({p.origin, p.positions, p.normals, p.colors, p.confidence, "confidence", no_faces}, options);
+  const Attribute confidence{"confidence", p.confidence};
+  std::vector<const Attribute*> scalars;
+  if (!p.confidence.empty()) scalars.push_back(&confidence);
+  for (const Attribute& a : p.attributes) scalars.push_back(&a);
+  return to_ply({p.origin, p.positions, p.normals, p.colors, scalars, no_faces}, options);
 }
 
 }  // namespace sansmesh::io

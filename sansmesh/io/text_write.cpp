@@ -92,11 +92,13 @@ std::vector<std::string> points_to_csv(const PointSet& points, const WriteOption
   if (points.has_normals()) header += ",nx,ny,nz";
   if (points.has_colors()) header += ",red,green,blue";
   if (!points.confidence.empty()) header += ",confidence";
+  for (const Attribute& a : points.attributes) header += "," + a.name;
   std::vector<std::string> parts{header + "\n"};
   const WorldCoordinates world(points.origin, points.positions);
-  append_rows(parts, points.size(), 10 * (number_width + 1), [&](std::size_t i, char* p) {
+  append_rows(parts, points.size(), (10 + points.attributes.size()) * (number_width + 1), [&](std::size_t i, char* p) {
     p = put_point(p, points, world, i, ',');
     if (!points.confidence.empty()) p = put(put(p, ','), points.confidence[i]);
+    for (const Attribute& a : points.attributes) p = put(put(p, ','), a.values[i]);
     return put(p, '\n');
   });
   return parts;

@@ -79,6 +79,9 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   check_length("normals", points.normals.size(), points.size());
   check_length("colors", points.colors.size(), points.size());
   check_length("confidences", points.confidence.size(), points.size());
+  for (const Attribute& a : points.attributes) {
+    if (a.values.size() != points.size()) throw ArgumentError(fmt::format("{} values of {} for {} points", a.values.size(), a.name, points.size()));
+  }
   check_triangles(points.triangles, points.size());
   io::write_whole(file, writer.write(points, options));
 }

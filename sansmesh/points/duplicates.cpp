@@ -170,6 +170,7 @@ void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask) {
   keep_unmarked(points.normals, mask);
   keep_unmarked(points.colors, mask);
   keep_unmarked(points.confidence, mask);
+  for (Attribute& a : points.attributes) keep_unmarked(a.values, mask);
   keep_unmarked(points.scan_of_point, mask);
   keep_unmarked(points.positions, mask);
 }

@@ -292,6 +292,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   if (!(options.simplify >= 0)) throw ArgumentError("polygonize: simplify must be a length of at least 0");
   progress.begin("balance blocks");
   blocks.balance();
+  const ScalarField& place = options.placement ? *options.placement : field;
   Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}};
   progress.begin("evaluate lattice");
   e.activate(options.seeds);
@@ -333,7 +334,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
       longest[t[k]] = std::max(longest[t[k]], d);
     }
   const auto to_surface = [&] {
-    field.evaluate(x, f, g);
+    place.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const double slope2 = squared_norm(g[i]);
       if (options.root_steps > 0 && slope2 > 1e-4 && !on_cap[i]) {
@@ -350,11 +351,11 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   if (options.smoothing_rounds > 0)
     smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
   to_surface();
-  if (options.creases) snap_to_creases(field, mesh.triangles, rings, mesh.normals, x);
+  if (options.creases) snap_to_creases(place, mesh.triangles, rings, mesh.normals, x);
   if (simplified(options, mesh, x, progress)) {
-    place_again(field, options, mesh, x);
+    place_again(place, options, mesh, x);
   } else if (options.balance) {
-    balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
+    balance_gaps(place, mesh.triangles, rings, mesh.normals, x);
   }
   const Box3 cube = e.tree.bounds();
   parallel_for(0, x.size(), 4096, [&](std::size_t i) {

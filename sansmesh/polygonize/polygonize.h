@@ -35,6 +35,9 @@ struct PolygonizeOptions {
   double least_gain = 0;
   /// With simplify > 0: go on until there are no more triangles than this. 0 = not.
   std::size_t triangles = 0;
+  /// Vertices are placed on the zero set of this field, with its normals, if it is not the one that the mesh is cut out
+  /// of: one that is better next to the surface but of no use farther away. Must outlive the call.
+  const ScalarField* placement = nullptr;
   /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so
   /// seeds at the samples keep sheets far from any sample out. Empty: every block is looked at.
   std::vector<Vec3> seeds;

@@ -23,8 +23,10 @@ void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group,
     if (at >= group.count && at > 0) break;
     const Lanes p{hn::Load(tag, group.x + at), hn::Load(tag, group.y + at), hn::Load(tag, group.z + at)};
     Lanes n{hn::Load(tag, normals.x + at), hn::Load(tag, normals.y + at), hn::Load(tag, normals.z + at)};
+    V height = zero;
     for (int k = 0; k < iterations; ++k) {
       Lanes sum{zero, zero, zero};
+      V weights = zero, heights = zero;
       for (const Candidate& c : candidates) {
         const V dx = hn::Sub(Constant(c.x), p.x), dy = hn::Sub(Constant(c.y), p.y), dz = hn::Sub(Constant(c.z), p.z);
         const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
@@ -42,7 +44,12 @@ void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group,
         sum.x = hn::MulAdd(own, Constant(c.nx), sum.x);
         sum.y = hn::MulAdd(own, Constant(c.ny), sum.y);
         sum.z = hn::MulAdd(own, Constant(c.nz), sum.z);
+        // ⟨x − x_i, n_i⟩
+        const V over = hn::MulAdd(dx, Constant(-c.nx), hn::NegMulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(-c.nz))));
+        weights = hn::Add(weights, own);
+        heights = hn::MulAdd(own, over, heights);
       }
+      height = hn::Div(heights, hn::Max(weights, Constant(1e-30f)));
       const V n2 = hn::MulAdd(sum.x, sum.x, hn::MulAdd(sum.y, sum.y, hn::Mul(sum.z, sum.z)));
       const auto good = hn::Gt(n2, Constant(1e-36f));
       const V inverse = hn::Div(one, hn::Sqrt(hn::IfThenElse(good, n2, one)));
@@ -51,6 +58,7 @@ void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group,
       n.z = hn::IfThenElse(good, hn::Mul(sum.z, inverse), n.z);
     }
     hn::Store(n.x, tag, normals.x + at), hn::Store(n.y, tag, normals.y + at), hn::Store(n.z, tag, normals.z + at);
+    hn::Store(height, tag, normals.height + at);
   }
 }
 

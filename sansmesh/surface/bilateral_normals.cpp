@@ -51,35 +51,45 @@ BilateralNormals::BilateralNormals(BilateralNormals&&) noexcept = default;
 BilateralNormals& BilateralNormals::operator=(BilateralNormals&&) noexcept = default;
 BilateralNormals::~BilateralNormals() = default;
 
-void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals) const {
-  detail::GroupNormals n;
+void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals, std::span<double> heights) const {
+  std::fill(heights.begin(), heights.end(), 0.0);
   state_->candidates.for_each_group(
       x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool) {
+        detail::GroupNormals n;
         for (std::size_t k = 0; k < detail::kGroup; ++k) {
           const Vec3f given(normalized(normals[group.slot[k]]));
           n.x[k] = given.x, n.y[k] = given.y, n.z[k] = given.z;
         }
         detail::refine_group(chosen, group, state_->iterations, state_->inverse_turn, n);
-        for (std::size_t k = 0; k < group.count; ++k) normals[group.slot[k]] = Vec3(Vec3f{n.x[k], n.y[k], n.z[k]});
+        for (std::size_t k = 0; k < group.count; ++k) {
+          normals[group.slot[k]] = Vec3(Vec3f{n.x[k], n.y[k], n.z[k]});
+          if (!heights.empty()) heights[group.slot[k]] = static_cast<double>(n.height[k]);
+        }
       });
-}
-
-void SharpField::sharpen(std::span<const Vec3> x, std::span<Vec3> gradients) const {
-  if (gradients.empty()) return;
-  std::vector<Vec3> normals(gradients.begin(), gradients.end());
-  normals_.refine(x, normals);
-  for (std::size_t i = 0; i < normals.size(); ++i) gradients[i] = normals[i] * norm(gradients[i]);
-}
-
-void SharpField::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
-  field_.evaluate(x, values, gradients);
-  sharpen(x, gradients);
 }
 
 void SharpField::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                     std::span<std::uint8_t> inside) const {
-  field_.evaluate_in_domain(x, values, gradients, inside);
-  sharpen(x, gradients);
+  const bool faces = kind_ == Values::faces;
+  std::vector<Vec3> smooth;
+  if (gradients.empty() && faces) smooth.resize(x.size());
+  const std::span<Vec3> g = gradients.empty() ? std::span<Vec3>(smooth) : gradients;
+  if (inside.empty())
+    field_.evaluate(x, values, g);
+  else
+    field_.evaluate_in_domain(x, values, g, inside);
+  if (g.empty()) return;
+  std::vector<Vec3> normals(g.begin(), g.end());
+  std::vector<double> heights(faces ? x.size() : 0);
+  normals_.refine(x, normals, heights);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (faces && heights[i] != 0) {
+      values[i] = heights[i];
+      g[i] = normals[i];
+    } else {
+      g[i] = normals[i] * norm(g[i]);
+    }
+  }
 }
 
 }  // namespace sansmesh

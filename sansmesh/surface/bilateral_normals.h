@@ -34,30 +34,39 @@ class BilateralNormals {
   BilateralNormals& operator=(BilateralNormals&&) noexcept;
   ~BilateralNormals();
 
-  /// Replaces the normals at x by refined ones. Where no sample is near they stay. Sizes must agree.
-  void refine(std::span<const Vec3> x, std::span<Vec3> normals) const;
+  /// Replaces the normals at x by refined ones. Where no sample is near they stay. `heights`, if not empty: those of x
+  /// over the weighted mean of the tangent planes of the samples that decided (length; Öztireli et al. 2009), and 0
+  /// where no sample is near or iterations = 0. Sizes must agree.
+  void refine(std::span<const Vec3> x, std::span<Vec3> normals, std::span<double> heights = {}) const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-/// Another field's values with refined directions of its gradients: pictures and meshes of it show sharp edges, the
-/// surface itself is the same.
+/// Another field with refined directions of its gradients: pictures of it show sharp edges, the surface is the same. Or
+/// with the heights over the planes of each face as its values as well: points next to the surface, such as the vertices
+/// of a mesh of it, find back to the faces that the other field rounds off.
 class SharpField : public ScalarField {
  public:
+  enum class Values {
+    smooth,  ///< those of the field: what rays and polygonisers may follow
+    faces    ///< heights over faces: continue beyond their edges, hence only for placing points that are there already
+  };
   /// Both must outlive the field.
-  SharpField(const ScalarField& field, const BilateralNormals& normals) : field_(field), normals_(normals) {}
+  SharpField(const ScalarField& field, const BilateralNormals& normals, Values values = Values::smooth)
+      : field_(field), normals_(normals), kind_(values) {}
   Box3 bounds() const override { return field_.bounds(); }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    evaluate_in_domain(x, values, gradients, {});
+  }
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                           std::span<std::uint8_t> inside) const override;
 
  private:
-  void sharpen(std::span<const Vec3> x, std::span<Vec3> gradients) const;
-
   const ScalarField& field_;
   const BilateralNormals& normals_;
+  Values kind_;
 };
 
 }  // namespace sansmesh

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/parallel.h"
+
 namespace sansmesh::detail {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr double kSlab = 0.75;
 constexpr double kGroupExtent = 1.5;
 /// Cosine to the mean normal from which on any two differ by less than 90°.
 constexpr float kAgree = 0.7072f;
+constexpr std::size_t kBatch = 4096;  // points that are sorted together
 
 }  // namespace
 
@@ -78,14 +81,21 @@ bool Candidates::gather(const PointGroup& group, const Box3f& box, std::vector<C
 }
 
 void Candidates::for_each_group(std::span<const Vec3> x, const Visit& visit) const {
-  thread_local std::vector<Candidate> of_thread;
-  std::vector<Candidate> chosen;
-  chosen.swap(of_thread);  // `visit` may ask another surface
-  detail::for_each_group(x, extent_, [&](const PointGroup& group, const Box3f& box) {
-    const bool mixed = gather(group, box, chosen);
-    visit(group, chosen, mixed);
+  // Batches of lattice points come by the million; rays' by the hundred, from threads of their own.
+  const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
+  parallel_for(0, batches, 1, [&](std::size_t b) {
+    thread_local std::vector<Candidate> of_thread;
+    std::vector<Candidate> chosen;
+    chosen.swap(of_thread);  // `visit` may ask another surface
+    const std::size_t first = b * kBatch;
+    detail::for_each_group(x.subspan(first, std::min(kBatch, x.size() - first)), extent_,
+                           [&](PointGroup& group, const Box3f& box) {
+                             for (std::uint32_t& slot : group.slot) slot += static_cast<std::uint32_t>(first);
+                             const bool mixed = gather(group, box, chosen);
+                             visit(group, chosen, mixed);
+                           });
+    chosen.swap(of_thread);
   });
-  chosen.swap(of_thread);
 }
 
 }  // namespace sansmesh::detail

@@ -19,7 +19,7 @@ constexpr float kTiny = 1e-30f;
 /// Moments of the samples under the weights: everything that the formulas are made of.
 template <bool kGradient>
 struct Sums {
-  Num<kGradient> w, plane, square;
+  Num<kGradient> w, plane, square, inverse_height;
   Num3<kGradient> x, n;
   Num<kGradient> plane_m;  // under the generating functions
   Num3<kGradient> m;
@@ -59,6 +59,54 @@ HWY_INLINE Num<kGradient> AlgebraicSphere(const Sums<kGradient>& s, const Num3<k
   return (algebraic + algebraic) / (Root(g2 + Constant(kTiny)) + Root(pratt));
 }
 
+/// Where the mean of the tangent planes says that the surface is near, the formula counts, farther out the mean itself:
+/// formulas of higher order change their signs again there.
+template <bool kGradient>
+HWY_INLINE Num<kGradient> NearSurface(const Num<kGradient>& f, const Num<kGradient>& mean, const Sums<kGradient>& s) {
+  constexpr float kFull = 0.2f, kNone = 0.6f;  // squares of the distance over the thickness of the domain
+  using N = Num<kGradient>;
+  const N zero = Fixed<kGradient>(0), one = Fixed<kGradient>(1);
+  N t = (mean * mean * s.inverse_height / s.w + Constant(-kNone)) * Constant(-1 / (kNone - kFull));
+  t = Select(hn::Gt(t.v, zero.v), t, zero);
+  t = Select(hn::Lt(t.v, one.v), t, one);
+  const N share = t * t * (Fixed<kGradient>(3) - t - t);
+  return mean + share * (f - mean);
+}
+
+/// What the samples of another sheet say that SameSheet left out.
+struct OtherSheet {
+  V w, plane;
+  Lanes x, n, own;  // own: positions of this sheet's samples, for where the other lies
+};
+
+/// Two sheets with the solid between them bound an intersection of half-spaces, with a gap between them a union: each
+/// alone would go on beyond the edge where they meet.
+template <bool kGradient>
+HWY_INLINE Num<kGradient> Combine(const Num<kGradient>& f, const Num3<kGradient>& p, const Sums<kGradient>& s,
+                                  const OtherSheet& o) {
+  constexpr float kShare = 0.03f;  // of the weights that make a sheet
+  constexpr float kApart = 0.1f;   // squared distance of two sheets over the thickness of the domain, at least
+  using N = Num<kGradient>;
+  const auto enough = hn::Gt(o.w, hn::Mul(s.w.v, Constant(kShare)));
+  if (hn::AllFalse(Tag(), enough)) return f;
+  const V one = Constant(1);
+  const V share = hn::Div(one, hn::IfThenElse(enough, o.w, one)), own = hn::Div(one, s.w.v);
+  const auto toward = [&](const V& other, const V& mine, const V& n) {
+    return hn::Mul(hn::Sub(hn::Mul(other, share), hn::Mul(mine, own)), n);
+  };
+  const V length2 = hn::MulAdd(s.n.x.v, s.n.x.v, hn::MulAdd(s.n.y.v, s.n.y.v, hn::Mul(s.n.z.v, s.n.z.v)));
+  const V along = hn::Add(toward(o.x.x, o.own.x, s.n.x.v),
+                          hn::Add(toward(o.x.y, o.own.y, s.n.y.v), toward(o.x.z, o.own.z, s.n.z.v)));
+  const V apart2 = hn::Mul(hn::Mul(along, along), hn::Mul(s.inverse_height.v, own));
+  const auto valid = hn::And(enough, hn::Gt(apart2, hn::Mul(length2, Constant(kApart))));
+  // The other sheet's weights are taken as constant.
+  const N other = (p.x * o.n.x + p.y * o.n.y + p.z * o.n.z + hn::Neg(o.plane)) * share;
+  const auto convex = hn::Lt(along, hn::Zero(Tag()));
+  const auto larger = hn::Gt(other.v, f.v);
+  const auto takes = hn::Or(hn::And(convex, larger), hn::AndNot(convex, hn::Not(larger)));
+  return Select(hn::And(valid, takes), other, f);
+}
+
 /// Laguerre polynomial of the generating function (METHODS §1.4, three variables) and its derivative.
 template <int kOrder>
 HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
@@ -76,9 +124,8 @@ constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 
 
 /// The second pass of Amenta & Kil: ⟨n, ∇e⟩ with e the weighted energy of the distances along n.
 template <bool kGradient>
-HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const Lanes& p,
-                                   const Num3<kGradient>& point, const Sums<kGradient>& s, bool sheets,
-                                   const Lanes& near) {
+HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const Lanes& p, const Num3<kGradient>& point,
+                                   const Sums<kGradient>& s, bool sheets, const Lanes& near) {
   using N = Num<kGradient>;
   constexpr const N* kTag = nullptr;
   const N length = Root(Dot(s.n, s.n) + Constant(kTiny));
@@ -132,7 +179,8 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
 
     const N nought = Fixed<kGradient>(0);
     const Num3<kGradient> nought3 = Zero3<kGradient>();
-    Sums<kGradient> s{nought, nought, nought, nought3, nought3, nought, nought3};
+    Sums<kGradient> s{nought, nought, nought, nought, nought3, nought3, nought, nought3};
+    OtherSheet other{zero, zero, {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
     V inside = Constant(-1);
     V nearest = Constant(1e30f);  // hoppe
     N nearest_plane = nought;
@@ -145,7 +193,18 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       V same = one;
       if (kernel.sheets) {
         same = SameSheet(c, near);
+        const V rest = hn::NegMulAdd(w.v, same, w.v);
         w = w * same;
+        other.w = hn::Add(other.w, rest);
+        other.plane = hn::MulAdd(rest, Constant(c.plane), other.plane);
+        const auto add = [&](const V& weight, float x, float y, float z, Lanes& sum) {
+          sum.x = hn::MulAdd(weight, Constant(x), sum.x);
+          sum.y = hn::MulAdd(weight, Constant(y), sum.y);
+          sum.z = hn::MulAdd(weight, Constant(z), sum.z);
+        };
+        add(rest, c.x, c.y, c.z, other.x);
+        add(rest, c.nx, c.ny, c.nz, other.n);
+        add(w.v, c.x, c.y, c.z, other.own);
       }
       const V in_ball = hn::NegMulAdd(d2, Constant(c.inverse_reach), one);
       const V in_slab = hn::NegMulAdd(hn::Mul(height, height), Constant(c.inverse_height), one);
@@ -163,6 +222,7 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       s.w = s.w + w;
       AddMul(s.n, w, c.nx, c.ny, c.nz);
       s.plane = AddMul(s.plane, w, Constant(c.plane));
+      s.inverse_height = AddMul(s.inverse_height, w, Constant(c.inverse_height));
       if constexpr (kPositions) AddMul(s.x, w, c.x, c.y, c.z);
       if constexpr (kFormula == ImplicitFormula::apss) s.square = AddMul(s.square, w, Constant(c.square));
       if constexpr (kFormula == ImplicitFormula::amls) {
@@ -188,9 +248,10 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
     if constexpr (kFormula == ImplicitFormula::apss) f = AlgebraicSphere(s, point);
     if constexpr (kFormula == ImplicitFormula::amls)
       f = (Dot(point, s.m) - s.plane_m) / s.w * Constant(1 / LaguerreMean(kOrder));
-    if constexpr (kFormula == ImplicitFormula::extremal)
-      f = Extremal(candidates, p, point, s, kernel.sheets, near);
-    StoreGradient(Select(hn::Gt(inside, zero), f, mean), at, out);
+    if constexpr (kFormula == ImplicitFormula::extremal) f = Extremal(candidates, p, point, s, kernel.sheets, near);
+    if constexpr (kFormula != ImplicitFormula::kolluri) f = NearSurface(f, mean, s);
+    if (kernel.sheets) f = Combine(f, point, s, other);
+    StoreGradient(f, at, out);
   }
 }
 

@@ -21,7 +21,7 @@ struct GroupValues {
   alignas(64) float weight[kGroup];                                  ///< 0 where no support reaches
 };
 
-/// Values (and gradients, if asked for) at all lanes of the group. Outside of the domain the value is that of the plain
+/// Values (and gradients, if asked for) at all lanes of the group. Away from the surface the value is that of the plain
 /// weighted mean of the tangent planes, whatever the formula.
 void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                      bool gradients, GroupValues& out);

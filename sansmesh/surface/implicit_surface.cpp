@@ -14,6 +14,9 @@ namespace {
 
 /// Noise over spacing from which on the normals are smoothed first, and from which on twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
+/// Evenness of samples that the least width suffices for, and of those at random, which need so much more of it: else
+/// single samples next to gaps decide, and the surface grows fins beyond edges. What noise over spacing adds.
+constexpr double kEven = 0.85, kRandom = 0.5, kUneven = 0.35, kNoisy = 2;
 /// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
 
@@ -94,9 +97,9 @@ void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double>
   std::fill(values.begin(), values.end(), candidates.bounds().diagonal());
   std::fill(gradients.begin(), gradients.end(), Vec3{});
   std::fill(inside.begin(), inside.end(), std::uint8_t{0});
-  detail::GroupValues out;
   candidates.for_each_group(
       x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool mixed) {
+        detail::GroupValues out;
         detail::ImplicitKernel how = kernel;
         how.sheets = kernel.sheets && mixed;
         detail::implicit_values(how, chosen, group, !gradients.empty(), out);
@@ -142,9 +145,11 @@ void ImplicitOptions::validate() const {
   check(reach >= 0.5 && reach <= 10, "reach must lie in 0.5..10");
 }
 
-double default_smoothing(double noise_over_spacing, ImplicitMethod method) {
-  const double least = method == ImplicitMethod::apss ? 1.2 : 1.1;
-  return std::clamp(least + 2.2 * noise_over_spacing, least, 5.0);
+double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
+  const double noise = samples.noise / samples.median_spacing;
+  const double uneven = std::clamp((kEven - samples.evenness) / (kEven - kRandom), 0.0, 1.0);
+  const double least = (method == ImplicitMethod::apss ? 1.2 : 1.1) + kUneven * uneven;
+  return std::clamp(least + kNoisy * noise, least, 5.0);
 }
 
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress) {
@@ -152,8 +157,8 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   auto state = std::make_unique<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
   const double ratio = samples.noise / samples.median_spacing;
-  double smoothing = options.smoothing.value_or(default_smoothing(ratio, options.method));
-  if (ratio > kSomeNoise) smooth_normals(samples, default_smoothing(ratio), ratio > kMuchNoise ? 2 : 1);
+  double smoothing = options.smoothing.value_or(default_smoothing(samples, options.method));
+  if (ratio > kSomeNoise) smooth_normals(samples, default_smoothing(samples), ratio > kMuchNoise ? 2 : 1);
   detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0),
                                      options.separate_sheets};
   if (amls && !options.width && (!options.smoothing || !options.iterations || !options.order)) {

@@ -52,9 +52,9 @@ struct ImplicitReport {
   int order = 0, iterations = 0;  ///< amls
 };
 
-/// Defined in balls around the samples, cut to slabs along their tangent planes: there the value is near the signed
-/// distance and its change of sign is the surface. Farther out, as far as supports reach, it is the mean of the tangent
-/// planes; beyond, the signed distance to the nearest sample. Gradients are exact derivatives but for the choice of
+/// Defined in balls around the samples, cut to slabs along their tangent planes: there a change of sign is the surface.
+/// Within about a third of the weights' width from the surface the value is the method's own; farther out it goes over
+/// to the mean of the tangent planes, as far as supports reach; beyond, it is the signed distance to the nearest sample. Gradients are exact derivatives but for the choice of
 /// sheet, whose weights are taken as constant.
 class ImplicitSurface : public ScalarField {
  public:
@@ -83,8 +83,8 @@ class ImplicitSurface : public ScalarField {
 /// Throws ArgumentError for bad options.
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress);
 
-/// Width of the weights over the spacing that suits samples with so much noise over spacing: as little as keeps them
-/// together without noise, wider the more there is.
-double default_smoothing(double noise_over_spacing, ImplicitMethod method = ImplicitMethod::apss);
+/// Width of the weights over the spacing that suits the samples: as little as keeps them together where they lie evenly
+/// and without noise, wider the less they do so.
+double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method = ImplicitMethod::apss);
 
 }  // namespace sansmesh

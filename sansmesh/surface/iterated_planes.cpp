@@ -38,9 +38,7 @@ class Rows {
   }
 
   /// The generating functions at a sample.
-  void row(std::uint32_t i, std::vector<Entry>& out) const {
-    row(samples_.positions[i], samples_.normals[i], out);
-  }
+  void row(std::uint32_t i, std::vector<Entry>& out) const { row(samples_.positions[i], samples_.normals[i], out); }
   /// The same at any point x where the surface looks into direction n.
   void row(const Vec3f& x, const Vec3f& n, std::vector<Entry>& out) const {
     thread_local std::vector<std::uint32_t> near;
@@ -74,10 +72,10 @@ class Rows {
   BallTree tree_;
 };
 
-constexpr std::size_t kPlaces = 100;   // samples left out in turn
+constexpr std::size_t kPlaces = 100;  // samples left out in turn
 constexpr int kMostIterations = 10;
-constexpr float kForget = 2e-4f;       // entries of the powers' rows that no longer matter
-constexpr double kWorthIt = 0.99;      // further iterations must lower the error by more than this
+constexpr float kForget = 2e-4f;   // entries of the powers' rows that no longer matter
+constexpr double kWorthIt = 0.99;  // further iterations must lower the error by more than this
 
 /// Where noise is large against the width, a sample off the surface has neighbours that are off it in the same
 /// direction: the surface seems to follow the noise. So the others are asked at its foot on a mean plane.
@@ -93,7 +91,8 @@ Vec3f foot_of(const SurfaceSamples& s, std::uint32_t i) {
   Vec3f mean, normal;
   float sum = 0;
   for (const Neighbour& j : near) {
-    const float w = std::max(0.0f, dot(s.normals[i], s.normals[j.index])) * std::exp(-j.squared_distance / (width * width));
+    const float w =
+        std::max(0.0f, dot(s.normals[i], s.normals[j.index])) * std::exp(-j.squared_distance / (width * width));
     mean += w * (s.positions[j.index] - x), normal += w * s.normals[j.index];
     sum += w;
   }

@@ -9,7 +9,7 @@
 namespace sansmesh::detail {
 
 struct IterationOptions {
-  int order = 4;                 ///< of the generating functions: 2, 4, 6
+  int order = 4;  ///< of the generating functions: 2, 4, 6
   int iterations = 3;
   bool separate_sheets = true;
 };

@@ -30,7 +30,8 @@ HWY_INLINE Lanes Unit(const Lanes& a, const Lanes& otherwise) {
   const V n2 = Dot3(a, a);
   const auto good = hn::Gt(n2, Constant(kLeast));
   const V inverse = hn::Div(Constant(1), hn::Sqrt(hn::IfThenElse(good, n2, Constant(1))));
-  return {hn::IfThenElse(good, Times(a.x, inverse), otherwise.x), hn::IfThenElse(good, Times(a.y, inverse), otherwise.y),
+  return {hn::IfThenElse(good, Times(a.x, inverse), otherwise.x),
+          hn::IfThenElse(good, Times(a.y, inverse), otherwise.y),
           hn::IfThenElse(good, Times(a.z, inverse), otherwise.z)};
 }
 
@@ -132,7 +133,8 @@ HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p,
     reach = hn::Max(reach, hn::NegMulAdd(o.square, Constant(c.inverse_reach), Constant(1)));
     const V ax = Times(w, o.x), ay = Times(w, o.y), az = Times(w, o.z);
     w0 = hn::Add(w0, w), wx = hn::Add(wx, ax), wy = hn::Add(wy, ay), wz = hn::Add(wz, az);
-    nx = hn::MulAdd(w, Constant(c.nx), nx), ny = hn::MulAdd(w, Constant(c.ny), ny), nz = hn::MulAdd(w, Constant(c.nz), nz);
+    nx = hn::MulAdd(w, Constant(c.nx), nx), ny = hn::MulAdd(w, Constant(c.ny), ny),
+    nz = hn::MulAdd(w, Constant(c.nz), nz);
     h2 = hn::MulAdd(w, Constant(0.25f / c.inverse_support), h2);
     if constexpr (kLeastSquares) {
       xx = hn::MulAdd(ax, o.x, xx), xy = hn::MulAdd(ax, o.y, xy), xz = hn::MulAdd(ax, o.z, xz);
@@ -197,7 +199,8 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   const V steep = hn::Div(one, hn::Sqrt(hn::MulAdd(f[1], f[1], hn::MulAdd(f[2], f[2], one))));
   const Lanes n = Unit(Along(Along(plane.normal, t, hn::Neg(f[1])), b, hn::Neg(f[2])), plane.normal);
   const V scale = Times(Times(unit, steep), Constant(1));
-  const V xx = Times(Times(f[3], Constant(2)), scale), xy = Times(f[4], scale), yy = Times(Times(f[5], Constant(2)), scale);
+  const V xx = Times(Times(f[3], Constant(2)), scale), xy = Times(f[4], scale),
+          yy = Times(Times(f[5], Constant(2)), scale);
   // The same form in the frame of the new normal.
   Lanes t2, b2;
   TangentFrame(n, t2, b2);
@@ -208,11 +211,10 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   StoreFoot(p, n, form(tt, bt, tt, bt), form(tt, bt, tb, bb), form(tb, bb, tb, bb), inside, at, out);
 }
 
-/// METHODS §2.2: the mean plane, then directional curvatures κ_i = 2 z_i / ρ_i² about q. In terms of the heights z_i the
-/// fit of χ₁ + χ₂ cos 2θ + χ₃ sin 2θ to κ_i with weights ρ^{2τ} exp(−ρ²/h²) is one of
-/// δ + ½ χ₁ ρ² + ½ χ₂ (u² − v²) + χ₃ u v to z_i with weights ρ^{2τ−4} exp(−ρ²/h²), without a single angle. The offset δ
-/// replaces the fixed point of the diffusion: where the anisotropic mean of the heights, less what curvature adds to
-/// it, vanishes.
+/// METHODS §2.2: the mean plane, then directional curvatures κ_i = 2 z_i / ρ_i² about q. In terms of the heights z_i
+/// the fit of χ₁ + χ₂ cos 2θ + χ₃ sin 2θ to κ_i with weights ρ^{2τ} exp(−ρ²/h²) is one of δ + ½ χ₁ ρ² + ½ χ₂ (u² − v²)
+/// + χ₃ u v to z_i with weights ρ^{2τ−4} exp(−ρ²/h²), without a single angle. The offset δ replaces the fixed point of
+/// the diffusion: where the anisotropic mean of the heights, less what curvature adds to it, vanishes.
 template <int kTau, bool kDiffusion>
 HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const ProjectionKernel& kernel, const Lanes& q,
                               const Plane& plane, const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
@@ -234,7 +236,8 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
     if constexpr (kDiffusion) {
       // |κ| = 2 |z| / ρ², with the ρ of the sample's distance: it never vanishes off the plane.
       const V far = hn::MulAdd(z, z, r2);
-      const V excess = hn::Sub(hn::Div(hn::Abs(hn::Add(z, z)), hn::Max(far, Constant(1e-6f))), Constant(kernel.threshold));
+      const V excess =
+          hn::Sub(hn::Div(hn::Abs(hn::Add(z, z)), hn::Max(far, Constant(1e-6f))), Constant(kernel.threshold));
       const V lambda2 = Constant(kernel.threshold * kernel.threshold);
       const V beyond = hn::Max(excess, zero);
       if (kernel.hard)

@@ -4,6 +4,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/surface/candidates.h"
+#include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
 
 namespace sansmesh {
@@ -16,8 +17,8 @@ struct Name {
 constexpr Name kNames[] = {
     {ProjectionMethod::levin, "levin"}, {ProjectionMethod::alexa, "alexa"}, {ProjectionMethod::curvature, "curvature"}};
 
-/// Least width over the spacing: the polynomials need about a dozen samples.
-constexpr double kLeastSmoothing = 1.4, kNoiseSmoothing = 2.2, kMostSmoothing = 5;
+/// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples.
+constexpr double kMore = 0.15, kMostSmoothing = 5;
 /// Noise over spacing from which on the normals are smoothed first, and from which on twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
 
@@ -71,7 +72,7 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   auto state = std::make_unique<ProjectionSurface::State>();
   progress.begin("supports");
   const double ratio = samples.noise / samples.median_spacing;
-  state->smoothing = options.smoothing.value_or(std::min(kLeastSmoothing + kNoiseSmoothing * ratio, kMostSmoothing));
+  state->smoothing = options.smoothing.value_or(std::min(default_smoothing(samples) + kMore, kMostSmoothing));
   if (ratio > kSomeNoise) smooth_normals(samples, state->smoothing, ratio > kMuchNoise ? 2 : 1);
   const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.width);
   state->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach);
@@ -102,9 +103,9 @@ void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> fe
     feet[i] = {};
     feet[i].position = x[i];  // those that are not finite stay so
   }
-  detail::GroupFeet out;
   state_->candidates.for_each_group(x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen,
                                            bool mixed) {
+    detail::GroupFeet out;
     detail::ProjectionKernel how = state_->kernel;
     how.sheets = how.sheets && mixed;
     detail::project_group(how, chosen, group, out);

@@ -20,12 +20,12 @@ struct alignas(64) Candidate {
   float x, y, z;
   float inverse_support;  ///< 1 / R², or ε / h² for Gaussians
   float nx, ny, nz;
-  float weight;  ///< constant factor: what the sample stands for
-  float plane;   ///< ⟨x_i, n_i⟩
-  float square;  ///< ‖x_i‖²
-  float inverse_reach;  ///< 1 / r²: the domain is a ball of radius r, …
+  float weight;          ///< constant factor: what the sample stands for
+  float plane;           ///< ⟨x_i, n_i⟩
+  float square;          ///< ‖x_i‖²
+  float inverse_reach;   ///< 1 / r²: the domain is a ball of radius r, …
   float inverse_height;  ///< 1 / z²: … cut to at most z from the sample's tangent plane
-  float mx, my, mz;  ///< coefficient of the iterated approximation: ⟨x, m⟩ − plane_m
+  float mx, my, mz;      ///< coefficient of the iterated approximation: ⟨x, m⟩ − plane_m
   float plane_m;
 };
 
@@ -37,9 +37,9 @@ struct PointGroup {
   Vec3f center;
 };
 
-/// Cuts a batch into groups whose boxes are at most `extent` wide, after sorting it along a space-filling curve where it
-/// is not in a sensible order, and calls visit(group, box) for each; the same groups for the same batch. Points that are
-/// not finite are left out.
+/// Cuts a batch into groups whose boxes are at most `extent` wide, after sorting it along a space-filling curve where
+/// it is not in a sensible order, and calls visit(group, box) for each; the same groups for the same batch. Points that
+/// are not finite are left out.
 template <class Visit>
 void for_each_group(std::span<const Vec3> x, double extent, Visit&& visit);
 

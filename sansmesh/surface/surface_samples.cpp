@@ -54,16 +54,18 @@ SurfaceSamples prepare_samples(const PointSet& points, Progress& progress) {
   }
   s.tree = KdTree(s.positions);
   const std::size_t k = std::min(kNeighbours + 1, s.size());
-  std::vector<float> raw(s.size()), smooth(s.size());
+  std::vector<float> raw(s.size()), smooth(s.size()), nearest(s.size());
   std::vector<std::uint32_t> around(s.size() * k);
   s.tree.for_each_nearest(k, [&](std::uint32_t slot, std::span<const Neighbour> found) {
     const std::uint32_t i = s.tree.order()[slot];
     const double d2 = static_cast<double>(found.back().squared_distance);
     raw[i] = static_cast<float>(std::sqrt(std::numbers::pi * d2 / static_cast<double>(k - 1)));
+    nearest[i] = std::sqrt(found[1].squared_distance);
     for (std::size_t j = 0; j < k; ++j) around[i * k + j] = s.tree.order()[found[j].index];
   });
   s.median_spacing = median(raw);
   if (!(s.median_spacing > 0)) throw DataError("most samples coincide: there is no surface");
+  s.evenness = median(nearest) / s.median_spacing;
   const auto least = static_cast<float>(kLeastSpacing * s.median_spacing);
   for (float& r : raw) r = std::max(r, least);
   parallel_for(0, s.size(), 4096, [&](std::size_t i) {

@@ -1,4 +1,5 @@
-// What every surface from samples starts with: positions, normals, how far apart they are there, and a tree of supports.
+// What every surface from samples starts with: positions, normals, how far apart they are there, and a tree of
+// supports.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +14,18 @@
 
 namespace sansmesh {
 
-/// A cloud in an order that keeps neighbours together. Arrays of equal length; positions relative to the cloud's origin.
+/// A cloud in an order that keeps neighbours together. Arrays of equal length; positions relative to the cloud's
+/// origin.
 struct SurfaceSamples {
   KdTree tree;  ///< of `positions`: its indices are places in these arrays
   std::vector<Vec3f> positions, normals;
   std::vector<std::uint32_t> source;  ///< the sample's index in the cloud
-  /// Edge of the square that each sample stands for, √(π d² / k) with d the distance to its k = 16th neighbour, averaged
-  /// over these neighbours: supports that grow and shrink with the density (length).
+  /// Edge of the square that each sample stands for, √(π d² / k) with d the distance to its k = 16th neighbour,
+  /// averaged over these neighbours: supports that grow and shrink with the density (length).
   std::vector<float> spacing;
   double median_spacing = 0, noise = 0;  ///< of the cloud (length)
+  /// Median distance to the nearest other sample over the spacing: 1 for a square lattice, 0.5 for places at random.
+  double evenness = 1;
 
   std::size_t size() const { return positions.size(); }
 };

@@ -1,0 +1,130 @@
+// sansmesh curvature: principal curvatures of a scan as attributes and as a picture.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/prepare_cloud.h"
+#include "sansmesh/surface/curvature_colors.h"
+
+namespace sansmesh::cli {
+namespace {
+
+float chosen_quantity(const PrincipalCurvatures& c, const std::string& name) {
+  if (name == "gaussian") return gaussian_curvature(c);
+  if (name == "k1") return c.k1;
+  if (name == "k2") return c.k2;
+  return mean_curvature(c);
+}
+
+double quantile(std::vector<float> values, double q) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return static_cast<double>(*at);
+}
+
+}  // namespace
+
+void run_curvature(const CurvatureArguments& arguments, Console& console) {
+  arguments.options.validate();
+  check_writable(arguments.output, "points");
+  if (!arguments.preview.empty()) check_writable(arguments.preview, "image");
+
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  PointSet given = read_points(arguments.input, &read);
+  console.warn(arguments.input, read.warnings);
+  PointSet points;
+  double noise = 0;
+  std::vector<PrincipalCurvatures> curvatures;
+  try {
+    PreparedCloud cloud = prepare_cloud(std::move(given), FaceUse::automatic, NormalUse::automatic, progress);
+    console.warn(arguments.input, cloud.warnings);
+    CurvatureOptions options = arguments.options;
+    noise = estimate_noise(cloud.points) * cloud.unit;
+    if (!options.noise) options.noise = noise / cloud.unit;
+    else options.noise = *options.noise / cloud.unit;
+    if (options.radius) options.radius = *options.radius / cloud.unit;
+    progress.begin("curvature");
+    curvatures = estimate_curvatures(cloud.points, options, progress);
+    points = std::move(cloud.points);
+    points.origin = cloud.origin;
+    const auto unit = static_cast<float>(cloud.unit);
+    for (Vec3f& p : points.positions) p *= unit;
+    for (PrincipalCurvatures& c : curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
+  } catch (const DataError& error) {
+    throw FileError(arguments.input, error.what());
+  }
+
+  const std::size_t n = points.size();
+  const auto add = [&](const char* name, auto value) {
+    Attribute a{name, std::vector<float>(n)};
+    for (std::size_t i = 0; i < n; ++i) a.values[i] = value(curvatures[i]);
+    points.attributes.push_back(std::move(a));
+  };
+  add("k1", [](const PrincipalCurvatures& c) { return c.k1; });
+  add("k2", [](const PrincipalCurvatures& c) { return c.k2; });
+  add("mean_curvature", mean_curvature);
+  add("gaussian_curvature", gaussian_curvature);
+  add("curvedness", curvedness);
+  add("shape_index", shape_index);
+  const char* const axis = "xyz";
+  for (std::size_t k = 0; k < 3; ++k)
+    add(fmt::format("d1{}", axis[k]).c_str(), [k](const PrincipalCurvatures& c) { return c.direction1[k]; });
+  for (std::size_t k = 0; k < 3; ++k)
+    add(fmt::format("d2{}", axis[k]).c_str(), [k](const PrincipalCurvatures& c) { return c.direction2[k]; });
+
+  std::vector<float> values, sizes;
+  std::size_t undefined = 0;
+  for (const PrincipalCurvatures& c : curvatures) {
+    undefined += !c.defined;
+    if (!c.defined) continue;
+    values.push_back(chosen_quantity(c, arguments.color_by));
+    sizes.push_back(std::abs(values.back()));
+  }
+  const double range = arguments.color_range.value_or(quantile(sizes, 0.95));
+  points.colors.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    Vec3f color{0.5f, 0.5f, 0.5f};
+    if (curvatures[i].defined)
+      color = diverging_color(
+          range > 0 ? chosen_quantity(curvatures[i], arguments.color_by) / static_cast<float>(range) : 0);
+    for (std::size_t k = 0; k < 3; ++k)
+      points.colors[i][k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
+  }
+  Image preview;
+  if (!arguments.preview.empty()) preview = render_mesh(to_mesh(points), {}, progress);
+  progress.begin("write");
+  write_points(arguments.output, points, {.ascii = arguments.ascii});
+  if (!arguments.preview.empty()) write_image(arguments.preview, preview);
+  progress.finish();
+
+  const double low = quantile(values, 0.05), middle = quantile(values, 0.5), high = quantile(values, 0.95);
+  console.say(fmt::format("{}: {}, noise {} ({})", arguments.input, counted(n, "sample"), length(noise), read.format));
+  console.say(fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", arguments.color_by,
+                          length(low), length(middle), length(high),
+                          arguments.color_by == "gaussian" ? "1/length²" : "1/length, positive where convex"));
+  if (undefined > 0) console.say(fmt::format("{} without enough neighbours: zero", counted(undefined, "sample")));
+  console.say(fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
+                          "up to ±{}",
+                          arguments.output, arguments.color_by, length(range)));
+  const nlohmann::ordered_json json = {
+      {"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
+      {"noise", noise},
+      {"undefined", undefined},
+      {arguments.color_by, {{"q05", low}, {"median", middle}, {"q95", high}}},
+      {"color_range", range},
+      {"output", {{"file", arguments.output}}}};
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,76 @@
+// sansmesh project: points onto the surface of samples; resampling, denoising, consolidation.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/sample_surface.h"
+
+namespace sansmesh::cli {
+
+void run_project(const ProjectArguments& arguments, Console& console) {
+  check_writable(arguments.output, "points");
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  PointSet points = read_points(arguments.input, &read);
+  console.warn(arguments.input, read.warnings);
+  const std::size_t given = points.size();
+
+  PointSet result;
+  SurfaceProjection report;
+  if (arguments.method == "lop") {
+    LopOptions options = arguments.lop;
+    options.points = arguments.points;
+    options.validate();
+    try {
+      result = consolidate(points, options, progress);
+    } catch (const DataError& error) {
+      throw FileError(arguments.input, error.what());
+    }
+    report.projected = result.size();
+  } else {
+    SurfaceOptions surface = arguments.surface;
+    surface.method = arguments.method;
+    surface.validate();
+    const std::string& onto = arguments.onto.empty() ? arguments.input : arguments.onto;
+    ReadReport read_onto;
+    PointSet samples = onto == arguments.input ? points : read_points(onto, &read_onto);
+    console.warn(onto, read_onto.warnings);
+    try {
+      const SurfaceModel model = make_surface_model(std::move(samples), surface, progress);
+      console.warn(onto, model.warnings());
+      const ProjectToSurface how{arguments.steps, arguments.tolerance};
+      result = arguments.points ? resample_surface(model, *arguments.points, how, progress, &report)
+                                : project_points(points, model, how, progress, &report);
+    } catch (const DataError& error) {
+      throw FileError(onto, error.what());
+    }
+    if (result.size() == 0) throw FileError(arguments.input, "no point lies near enough to the surface of " + onto);
+  }
+  progress.begin("write");
+  write_points(arguments.output, result, {.ascii = arguments.ascii});
+  progress.finish();
+
+  console.say(fmt::format("{}: {} ({})", arguments.input, counted(given, "point"), read.format));
+  if (arguments.method != "lop" && !arguments.points)
+    console.say(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
+                            length(report.mean_move), length(report.rms_move), length(report.largest_move),
+                            grouped(report.left_out)));
+  console.say(fmt::format("{}: {} by {}{}", arguments.output, counted(result.size(), "point"), arguments.method,
+                          result.has_normals() ? ", with normals" : ""));
+  const nlohmann::ordered_json json = {
+      {"input", {{"file", arguments.input}, {"format", read.format}, {"points", given}}},
+      {"method", arguments.method},
+      {"moved", {{"mean", report.mean_move}, {"rms", report.rms_move}, {"largest", report.largest_move}}},
+      {"left_out", report.left_out},
+      {"output", {{"file", arguments.output}, {"points", result.size()}}}};
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,117 @@
+// sansmesh render --surface: a picture straight from samples.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/surface/curvature_colors.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// NAME.png → NAME_007.png
+std::string frame_name(const std::string& output, int frame) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
+      .string();
+}
+
+std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress) {
+  using Quantity = CurvatureColorOptions::Quantity;
+  CurvatureColorOptions o;
+  if (a.color_by == "mean")
+    o.quantity = Quantity::mean;
+  else if (a.color_by == "gaussian")
+    o.quantity = Quantity::gaussian;
+  else if (a.color_by == "k1")
+    o.quantity = Quantity::k1;
+  else if (a.color_by == "k2")
+    o.quantity = Quantity::k2;
+  else
+    return nullptr;
+  if (a.color_range) {
+    // Curvatures of the model are per model unit.
+    const double unit = model.unit();
+    o.range = *a.color_range * (o.quantity == Quantity::gaussian ? unit * unit : unit);
+  }
+  o.curvature.noise = model.report().noise / model.unit();
+  progress.begin("curvature");
+  return std::make_unique<CurvatureColors>(model.points(), o, progress);
+}
+
+}  // namespace
+
+void run_surface_picture(const RenderArguments& arguments, Console& console) {
+  SurfaceRenderOptions options = arguments.surface_options;
+  static_cast<RenderOptions&>(options) = arguments.options;
+  options.validate();
+  arguments.surface->validate();
+  check_writable(arguments.output, "image");
+
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  PointSet points = read_points(arguments.input, &read);
+  console.warn(arguments.input, read.warnings);
+  std::vector<std::string> files;
+  try {
+    const SurfaceModel model = make_surface_model(std::move(points), *arguments.surface, progress);
+    console.warn(arguments.input, model.warnings());
+    const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress);
+    const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
+    const bool project = model.projection() && !arguments.surface->sharp;
+    const SurfaceCaster caster = project ? SurfaceCaster(*model.projection(), model.balls())
+                                         : SurfaceCaster(model.shown(), model.balls());
+    const std::vector<Vec3f>& frame = model.points().positions;
+    if (arguments.frames == 0) {
+      const Image image = render_surface(caster, frame, colors, options, progress);
+      write_image(arguments.output, image);
+      files.push_back(arguments.output);
+    } else {
+      options.steady = true;
+      int number = 0;
+      for (const ViewDirection& view : turntable(options.view, arguments.frames)) {
+        options.view = view;
+        const Image image = render_surface(caster, frame, colors, options, progress);
+        files.push_back(frame_name(arguments.output, number++));
+        write_image(files.back(), image);
+      }
+    }
+    const SurfaceReport& report = model.report();
+    const CastCounts counts = caster.counts();
+    console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input, counted(report.samples, "sample"),
+                            report.method, length(report.spacing), length(report.noise)));
+    if (report.smoothing > 0)
+      console.say(fmt::format("weights {:.2f} spacings wide{}", report.smoothing,
+                              report.method == "amls"
+                                  ? fmt::format(", order {}, {}", report.order,
+                                                counted(static_cast<unsigned>(report.iterations), "iteration"))
+                                  : std::string()));
+    console.say(files.size() == 1 ? fmt::format("{}: {} × {} pixels", files[0], options.width, options.height)
+                                  : fmt::format("{} … {}: {} × {} pixels each", files.front(), files.back(),
+                                                options.width, options.height));
+    nlohmann::ordered_json json;
+    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"samples", report.samples}};
+    json["surface"] = {{"method", report.method},         {"spacing", report.spacing},
+                       {"noise", report.noise},           {"smoothing", report.smoothing},
+                       {"order", report.order},           {"iterations", report.iterations}};
+    json["rays"] = {{"cast", counts.rays},
+                    {"hit", counts.hits},
+                    {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
+    json["output"] = {{"files", files}, {"width", options.width}, {"height", options.height}};
+    for (const Progress::Timing& t : progress.timings())
+      json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
+    console.say_json(json.dump(2));
+  } catch (const DataError& error) {
+    throw FileError(arguments.input, error.what());
+  }
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

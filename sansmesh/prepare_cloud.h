@@ -1,0 +1,29 @@
+// From what a file holds to samples that methods can use: the first half of every front door.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+
+namespace sansmesh {
+
+/// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
+/// the faces where the vertices are too few or far apart to describe the surface.
+enum class FaceUse { automatic, ignore, sample };
+/// Given normals are used, and turned where they are not consistent or point inward; as_given: not even looked at;
+/// estimate: they are replaced.
+enum class NormalUse { automatic, as_given, estimate };
+
+struct PreparedCloud {
+  PointSet points;  ///< cleaned, with oriented normals; origin 0, in a unit in which they are about 1 large
+  Vec3 origin;      ///< of the input
+  double unit = 1;  ///< a power of two: position in the input = origin + unit · position
+  std::vector<std::string> warnings;
+};
+
+/// Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
+PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, Progress& progress);
+
+}  // namespace sansmesh

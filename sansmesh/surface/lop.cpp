@@ -1,0 +1,314 @@
+#include "sansmesh/surface/lop.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/outliers.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kCut = 0.65;     ///< θ(0.65 h) = 0.001: beyond, nothing counts
+constexpr double kMargin = 0.15;  ///< lists of neighbours reach this many h farther, and serve until points moved half
+/// Distances are rounded off below this many h: a point next to a sample would stay there, and where there are more
+/// points than samples they would gather on those.
+constexpr double kRound = 0.15;
+constexpr double kAtRest = 0.003;  ///< root mean square step, in spacings of the result, at which all is done
+constexpr std::size_t kGrain = 512;
+constexpr std::size_t kAreaNeighbours = 12;
+
+std::uint64_t mixed(std::uint64_t v) {  // splitmix64
+  v += 0x9e3779b97f4a7c15u;
+  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
+  v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+  return v ^ (v >> 31);
+}
+
+/// Uniform in (0, 1).
+double uniform(std::uint64_t seed, std::uint64_t i) {
+  return (static_cast<double>(mixed(mixed(seed) ^ i) >> 11) + 0.5) * 0x1p-53;
+}
+
+/// Neighbours of each of many points, one after another in one array.
+struct Lists {
+  std::vector<std::size_t> first;
+  std::vector<std::uint32_t> index;
+  std::span<const std::uint32_t> of(std::size_t i) const { return {index.data() + first[i], first[i + 1] - first[i]}; }
+};
+
+Lists neighbour_lists(const KdTree& tree, std::span<const Vec3> x, float radius) {
+  const std::size_t chunks = (x.size() + kGrain - 1) / kGrain;
+  std::vector<std::vector<std::uint32_t>> parts(chunks);
+  Lists lists;
+  lists.first.assign(x.size() + 1, 0);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    std::vector<Neighbour> found;
+    for (std::size_t i = c * kGrain; i < std::min(x.size(), (c + 1) * kGrain); ++i) {
+      tree.within(Vec3f(x[i]), radius, found);
+      for (const Neighbour& n : found) parts[c].push_back(n.index);
+      lists.first[i + 1] = found.size();
+    }
+  });
+  for (std::size_t i = 0; i < x.size(); ++i) lists.first[i + 1] += lists.first[i];
+  lists.index.resize(lists.first.back());
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    std::copy(parts[c].begin(), parts[c].end(),
+              lists.index.begin() + static_cast<std::ptrdiff_t>(lists.first[c * kGrain]));
+  });
+  return lists;
+}
+
+class Consolidation {
+ public:
+  Consolidation(const PointSet& points, const LopOptions& options, Progress& progress) : options_(options) {
+    for (const Vec3f& p : points.positions)
+      if (is_finite(p)) samples_.push_back(p);
+    if (samples_.empty()) throw DataError("there are no finite samples to consolidate");
+    tree_ = KdTree(samples_);
+    start(points, progress);
+  }
+
+  void run(Progress& progress) {
+    const auto iterations = static_cast<std::size_t>(options_.iterations);
+    progress.begin("consolidate", iterations);
+    if (options_.weighted) weigh_samples();
+    for (std::size_t iteration = 0; iteration < iterations; ++iteration) {
+      const double moved = step();
+      progress.advance();
+      if (iteration > 0 && moved < kAtRest * spacing_) break;
+    }
+    progress.finish();
+  }
+
+  std::vector<Vec3f> result() const {
+    std::vector<Vec3f> out;
+    out.reserve(x_.size());
+    for (const Vec3& x : x_) out.emplace_back(x);
+    return out;
+  }
+
+ private:
+  double theta(double squared) const { return std::exp(-16 * squared / (h_ * h_)); }
+
+  /// The starting points, the spacing that the result will have, and h. A sample stands for the area π r²/k around it.
+  /// Along the order of the tree, which is one through space, points start at equal steps of area (of samples, where
+  /// the density is to stay), one at random in each: evenly from the first.
+  void start(const PointSet& points, Progress& progress) {
+    const std::size_t n = samples_.size(), wanted = options_.points.value_or(std::max<std::size_t>(1, n / 2));
+    PointSet finite;
+    finite.positions = samples_;
+    const std::vector<std::uint8_t> outlier = find_outliers(finite, {}, progress);
+    std::vector<float> area(n);  // by slot
+    tree_.for_each_nearest(kAreaNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+      const auto others = static_cast<float>(std::max<std::size_t>(1, found.size() - 1));
+      area[slot] = outlier[tree_.order()[slot]] ? 0 : 3.14159265f * found.back().squared_distance / others;
+    });
+    std::vector<float> inliers;
+    double total = 0, steps = 0;
+    std::vector<double> until(n);
+    for (std::size_t slot = 0; slot < n; ++slot) {
+      const bool inlier = !outlier[tree_.order()[slot]];
+      if (inlier) inliers.push_back(area[slot]);
+      total += static_cast<double>(area[slot]);
+      steps += options_.weighted ? static_cast<double>(area[slot]) : inlier ? 1.0 : 0.0;
+      until[slot] = steps;
+    }
+    if (!(steps > 0)) {  // all at one place, or nothing but outliers
+      for (std::size_t slot = 0; slot < n; ++slot) until[slot] = static_cast<double>(slot + 1);
+      steps = static_cast<double>(n);
+    }
+    std::size_t slot = 0, before = n;
+    for (std::size_t i = 0; i < wanted; ++i) {
+      const double at = (static_cast<double>(i) + uniform(options_.seed, i)) / static_cast<double>(wanted) * steps;
+      while (slot + 1 < n && until[slot] <= at) ++slot;
+      Vec3 x(tree_.position(slot));
+      if (slot == before) {  // the sample has a point already: beside it
+        const Vec3 d{uniform(options_.seed + 1, i) - 0.5, uniform(options_.seed + 2, i) - 0.5,
+                     uniform(options_.seed + 3, i) - 0.5};
+        x += d * std::sqrt(static_cast<double>(area[slot]));
+      }
+      before = slot;
+      x_.push_back(x);
+    }
+    spacing_ = std::sqrt(total / static_cast<double>(wanted));
+    if (options_.radius) {
+      h_ = *options_.radius;
+      return;
+    }
+    double sparse = 0;
+    if (!inliers.empty()) {
+      const auto at = inliers.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(inliers.size() - 1));
+      std::nth_element(inliers.begin(), at, inliers.end());
+      sparse = std::sqrt(static_cast<double>(*at));
+    }
+    // Wide enough for a few points of the result and a few samples even where they are sparse, and for noise to be
+    // averaged over more than its own size.
+    const double noise = estimate_noise(points);
+    h_ = 4 * std::max({1.2 * spacing_, (noise > 0.1 * sparse ? 2.2 : 1.2) * sparse, 2.5 * noise});
+    if (!(h_ > 0)) h_ = 1;
+  }
+
+  /// 1 / v_j: samples that stand close together have less say each.
+  void weigh_samples() {
+    weights_.resize(samples_.size());
+    parallel_ranges(0, samples_.size(), kGrain, [&](std::size_t first, std::size_t last) {
+      std::vector<Neighbour> found;
+      for (std::size_t slot = first; slot < last; ++slot) {
+        tree_.within(tree_.position(slot), static_cast<float>(kCut * h_), found);
+        double density = 0;
+        for (const Neighbour& n : found) density += theta(static_cast<double>(n.squared_distance));
+        weights_[tree_.order()[slot]] = 1 / density;  // the sample itself is the 1 in 1 + Σ
+      }
+    });
+  }
+
+  /// Root mean square of the steps.
+  double step() {
+    if (listed_.empty() || drift_ > 0.5 * kMargin * h_) {
+      const auto reach = static_cast<float>((kCut + kMargin) * h_);
+      near_samples_ = neighbour_lists(tree_, x_, reach);
+      std::vector<Vec3f> positions = result();
+      near_points_ = neighbour_lists(KdTree(positions), x_, reach);
+      drift_ = 0;
+      listed_ = x_;
+    }
+    const std::size_t n = x_.size();
+    crowd_.assign(n, 1);
+    if (options_.weighted)
+      parallel_for(0, n, kGrain, [&](std::size_t i) {
+        double crowd = 1;
+        for (const std::uint32_t j : near_points_.of(i))
+          if (j != i) crowd += theta(squared_norm(x_[i] - x_[j]));
+        crowd_[i] = crowd;
+      });
+    next_.resize(n);
+    const double near = kRound * h_;
+    parallel_for(0, n, kGrain, [&](std::size_t i) {
+      Vec3 attraction;
+      Symmetric3 spread;
+      double total = 0;
+      for (const std::uint32_t j : near_samples_.of(i)) {
+        const Vec3 d = Vec3(samples_[j]) - x_[i];
+        const double squared = squared_norm(d);
+        if (squared > kCut * kCut * h_ * h_) continue;
+        double w = theta(squared) / std::sqrt(squared + near * near);
+        if (options_.weighted) w *= weights_[j];
+        attraction += d * w;
+        spread.add(d, w);
+        total += w;
+      }
+      next_[i] = x_[i];
+      if (!(total > 0)) return;
+      next_[i] += attraction / total;
+      Vec3 repulsion;
+      double pushed = 0;
+      for (const std::uint32_t j : near_points_.of(i)) {
+        if (j == i) continue;
+        Vec3 d = x_[i] - x_[j];
+        if (squared_norm(d) < 1e-12 * h_ * h_) d = apart(i, j) * (1e-6 * h_);
+        const double squared = squared_norm(d), r = std::sqrt(squared);
+        if (r > kCut * h_) continue;
+        // −r falls slowly and keeps the points even over the whole neighbourhood (Huang et al.); Lipman's 1/(3r³) acts
+        // between the nearest.
+        const double part = std::max(squared / (h_ * h_), 0.0025);
+        const double slope = options_.weighted ? 1 : 1 / (part * part);
+        const double w = crowd_[j] * slope * theta(squared) / r;
+        repulsion += d * w;
+        pushed += w;
+      }
+      if (!(pushed > 0)) return;
+      repulsion = repulsion * (options_.repulsion / pushed);
+      // Only along the surface: across it, repulsion makes the remaining noise 1 / (1 − μ) times larger.
+      const Vec3 mean = attraction / total;
+      spread.add(mean, -total);
+      const Vec3 normal = smallest_axis(spread);
+      next_[i] += repulsion - normal * dot(normal, repulsion);
+    });
+    struct Moved {
+      double sum = 0, far = 0;
+    };
+    const Moved moved = parallel_reduce(
+        n, 4096, Moved{},
+        [&](std::size_t begin, std::size_t end) {
+          Moved m;
+          for (std::size_t i = begin; i < end; ++i) {
+            m.sum += squared_norm(next_[i] - x_[i]);
+            m.far = std::max(m.far, norm(next_[i] - listed_[i]));
+          }
+          return m;
+        },
+        [](const Moved& a, const Moved& b) {
+          return Moved{a.sum + b.sum, std::max(a.far, b.far)};
+        });
+    drift_ = moved.far;
+    x_.swap(next_);
+    return std::sqrt(moved.sum / static_cast<double>(n));
+  }
+
+  /// A direction for two points at the same place, opposite for either.
+  Vec3 apart(std::size_t i, std::size_t j) const {
+    const std::uint64_t pair = std::min(i, j) * 0x100000001b3u ^ std::max(i, j);
+    const Vec3 d{uniform(1, pair) - 0.5, uniform(2, pair) - 0.5, uniform(3, pair) - 0.5};
+    return normalized(d) * (i < j ? 1.0 : -1.0);
+  }
+
+  LopOptions options_;
+  std::vector<Vec3f> samples_;
+  KdTree tree_;
+  std::vector<double> weights_, crowd_;
+  std::vector<Vec3> x_, next_, listed_;
+  Lists near_samples_, near_points_;
+  double spacing_ = 0, h_ = 1, drift_ = 0;
+};
+
+/// Normals of the new points with the signs of those of the samples around.
+void give_normals(PointSet& result, const PointSet& cloud, Progress& progress) {
+  estimate_normals(result, {}, progress);
+  const KdTree tree(cloud.positions);
+  parallel_ranges(0, result.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    std::array<Neighbour, 6> found;
+    for (std::size_t i = first; i < last; ++i) {
+      const std::size_t n = tree.nearest(result.positions[i], found);
+      float side = 0;
+      for (std::size_t k = 0; k < n; ++k) {
+        const float s = dot(cloud.normals[found[k].index], result.normals[i]);
+        if (std::isfinite(s)) side += s;
+      }
+      if (side < 0) result.normals[i] = -result.normals[i];
+    }
+  });
+}
+
+}  // namespace
+
+void LopOptions::validate() const {
+  if (points && *points == 0) throw ArgumentError("LopOptions::points is 0; it must be at least 1");
+  if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("LopOptions::radius must be positive");
+  if (!(repulsion >= 0 && repulsion < 0.5)) throw ArgumentError("LopOptions::repulsion must lie in [0, 0.5)");
+  if (iterations < 1 || iterations > 1000)
+    throw ArgumentError("LopOptions::iterations is " + std::to_string(iterations) + "; it must lie in 1..1000");
+}
+
+PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress) {
+  options.validate();
+  Consolidation consolidation(points, options, progress);
+  consolidation.run(progress);
+  PointSet result;
+  result.origin = points.origin;
+  result.positions = consolidation.result();
+  if (options.normals && points.normals.size() == points.size()) give_normals(result, points, progress);
+  return result;
+}
+
+}  // namespace sansmesh

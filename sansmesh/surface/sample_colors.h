@@ -1,0 +1,22 @@
+// The samples' own colours between them.
+#pragma once
+
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/field/color_field.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+
+/// The mean of the four nearest samples' colours, weighted by inverse squared distance.
+class SampleColors : public ColorField {
+ public:
+  /// Throws DataError if the cloud has no colours.
+  explicit SampleColors(const PointSet& points);
+  void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const override;
+
+ private:
+  KdTree tree_;
+  std::vector<std::array<std::uint8_t, 3>> colors_;
+};
+
+}  // namespace sansmesh
