@@ -19,8 +19,8 @@ struct SurfaceCastOptions {
   /// share of the radius of the ball around that place, 1e-6..0.1.
   double tolerance = 1e-3;
   /// Steps along the ray are as long as the distance to the surface that the field tells, within these shares of the
-  /// ball's radius: sheets closer to each other than the smallest step can be missed. Jumps to where the tangent predicts
-  /// the surface may be three times as long. 0.001 <= smallest <= largest <= 1.
+  /// ball's radius: sheets closer to each other than the smallest step can be missed. Jumps to where the tangent
+  /// predicts the surface may be three times as long. 0.001 <= smallest <= largest <= 1.
   double smallest_step = 0.1, largest_step = 0.5;
   /// Throws ArgumentError naming the field.
   void validate() const;
