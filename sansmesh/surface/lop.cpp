@@ -155,7 +155,7 @@ class Consolidation {
     // Wide enough for a few points of the result and a few samples even where they are sparse, and for noise to be
     // averaged over more than its own size.
     const double noise = estimate_noise(points);
-    h_ = 4 * std::max({1.2 * spacing_, (noise > 0.1 * sparse ? 2.2 : 1.2) * sparse, 2.5 * noise});
+    h_ = 4 * std::max({1.2 * spacing_, (noise > 0.1 * sparse ? 1.8 : 1.2) * sparse, 2.5 * noise});
     if (!(h_ > 0)) h_ = 1;
   }
 

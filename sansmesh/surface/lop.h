@@ -11,7 +11,8 @@
 namespace sansmesh {
 
 struct LopOptions {
-  /// Points of the result, at least 1. Default: half as many as there are samples.
+  /// Points of the result, at least 1. Default: half as many as there are samples. With more than there are samples the
+  /// result lies on the surface, but is no evener than random samples.
   std::optional<std::size_t> points = {};
   /// Radius h of the neighbourhoods (length, > 0); the weights are exp(−16 r²/h²) within it. Default: from the spacing,
   /// that of the result, and the noise.
