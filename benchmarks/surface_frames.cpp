@@ -111,11 +111,13 @@ void run(const std::string& folder, int runs) {
     SurfaceOptions options;
     options.method = row.method;
     options.sharp = row.sharp;
-    if (options.method == "amls") options.order = row.order, options.iterations = row.iterations, options.smoothing = 1.25;
+    if (options.method == "amls") options.order = row.order, options.iterations = row.iterations, options.smoothing = 1;
     Progress progress;
     const SurfaceModel model = make_surface_model(load(folder, cloud), options, progress);
-    const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls())
-                                                    : SurfaceCaster(model.shown(), model.balls());
+    SurfaceCastOptions cast;
+    cast.normals = model.normals();
+    const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
+                                                    : SurfaceCaster(model.field(), model.balls(), cast);
     SurfaceRenderOptions picture;
     picture.width = row.width, picture.height = row.height;
     picture.plain = true;

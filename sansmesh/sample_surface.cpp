@@ -62,13 +62,11 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
     progress.advance();
   });
   progress.finish();
-  // Normals as pictures show them: sharp where that was asked for.
-  if (&model.shown() == &model.field()) return feet;
-  std::vector<Vec3> at(x.size()), g(x.size());
-  std::vector<double> f(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) at[i] = feet[i].position;
-  model.shown().evaluate(at, f, g);
-  for (std::size_t i = 0; i < x.size(); ++i) feet[i].normal = normalized(g[i]);
+  if (model.normals() == nullptr) return feet;
+  std::vector<Vec3> at(x.size()), normals(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) at[i] = feet[i].position, normals[i] = feet[i].normal;
+  model.normals()->refine(at, normals);
+  for (std::size_t i = 0; i < x.size(); ++i) feet[i].normal = normals[i];
   return feet;
 }
 

@@ -62,7 +62,7 @@ struct SurfaceModel::State {
   std::optional<ProjectionField> projection_field;
   const ScalarField* field = nullptr;
   std::optional<BilateralNormals> normals;
-  std::optional<SharpField> sharp, placement;
+  std::optional<FaceField> placement;
   std::optional<SampleColors> colors;
   BallUnion balls;
   std::vector<float> spacing;  // of the samples at the balls' centres; empty for the partition
@@ -152,8 +152,7 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
     report.noise = samples->noise * unit;
     if (options.sharp) {
       state->normals.emplace(*samples, BilateralOptions{});
-      state->sharp.emplace(*state->field, *state->normals);
-      state->placement.emplace(*state->field, *state->normals, SharpField::Values::faces);
+      state->placement.emplace(*state->field, *state->normals);
     }
   }
   if (cloud.has_colors()) state->colors.emplace(cloud);
@@ -169,10 +168,7 @@ SurfaceModel& SurfaceModel::operator=(SurfaceModel&&) noexcept = default;
 const Vec3& SurfaceModel::origin() const { return state_->cloud.origin; }
 double SurfaceModel::unit() const { return state_->cloud.unit; }
 const ScalarField& SurfaceModel::field() const { return *state_->field; }
-const ScalarField& SurfaceModel::shown() const {
-  if (state_->sharp) return *state_->sharp;
-  return *state_->field;
-}
+const NormalField* SurfaceModel::normals() const { return state_->normals ? &*state_->normals : nullptr; }
 const ScalarField* SurfaceModel::placement() const { return state_->placement ? &*state_->placement : nullptr; }
 const Projection* SurfaceModel::projection() const { return state_->projection ? &*state_->projection : nullptr; }
 const BallUnion& SurfaceModel::balls() const { return state_->balls; }

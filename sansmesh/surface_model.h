@@ -12,6 +12,7 @@
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/color_field.h"
+#include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/prepare_cloud.h"
@@ -60,8 +61,8 @@ class SurfaceModel {
 
   /// The surface as a field; for projections, the signed distance to the foot point.
   const ScalarField& field() const;
-  /// With the normals that pictures should show: field(), or its sharp version.
-  const ScalarField& shown() const;
+  /// Better normals than those of the field; null unless sharp ones were asked for.
+  const NormalField* normals() const;
   /// For placing the vertices of a mesh, where another field than field() is better; else null.
   const ScalarField* placement() const;
   /// Null unless the surface is defined by a projection.

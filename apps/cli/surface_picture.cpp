@@ -65,9 +65,10 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     console.warn(arguments.input, model.warnings());
     const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
-    const bool project = model.projection() && !arguments.surface->sharp;
-    const SurfaceCaster caster = project ? SurfaceCaster(*model.projection(), model.balls())
-                                         : SurfaceCaster(model.shown(), model.balls());
+    SurfaceCastOptions cast;
+    cast.normals = model.normals();
+    const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
+                                                    : SurfaceCaster(model.field(), model.balls(), cast);
     const std::vector<Vec3f>& frame = model.points().positions;
     if (arguments.frames == 0) {
       const Image image = render_surface(caster, frame, colors, options, progress);

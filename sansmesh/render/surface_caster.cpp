@@ -83,10 +83,12 @@ struct SurfaceCaster::State {
         projection(p),
         balls(usable(b)),
         segments(balls),
+        normals(options.normals),
         rules{options.tolerance, options.smallest_step, options.largest_step, p != nullptr} {}
 
   void cast(std::span<const CastRay> rays, std::span<CastHit> hits, Scratch& scratch) const;
   void answer_queries(std::span<const CastRay> rays, Scratch& scratch, std::uint64_t& queries) const;
+  void refine_normals(std::span<CastHit> found, Scratch& scratch) const;
   void sample_field(std::span<const CastRay> rays, Scratch& scratch) const;
   void sample_projection(std::span<const CastRay> rays, Scratch& scratch) const;
 
@@ -107,6 +109,7 @@ struct SurfaceCaster::State {
   const Projection* projection;
   BallUnion balls;
   BallSegments segments;
+  const NormalField* normals;
   WalkRules rules;
   mutable std::mutex mutex;
   mutable std::vector<std::unique_ptr<Scratch>> spare;
@@ -189,11 +192,26 @@ void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHi
     hit_count += walk.hit();
     (walk.hit() ? for_hits : for_misses) += static_cast<std::uint64_t>(walk.evaluations());
   }
+  if (normals != nullptr) refine_normals(found, s);
   rays.fetch_add(batch.size(), std::memory_order_relaxed);
   hits.fetch_add(hit_count, std::memory_order_relaxed);
   hit_evaluations.fetch_add(for_hits, std::memory_order_relaxed);
   miss_evaluations.fetch_add(for_misses, std::memory_order_relaxed);
   ball_queries.fetch_add(queries, std::memory_order_relaxed);
+}
+
+void SurfaceCaster::State::refine_normals(std::span<CastHit> found, Scratch& s) const {
+  s.positions.clear();
+  s.gradients.clear();
+  for (const CastHit& hit : found) {
+    if (!hit.hit) continue;
+    s.positions.push_back(hit.position);
+    s.gradients.emplace_back(hit.normal);
+  }
+  normals->refine(s.positions, s.gradients);
+  std::size_t k = 0;
+  for (CastHit& hit : found)
+    if (hit.hit) hit.normal = Vec3f(s.gradients[k++]);
 }
 
 void SurfaceCaster::State::answer_queries(std::span<const CastRay> batch, Scratch& s, std::uint64_t& queries) const {

@@ -9,6 +9,7 @@
 
 #include "sansmesh/core/vec.h"
 #include "sansmesh/field/ball_union.h"
+#include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
 
@@ -22,6 +23,8 @@ struct SurfaceCastOptions {
   /// ball's radius: sheets closer to each other than the smallest step can be missed. Jumps to where the tangent
   /// predicts the surface may be three times as long. 0.001 <= smallest <= largest <= 1.
   double smallest_step = 0.1, largest_step = 0.5;
+  /// Better normals of hits than those of the field or projection; null: theirs. Must outlive the caster.
+  const NormalField* normals = nullptr;
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -68,27 +68,17 @@ void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals, 
       });
 }
 
-void SharpField::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
-                                    std::span<std::uint8_t> inside) const {
-  const bool faces = kind_ == Values::faces;
-  std::vector<Vec3> smooth;
-  if (gradients.empty() && faces) smooth.resize(x.size());
-  const std::span<Vec3> g = gradients.empty() ? std::span<Vec3>(smooth) : gradients;
-  if (inside.empty())
-    field_.evaluate(x, values, g);
-  else
-    field_.evaluate_in_domain(x, values, g, inside);
-  if (g.empty()) return;
+void FaceField::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  std::vector<Vec3> own(gradients.empty() ? x.size() : 0);
+  const std::span<Vec3> g = gradients.empty() ? std::span<Vec3>(own) : gradients;
+  field_.evaluate(x, values, g);
   std::vector<Vec3> normals(g.begin(), g.end());
-  std::vector<double> heights(faces ? x.size() : 0);
+  std::vector<double> heights(x.size());
   normals_.refine(x, normals, heights);
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (faces && heights[i] != 0) {
-      values[i] = heights[i];
-      g[i] = normals[i];
-    } else {
-      g[i] = normals[i] * norm(g[i]);
-    }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (heights[i] == 0) continue;
+    values[i] = heights[i];
+    g[i] = normals[i];
   }
 }
 

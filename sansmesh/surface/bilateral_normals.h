@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
 
@@ -26,47 +27,37 @@ struct BilateralOptions {
 /// n⁽ᵏ⁺¹⁾(x) = normalise Σ n_i φ_i(x) exp(−⟨n⁽ᵏ⁾(x), x_i − x⟩² / (2σ²)) exp(−‖n⁽ᵏ⁾(x) − n_i‖² / (2τ²)): samples on the
 /// tangent plane decide, so that next to an edge those of the other side lose their say. Only sensible on or next to
 /// the surface; the samples' own normals should be robust (denoise_normals).
-class BilateralNormals {
+class BilateralNormals : public NormalField {
  public:
   /// Throws ArgumentError for bad options.
   BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options);
   BilateralNormals(BilateralNormals&&) noexcept;
   BilateralNormals& operator=(BilateralNormals&&) noexcept;
-  ~BilateralNormals();
+  ~BilateralNormals() override;
 
-  /// Replaces the normals at x by refined ones. Where no sample is near they stay. `heights`, if not empty: those of x
-  /// over the weighted mean of the tangent planes of the samples that decided (length; Öztireli et al. 2009), and 0
-  /// where no sample is near or iterations = 0. Sizes must agree.
-  void refine(std::span<const Vec3> x, std::span<Vec3> normals, std::span<double> heights = {}) const;
+  void refine(std::span<const Vec3> x, std::span<Vec3> normals) const override { refine(x, normals, {}); }
+  /// `heights`, if not empty: those of x over the weighted mean of the tangent planes of the samples that decided
+  /// (length; Öztireli et al. 2009), and 0 where no sample is near or iterations = 0.
+  void refine(std::span<const Vec3> x, std::span<Vec3> normals, std::span<double> heights) const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-/// Another field with refined directions of its gradients: pictures of it show sharp edges, the surface is the same. Or
-/// with the heights over the planes of each face as its values as well: points next to the surface, such as the vertices
-/// of a mesh of it, find back to the faces that the other field rounds off.
-class SharpField : public ScalarField {
+/// The heights over the planes of each face as values, and refined normals as gradients: points next to the surface of
+/// another field, such as the vertices of a mesh of it, find back to the faces that it rounds off. The heights go on
+/// beyond the edges of faces: not to be followed by rays or polygonisers.
+class FaceField : public ScalarField {
  public:
-  enum class Values {
-    smooth,  ///< those of the field: what rays and polygonisers may follow
-    faces    ///< heights over faces: continue beyond their edges, hence only for placing points that are there already
-  };
-  /// Both must outlive the field.
-  SharpField(const ScalarField& field, const BilateralNormals& normals, Values values = Values::smooth)
-      : field_(field), normals_(normals), kind_(values) {}
+  /// Both must outlive the field. Where no sample is near its values are those of `field`.
+  FaceField(const ScalarField& field, const BilateralNormals& normals) : field_(field), normals_(normals) {}
   Box3 bounds() const override { return field_.bounds(); }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    evaluate_in_domain(x, values, gradients, {});
-  }
-  void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
-                          std::span<std::uint8_t> inside) const override;
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
 
  private:
   const ScalarField& field_;
   const BilateralNormals& normals_;
-  Values kind_;
 };
 
 }  // namespace sansmesh

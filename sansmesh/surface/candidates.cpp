@@ -9,8 +9,8 @@ namespace sansmesh::detail {
 namespace {
 
 constexpr double kCompactSupport = 2, kGaussianSupport = 3.4641;  // over h
-/// Thickness of the domain, as a share of the width of the weights: within it no formula changes its sign twice. The
-/// generating functions of orders 4 and 6 do so at 1.22 and 0.96 widths from a plane, the extremal energy at 0.8.
+/// How far from the surface formulas are good for, as a share of the width of the weights: the generating functions of
+/// orders 4 and 6 change their signs again at 1.22 and 0.96 widths from a plane, the extremal energy at 0.8.
 constexpr double kSlab = 0.75;
 /// Boxes of groups of points over the median spacing: smaller ones waste lanes, larger ones waste samples.
 constexpr double kGroupExtent = 1.5;

@@ -189,7 +189,6 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
       N w;
       if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
-      const V height = hn::MulAdd(dx, Constant(c.nx), hn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
       V same = one;
       if (kernel.sheets) {
         same = SameSheet(c, near);
@@ -206,13 +205,12 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
         add(rest, c.nx, c.ny, c.nz, other.n);
         add(w.v, c.x, c.y, c.z, other.own);
       }
-      const V in_ball = hn::NegMulAdd(d2, Constant(c.inverse_reach), one);
-      const V in_slab = hn::NegMulAdd(hn::Mul(height, height), Constant(c.inverse_height), one);
-      inside = hn::Max(inside, hn::Min(in_ball, in_slab));
+      inside = hn::Max(inside, hn::NegMulAdd(d2, Constant(c.inverse_reach), one));
       if constexpr (kFormula == ImplicitFormula::hoppe) {
         const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
         const auto closer = hn::Lt(far, nearest);
         nearest = hn::Min(far, nearest);
+        const V height = hn::MulAdd(dx, Constant(c.nx), hn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
         N plane = Number(height, kTag);
         if constexpr (kGradient) plane.x = Constant(c.nx), plane.y = Constant(c.ny), plane.z = Constant(c.nz);
         nearest_plane = Select(closer, plane, nearest_plane);

@@ -23,8 +23,8 @@ struct alignas(64) Candidate {
   float weight;          ///< constant factor: what the sample stands for
   float plane;           ///< ⟨x_i, n_i⟩
   float square;          ///< ‖x_i‖²
-  float inverse_reach;   ///< 1 / r²: the domain is a ball of radius r, …
-  float inverse_height;  ///< 1 / z²: … cut to at most z from the sample's tangent plane
+  float inverse_reach;   ///< 1 / r²: radius of the ball of the domain
+  float inverse_height;  ///< 1 / z²: how far from the surface formulas of higher order are good for
   float mx, my, mz;      ///< coefficient of the iterated approximation: ⟨x, m⟩ − plane_m
   float plane_m;
 };
