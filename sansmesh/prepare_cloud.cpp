@@ -112,7 +112,7 @@ void prepare_normals(PointSet& points, NormalUse choice, Progress& progress,
 
 }  // namespace
 
-PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, Progress& progress) {
+PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress) {
   PreparedCloud result;
   progress.begin("check samples");
   clean(points, result.warnings);
@@ -120,8 +120,13 @@ PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, P
   check_shape(points);
   result.origin = points.origin;
   result.unit = normalise(points);
-  prepare_normals(points, normals, progress, result.warnings);
   result.points = std::move(points);
+  return result;
+}
+
+PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, Progress& progress) {
+  PreparedCloud result = prepare_positions(std::move(points), faces, progress);
+  prepare_normals(result.points, normals, progress, result.warnings);
   return result;
 }
 

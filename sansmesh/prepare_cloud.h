@@ -23,7 +23,11 @@ struct PreparedCloud {
   std::vector<std::string> warnings;
 };
 
+/// The first half of it: cleaned, faces sampled where need be, moved and scaled; normals as they come, if there are any.
 /// Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
+PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
+
+/// All of it. Throws DataError as above.
 PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, Progress& progress);
 
 }  // namespace sansmesh

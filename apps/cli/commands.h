@@ -75,4 +75,9 @@ struct CurvatureArguments {
 };
 void run_curvature(const CurvatureArguments& arguments, Console& console);
 
+struct AdviseArguments {
+  std::string input;
+};
+void run_advise(const AdviseArguments& arguments, Console& console);
+
 }  // namespace sansmesh::cli

@@ -77,6 +77,7 @@ struct CommandLine {
   RenderArguments render;
   ProjectArguments project;
   CurvatureArguments curvature;
+  AdviseArguments advise;
   std::string view, background = "gradient";
   bool flat = false, z_up = false, no_shadows = false;
 };
@@ -362,6 +363,17 @@ CLI::App& add_curvature(CLI::App& app, CommandLine& line) {
   return c;
 }
 
+CLI::App& add_advise(CLI::App& app, CommandLine& line) {
+  CLI::App& c = add_command(app, "advise", "Points → which method suits them, why, and the commands to run", line);
+  c.add_option("input", line.advise.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.footer(std::string(kReadable) +
+           "\n\nLooks at noise, density, sharp edges, borders, stray samples and normals. Writes nothing."
+           "\n\nExamples:\n"
+           "  sansmesh advise scan.ply\n"
+           "  sansmesh advise scan.ply --json");
+  return c;
+}
+
 void run(const CLI::App& app, CommandLine& line) {
   if (line.threads > 0) set_thread_count(line.threads);
   Console console(line.console);
@@ -383,6 +395,8 @@ void run(const CLI::App& app, CommandLine& line) {
     run_project(line.project, console);
   } else if (app.got_subcommand("curvature")) {
     run_curvature(line.curvature, console);
+  } else if (app.got_subcommand("advise")) {
+    run_advise(line.advise, console);
   } else if (app.got_subcommand("info")) {
     run_info(line.info, console);
   } else {
@@ -418,6 +432,7 @@ int main(int argc, char** argv) {
   add_render(app, line);
   add_project(app, line);
   add_curvature(app, line);
+  add_advise(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -1,0 +1,89 @@
+// sansmesh advise: which method suits these samples?
+#include "sansmesh/advise.h"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "commands.h"
+#include "sansmesh/io/io.h"
+
+namespace sansmesh::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* normals_word(OrientationCheck check) {
+  switch (check) {
+    case OrientationCheck::missing:
+      return "none";
+    case OrientationCheck::oriented:
+      return "oriented outward";
+    case OrientationCheck::inward:
+      return "oriented inward";
+    case OrientationCheck::unoriented:
+      return "not oriented consistently";
+  }
+  return "";
+}
+
+Json to_json(const CloudTraits& t) {
+  return {{"samples", t.samples},
+          {"diagonal", t.diagonal},
+          {"spacing", t.spacing},
+          {"noise", t.noise},
+          {"density_ratio", t.density_ratio},
+          {"evenness", t.evenness},
+          {"outliers", t.outliers},
+          {"creases", t.creases_known ? Json(t.creases) : Json()},
+          {"crease_length", t.creases_known ? Json(t.crease_length) : Json()},
+          {"borders", t.borders},
+          {"border_length", t.border_length},
+          {"faces", t.faces},
+          {"normals", normals_word(t.normals)}};
+}
+
+}  // namespace
+
+void run_advise(const AdviseArguments& arguments, Console& console) {
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  const PointSet points = read_points(arguments.input, &read);
+  console.warn(arguments.input, read.warnings);
+  Advice advice;
+  try {
+    advice = advise(points, progress, arguments.input);
+  } catch (const DataError& error) {
+    throw FileError(arguments.input, error.what());
+  }
+  progress.finish();
+  console.warn(arguments.input, advice.warnings);
+
+  const CloudTraits& t = advice.traits;
+  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input, counted(t.samples, "sample"),
+                          length(t.spacing), length(t.noise), read.format));
+  for (const std::string& finding : advice.findings) console.say("  " + finding);
+  for (const Recommendation& r : advice.recommendations) {
+    console.say(fmt::format("{:<10}{}", aim_word(r.aim), r.why));
+    for (const std::string& command : r.commands) console.say("  $ " + command);
+  }
+
+  Json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", points.size()}}},
+               {"traits", to_json(t)},
+               {"findings", advice.findings}};
+  json["recommendations"] = Json::array();
+  for (const Recommendation& r : advice.recommendations)
+    json["recommendations"].push_back({{"aim", aim_word(r.aim)},
+                                       {"surface", r.surface.empty() ? Json() : Json(r.surface)},
+                                       {"commands", r.commands},
+                                       {"why", r.why}});
+  std::vector<std::string> warnings = read.warnings;
+  warnings.insert(warnings.end(), advice.warnings.begin(), advice.warnings.end());
+  json["warnings"] = warnings;
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

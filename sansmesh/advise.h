@@ -1,0 +1,64 @@
+// Which method suits these samples? What is measured, what follows from it, and the commands to run.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/points/orientation.h"
+
+namespace sansmesh {
+
+/// What matters for the choice. Everything but the outliers is told from some hundred places of the cloud.
+struct CloudTraits {
+  std::size_t samples = 0;      ///< that can be used, outliers among them
+  double diagonal = 0;          ///< of the box (length, unit of the input)
+  double spacing = 0;           ///< edge of the square that one sample stands for (length)
+  double noise = 0;             ///< standard deviation of the samples off the surface (length)
+  double density_ratio = 1;     ///< local spacing: its 95 % quantile over its 5 % quantile
+  double evenness = 1;          ///< distance to the nearest sample over spacing: 1 for a lattice, 0.5 at random
+  double outliers = 0;          ///< share of samples that belong to no surface
+  double creases = 0;           ///< share of places next to an edge of more than 40°
+  double crease_length = 0;     ///< about how long these edges are together, over the diagonal
+  double borders = 0;           ///< share of places next to a border or hole
+  double border_length = 0;     ///< about how long the borders are together, over the diagonal
+  bool creases_known = true;    ///< false where the noise hides them
+  bool faces = false;           ///< the input has faces
+  OrientationCheck normals = OrientationCheck::missing;
+
+  double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
+};
+
+struct Recommendation {
+  enum class Aim { clean, mesh, picture, curvature, points } aim;
+  std::string surface;  ///< partition or another name of `surface_names`; empty for steps before
+  /// Commands of the tool, to be run one after the other.
+  std::vector<std::string> commands;
+  std::string why;  ///< one sentence
+};
+
+struct Advice {
+  CloudTraits traits;
+  /// What was seen, one line each, in the order of importance.
+  std::vector<std::string> findings;
+  /// What to do, the first choice first; one entry at least for a mesh, a picture and curvatures each.
+  std::vector<Recommendation> recommendations;
+  std::vector<std::string> warnings;  ///< of cleaning
+};
+
+/// Measures the samples. O(n) with the constant of finding outliers, about 1 µs a sample. Throws DataError where the
+/// points cannot be reconstructed at all.
+CloudTraits measure_traits(PointSet points, Progress& progress, std::vector<std::string>* warnings = nullptr);
+
+/// What METHODS §8 and docs/methods/which-method.md say of such traits. Commands name the file `input`.
+Advice advise(const CloudTraits& traits, const std::string& input);
+
+/// Both.
+Advice advise(const PointSet& points, Progress& progress, const std::string& input = "scan.ply");
+
+/// What the tool calls it: mesh, picture, …
+const char* aim_word(Recommendation::Aim aim);
+
+}  // namespace sansmesh
