@@ -20,7 +20,7 @@ constexpr double kSharpShare = 0.01;    // and share of places there: fewer are 
 constexpr double kSharpByNoise = 0.1;   // which noise makes more likely
 constexpr double kOpen = 1;             // length of the borders over the diagonal
 constexpr double kOpenShare = 0.003;
-constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.7 for places at random
+constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for places at random
 constexpr std::size_t kLarge = 300000;  // samples
 constexpr std::size_t kFew = 1000;
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kSpacingNeighbours = 16;  // as surfaces use it
 constexpr std::size_t kDensityPlaces = 2000;
-constexpr std::size_t kNormals = 60000;   // samples whose normals are estimated for finding creases
+constexpr std::size_t kNormals = 40000;   // samples whose normals are estimated for finding creases
 constexpr std::size_t kMostPlaces = 500;
 constexpr std::size_t kLooked = 24;           // neighbours among which a crease is looked for
 constexpr double kCreaseAngle = 40;           // degrees
@@ -33,11 +33,21 @@ constexpr std::size_t kBorderNeighbours = 24;
 constexpr std::size_t kBorderPlaces = 2000;
 constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
 
-double quantile(std::vector<double> values, double q) {
+/// Of spacings, every part of the surface counting as much as its area: samples alone would tell of the dense parts.
+/// `ascending` must be so.
+double quantile_by_area(const std::vector<double>& ascending, double q) {
+  double area = 0, passed = 0;
+  for (const double s : ascending) area += s * s;
+  for (const double s : ascending)
+    if ((passed += s * s) >= q * area) return s;
+  return ascending.empty() ? 0 : ascending.back();
+}
+
+double median(std::vector<double> values) {
   if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 double degrees(double angle) { return angle * std::numbers::pi / 180; }
@@ -55,9 +65,10 @@ void measure_density(const PointSet& points, CloudTraits& traits) {
     spacings.push_back(square_edge(static_cast<double>(n.distances[k]), k));
     nearest.push_back(static_cast<double>(n.distances[1]));
   }
-  const double low = quantile(spacings, 0.05), middle = quantile(spacings, 0.5);
-  if (low > 0) traits.density_ratio = quantile(spacings, 0.95) / low;
-  if (middle > 0) traits.evenness = quantile(nearest, 0.5) / middle;
+  std::sort(spacings.begin(), spacings.end());
+  const double low = quantile_by_area(spacings, 0.05), middle = median(spacings);
+  if (low > 0) traits.density_ratio = quantile_by_area(spacings, 0.95) / low;
+  if (middle > 0) traits.evenness = median(nearest) / middle;
 }
 
 /// Whether the first of these normals (of a place) is next to an edge: those around it are of two kinds, its own and
@@ -108,7 +119,7 @@ void measure_creases(const PointSet& points, CloudTraits& traits, double unit) {
   if (!traits.creases_known) return;
   const double spacing = traits.spacing / unit, noise = traits.noise / unit;
   const int blur = choose_neighbours(spacing, noise);
-  const std::size_t size = std::max<std::size_t>(6 * static_cast<std::size_t>(blur), 120);
+  const std::size_t size = std::max<std::size_t>(5 * static_cast<std::size_t>(blur), 90);
   const std::vector<Neighbourhood> patches =
       sample_neighbourhoods(points.positions, std::min(kMostPlaces, kNormals / size), size);
   std::vector<std::uint8_t> crease(patches.size()), known(patches.size());

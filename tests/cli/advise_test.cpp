@@ -1,0 +1,75 @@
+// sansmesh advise: what it prints can be run.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "run_tool.h"
+#include "sansmesh/io/io.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class AdviseCommand : public ToolTest {};
+
+TEST_F(AdviseCommand, CommandsItPrintsRun) {
+  PointSet cloud = sphere(1200, 0.015);
+  for (int i = 0; i < 20; ++i) {
+    cloud.positions.push_back({2 * std::cos(0.3f * float(i)), 2 * std::sin(0.3f * float(i)), 0.15f * float(i) - 2});
+    cloud.normals.push_back({0, 0, 1});
+  }
+  write_points(path("in.ply"), cloud);
+  const auto before = listing();
+  const Outcome outcome = run({"advise", "in.ply", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(listing(), before) << "it writes nothing";
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json["traits"]["samples"], 1220);
+  EXPECT_EQ(json["traits"]["normals"], "oriented outward");
+  EXPECT_GT(json["traits"]["outliers"].get<double>(), 0.005);
+  ASSERT_GE(json["recommendations"].size(), 4u);
+  EXPECT_EQ(json["recommendations"][0]["aim"], "first");
+  for (const Json& r : json["recommendations"]) {
+    EXPECT_GT(r["why"].get<std::string>().size(), 10u);
+    for (const std::string line : r["commands"]) {
+      std::istringstream words(line);
+      std::vector<std::string> arguments;
+      for (std::string word; words >> word;) arguments.push_back(word);
+      ASSERT_EQ(arguments.at(0), "sansmesh");
+      arguments.erase(arguments.begin());
+      if (arguments[0] == "render") arguments.insert(arguments.end(), {"--width", "64", "--height", "48", "--plain"});
+      const Outcome one = run(arguments);
+      EXPECT_EQ(one.code, 0) << line << "\n" << one.err;
+    }
+  }
+}
+
+TEST_F(AdviseCommand, SaysWhyAndWhat) {
+  PointSet cloud = cube(6000);
+  cloud.normals.clear();
+  write_points(path("a part.xyz"), cloud);
+  const Outcome outcome = run({"advise", "a part.xyz"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* words : {"6,000 samples", "sharp edges", "no normals", "$ sansmesh reconstruct 'a part.xyz' -o ",
+                            "--surface apss --sharp"})
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << " in\n" << outcome.out;
+  EXPECT_EQ(run({"advise", "a part.xyz", "--quiet"}).out, "");
+}
+
+TEST_F(AdviseCommand, BadInputIsOneLine) {
+  write("few.xyz", "1 2 3\n4 5 6\n7 8 0\n");
+  for (const auto& [file, cause] : {std::pair{"few.xyz", "3 points"}, std::pair{"absent.ply", "no such file"}}) {
+    const Outcome outcome = run({"advise", file});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(file), std::string::npos);
+    EXPECT_NE(outcome.err.find(cause), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(run({"advise"}).code, 2);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
