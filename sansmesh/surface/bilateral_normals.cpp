@@ -39,7 +39,7 @@ BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const Bilatera
   const double noise = samples.noise / samples.median_spacing;
   const auto widths =
       detail::weight_widths(samples, options.smoothing.value_or(std::min(kSmoothing + 1.5 * noise, 5.0)), std::nullopt);
-  state_->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, kReach);
+  state_->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, default_reach(samples));
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double height = options.height.value_or(kHeightOverSpacing * static_cast<double>(samples.spacing[i]) +
                                                   kHeightOverNoise * samples.noise);

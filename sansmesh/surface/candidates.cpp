@@ -13,7 +13,7 @@ constexpr double kCompactSupport = 2, kGaussianSupport = 3.4641;  // over h
 /// orders 4 and 6 change their signs again at 1.22 and 0.96 widths from a plane, the extremal energy at 0.8.
 constexpr double kSlab = 0.75;
 /// Boxes of groups of points over the median spacing: smaller ones waste lanes, larger ones waste samples.
-constexpr double kGroupExtent = 1.5;
+constexpr double kGroupExtent = 3.2;
 /// Cosine to the mean normal from which on any two differ by less than 90°.
 constexpr float kAgree = 0.7072f;
 constexpr std::size_t kBatch = 4096;  // points that are sorted together

@@ -14,9 +14,9 @@ namespace {
 
 /// Noise over spacing from which on the normals are smoothed first, and from which on twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
-/// Evenness of samples that the least width suffices for, and of those at random, which need so much more of it: else
-/// single samples next to gaps decide, and the surface grows fins beyond edges. What noise over spacing adds.
-constexpr double kEven = 0.85, kRandom = 0.5, kUneven = 0.35, kNoisy = 2;
+/// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
+/// decide, and the surface grows fins beyond edges.
+constexpr double kUneven = 0.35, kNoisy = 2;
 /// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
 
@@ -142,13 +142,12 @@ void ImplicitOptions::validate() const {
   check(!width || (std::isfinite(*width) && *width > 0), "width must be a positive length");
   check(!order || *order == 2 || *order == 4 || *order == 6, "order must be 2, 4 or 6");
   check(!iterations || (*iterations >= 0 && *iterations <= 100), "iterations must lie in 0..100");
-  check(reach >= 0.5 && reach <= 10, "reach must lie in 0.5..10");
+  check(!reach || (*reach >= 0.5 && *reach <= 10), "reach must lie in 0.5..10");
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
   const double noise = samples.noise / samples.median_spacing;
-  const double uneven = std::clamp((kEven - samples.evenness) / (kEven - kRandom), 0.0, 1.0);
-  const double least = (method == ImplicitMethod::apss ? 1.2 : 1.1) + kUneven * uneven;
+  const double least = (method == ImplicitMethod::apss ? 1.2 : 1.1) + kUneven * unevenness(samples);
   return std::clamp(least + kNoisy * noise, least, 5.0);
 }
 
@@ -183,7 +182,7 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   progress.begin("supports");
   using detail::WeightKind;
   state->candidates =
-      detail::Candidates(samples, widths, amls ? WeightKind::gaussian : WeightKind::compact, options.reach);
+      detail::Candidates(samples, widths, amls ? WeightKind::gaussian : WeightKind::compact, options.reach.value_or(default_reach(samples)));
   const std::size_t n = samples.size();
   for (std::size_t i = 0; i < n; ++i) {
     detail::Candidate& c = state->candidates.all()[i];

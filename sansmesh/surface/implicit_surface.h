@@ -39,8 +39,9 @@ struct ImplicitOptions {
   std::optional<int> order = {};       ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by
   std::optional<int> iterations = {};  ///< amls: 0..100; … leave-one-out cross validation, together with the width
   bool separate_sheets = true;         ///< samples that look the other way than those nearby do not count
-  /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10.
-  double reach = kReach;
+  /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10; default:
+  /// `default_reach`.
+  std::optional<double> reach = {};
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

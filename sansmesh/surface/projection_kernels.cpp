@@ -45,6 +45,15 @@ HWY_INLINE void TangentFrame(const Lanes& n, Lanes& t, Lanes& b) {
   b = {c, hn::MulAdd(Times(n.y, n.y), a, sign), hn::Neg(n.y)};
 }
 
+/// A frame whose coordinates are lengths over h.
+struct ScaledFrame {
+  Lanes t, b, n;
+};
+HWY_INLINE ScaledFrame Scaled(const Lanes& t, const Lanes& b, const Lanes& n, const V& unit) {
+  const auto by = [&](const Lanes& a) { return Lanes{Times(a.x, unit), Times(a.y, unit), Times(a.z, unit)}; };
+  return {by(t), by(b), by(n)};
+}
+
 /// Unit vector of least variance of a covariance matrix, by inverse iteration with its adjugate from `start`.
 HWY_INLINE Lanes LeastAxis(V xx, V xy, V xz, V yy, V yz, V zz, const Lanes& start) {
   const V trace = hn::Max(hn::Add(xx, hn::Add(yy, zz)), Constant(kLeast));
@@ -167,6 +176,7 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   Lanes t, b;
   TangentFrame(plane.normal, t, b);
   const V unit = hn::Div(Constant(1), hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));
+  const ScaledFrame frame = Scaled(t, b, plane.normal, unit);
   V a[21], f[6];
   for (V& v : a) v = zero;
   for (V& v : f) v = zero;
@@ -177,8 +187,8 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
     const Offset o = From(q, c);
     V w;
     if (!WeightAt(c, o, sheets, near, w)) continue;
-    const Lanes d{Times(o.x, unit), Times(o.y, unit), Times(o.z, unit)};
-    const V u = Dot3(d, t), v = Dot3(d, b), z = Dot3(d, plane.normal);
+    const Lanes d{o.x, o.y, o.z};
+    const V u = Dot3(d, frame.t), v = Dot3(d, frame.b), z = Dot3(d, frame.n);
     const V wu = Times(w, u), wv = Times(w, v), wuu = Times(wu, u), wuv = Times(wu, v), wvv = Times(wv, v);
     const V uu = Times(u, u), uv = Times(u, v), vv = Times(v, v);
     m[0] = hn::Add(m[0], w), m[1] = hn::Add(m[1], wu), m[2] = hn::Add(m[2], wv);
@@ -222,6 +232,7 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
   Lanes t, b;
   TangentFrame(plane.normal, t, b);
   const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // lengths in h
+  const ScaledFrame frame = Scaled(t, b, plane.normal, unit);
   V a[10], f[4];
   for (V& v : a) v = zero;
   for (V& v : f) v = zero;
@@ -229,8 +240,8 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
     const Offset o = From(q, c);
     V w;
     if (!WeightAt(c, o, kernel.sheets, near, w)) continue;
-    const Lanes d{Times(o.x, unit), Times(o.y, unit), Times(o.z, unit)};
-    const V u = Dot3(d, t), v = Dot3(d, b), z = Dot3(d, plane.normal);
+    const Lanes d{o.x, o.y, o.z};
+    const V u = Dot3(d, frame.t), v = Dot3(d, frame.b), z = Dot3(d, frame.n);
     const V uu = Times(u, u), vv = Times(v, v);
     const V r2 = hn::Add(uu, vv);
     if constexpr (kDiffusion) {

@@ -29,7 +29,8 @@ struct ProjectionOptions {
       {};                            ///< width of the weights over the local spacing, 0.5..20; default: from the noise
   std::optional<double> width = {};  ///< width of the weights as one length, in place of `smoothing`
   bool separate_sheets = true;       ///< samples that look the other way than those nearby do not count
-  double reach = kReach;             ///< radius of the domain's balls over the local spacing, 0.5..10
+  /// Radius of the domain's balls over the local spacing, 0.5..10; default: `default_reach`.
+  std::optional<double> reach = {};
   /// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier
   /// 2005, g = λ²/(λ² + 10(|κ| − λ)²)); hard, hardly at all; none.
   enum class Diffusion { none, soft, hard } diffusion = Diffusion::none;

@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kFewest = 9;
 
+/// Evenness of samples that count as even, and of those at random.
+constexpr double kEven = 0.85, kRandom = 0.5;
+
 /// Distances at duplicates vanish, but a sample must not stand for nothing.
 constexpr double kLeastSpacing = 0.05;
 
@@ -100,10 +103,12 @@ void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds) {
   }
 }
 
-BallUnion sample_balls(const SurfaceSamples& samples, double reach) {
-  BallUnion balls{samples.positions, samples.spacing};
-  for (float& r : balls.radii) r *= static_cast<float>(reach);
-  return balls;
+double unevenness(const SurfaceSamples& samples) {
+  return std::clamp((kEven - samples.evenness) / (kEven - kRandom), 0.0, 1.0);
+}
+
+double default_reach(const SurfaceSamples& samples) {
+  return std::min(1.4 + 0.6 * unevenness(samples) + 1.5 * samples.noise / samples.median_spacing, 3.0);
 }
 
 }  // namespace sansmesh

@@ -9,7 +9,6 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
-#include "sansmesh/field/ball_union.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
@@ -39,11 +38,12 @@ SurfaceSamples prepare_samples(const PointSet& points, Progress& progress);
 /// means do so less.
 void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds);
 
-/// The ball around each sample in which the surface is defined, as a multiple of its spacing: a disc of that radius
-/// stays without any sample about once in 300,000 times if samples lie at random.
-constexpr double kReach = 2;
+/// 0 where samples lie evenly (by their `evenness`), 1 where they lie at random.
+double unevenness(const SurfaceSamples& samples);
 
-/// Balls of kReach × spacing.
-BallUnion sample_balls(const SurfaceSamples& samples, double reach = kReach);
+/// Radius of the balls around the samples in which a surface is defined, over the local spacing: large enough that they
+/// leave no hole where none is meant. 1.4 for even samples; 2 for samples at random, of which a disc of that radius stays
+/// empty about once in 300,000 times; more with noise.
+double default_reach(const SurfaceSamples& samples);
 
 }  // namespace sansmesh
