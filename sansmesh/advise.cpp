@@ -12,13 +12,13 @@ namespace {
 using Aim = Recommendation::Aim;
 
 // Where a trait begins to matter; docs/methods/which-method.md has what was measured on either side.
-constexpr double kStray = 0.001;        // share of outliers
-constexpr double kNoisy = 0.1;          // noise over spacing
-constexpr double kVeryNoisy = 0.5;      // from here on a single sample says little
-constexpr double kSharp = 1;            // length of the creases over the diagonal
-constexpr double kSharpShare = 0.01;    // and share of places there: fewer are chance,
-constexpr double kSharpByNoise = 0.1;   // which noise makes more likely
-constexpr double kOpen = 1;             // length of the borders over the diagonal
+constexpr double kStray = 0.001;       // share of outliers
+constexpr double kNoisy = 0.1;         // noise over spacing
+constexpr double kVeryNoisy = 0.5;     // from here on a single sample says little
+constexpr double kSharp = 1;           // length of the creases over the diagonal
+constexpr double kSharpShare = 0.01;   // and share of places there: fewer are chance,
+constexpr double kSharpByNoise = 0.1;  // which noise makes more likely
+constexpr double kOpen = 1;            // length of the borders over the diagonal
 constexpr double kOpenShare = 0.003;
 constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for places at random
 constexpr std::size_t kLarge = 300000;  // samples
@@ -62,16 +62,17 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
     lines.push_back(t.noise_ratio() < 0.005 ? std::string("no noise to speak of")
                                             : fmt::format("hardly any noise: {:.2g} spacings", t.noise_ratio()));
   if (j.sharp)
-    lines.push_back(fmt::format("sharp edges: {} of the samples lie next to one, about {:.1f} diagonals of edges in all",
-                                percent(t.creases), t.crease_length));
+    lines.push_back(
+        fmt::format("sharp edges: {} of the samples lie next to one, about {:.1f} diagonals of edges in all",
+                    percent(t.creases), t.crease_length));
   else if (!t.creases_known)
     lines.push_back("sharp edges cannot be told from the noise");
   if (j.open)
     lines.push_back(fmt::format("borders or holes: {} of the samples lie next to one, about {:.1f} diagonals in all",
                                 percent(t.borders), t.border_length));
   if (j.uneven)
-    lines.push_back(fmt::format("uneven: samples are {:.1f} times farther apart in some parts than in others",
-                                t.density_ratio));
+    lines.push_back(
+        fmt::format("uneven: samples are {:.1f} times farther apart in some parts than in others", t.density_ratio));
   switch (t.normals) {
     case OrientationCheck::missing:
       lines.push_back("no normals: every command estimates and orients them by itself");
@@ -89,23 +90,26 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
   return lines;
 }
 
-Recommendation cleaning(const std::string& file) {
+Recommendation cleaning(const CloudTraits& t, const std::string& file) {
   return {.aim = Aim::clean,
           .surface = "",
-          .commands = {"sansmesh project " + file + " -o clean.ply --method lop"},
-          .why = "the locally optimal projection is a median: stray samples do not draw it, and points come out even"};
+          .commands = {fmt::format("sansmesh project {} -o clean.ply --method lop --points {}", file, t.samples)},
+          .why =
+              "stray samples spoil a closed surface altogether; the locally optimal projection, a median, hardly "
+              "sees them"};
 }
 
 Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string& file) {
   std::string command = "sansmesh reconstruct " + file + " -o surface.ply";
   if (j.open) command += " --trim";
-  std::string why = "closed, few triangles, and the nearest to the truth of all surfaces measured";
+  std::string why =
+      "closed, and the nearest to the truth with the fewest triangles and seconds of all that were measured";
   if (j.sharp)
-    why = "the only surface that has creases itself: edges come out as edges";
+    why = "has creases itself, so edges come out as edges; the others round them";
   else if (j.noisy)
-    why = "fits as wide as the noise asks for";
+    why = "supports as wide as the noise asks for: the least error of all";
   else if (j.large)
-    why = "time and memory grow with the samples alone; the others need many times as much";
+    why = "the others need many times the time for as many samples";
   if (j.open) why += "; --trim leaves open what the samples leave open";
   return {.aim = Aim::mesh, .surface = "partition", .commands = {std::move(command)}, .why = std::move(why)};
 }
@@ -122,16 +126,17 @@ Recommendation curvature(const Judgement& j, const std::string& file) {
   return {.aim = Aim::curvature,
           .surface = "curvature",
           .commands = {"sansmesh curvature " + file + " -o curved.ply --preview curved.png"},
-          .why = j.noisy ? "the curvature-driven projection measures where single samples say little: its weights leave out "
-                           "the near ones, whose noise tells most"
-                         : "principal curvatures and directions at every sample"};
+          .why = j.noisy
+                     ? "the curvature-driven projection leaves out the nearest samples, whose noise spoils curvatures "
+                       "most"
+                     : "principal curvatures and directions at every sample"};
 }
 
-Recommendation points(const Judgement& j, const std::string& file) {
+Recommendation points(const std::string& file) {
   return {.aim = Aim::points,
-          .surface = "curvature",
-          .commands = {"sansmesh project " + file + " -o smooth.ply" + (j.very_noisy ? " --diffusion soft" : "")},
-          .why = "the curvature-driven projection moves the samples themselves onto the surface"};
+          .surface = "apss",
+          .commands = {"sansmesh project " + file + " -o smooth.ply --method apss"},
+          .why = "moves the samples themselves onto algebraic spheres: the noise goes, normals and all"};
 }
 
 }  // namespace
@@ -159,12 +164,12 @@ Advice advise(const CloudTraits& traits, const std::string& input) {
   advice.findings = findings_of(traits, j);
   std::string file = quoted(input);
   if (j.stray) {
-    advice.recommendations.push_back(cleaning(file));
+    advice.recommendations.push_back(cleaning(traits, file));
     file = "clean.ply";
   }
   advice.recommendations.push_back(mesh(traits, j, file));
   advice.recommendations.push_back(picture(j, file));
-  if (j.noisy) advice.recommendations.push_back(points(j, file));
+  if (j.noisy) advice.recommendations.push_back(points(file));
   advice.recommendations.push_back(curvature(j, file));
   return advice;
 }

@@ -22,13 +22,13 @@ namespace {
 
 constexpr std::size_t kSpacingNeighbours = 16;  // as surfaces use it
 constexpr std::size_t kDensityPlaces = 2000;
-constexpr std::size_t kNormals = 40000;   // samples whose normals are estimated for finding creases
+constexpr std::size_t kNormals = 30000;  // samples whose normals are estimated for finding creases
 constexpr std::size_t kMostPlaces = 500;
-constexpr std::size_t kLooked = 24;           // neighbours among which a crease is looked for
-constexpr double kCreaseAngle = 40;           // degrees
-constexpr double kSideAngle = 12;             // normals of one side of a crease lie this near to each other
-constexpr double kHidingNoise = 0.35;         // noise over spacing from where on creases cannot be told
-constexpr double kBorderGap = 140;            // degrees of the tangent plane without a neighbour
+constexpr std::size_t kLooked = 24;    // neighbours among which a crease is looked for
+constexpr double kCreaseAngle = 40;    // degrees
+constexpr double kSideAngle = 12;      // normals of one side of a crease lie this near to each other
+constexpr double kHidingNoise = 0.35;  // noise over spacing from where on creases cannot be told
+constexpr double kBorderGap = 140;     // degrees of the tangent plane without a neighbour
 constexpr std::size_t kBorderNeighbours = 24;
 constexpr std::size_t kBorderPlaces = 2000;
 constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
@@ -76,9 +76,8 @@ void measure_density(const PointSet& points, CloudTraits& traits) {
 bool next_to_crease(std::span<const Vec3f> normals) {
   const auto alike = [](const Vec3f& a, const Vec3f& b) { return std::abs(dot(a, b)); };
   const Vec3f own = normals[0];
-  const auto far = std::min_element(normals.begin(), normals.end(), [&](const Vec3f& a, const Vec3f& b) {
-    return alike(own, a) < alike(own, b);
-  });
+  const auto far = std::min_element(normals.begin(), normals.end(),
+                                    [&](const Vec3f& a, const Vec3f& b) { return alike(own, a) < alike(own, b); });
   if (alike(own, *far) > static_cast<float>(std::cos(degrees(kCreaseAngle)))) return false;
   const auto side = static_cast<float>(std::cos(degrees(kSideAngle)));
   std::size_t here = 0, there = 0;
@@ -138,8 +137,8 @@ void measure_creases(const PointSet& points, CloudTraits& traits, double unit) {
 }
 
 void measure_borders(const PointSet& points, CloudTraits& traits) {
-  const auto k = static_cast<std::size_t>(
-      std::clamp(choose_neighbours(traits.spacing, traits.noise), static_cast<int>(kBorderNeighbours), kMostNeighbours));
+  const auto k = static_cast<std::size_t>(std::clamp(choose_neighbours(traits.spacing, traits.noise),
+                                                     static_cast<int>(kBorderNeighbours), kMostNeighbours));
   const std::vector<Neighbourhood> patches = sample_neighbourhoods(points.positions, kBorderPlaces, 4 * k);
   std::vector<std::uint8_t> border(patches.size()), known(patches.size());
   parallel_for(0, patches.size(), 16, [&](std::size_t p) {
