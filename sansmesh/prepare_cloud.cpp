@@ -79,28 +79,30 @@ void use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnin
   }
 }
 
-void prepare_normals(PointSet& points, NormalUse choice, Progress& progress,
-                     std::vector<std::string>& warnings) {
+/// Returns whether the normals were estimated.
+bool prepare_normals(PointSet& points, NormalUse choice, Progress& progress, std::vector<std::string>& warnings) {
   if (choice == NormalUse::as_given) {
     if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
-    return;
+    return false;
   }
   if (choice == NormalUse::estimate) points.normals.clear();
+  bool estimated = false;
   NormalOptions estimation;
   OrientationOptions orientation;
   progress.begin("check normals");
   switch (check_orientation(points)) {
     case OrientationCheck::oriented:
-      return;
+      return false;
     case OrientationCheck::inward:
       warnings.push_back("the normals point inward: turned round");
       for (Vec3f& n : points.normals) n = -n;
-      return;
+      return false;
     case OrientationCheck::missing:
       progress.begin("estimate normals");
       estimation.spacing = estimate_spacing(points);
       estimation.noise = orientation.noise = estimate_noise(points);
       estimate_normals(points, estimation, progress);
+      estimated = true;
       break;
     case OrientationCheck::unoriented:
       warnings.push_back("the normals are not oriented consistently: oriented anew");
@@ -108,6 +110,7 @@ void prepare_normals(PointSet& points, NormalUse choice, Progress& progress,
   }
   progress.begin("orient normals");
   orient_normals(points, orientation, progress);
+  return estimated;
 }
 
 }  // namespace

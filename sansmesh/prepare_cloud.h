@@ -19,12 +19,13 @@ enum class NormalUse { automatic, as_given, estimate };
 struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in a unit in which they are about 1 large
   Vec3 origin;      ///< of the input
-  double unit = 1;  ///< a power of two: position in the input = origin + unit · position
+  bool estimated_normals = false;  ///< there were none, or they were not wanted
+  double unit = 1;                 ///< a power of two: position in the input = origin + unit · position
   std::vector<std::string> warnings;
 };
 
-/// The first half of it: cleaned, faces sampled where need be, moved and scaled; normals as they come, if there are any.
-/// Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
+/// The first half of it: cleaned, faces sampled where need be, moved and scaled; normals as they come, if there are
+/// any. Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
 /// All of it. Throws DataError as above.

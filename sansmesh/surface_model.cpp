@@ -105,7 +105,8 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
   SurfaceReport& report = state->report;
   report.method = options.method;
   report.samples = cloud.size();
-  if (options.sharp && options.method != kPartition) {
+  // Estimates blur edges; normals that came with the samples may be exact, and are only worse for it.
+  if (options.sharp && options.method != kPartition && state->cloud.estimated_normals) {
     progress.begin("denoise normals");
     denoise_normals(cloud, {}, progress);
   }

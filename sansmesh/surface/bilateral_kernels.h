@@ -12,7 +12,8 @@ struct GroupNormals {
   alignas(64) float height[kGroup];  ///< of the point over the planes of the samples that decided
 };
 
-/// Refines the unit normals in place, and fills in the heights. `inverse_height` of the candidates is 1 / (2σ²); `inverse_turn` is 1 / τ².
+/// Refines the unit normals in place, and fills in the heights. `inverse_height` of the candidates is 1 / (2σ²);
+/// `inverse_turn` is 1 / τ².
 void refine_group(std::span<const Candidate> candidates, const PointGroup& group, int iterations, float inverse_turn,
                   GroupNormals& normals);
 

@@ -32,8 +32,8 @@ class Candidates {
   const Box3& bounds() const { return bounds_; }
   std::vector<float> reach() const;
 
-  /// Calls visit(group, candidates, mixed) for groups of points that lie together, for large batches in parallel. mixed: some of the candidates look
-  /// more than 90° away from others, so that more than one sheet may be there.
+  /// Calls visit(group, candidates, mixed) for groups of points that lie together, for large batches in parallel.
+  /// mixed: some of the candidates look more than 90° away from others, so that more than one sheet may be there.
   using Visit = std::function<void(const PointGroup&, std::span<const Candidate>, bool mixed)>;
   void for_each_group(std::span<const Vec3> x, const Visit& visit) const;
 

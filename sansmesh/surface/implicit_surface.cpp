@@ -16,7 +16,7 @@ namespace {
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
 /// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
 /// decide, and the surface grows fins beyond edges.
-constexpr double kUneven = 0.35, kNoisy = 2;
+constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
 /// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
 
@@ -147,7 +147,8 @@ void ImplicitOptions::validate() const {
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
   const double noise = samples.noise / samples.median_spacing;
-  const double least = (method == ImplicitMethod::apss ? 1.2 : 1.1) + kUneven * unevenness(samples);
+  const double least =
+      method == ImplicitMethod::apss ? 1.2 + kSpheresUneven * unevenness(samples) : 1.1 + kUneven * unevenness(samples);
   return std::clamp(least + kNoisy * noise, least, 5.0);
 }
 
@@ -181,8 +182,8 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
 
   progress.begin("supports");
   using detail::WeightKind;
-  state->candidates =
-      detail::Candidates(samples, widths, amls ? WeightKind::gaussian : WeightKind::compact, options.reach.value_or(default_reach(samples)));
+  state->candidates = detail::Candidates(samples, widths, amls ? WeightKind::gaussian : WeightKind::compact,
+                                         options.reach.value_or(default_reach(samples)));
   const std::size_t n = samples.size();
   for (std::size_t i = 0; i < n; ++i) {
     detail::Candidate& c = state->candidates.all()[i];

@@ -218,7 +218,9 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
                                   int iterations) {
   const bool clean = samples.noise < kFootNoise * samples.median_spacing;
   std::vector<double> candidates{1.25, 1.6, 2, 2.5, 3.2};
-  if (clean) candidates = {0.8, 1, 1.25, 1.6};
+  // Leaving single samples out does not show what happens in the gaps between samples at random.
+  if (clean)
+    candidates = unevenness(samples) < 0.5 ? std::vector<double>{0.8, 1, 1.25, 1.6} : std::vector<double>{1.25, 1.6, 2};
   if (smoothing > 0) candidates = {smoothing};
   const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : kMostIterations;
   const std::size_t places = std::min(kPlaces, samples.size());

@@ -14,7 +14,7 @@ struct ProjectionKernel {
   bool sheets = false;  ///< samples that look the other way than those next to the point do not count
   /// curvature: samples whose directional curvature exceeds λ = threshold / h count less, or not at all.
   bool diffusion = true, hard = false;
-  float threshold = 2;
+  float threshold = 1;
   int tau = 2;  ///< curvature: exponent of the M-like weights, 1..3
 };
 

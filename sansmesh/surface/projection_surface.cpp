@@ -18,8 +18,8 @@ struct Name {
 constexpr Name kNames[] = {
     {ProjectionMethod::levin, "levin"}, {ProjectionMethod::alexa, "alexa"}, {ProjectionMethod::curvature, "curvature"}};
 
-/// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature fit
-/// has four unknowns, not six: without noise it is as exact as the others on fewer samples.
+/// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
+/// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
 constexpr double kMore = 0.15, kFewer = 0.25, kMostSmoothing = 5;
 /// Noise over spacing from which on the normals are smoothed first, and from which on twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
@@ -79,8 +79,8 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   state->smoothing = options.smoothing.value_or(std::min(default_smoothing(samples) + more, kMostSmoothing));
   if (ratio > kSomeNoise) smooth_normals(samples, state->smoothing, ratio > kMuchNoise ? 2 : 1);
   const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.width);
-  state->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact,
-                                         options.reach.value_or(default_reach(samples)));
+  state->candidates =
+      detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach.value_or(default_reach(samples)));
   using Diffusion = ProjectionOptions::Diffusion;
   state->kernel = {formula_of(options.method),
                    options.separate_sheets,

@@ -34,7 +34,7 @@ struct ProjectionOptions {
   /// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier
   /// 2005, g = λ²/(λ² + 10(|κ| − λ)²)); hard, hardly at all; none.
   enum class Diffusion { none, soft, hard } diffusion = Diffusion::none;
-  double threshold = 2;  ///< curvature: λ times the width, > 0
+  double threshold = 1;  ///< curvature: λ times the width, > 0
   int tau = 2;           ///< curvature: exponent of the M-like weights, 1..3
   /// Throws ArgumentError naming the field.
   void validate() const;
