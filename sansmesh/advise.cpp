@@ -107,7 +107,7 @@ Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string&
   if (j.sharp)
     why = "has creases itself, so edges come out as edges; the others round them";
   else if (j.noisy)
-    why = "supports as wide as the noise asks for: the least error of all";
+    why = "supports as wide as the noise asks for: the least error of all that were measured";
   else if (j.large)
     why = "the others need many times the time for as many samples";
   if (j.open) why += "; --trim leaves open what the samples leave open";
