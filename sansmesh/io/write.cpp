@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "sansmesh/io/input.h"
@@ -54,6 +55,18 @@ void check_length(const char* what, std::size_t length, std::size_t n) {
   }
 }
 
+/// Throws ArgumentError unless every attribute is complete and has a name that headers can hold: one word.
+void check_attributes(const PointSet& points) {
+  for (const Attribute& a : points.attributes) {
+    const bool word = !a.name.empty() && std::all_of(a.name.begin(), a.name.end(), [](char c) {
+      return static_cast<unsigned char>(c) > ' ' && c != ',' && c != ';' && c != '"' && c != '\x7f';
+    });
+    if (!word) throw ArgumentError(fmt::format("the name of an attribute must be one word, not '{}'", a.name));
+    if (a.values.size() != points.size())
+      throw ArgumentError(fmt::format("{} values of {} for {} points", a.values.size(), a.name, points.size()));
+  }
+}
+
 template <class Triangles>
 void check_triangles(const Triangles& triangles, std::size_t n) {
   for (const auto& t : triangles) {
@@ -79,9 +92,7 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   check_length("normals", points.normals.size(), points.size());
   check_length("colors", points.colors.size(), points.size());
   check_length("confidences", points.confidence.size(), points.size());
-  for (const Attribute& a : points.attributes) {
-    if (a.values.size() != points.size()) throw ArgumentError(fmt::format("{} values of {} for {} points", a.values.size(), a.name, points.size()));
-  }
+  check_attributes(points);
   check_triangles(points.triangles, points.size());
   io::write_whole(file, writer.write(points, options));
 }

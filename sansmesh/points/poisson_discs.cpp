@@ -35,9 +35,15 @@ std::vector<std::uint32_t> poisson_discs(std::span<const Vec3> points, double ra
   std::unordered_multimap<std::uint64_t, std::uint32_t> cells;
   const std::size_t stride = scattered_stride(n);
   const double r2 = radius * radius;
+  // A little larger than the radius, so that rounding never puts two neighbours two cells apart; and no cell so far
+  // away that its number would not fit.
+  const double edge = radius * (1 + 1e-4);
+  const auto cell = [edge](double v) {
+    constexpr double kFarthest = 0x1p60;
+    return static_cast<std::int64_t>(std::floor(std::fmax(-kFarthest, std::fmin(v / edge, kFarthest))));
+  };
   for (std::size_t k = 0, i = 0; k < n; ++k, i = (i + stride) % n) {
     const Vec3& p = points[i];
-    const auto cell = [radius](double v) { return static_cast<std::int64_t>(std::floor(v / radius)); };
     const std::int64_t x = cell(p.x), y = cell(p.y), z = cell(p.z);
     bool free = true;
     for (std::int64_t dx = -1; dx <= 1 && free; ++dx)
