@@ -98,9 +98,7 @@ PointSet load(const std::string& folder, const Cloud& cloud) {
   return some;
 }
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void run(const std::string& folder, int runs) {
   std::printf("%-22s %-10s %9s %8s %6s %11s %11s %8s  %s\n", "cloud", "surface", "pixels", "covered", "evals",
@@ -134,10 +132,11 @@ void run(const std::string& folder, int runs) {
     double reference = row.thesis_seconds;
     if (name == "alexa" && row.width == 512) alexa[row.cloud] = best;
     if (name == "curvature") reference = alexa[row.cloud];
-    std::printf("%-22s %-10s %4dx%-4d %6.1f %% %6.1f %11.4f %11.4f %8.1f  %s; %s\n", cloud.thesis, name.c_str(),
-                row.width, row.height, 100.0 * static_cast<double>(counts.hits) / (row.width * row.height),
-                static_cast<double>(counts.hit_evaluations) / static_cast<double>(std::max<std::uint64_t>(1, counts.hits)),
-                best, reference, reference / best, row.thesis_method, cloud.note);
+    std::printf(
+        "%-22s %-10s %4dx%-4d %6.1f %% %6.1f %11.4f %11.4f %8.1f  %s; %s\n", cloud.thesis, name.c_str(), row.width,
+        row.height, 100.0 * static_cast<double>(counts.hits) / (row.width * row.height),
+        static_cast<double>(counts.hit_evaluations) / static_cast<double>(std::max<std::uint64_t>(1, counts.hits)),
+        best, reference, reference / best, row.thesis_method, cloud.note);
     std::fflush(stdout);
   }
 }

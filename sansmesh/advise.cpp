@@ -90,18 +90,13 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
   return lines;
 }
 
-Recommendation cleaning(const CloudTraits& t, const std::string& file) {
-  return {.aim = Aim::clean,
-          .surface = "",
-          .commands = {fmt::format("sansmesh project {} -o clean.ply --method lop --points {}", file, t.samples)},
-          .why =
-              "stray samples spoil a closed surface altogether; the locally optimal projection, a median, hardly "
-              "sees them"};
-}
+/// For all commands: stray samples would make sheets of their own.
+std::string without_strays(const Judgement& j) { return j.stray ? " --remove-outliers" : ""; }
 
 Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string& file) {
   std::string command = "sansmesh reconstruct " + file + " -o surface.ply";
   if (j.open) command += " --trim";
+  command += without_strays(j);
   std::string why =
       "closed, and the nearest to the truth with the fewest triangles and seconds of all that were measured";
   if (j.sharp)
@@ -110,6 +105,7 @@ Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string&
     why = "supports as wide as the noise asks for: the least error of all that were measured";
   else if (j.large)
     why = "the others need many times the time for as many samples";
+  if (j.stray) why += "; without the stray samples, which would spoil a closed surface altogether";
   if (j.open) why += "; --trim leaves open what the samples leave open";
   return {.aim = Aim::mesh, .surface = "partition", .commands = {std::move(command)}, .why = std::move(why)};
 }
@@ -117,7 +113,7 @@ Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string&
 Recommendation picture(const Judgement& j, const std::string& file) {
   return {.aim = Aim::picture,
           .surface = "apss",
-          .commands = {"sansmesh render " + file + " -o picture.png --surface apss" + (j.sharp ? " --sharp" : "")},
+          .commands = {"sansmesh render " + file + " -o picture.png --surface apss" + (j.sharp ? " --sharp" : "") + without_strays(j)},
           .why = j.sharp ? "no mesh is needed, and bilateral normals turn sharply at edges"
                          : "no mesh is needed: rays meet algebraic spheres fitted to the samples"};
 }
@@ -132,10 +128,10 @@ Recommendation curvature(const Judgement& j, const std::string& file) {
                      : "principal curvatures and directions at every sample"};
 }
 
-Recommendation points(const std::string& file) {
+Recommendation points(const Judgement& j, const std::string& file) {
   return {.aim = Aim::points,
           .surface = "apss",
-          .commands = {"sansmesh project " + file + " -o smooth.ply --method apss"},
+          .commands = {"sansmesh project " + file + " -o smooth.ply --method apss" + without_strays(j)},
           .why = "moves the samples themselves onto algebraic spheres: the noise goes, normals and all"};
 }
 
@@ -143,8 +139,6 @@ Recommendation points(const std::string& file) {
 
 const char* aim_word(Aim aim) {
   switch (aim) {
-    case Aim::clean:
-      return "first";
     case Aim::mesh:
       return "mesh";
     case Aim::picture:
@@ -162,14 +156,10 @@ Advice advise(const CloudTraits& traits, const std::string& input) {
   Advice advice;
   advice.traits = traits;
   advice.findings = findings_of(traits, j);
-  std::string file = quoted(input);
-  if (j.stray) {
-    advice.recommendations.push_back(cleaning(traits, file));
-    file = "clean.ply";
-  }
+  const std::string file = quoted(input);
   advice.recommendations.push_back(mesh(traits, j, file));
   advice.recommendations.push_back(picture(j, file));
-  if (j.noisy) advice.recommendations.push_back(points(file));
+  if (j.noisy) advice.recommendations.push_back(points(j, file));
   advice.recommendations.push_back(curvature(j, file));
   return advice;
 }

@@ -32,7 +32,7 @@ struct CloudTraits {
 };
 
 struct Recommendation {
-  enum class Aim { clean, mesh, picture, curvature, points } aim;
+  enum class Aim { mesh, picture, curvature, points } aim;
   std::string surface;  ///< partition or another name of `surface_names`; empty for steps before
   /// Commands of the tool, to be run one after the other.
   std::vector<std::string> commands;

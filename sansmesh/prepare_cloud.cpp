@@ -10,6 +10,7 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
+#include "sansmesh/points/outliers.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
 
@@ -127,9 +128,19 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   return result;
 }
 
-PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, Progress& progress) {
-  PreparedCloud result = prepare_positions(std::move(points), faces, progress);
-  prepare_normals(result.points, normals, progress, result.warnings);
+PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress) {
+  PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
+  if (use.remove_outliers) {
+    progress.begin("find outliers");
+    const std::vector<std::uint8_t> outliers = find_outliers(result.points, {}, progress);
+    const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
+    if (count > 0) {
+      remove_samples(result.points, outliers);
+      check_shape(result.points);
+      result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
+    }
+  }
+  result.estimated_normals = prepare_normals(result.points, use.normals, progress, result.warnings);
   return result;
 }
 

@@ -16,6 +16,13 @@ enum class FaceUse { automatic, ignore, sample };
 /// estimate: they are replaced.
 enum class NormalUse { automatic, as_given, estimate };
 
+struct CloudUse {
+  FaceUse faces = FaceUse::automatic;
+  NormalUse normals = NormalUse::automatic;
+  /// Leave out samples that belong to no surface (`find_outliers`), with a warning that counts them.
+  bool remove_outliers = false;
+};
+
 struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in a unit in which they are about 1 large
   Vec3 origin;      ///< of the input
@@ -29,6 +36,6 @@ struct PreparedCloud {
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
 /// All of it. Throws DataError as above.
-PreparedCloud prepare_cloud(PointSet points, FaceUse faces, NormalUse normals, Progress& progress);
+PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
 
 }  // namespace sansmesh

@@ -189,6 +189,7 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   SurfaceOptions choice = *options.surface;
   choice.faces = options.faces;
   choice.normals = options.normals;
+  choice.remove_outliers = options.remove_outliers;
   const SurfaceModel model = make_surface_model(std::move(points), choice, progress);
   r.warnings = model.warnings();
   r.spacing = model.report().spacing;
@@ -248,7 +249,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   ReconstructReport& r = report ? *report : local;
   r = {};
   if (options.surface) return reconstruct_surface(std::move(points), options, progress, r);
-  PreparedCloud cloud = prepare_cloud(std::move(points), options.faces, options.normals, progress);
+  PreparedCloud cloud = prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
   r.warnings = std::move(cloud.warnings);
   const double unit = cloud.unit;
 

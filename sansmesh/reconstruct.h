@@ -27,8 +27,10 @@ struct ReconstructOptions {
   using Normals = NormalUse;
   Faces faces = Faces::automatic;
   Normals normals = Normals::automatic;
+  bool remove_outliers = false;  ///< leave out samples that belong to no surface
   /// Another surface than the adaptive partition of unity, whose own options then mean nothing: max_depth, error,
-  /// support, max_degree. It is cut where it leaves its domain of definition: not closed where the samples have borders.
+  /// support, max_degree. It is cut where it leaves its domain of definition: not closed where the samples have
+  /// borders.
   std::optional<SurfaceOptions> surface;
   std::optional<int> max_depth;      ///< deepest level of the block tree, 2..12
   std::optional<double> error;       ///< accepted rms error of a local fit (length); default: a tenth of the noise

@@ -14,8 +14,10 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kBatch = 1024;
-/// New points around each sample from which the even ones are chosen, over those wanted.
+/// New points around the samples from which the even ones are chosen, over those wanted.
 constexpr double kSpare = 5;
+/// Share of a ball's radius within which they lie: no holes between samples at random, and not far beyond borders.
+constexpr double kCore = 0.65;
 constexpr double kGoldenAngle = 2.399963229728653;
 
 struct Foot {
@@ -122,18 +124,19 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   // Candidates on a spiral around each sample, within its ball's core, that cover the surface several times over.
   const BallUnion& balls = model.balls();
   const std::size_t samples = balls.centers.size();
-  const std::size_t around = std::max<std::size_t>(
-      1, static_cast<std::size_t>(std::ceil(kSpare * static_cast<double>(count) / static_cast<double>(samples))));
+  // In proportion to the areas that the balls stand for: where samples are few, each needs more.
+  double squares = 0;
+  for (const float r : balls.radii) squares += static_cast<double>(r) * static_cast<double>(r);
+  const double per_square = kSpare * static_cast<double>(count) / squares;
   std::vector<Vec3> centers(balls.centers.begin(), balls.centers.end());
   const std::vector<Foot> roots = feet_of(model, centers, options, progress);
   std::vector<Vec3> x;
-  x.reserve(samples * around);
   for (std::size_t i = 0; i < samples; ++i) {
     if (!roots[i].found) continue;
     Vec3 t, b;
     tangent_frame(roots[i].normal, t, b);
-    // A sample stands for a disc of half the ball's radius or so.
-    const double radius = 0.5 * static_cast<double>(balls.radii[i]);
+    const double ball = static_cast<double>(balls.radii[i]), radius = kCore * ball;
+    const auto around = static_cast<std::size_t>(std::ceil(std::max(1.0, per_square * ball * ball)));
     for (std::size_t k = 0; k < around; ++k) {
       const double r = radius * std::sqrt(static_cast<double>(k) / static_cast<double>(around));
       const double angle = kGoldenAngle * static_cast<double>(k) + static_cast<double>(i);

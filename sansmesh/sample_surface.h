@@ -18,7 +18,7 @@ struct ProjectToSurface {
 
 struct SurfaceProjection {
   std::size_t projected = 0;
-  std::size_t left_out = 0;                             ///< outside of the domain of definition
+  std::size_t left_out = 0;                              ///< outside of the domain of definition
   double mean_move = 0, rms_move = 0, largest_move = 0;  ///< distances (length, unit of the input)
 };
 
@@ -28,8 +28,8 @@ struct SurfaceProjection {
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
                         Progress& progress, SurfaceProjection* report = nullptr);
 
-/// About `count` points spread evenly over the surface (Poisson discs), with normals and the samples' colours. More than there are samples: upsampling. Throws ArgumentError for
-/// count = 0.
+/// About `count` points spread evenly over the surface (Poisson discs), with normals and the samples' colours. More
+/// than there are samples: upsampling. Throws ArgumentError for count = 0.
 PointSet resample_surface(const SurfaceModel& model, std::size_t count, const ProjectToSurface& options,
                           Progress& progress, SurfaceProjection* report = nullptr);
 

@@ -99,7 +99,7 @@ void SurfaceOptions::validate() const {
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress) {
   options.validate();
   auto state = std::make_unique<SurfaceModel::State>();
-  state->cloud = prepare_cloud(std::move(points), options.faces, options.normals, progress);
+  state->cloud = prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
   PointSet& cloud = state->cloud.points;
   const double unit = state->cloud.unit;
   SurfaceReport& report = state->report;

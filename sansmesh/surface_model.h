@@ -34,6 +34,7 @@ struct SurfaceOptions {
   bool sharp = false;                    ///< normals turn sharply at edges and corners (bilateral normals)
   FaceUse faces = FaceUse::automatic;
   NormalUse normals = NormalUse::automatic;
+  bool remove_outliers = false;  ///< leave out samples that belong to no surface
   /// Throws ArgumentError naming the option.
   void validate() const;
 };
@@ -88,8 +89,8 @@ class SurfaceModel {
   std::unique_ptr<State> state_;
 };
 
-/// Cleans and orients the samples (prepare_cloud) and makes the surface. Throws ArgumentError for bad options, DataError
-/// where the points do not make a surface.
+/// Cleans and orients the samples (prepare_cloud) and makes the surface. Throws ArgumentError for bad options,
+/// DataError where the points do not make a surface.
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress);
 
 }  // namespace sansmesh

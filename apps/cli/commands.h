@@ -61,7 +61,7 @@ struct ProjectArguments {
   SurfaceOptions surface;
   LopOptions lop;
   int steps = 10;
-  double tolerance = 1e-3;           ///< over the spacing
+  double tolerance = 1e-3;            ///< over the spacing
   std::optional<std::size_t> points;  ///< resample to about so many
 };
 void run_project(const ProjectArguments& arguments, Console& console);

@@ -46,12 +46,14 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   double noise = 0;
   std::vector<PrincipalCurvatures> curvatures;
   try {
-    PreparedCloud cloud = prepare_cloud(std::move(given), FaceUse::automatic, NormalUse::automatic, progress);
+    PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
     console.warn(arguments.input, cloud.warnings);
     CurvatureOptions options = arguments.options;
     noise = estimate_noise(cloud.points) * cloud.unit;
-    if (!options.noise) options.noise = noise / cloud.unit;
-    else options.noise = *options.noise / cloud.unit;
+    if (!options.noise)
+      options.noise = noise / cloud.unit;
+    else
+      options.noise = *options.noise / cloud.unit;
     if (options.radius) options.radius = *options.radius / cloud.unit;
     progress.begin("curvature");
     curvatures = estimate_curvatures(cloud.points, options, progress);
@@ -95,8 +97,8 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   for (std::size_t i = 0; i < n; ++i) {
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (curvatures[i].defined)
-      color = diverging_color(
-          range > 0 ? chosen_quantity(curvatures[i], arguments.color_by) / static_cast<float>(range) : 0);
+      color = diverging_color(range > 0 ? chosen_quantity(curvatures[i], arguments.color_by) / static_cast<float>(range)
+                                        : 0);
     for (std::size_t k = 0; k < 3; ++k)
       points.colors[i][k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
   }
@@ -113,16 +115,16 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
                           length(low), length(middle), length(high),
                           arguments.color_by == "gaussian" ? "1/length²" : "1/length, positive where convex"));
   if (undefined > 0) console.say(fmt::format("{} without enough neighbours: zero", counted(undefined, "sample")));
-  console.say(fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
-                          "up to ±{}",
-                          arguments.output, arguments.color_by, length(range)));
-  const nlohmann::ordered_json json = {
-      {"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
-      {"noise", noise},
-      {"undefined", undefined},
-      {arguments.color_by, {{"q05", low}, {"median", middle}, {"q95", high}}},
-      {"color_range", range},
-      {"output", {{"file", arguments.output}}}};
+  console.say(
+      fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
+                  "up to ±{}",
+                  arguments.output, arguments.color_by, length(range)));
+  const nlohmann::ordered_json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
+                                       {"noise", noise},
+                                       {"undefined", undefined},
+                                       {arguments.color_by, {{"q05", low}, {"median", middle}, {"q95", high}}},
+                                       {"color_range", range},
+                                       {"output", {{"file", arguments.output}}}};
   console.say_json(json.dump(2));
   console.print_timings();
 }

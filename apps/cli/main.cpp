@@ -99,29 +99,39 @@ CLI::App& add_command(CLI::App& app, const char* name, const std::string& what, 
   return command;
 }
 
-/// The options of meshless surfaces. Those of one command are those of all: only one runs.
-void add_surface(CLI::App& c, CommandLine& line, const std::string& what) {
+/// How a meshless surface is made. The options of one command are those of all: only one runs.
+void add_surface_details(CLI::App& c, CommandLine& line) {
   SurfaceOptions& o = line.surface;
-  std::string names;
-  for (const std::string& name : surface_names()) names += (names.empty() ? "" : ", ") + name;
-  c.add_option("--surface", line.surface_name, what + ": " + names)->type_name("NAME")->group("Surface");
   c.add_flag("--sharp", o.sharp, "Edges and corners: normals that turn sharply (bilateral)")->group("Surface");
-  c.add_option("--smoothing", o.smoothing, "Width of the weights over the spacing of the samples, 0.5..20 [from noise]")
+  c.add_option("--smoothing", o.smoothing, "Width of the weights over the spacing of the samples, 0.5..20 [from data]")
       ->type_name("RATIO")
       ->group("Surface");
   c.add_option("--bandwidth", o.width, "Width of the weights as one length, in place of --smoothing")
       ->type_name("LENGTH")
       ->group("Surface");
-  c.add_option("--order", o.order, "amls: order of the approximation, 2, 4 or 6 [by cross validation]")
+  c.add_option("--order", o.order, "amls: order of the approximation, 2, 4 or 6 [from data]")
       ->type_name("ORDER")
       ->group("Surface");
-  c.add_option("--iterations", o.iterations, "amls: 0 smooths most, many interpolate [by cross validation]")
+  c.add_option("--iterations", o.iterations, "amls: 0 smooths most, many interpolate [from data]")
       ->type_name("COUNT")
       ->group("Surface");
   c.add_option("--diffusion", o.diffusion, "curvature: samples far off count less: none, soft or hard [none]")
       ->type_name("CHOICE")
       ->group("Surface");
   c.add_flag("--no-sheets", line.no_sheets, "Let samples of the other side of a thin part count too")->group("Surface");
+  c.add_flag("--remove-outliers", o.remove_outliers, "Leave out samples that belong to no surface, such as strays")
+      ->group("Surface");
+}
+
+std::string known_surfaces() {
+  std::string names;
+  for (const std::string& name : surface_names()) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
+void add_surface(CLI::App& c, CommandLine& line, const std::string& what) {
+  c.add_option("--surface", line.surface_name, what + ": " + known_surfaces())->type_name("NAME")->group("Surface");
+  add_surface_details(c, line);
 }
 
 /// What was said about the surface; nothing if it was not named.
@@ -131,15 +141,23 @@ std::optional<SurfaceOptions> chosen_surface(CommandLine& line) {
   o.separate_sheets = !line.no_sheets;
   if (!line.surface_name.empty()) {
     o.method = line.surface_name;
+    if (o.method == "partition" && o.sharp)
+      throw ArgumentError("--sharp is for other surfaces than partition, which finds creases by itself");
+    o.validate();
     return o;
   }
-  if (o.smoothing || o.width || o.order || o.iterations || o.diffusion != none.diffusion || line.no_sheets)
-    throw ArgumentError("--smoothing, --bandwidth, --order, --iterations, --diffusion and --no-sheets need --surface NAME");
+  if (o.smoothing || o.width || o.order || o.iterations || o.diffusion != none.diffusion || line.no_sheets || o.sharp)
+    throw ArgumentError(
+        "--sharp, --smoothing, --bandwidth, --order, --iterations, --diffusion and --no-sheets need --surface NAME");
   return std::nullopt;
 }
 
+void require(bool ok, const char* message) {
+  if (!ok) throw ArgumentError(message);
+}
+
 CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
-  CLI::App& c = add_command(app, "reconstruct", "Points → closed triangle mesh", line);
+  CLI::App& c = add_command(app, "reconstruct", "Points → triangle mesh, closed unless asked otherwise", line);
   ReconstructArguments& a = line.reconstruct;
   ReconstructOptions& o = a.options;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
@@ -267,7 +285,7 @@ CLI::App& add_render(CLI::App& app, CommandLine& line) {
       ->type_name("QUANTITY")
       ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
       ->group("Surface");
-  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length [from data]")
+  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
       ->type_name("VALUE")
       ->check(CLI::PositiveNumber.description(""))
       ->group("Surface");
@@ -302,9 +320,7 @@ CLI::App& add_project(CLI::App& app, CommandLine& line) {
   c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
   c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
   c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
-  std::string names;
-  for (const std::string& name : surface_names()) names += (names.empty() ? "" : ", ") + name;
-  c.add_option("--method", a.method, "lop (consolidation of the input) or a surface: " + names + " [curvature]")
+  c.add_option("--method", a.method, "lop (consolidation of the input) or a surface: " + known_surfaces() + " [curvature]")
       ->type_name("NAME");
   c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
       ->type_name("COUNT")
@@ -315,12 +331,7 @@ CLI::App& add_project(CLI::App& app, CommandLine& line) {
   c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
       ->type_name("LENGTH");
   c.add_option("--repulsion", a.lop.repulsion, "lop: points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
-  SurfaceOptions& o = line.surface;
-  c.add_option("--smoothing", o.smoothing, "Width of the weights over the spacing of the samples, 0.5..20 [from noise]")
-      ->type_name("RATIO");
-  c.add_option("--diffusion", o.diffusion, "curvature: samples far off count less: none, soft or hard [none]")
-      ->type_name("CHOICE");
-  c.add_flag("--sharp", o.sharp, "Normals that turn sharply at edges and corners");
+  add_surface_details(c, line);
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
            "  sansmesh project noisy.ply -o smooth.ply\n"
@@ -342,7 +353,7 @@ CLI::App& add_curvature(CLI::App& app, CommandLine& line) {
   c.add_option("--color-by", a.color_by, "mean, gaussian, k1 or k2 [mean]")
       ->type_name("QUANTITY")
       ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""));
-  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length [from data]")
+  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
       ->type_name("VALUE")
       ->check(CLI::PositiveNumber.description(""));
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 8..2000 [from noise and shape]")
@@ -383,7 +394,13 @@ void run(const CLI::App& app, CommandLine& line) {
     o.sharp = !line.smooth_only;
     o.carry_colors = !line.no_colors;
     o.enhance = !line.no_enhance;
-    if (const auto surface = chosen_surface(line); surface && surface->method != "partition") o.surface = surface;
+    o.remove_outliers = line.surface.remove_outliers;
+    if (const auto surface = chosen_surface(line); surface && surface->method != "partition") {
+      require(!o.max_depth && !o.error && !o.support && o.max_degree == ReconstructOptions().max_degree && o.sharp,
+              "--depth, --error, --support, --degree and --smooth belong to the partition, not to other surfaces");
+      require(!o.trim || *o.trim > 0, "--trim needs a LENGTH with --surface: such surfaces end at their borders anyway");
+      o.surface = surface;
+    }
     run_reconstruct(line.reconstruct, console);
   } else if (app.got_subcommand("normals")) {
     line.normals.orient = !line.no_orient;
@@ -391,7 +408,15 @@ void run(const CLI::App& app, CommandLine& line) {
   } else if (app.got_subcommand("evaluate")) {
     run_evaluate(line.evaluate, console);
   } else if (app.got_subcommand("project")) {
-    line.project.surface = line.surface;
+    ProjectArguments& p = line.project;
+    line.surface_name = p.method == "lop" ? "" : p.method;
+    if (p.method == "lop") {
+      require(p.onto.empty(), "--method lop consolidates the input itself: there is no --onto");
+      require(!line.surface.remove_outliers, "--method lop is not drawn by outliers: leave out --remove-outliers");
+    } else {
+      require(!p.lop.radius && p.lop.repulsion == LopOptions().repulsion, "--radius and --repulsion need --method lop");
+    }
+    if (const auto surface = chosen_surface(line)) p.surface = *surface;
     run_project(line.project, console);
   } else if (app.got_subcommand("curvature")) {
     run_curvature(line.curvature, console);
@@ -406,8 +431,15 @@ void run(const CLI::App& app, CommandLine& line) {
     o.smooth = !line.flat;
     o.shadows = !line.no_shadows;
     line.render.surface = chosen_surface(line);
-    if (!line.render.surface && (line.surface.sharp || line.render.frames > 0 || !line.render.color_by.empty()))
-      throw ArgumentError("--sharp, --color-by and --frames need --surface NAME");
+    const SurfaceRenderOptions& s = line.render.surface_options;
+    if (!line.render.surface) {
+      require(line.render.frames == 0 && line.render.color_by.empty() && !line.render.color_range && !s.plain &&
+                  !s.exact_shadows && s.reflection == 0 && s.transmission == 0 && !line.surface.remove_outliers,
+              "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission and "
+              "--remove-outliers need --surface NAME");
+    } else {
+      require(!line.flat && !o.point_radius, "--flat and --point-radius are for meshes and points, not for --surface");
+    }
     using Background = RenderOptions::Background;
     if (line.background == "transparent") o.background = Background::transparent;
     if (line.background == "white" || line.background == "black") {

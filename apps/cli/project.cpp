@@ -7,13 +7,41 @@
 #include <utility>
 
 #include "commands.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/sample_surface.h"
 
 namespace sansmesh::cli {
+namespace {
+
+/// Throws ArgumentError for options that the method would not heed.
+void check_options_fit(const ProjectArguments& a) {
+  const SurfaceOptions plain;
+  const ProjectArguments none;
+  const auto check = [&](bool ok, const char* option, const char* what) {
+    if (!ok) throw ArgumentError(fmt::format("{} means nothing to --method {}: {}", option, a.method, what));
+  };
+  if (a.method == "lop") {
+    const char* const what = "it has no surface, and moves to the input";
+    check(a.onto.empty(), "--onto", what);
+    check(!a.surface.sharp, "--sharp", what);
+    check(!a.surface.smoothing, "--smoothing", what);
+    check(a.surface.diffusion == plain.diffusion, "--diffusion", what);
+    check(a.steps == none.steps, "--steps", what);
+    check(a.tolerance == none.tolerance, "--tolerance", what);
+  } else {
+    check(!a.lop.radius, "--radius", "it belongs to lop");
+    check(a.lop.repulsion == none.lop.repulsion, "--repulsion", "it belongs to lop");
+  }
+}
+
+}  // namespace
 
 void run_project(const ProjectArguments& arguments, Console& console) {
+  check_options_fit(arguments);
   check_writable(arguments.output, "points");
+  const ProjectToSurface how{arguments.steps, arguments.tolerance};
+  how.validate();
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
@@ -44,7 +72,6 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     try {
       const SurfaceModel model = make_surface_model(std::move(samples), surface, progress);
       console.warn(onto, model.warnings());
-      const ProjectToSurface how{arguments.steps, arguments.tolerance};
       result = arguments.points ? resample_surface(model, *arguments.points, how, progress, &report)
                                 : project_points(points, model, how, progress, &report);
     } catch (const DataError& error) {

@@ -20,13 +20,16 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
                   const ReconstructReport& report, const TriangleMesh& mesh, Console& console) {
   console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input, counted(input.points, "point"),
                           length(input.extent[0]), length(input.extent[1]), length(input.extent[2]), read.format));
+  const std::optional<SurfaceOptions>& surface = arguments.options.surface;
   console.say(fmt::format("spacing {}, noise {}, {} in {} down to depth {}", length(report.spacing),
-                          length(report.noise), counted(report.fits, "local fit"), counted(report.blocks, "block"),
-                          report.depth));
+                          length(report.noise), surface ? surface->method : counted(report.fits, "local fit"),
+                          counted(report.blocks, "block"), report.depth));
+  // The partition is closed by construction.
+  const bool closed = (!surface && !arguments.options.trim) || measure_topology(mesh).closed();
   console.say(fmt::format("{}: {}, {} in {}{}", arguments.output, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()) + " vertices",
                           counted(static_cast<unsigned long long>(report.components), "component"),
-                          arguments.options.trim ? ", trimmed" : ", closed"));
+                          closed ? ", closed" : ", with borders"));
   if (arguments.options.measure_quality)
     console.say(fmt::format("aspect ratio {:.3f} ± {:.3f} before enhancement, {:.3f} ± {:.3f} after",
                             report.aspect_mean_before, report.aspect_deviation_before, report.aspect_mean,

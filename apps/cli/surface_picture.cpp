@@ -99,12 +99,10 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
                                                 options.width, options.height));
     nlohmann::ordered_json json;
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"samples", report.samples}};
-    json["surface"] = {{"method", report.method},         {"spacing", report.spacing},
-                       {"noise", report.noise},           {"smoothing", report.smoothing},
-                       {"order", report.order},           {"iterations", report.iterations}};
-    json["rays"] = {{"cast", counts.rays},
-                    {"hit", counts.hits},
-                    {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
+    json["surface"] = {{"method", report.method},       {"spacing", report.spacing}, {"noise", report.noise},
+                       {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
+    json["rays"] = {
+        {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
     json["output"] = {{"files", files}, {"width", options.width}, {"height", options.height}};
     for (const Progress::Timing& t : progress.timings())
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});

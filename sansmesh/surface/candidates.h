@@ -14,7 +14,7 @@
 namespace sansmesh::detail {
 
 enum class WeightKind {
-  compact,  ///< (1 − d²/(2h)²)⁴: within a few percent exp(−d²/h²), with a third of the neighbours
+  compact,  ///< (1 − d²/(2h)²)⁴: resembles exp(−d²/h²) (the difference stays below 0.075), with a third of the neighbours
   gaussian  ///< exp(−d²/h²), cut off at √12 h
 };
 

@@ -11,7 +11,7 @@ namespace sansmesh {
 /// Local feature size at each sample (length): the distance to the medial axis, as the smaller of the radii of the
 /// largest empty balls that touch the surface there from inside and outside, found by shrinking balls (Ma, Bae & Choi
 /// 2012), then made 1-Lipschitz among neighbours. Noise makes it small: balls stop shrinking where their contact is
-/// within two spacings. At most the diagonal of the cloud.
+/// within two spacings. At most half the diagonal of the cloud.
 std::vector<float> estimate_feature_size(const SurfaceSamples& samples, Progress& progress);
 
 }  // namespace sansmesh

@@ -14,6 +14,8 @@ namespace {
 
 /// Noise over spacing from which on the normals are smoothed first, and from which on twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
+/// Noise over spacing from which on approximate MLS stays at order 2 and few iterations.
+constexpr double kRough = 0.35;
 /// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
 /// decide, and the surface grows fins beyond edges.
 constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
@@ -53,8 +55,10 @@ detail::ImplicitFormula formula_of(ImplicitMethod method) {
 detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOptions& options,
                                detail::IterationOptions iteration) {
   detail::IterationChoice best;
+  // Where the noise is of the order of the spacing, higher orders and iterations follow what is left of it.
+  const bool rough = samples.noise > kRough * samples.median_spacing;
   for (const int order : {2, 4}) {
-    if (options.order && order != 2) break;
+    if (order != 2 && (options.order || rough)) break;
     iteration.order = options.order.value_or(order);
     const auto choice =
         detail::choose_iterations(samples, iteration, options.smoothing.value_or(0), options.iterations.value_or(-1));

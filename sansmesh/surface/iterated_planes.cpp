@@ -74,6 +74,8 @@ class Rows {
 
 constexpr std::size_t kPlaces = 100;  // samples left out in turn
 constexpr int kMostIterations = 10;
+constexpr double kRough = 0.35;    // noise over spacing from which on …
+constexpr int kMostWhenRough = 2;  // … no more are tried: they follow what is left of the noise
 constexpr float kForget = 2e-4f;   // entries of the powers' rows that no longer matter
 constexpr double kWorthIt = 0.99;  // further iterations must lower the error by more than this
 
@@ -222,7 +224,9 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
   if (clean)
     candidates = unevenness(samples) < 0.5 ? std::vector<double>{0.8, 1, 1.25, 1.6} : std::vector<double>{1.25, 1.6, 2};
   if (smoothing > 0) candidates = {smoothing};
-  const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : kMostIterations;
+  const bool rough = samples.noise > kRough * samples.median_spacing;
+  const int tried = rough ? kMostWhenRough : kMostIterations;
+  const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : tried;
   const std::size_t places = std::min(kPlaces, samples.size());
   IterationChoice best;
   best.error = std::numeric_limits<double>::infinity();

@@ -22,7 +22,7 @@ struct Lanes {
   V x, y, z;
 };
 
-/// Weights (1 − d²/R²)⁴ of compact support: within a few percent exp(−d²/h²) for R = 2h.
+/// Weights (1 − d²/R²)⁴ of compact support: they resemble exp(−d²/h²) for R = 2h.
 template <bool kGradient>
 struct CompactWeight {
   HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
@@ -89,7 +89,7 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
           hn::IfThenElse(clear, hn::Mul(n.z, inverse), nearest.z)};
 }
 
-/// 1 for samples that look the same way, down to 0 for those 120° off and more.
+/// 1 for samples whose normals differ by up to 90°, from there down to 0 for those 120° off and more.
 HWY_INLINE V SameSheet(const Candidate& c, const Lanes& n) {
   const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
   return hn::Min(hn::Max(hn::MulAdd(cosine, Constant(2), Constant(1)), hn::Zero(Tag())), Constant(1));
