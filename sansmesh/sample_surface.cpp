@@ -124,12 +124,13 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   // Candidates on a spiral around each sample, within its ball's core, that cover the surface several times over.
   const BallUnion& balls = model.balls();
   const std::size_t samples = balls.centers.size();
-  // In proportion to the areas that the balls stand for: where samples are few, each needs more.
-  double squares = 0;
-  for (const float r : balls.radii) squares += static_cast<double>(r) * static_cast<double>(r);
-  const double per_square = kSpare * static_cast<double>(count) / squares;
   std::vector<Vec3> centers(balls.centers.begin(), balls.centers.end());
   const std::vector<Foot> roots = feet_of(model, centers, options, progress);
+  // In proportion to the areas that the balls stand for: where samples are few, each needs more.
+  double squares = 0;
+  for (std::size_t i = 0; i < samples; ++i)
+    if (roots[i].found) squares += static_cast<double>(balls.radii[i]) * static_cast<double>(balls.radii[i]);
+  const double per_square = kSpare * static_cast<double>(count) / squares;
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < samples; ++i) {
     if (!roots[i].found) continue;
@@ -153,11 +154,16 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   std::vector<Vec3> places;
   for (const Foot& f : feet) places.push_back(f.position);
   std::vector<std::uint32_t> kept;
-  for (int round = 0; round < 6; ++round) {
+  double too_small = 0, too_large = 0;  // radii known to be so; 0: none is
+  for (int round = 0; round < 12; ++round) {
     kept = poisson_discs(places, radius);
     const double share = static_cast<double>(kept.size()) / static_cast<double>(count);
-    if (std::abs(share - 1) < 0.03 || kept.size() == feet.size()) break;
-    radius *= std::sqrt(std::clamp(share, 0.3, 3.0));
+    if (std::abs(share - 1) < 0.03 || (share < 1 && kept.size() == feet.size())) break;
+    (share > 1 ? too_small : too_large) = radius;
+    if (too_small > 0 && too_large > 0)
+      radius = std::sqrt(too_small * too_large);
+    else
+      radius *= std::sqrt(std::clamp(share, 0.3, 3.0));
   }
   PointSet result;
   result.origin = model.origin();
