@@ -20,7 +20,7 @@ constexpr Name kNames[] = {
 
 /// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
 /// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
-constexpr double kMore = 0.15, kFewer = 0.25, kMostSmoothing = 5;
+constexpr double kMore = 0.1, kFewer = 0.2, kMostSmoothing = 5;
 /// Noise over spacing from which on the normals are smoothed first, and from which on twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
 

@@ -108,7 +108,7 @@ double unevenness(const SurfaceSamples& samples) {
 }
 
 double default_reach(const SurfaceSamples& samples) {
-  return std::min(1.4 + 0.6 * unevenness(samples) + 1.5 * samples.noise / samples.median_spacing, 3.0);
+  return std::min(1.2 + 0.8 * unevenness(samples) + 1.5 * samples.noise / samples.median_spacing, 3.0);
 }
 
 }  // namespace sansmesh
