@@ -113,7 +113,8 @@ Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string&
 Recommendation picture(const Judgement& j, const std::string& file) {
   return {.aim = Aim::picture,
           .surface = "apss",
-          .commands = {"sansmesh render " + file + " -o picture.png --surface apss" + (j.sharp ? " --sharp" : "") + without_strays(j)},
+          .commands = {"sansmesh render " + file + " -o picture.png --surface apss" + (j.sharp ? " --sharp" : "") +
+                       without_strays(j)},
           .why = j.sharp ? "no mesh is needed, and bilateral normals turn sharply at edges"
                          : "no mesh is needed: rays meet algebraic spheres fitted to the samples"};
 }

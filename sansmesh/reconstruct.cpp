@@ -249,7 +249,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   ReconstructReport& r = report ? *report : local;
   r = {};
   if (options.surface) return reconstruct_surface(std::move(points), options, progress, r);
-  PreparedCloud cloud = prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
+  PreparedCloud cloud =
+      prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
   r.warnings = std::move(cloud.warnings);
   const double unit = cloud.unit;
 

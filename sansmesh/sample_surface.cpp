@@ -152,6 +152,7 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   const double area = static_cast<double>(model.report().samples) * std::pow(model.report().spacing / model.unit(), 2);
   double radius = std::sqrt(0.7 * area / static_cast<double>(count) * 4 / std::numbers::pi);
   std::vector<Vec3> places;
+  places.reserve(feet.size());
   for (const Foot& f : feet) places.push_back(f.position);
   std::vector<std::uint32_t> kept;
   double too_small = 0, too_large = 0;  // radii known to be so; 0: none is

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -179,6 +180,7 @@ const SurfaceReport& SurfaceModel::report() const { return state_->report; }
 const std::vector<std::string>& SurfaceModel::warnings() const { return state_->cloud.warnings; }
 
 BlockTree SurfaceModel::blocks(double coarseness) const {
+  if (!(coarseness > 0)) throw ArgumentError("coarseness must be positive");
   const BallUnion& balls = state_->balls;
   std::vector<float> radii = balls.radii;
   for (float& r : radii) r *= static_cast<float>(kBlockReach);
@@ -202,7 +204,7 @@ BlockTree SurfaceModel::blocks(double coarseness) const {
     const Vec3 center = tree.block_center(block), half = Vec3{e, e, e} * 0.5;
     near.touching({Vec3f(center - half), Vec3f(center + half)}, touched);
     if (touched.empty()) continue;
-    double least = e;
+    double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : touched) least = std::min(least, spacing(i));
     if (e <= kBlockEdge * coarseness * least) continue;
     const std::size_t first = tree.subdivide(block);

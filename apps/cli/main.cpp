@@ -285,7 +285,8 @@ CLI::App& add_render(CLI::App& app, CommandLine& line) {
       ->type_name("QUANTITY")
       ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
       ->group("Surface");
-  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
+  c.add_option("--color-range", a.color_range,
+               "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
       ->type_name("VALUE")
       ->check(CLI::PositiveNumber.description(""))
       ->group("Surface");
@@ -320,7 +321,8 @@ CLI::App& add_project(CLI::App& app, CommandLine& line) {
   c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
   c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
   c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
-  c.add_option("--method", a.method, "lop (consolidation of the input) or a surface: " + known_surfaces() + " [curvature]")
+  c.add_option("--method", a.method,
+               "lop (consolidation of the input) or a surface: " + known_surfaces() + " [curvature]")
       ->type_name("NAME");
   c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
       ->type_name("COUNT")
@@ -353,7 +355,8 @@ CLI::App& add_curvature(CLI::App& app, CommandLine& line) {
   c.add_option("--color-by", a.color_by, "mean, gaussian, k1 or k2 [mean]")
       ->type_name("QUANTITY")
       ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""));
-  c.add_option("--color-range", a.color_range, "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
+  c.add_option("--color-range", a.color_range,
+               "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
       ->type_name("VALUE")
       ->check(CLI::PositiveNumber.description(""));
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 8..2000 [from noise and shape]")
@@ -398,7 +401,8 @@ void run(const CLI::App& app, CommandLine& line) {
     if (const auto surface = chosen_surface(line); surface && surface->method != "partition") {
       require(!o.max_depth && !o.error && !o.support && o.max_degree == ReconstructOptions().max_degree && o.sharp,
               "--depth, --error, --support, --degree and --smooth belong to the partition, not to other surfaces");
-      require(!o.trim || *o.trim > 0, "--trim needs a LENGTH with --surface: such surfaces end at their borders anyway");
+      require(!o.trim || *o.trim > 0,
+              "--trim needs a LENGTH with --surface: such surfaces end at their borders anyway");
       o.surface = surface;
     }
     run_reconstruct(line.reconstruct, console);
@@ -409,14 +413,8 @@ void run(const CLI::App& app, CommandLine& line) {
     run_evaluate(line.evaluate, console);
   } else if (app.got_subcommand("project")) {
     ProjectArguments& p = line.project;
-    line.surface_name = p.method == "lop" ? "" : p.method;
-    if (p.method == "lop") {
-      require(p.onto.empty(), "--method lop consolidates the input itself: there is no --onto");
-      require(!line.surface.remove_outliers, "--method lop is not drawn by outliers: leave out --remove-outliers");
-    } else {
-      require(!p.lop.radius && p.lop.repulsion == LopOptions().repulsion, "--radius and --repulsion need --method lop");
-    }
-    if (const auto surface = chosen_surface(line)) p.surface = *surface;
+    p.surface = line.surface;
+    p.surface.separate_sheets = !line.no_sheets;
     run_project(line.project, console);
   } else if (app.got_subcommand("curvature")) {
     run_curvature(line.curvature, console);
@@ -434,9 +432,10 @@ void run(const CLI::App& app, CommandLine& line) {
     const SurfaceRenderOptions& s = line.render.surface_options;
     if (!line.render.surface) {
       require(line.render.frames == 0 && line.render.color_by.empty() && !line.render.color_range && !s.plain &&
-                  !s.exact_shadows && s.reflection == 0 && s.transmission == 0 && !line.surface.remove_outliers,
-              "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission and "
-              "--remove-outliers need --surface NAME");
+                  !s.exact_shadows && s.reflection == 0 && s.transmission == 0 &&
+                  s.refraction_index == SurfaceRenderOptions().refraction_index && !line.surface.remove_outliers,
+              "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
+              "--refraction-index and --remove-outliers need --surface NAME");
     } else {
       require(!line.flat && !o.point_radius, "--flat and --point-radius are for meshes and points, not for --surface");
     }

@@ -24,9 +24,15 @@ void check_options_fit(const ProjectArguments& a) {
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
     check(a.onto.empty(), "--onto", what);
-    check(!a.surface.sharp, "--sharp", what);
-    check(!a.surface.smoothing, "--smoothing", what);
-    check(a.surface.diffusion == plain.diffusion, "--diffusion", what);
+    const SurfaceOptions& s = a.surface;
+    check(!s.sharp, "--sharp", what);
+    check(!s.smoothing, "--smoothing", what);
+    check(!s.width, "--bandwidth", what);
+    check(!s.order, "--order", what);
+    check(!s.iterations, "--iterations", what);
+    check(s.diffusion == plain.diffusion, "--diffusion", what);
+    check(s.separate_sheets, "--no-sheets", what);
+    check(!s.remove_outliers, "--remove-outliers", "outliers hardly draw its points");
     check(a.steps == none.steps, "--steps", what);
     check(a.tolerance == none.tolerance, "--tolerance", what);
   } else {

@@ -88,6 +88,7 @@ void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include <utility>
 namespace sansmesh {
 namespace detail {
 HWY_EXPORT(CrossBall);
@@ -138,6 +139,10 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
   }
   s.device = rtcNewDevice(nullptr);
   if (!s.device) throw Error("the ray caster (Embree) cannot start");
+  if (rtcGetDeviceProperty(s.device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) == 0) {
+    rtcReleaseDevice(std::exchange(s.device, nullptr));
+    throw Error("the ray caster needs a processor and an Embree that trace eight rays at once (AVX)");
+  }
   s.scene = rtcNewScene(s.device);
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_USER);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::detail {
@@ -24,6 +25,13 @@ std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing
   std::vector<float> widths = samples.spacing;
   for (float& w : widths) w = width ? static_cast<float>(*width) : w * static_cast<float>(smoothing);
   return widths;
+}
+
+void check_width(const SurfaceSamples& samples, double width) {
+  const double largest = static_cast<double>(*std::max_element(samples.spacing.begin(), samples.spacing.end()));
+  if (width > 20 * largest)
+    throw ArgumentError("the width of the weights is " + std::to_string(width / samples.median_spacing) +
+                        " times the spacing of the samples: at most 20 times the largest spacing is allowed");
 }
 
 Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, WeightKind kind, double reach)

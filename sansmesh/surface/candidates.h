@@ -14,12 +14,17 @@
 namespace sansmesh::detail {
 
 enum class WeightKind {
-  compact,  ///< (1 − d²/(2h)²)⁴: resembles exp(−d²/h²) (the difference stays below 0.075), with a third of the neighbours
+  compact,  ///< (1 − d²/(2h)²)⁴: resembles exp(−d²/h²) (the difference stays below 0.075), with a third of the
+            ///< neighbours
   gaussian  ///< exp(−d²/h²), cut off at √12 h
 };
 
 /// Widths h of the weights: `smoothing` × local spacing, or one length for all.
 std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width);
+
+/// Throws ArgumentError for widths of more than 20 times the largest local spacing: every point would see most of the
+/// cloud.
+void check_width(const SurfaceSamples& samples, double width);
 
 class Candidates {
  public:

@@ -44,8 +44,8 @@ HWY_INLINE Num<kGradient> AlgebraicSphere(const Sums<kGradient>& s, const Num3<k
   using N = Num<kGradient>;
   const N spread = s.square - Dot(s.x, s.x) / s.w;
   const N twist = s.plane - Dot(s.x, s.n) / s.w;
-  // A single sample, or coincident ones, have no spread: a plane then.
-  const auto flat = hn::Le(spread.v, hn::Mul(s.w.v, Constant(kTiny)));
+  // A single sample, or coincident ones, have no spread but what rounding leaves: a plane then.
+  const auto flat = hn::Le(spread.v, hn::MulAdd(s.square.v, Constant(1e-5f), Constant(kTiny)));
   const N u4 = Select(flat, Fixed<kGradient>(0), twist / Select(flat, Fixed<kGradient>(1), spread) * Constant(0.5f));
   const N two = u4 + u4;
   const Num3<kGradient> u{(s.n.x - two * s.x.x) / s.w, (s.n.y - two * s.x.y) / s.w, (s.n.z - two * s.x.z) / s.w};

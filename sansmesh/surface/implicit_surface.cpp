@@ -158,6 +158,7 @@ double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
 
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress) {
   options.validate();
+  if (options.width) detail::check_width(samples, *options.width);
   auto state = std::make_unique<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
   const double ratio = samples.noise / samples.median_spacing;

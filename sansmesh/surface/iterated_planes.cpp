@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/search/ball_tree.h"
 
@@ -73,6 +74,7 @@ class Rows {
 };
 
 constexpr std::size_t kPlaces = 100;  // samples left out in turn
+constexpr double kMostEntries = 5e8;  // of the matrix: 4 GB
 constexpr int kMostIterations = 10;
 constexpr double kRough = 0.35;    // noise over spacing from which on …
 constexpr int kMostWhenRough = 2;  // … no more are tried: they follow what is left of the noise
@@ -166,6 +168,18 @@ IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<f
   if (options.iterations == 0) return result;
   progress.begin("iterate", static_cast<std::size_t>(options.iterations) + 1);
   const Rows rows(samples, widths, options);
+  constexpr std::size_t kProbes = 64;
+  std::vector<Rows::Entry> probe;
+  double entries = 0;
+  for (std::size_t k = 0; k < std::min(kProbes, n); ++k) {
+    rows.row(static_cast<std::uint32_t>(k * n / std::min(kProbes, n)), probe);
+    entries += static_cast<double>(probe.size());
+  }
+  entries *= static_cast<double>(n) / static_cast<double>(std::min(kProbes, n));
+  if (entries > kMostEntries)
+    throw DataError("the weights are so wide that the matrix of the iteration would need " +
+                    std::to_string(static_cast<int>(entries * sizeof(Rows::Entry) / 1e9)) +
+                    " GB: choose a smaller width or no iterations");
   // The matrix, in blocks of rows that are made in parallel and keep their memory.
   constexpr std::size_t kBlock = 1024;
   struct Block {
@@ -243,6 +257,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
     });
     for (int n = iterations >= 0 ? most : 0; n <= most; ++n) {
       std::vector<double> squares;
+      squares.reserve(errors.size());
       for (const auto& e : errors) squares.push_back(e[static_cast<std::size_t>(n)]);
       const double error = robust_error(std::move(squares));
       if (error < kWorthIt * best.error) best = {options.order, factor, iterations >= 0 ? iterations : n, error};

@@ -208,7 +208,7 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   // The polynomial's own tangent plane and second derivatives at u = v = 0.
   const V steep = hn::Div(one, hn::Sqrt(hn::MulAdd(f[1], f[1], hn::MulAdd(f[2], f[2], one))));
   const Lanes n = Unit(Along(Along(plane.normal, t, hn::Neg(f[1])), b, hn::Neg(f[2])), plane.normal);
-  const V scale = Times(Times(unit, steep), Constant(1));
+  const V scale = Times(unit, steep);
   const V xx = Times(Times(f[3], Constant(2)), scale), xy = Times(f[4], scale),
           yy = Times(Times(f[5], Constant(2)), scale);
   // The same form in the frame of the new normal.

@@ -71,6 +71,7 @@ void ProjectionOptions::validate() const {
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,
                                           Progress& progress) {
   options.validate();
+  if (options.width) detail::check_width(samples, *options.width);
   auto state = std::make_unique<ProjectionSurface::State>();
   progress.begin("supports");
   const double ratio = samples.noise / samples.median_spacing;

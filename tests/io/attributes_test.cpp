@@ -50,7 +50,8 @@ TEST(Attributes, AreColumnsOfTables) {
     const auto fields = split(lines[i + 1], ',');
     ASSERT_EQ(fields.size(), 12u);
     ASSERT_EQ(std::stof(fields[9]), points.confidence[i]);
-    for (std::size_t a = 0; a < 2; ++a) ASSERT_EQ(std::strtof(fields[10 + a].c_str(), nullptr), points.attributes[a].values[i]);
+    for (std::size_t a = 0; a < 2; ++a)
+      ASSERT_EQ(std::strtof(fields[10 + a].c_str(), nullptr), points.attributes[a].values[i]);
   }
   const PointSet back = read_points(folder / "a.csv");
   EXPECT_EQ(back.positions, points.positions);

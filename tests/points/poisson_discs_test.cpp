@@ -14,7 +14,8 @@ std::vector<Vec3> cloud(std::size_t n, double edge, Vec3 corner = {}, unsigned s
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, edge);
   std::vector<Vec3> points;
-  for (std::size_t i = 0; i < n; ++i) points.push_back(corner + Vec3{uniform(random), uniform(random), uniform(random)});
+  for (std::size_t i = 0; i < n; ++i)
+    points.push_back(corner + Vec3{uniform(random), uniform(random), uniform(random)});
   return points;
 }
 

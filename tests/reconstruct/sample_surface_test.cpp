@@ -116,8 +116,7 @@ TEST(ProjectPoints, CarriesEverythingAlongAndLeavesOutWhatIsFar) {
   probes.attributes.push_back({"number", probes.confidence});
   probes.triangles.push_back({0, 1, 2});
   std::size_t far = 0;
-  for (std::size_t i = 0; i < probes.size(); i += 7, ++far)
-    probes.positions[i] *= i % 2 == 0 ? 3.0f : 0.2f;
+  for (std::size_t i = 0; i < probes.size(); i += 7, ++far) probes.positions[i] *= i % 2 == 0 ? 3.0f : 0.2f;
   probes.positions[14] = {1e30f, 0, 0};
   probes.positions[21] = {std::numeric_limits<float>::quiet_NaN(), 0, 0};
   SurfaceProjection report;
@@ -213,7 +212,8 @@ TEST(ResampleSurface, EvensOutDensity) {
   const PointSet even = resample(model_of(uneven), 3000);
   EXPECT_NEAR(static_cast<double>(even.size()), 3000, 300);
   EXPECT_LT(variation(even), 0.35);
-  const auto sparse = std::count_if(even.positions.begin(), even.positions.end(), [](const Vec3f& p) { return p.x < 0; });
+  const auto sparse =
+      std::count_if(even.positions.begin(), even.positions.end(), [](const Vec3f& p) { return p.x < 0; });
   EXPECT_NEAR(static_cast<double>(sparse) / static_cast<double>(even.size()), 0.5, 0.05);
   const KdTree tree(even.positions);
   for (const Vec3f& p : test::sphere(2000).positions)
@@ -222,7 +222,8 @@ TEST(ResampleSurface, EvensOutDensity) {
 
 TEST(ResampleSurface, HasTheColoursOfTheSamples) {
   PointSet cloud = test::sphere(3000);
-  for (const Vec3f& p : cloud.positions) cloud.colors.push_back({static_cast<std::uint8_t>(p.z > 0 ? 200 : 20), 99, 255});
+  for (const Vec3f& p : cloud.positions)
+    cloud.colors.push_back({static_cast<std::uint8_t>(p.z > 0 ? 200 : 20), 99, 255});
   const PointSet points = resample(model_of(cloud), 5000);
   ASSERT_EQ(points.colors.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

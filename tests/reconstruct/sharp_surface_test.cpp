@@ -28,13 +28,13 @@ TriangleMesh mesh_of(const PointSet& cloud, bool sharp, ReconstructReport* repor
   return reconstruct(cloud, options, progress, report);
 }
 
-Vec3 corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) { return Vec3(mesh.vertices[mesh.triangles[t][k]]); }
+Vec3 corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
+  return Vec3(mesh.vertices[mesh.triangles[t][k]]);
+}
 Vec3 area_normal(const TriangleMesh& mesh, std::size_t t) {
   return cross(corner(mesh, t, 1) - corner(mesh, t, 0), corner(mesh, t, 2) - corner(mesh, t, 0)) * 0.5;
 }
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(norm(cross(a, b)), dot(a, b)) * kDegrees;
-}
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(norm(cross(a, b)), dot(a, b)) * kDegrees; }
 
 /// Points along the edges where two faces meet at more than 30°.
 std::vector<Vec3f> edge_points(const TriangleMesh& mesh, double step) {
@@ -48,7 +48,8 @@ std::vector<Vec3f> edge_points(const TriangleMesh& mesh, double step) {
     if (angle_between(area_normal(mesh, t), area_normal(mesh, twin->second)) < 30) continue;
     const Vec3f a = mesh.vertices[edge.first], b = mesh.vertices[edge.second];
     const int pieces = 1 + static_cast<int>(static_cast<double>(norm(b - a)) / step);
-    for (int i = 0; i <= pieces; ++i) points.push_back(a + (b - a) * (static_cast<float>(i) / static_cast<float>(pieces)));
+    for (int i = 0; i <= pieces; ++i)
+      points.push_back(a + (b - a) * (static_cast<float>(i) / static_cast<float>(pieces)));
   }
   return points;
 }

@@ -95,12 +95,11 @@ TEST_P(EveryMethod, FindsASphere) {
 }
 
 TEST_P(EveryMethod, HasExactGradients) {
-  if (GetParam() == "hoppe") GTEST_SKIP() << "piecewise linear: nothing to differentiate at the seams";
   const ImplicitSurface f = make(test::torus(6000), options());
   std::mt19937 random(11);
   std::uniform_real_distribution<double> angle(0, 6.28), off(-0.01, 0.01);
   constexpr double kStep = 2e-4;
-  std::size_t tested = 0;
+  std::size_t tested = 0, seams = 0;
   double worst = 0;
   for (int i = 0; i < 300; ++i) {
     const double u = angle(random), v = angle(random);
@@ -118,11 +117,19 @@ TEST_P(EveryMethod, HasExactGradients) {
     f.evaluate(around, values, gradients);
     const Vec3 numeric{(values[2] - values[1]) / (2 * kStep), (values[4] - values[3]) / (2 * kStep),
                        (values[6] - values[5]) / (2 * kStep)};
-    worst = std::max(worst, norm(numeric - gradients[0]) / norm(gradients[0]));
+    const double error = norm(numeric - gradients[0]) / norm(gradients[0]);
+    // hoppe is piecewise linear: differences across a seam mean nothing, elsewhere the gradient is the sample's normal.
+    if (GetParam() == "hoppe" && error > 0.02) {
+      ++seams;
+      ++tested;
+      continue;
+    }
+    worst = std::max(worst, error);
     ++tested;
   }
   EXPECT_EQ(tested, 300u);
   EXPECT_LT(worst, 0.02);
+  EXPECT_LT(seams, 30u);
 }
 
 TEST_P(EveryMethod, KeepsTwoSheetsApart) {
