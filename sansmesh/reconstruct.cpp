@@ -11,6 +11,7 @@
 #include "sansmesh/polygonize/mesh_quality.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface/sample_colors.h"
 
 namespace sansmesh {
 namespace {
@@ -114,17 +115,9 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples) {
   mesh.colors.resize(mesh.vertices.size());
   parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
-    std::array<Neighbour, 4> found;
-    const std::size_t count = samples.nearest(mesh.vertices[v], found);
-    double sum[3] = {}, weight = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const double w = 1 / (static_cast<double>(found[k].squared_distance) +
-                            1e-12 * static_cast<double>(found[count - 1].squared_distance) + 1e-30);
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += w * points.colors[found[k].index][c];
-      weight += w;
-    }
+    const Vec3 color = mean_color(samples, points.colors, mesh.vertices[v]);
     for (std::size_t c = 0; c < 3; ++c)
-      mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(sum[c] / weight + 0.5, 0.0, 255.0));
+      mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(color[c] + 0.5, 0.0, 255.0));
   });
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/names.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/search/ball_tree.h"
@@ -61,13 +63,30 @@ struct SurfaceModel::State {
   std::optional<ImplicitSurface> implicit;
   std::optional<ProjectionSurface> projection;
   std::optional<ProjectionField> projection_field;
-  const ScalarField* field = nullptr;
+  const ScalarField* field = nullptr;  // of a projection: made when it is first asked for, which pictures never do
+  std::once_flag field_made;
   std::optional<BilateralNormals> normals;
   std::optional<FaceField> placement;
   std::optional<SampleColors> colors;
   BallUnion balls;
   std::vector<float> spacing;  // of the samples at the balls' centres; empty for the partition
+
+  void make_field();
 };
+
+/// What only polygonisers need: for a projection, a field that also knows on which side points are that are too far
+/// away to be projected; and where to put the vertices of sharp meshes.
+void SurfaceModel::State::make_field() {
+  if (projection) {
+    ImplicitOptions beyond;
+    beyond.method = ImplicitMethod::kolluri;
+    Progress unseen;
+    implicit = make_implicit_surface(projection->samples(), beyond, unseen);
+    projection_field.emplace(*projection, &*implicit);
+    field = &*projection_field;
+  }
+  if (normals) placement.emplace(*field, *normals);
+}
 
 const std::vector<std::string>& surface_names() {
   static const std::vector<std::string> names = [] {
@@ -81,9 +100,7 @@ const std::vector<std::string>& surface_names() {
 
 void SurfaceOptions::validate() const {
   if (!is_one_of(surface_names(), method)) {
-    std::string known;
-    for (const std::string& name : surface_names()) known += (known.empty() ? "" : ", ") + name;
-    throw ArgumentError("unknown surface '" + method + "': known are " + known);
+    throw ArgumentError("unknown surface '" + method + "': known are " + listed(surface_names()));
   }
   if (method == kPartition && (smoothing || width))
     throw ArgumentError("smoothing and width mean nothing to the partition of unity, whose supports follow the data");
@@ -138,12 +155,6 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
     o.smoothing = options.smoothing, o.width = width, o.separate_sheets = options.separate_sheets;
     o.diffusion = diffusion_of(options.diffusion);
     state->projection = make_projection_surface(prepare_samples(cloud, progress), o, progress);
-    // Which side points are on that are too far away to be projected: polygonisers ask.
-    ImplicitOptions beyond;
-    beyond.method = ImplicitMethod::kolluri;
-    state->implicit = make_implicit_surface(state->projection->samples(), beyond, progress);
-    state->projection_field.emplace(*state->projection, &*state->implicit);
-    state->field = &*state->projection_field;
     state->balls = state->projection->balls();
     samples = &state->projection->samples();
     report.smoothing = state->projection->smoothing();
@@ -154,7 +165,6 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
     report.noise = samples->noise * unit;
     if (options.sharp) {
       state->normals.emplace(*samples, BilateralOptions{});
-      state->placement.emplace(*state->field, *state->normals);
     }
   }
   if (cloud.has_colors()) state->colors.emplace(cloud);
@@ -169,9 +179,15 @@ SurfaceModel& SurfaceModel::operator=(SurfaceModel&&) noexcept = default;
 
 const Vec3& SurfaceModel::origin() const { return state_->cloud.origin; }
 double SurfaceModel::unit() const { return state_->cloud.unit; }
-const ScalarField& SurfaceModel::field() const { return *state_->field; }
+const ScalarField& SurfaceModel::field() const {
+  std::call_once(state_->field_made, [&] { state_->make_field(); });
+  return *state_->field;
+}
 const NormalField* SurfaceModel::normals() const { return state_->normals ? &*state_->normals : nullptr; }
-const ScalarField* SurfaceModel::placement() const { return state_->placement ? &*state_->placement : nullptr; }
+const ScalarField* SurfaceModel::placement() const {
+  field();
+  return state_->placement ? &*state_->placement : nullptr;
+}
 const Projection* SurfaceModel::projection() const { return state_->projection ? &*state_->projection : nullptr; }
 const BallUnion& SurfaceModel::balls() const { return state_->balls; }
 const PointSet& SurfaceModel::points() const { return state_->cloud.points; }

@@ -14,20 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* normals_word(OrientationCheck check) {
-  switch (check) {
-    case OrientationCheck::missing:
-      return "none";
-    case OrientationCheck::oriented:
-      return "oriented outward";
-    case OrientationCheck::inward:
-      return "oriented inward";
-    case OrientationCheck::unoriented:
-      return "not oriented consistently";
-  }
-  return "";
-}
-
 Json to_json(const CloudTraits& t) {
   return {{"samples", t.samples},
           {"diagonal", t.diagonal},

@@ -105,4 +105,18 @@ std::string counted(unsigned long long number, const std::string& noun) {
   return grouped(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
+const char* normals_word(OrientationCheck check) {
+  switch (check) {
+    case OrientationCheck::missing:
+      return "none";
+    case OrientationCheck::oriented:
+      return "oriented outward";
+    case OrientationCheck::inward:
+      return "oriented inward";
+    case OrientationCheck::unoriented:
+      return "not oriented consistently";
+  }
+  return "";
+}
+
 }  // namespace sansmesh::cli

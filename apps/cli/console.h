@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/points/orientation.h"
 
 namespace sansmesh::cli {
 
@@ -53,5 +54,7 @@ std::string grouped(unsigned long long number);
 std::string length(double value);
 /// "1 component", "3 components".
 std::string counted(unsigned long long number, const std::string& noun);
+/// "none", "oriented outward", …
+const char* normals_word(OrientationCheck check);
 
 }  // namespace sansmesh::cli

@@ -50,10 +50,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     console.warn(arguments.input, cloud.warnings);
     CurvatureOptions options = arguments.options;
     noise = estimate_noise(cloud.points) * cloud.unit;
-    if (!options.noise)
-      options.noise = noise / cloud.unit;
-    else
-      options.noise = *options.noise / cloud.unit;
+    options.noise = noise / cloud.unit;
     if (options.radius) options.radius = *options.radius / cloud.unit;
     progress.begin("curvature");
     curvatures = estimate_curvatures(cloud.points, options, progress);

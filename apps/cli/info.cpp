@@ -15,20 +15,6 @@
 namespace sansmesh::cli {
 namespace {
 
-const char* normals_word(OrientationCheck check) {
-  switch (check) {
-    case OrientationCheck::missing:
-      return "none";
-    case OrientationCheck::oriented:
-      return "oriented outward";
-    case OrientationCheck::inward:
-      return "oriented inward";
-    case OrientationCheck::unoriented:
-      return "not oriented consistently";
-  }
-  return "";
-}
-
 const char* shape_word(CloudShape shape) {
   switch (shape) {
     case CloudShape::empty:

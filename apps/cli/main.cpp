@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/names.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::cli {
@@ -123,14 +124,10 @@ void add_surface_details(CLI::App& c, CommandLine& line) {
       ->group("Surface");
 }
 
-std::string known_surfaces() {
-  std::string names;
-  for (const std::string& name : surface_names()) names += (names.empty() ? "" : ", ") + name;
-  return names;
-}
-
 void add_surface(CLI::App& c, CommandLine& line, const std::string& what) {
-  c.add_option("--surface", line.surface_name, what + ": " + known_surfaces())->type_name("NAME")->group("Surface");
+  c.add_option("--surface", line.surface_name, what + ": " + listed(surface_names()))
+      ->type_name("NAME")
+      ->group("Surface");
   add_surface_details(c, line);
 }
 
@@ -322,7 +319,7 @@ CLI::App& add_project(CLI::App& app, CommandLine& line) {
   c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
   c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
   c.add_option("--method", a.method,
-               "lop (consolidation of the input) or a surface: " + known_surfaces() + " [curvature]")
+               "lop (consolidation of the input) or a surface: " + listed(surface_names()) + " [curvature]")
       ->type_name("NAME");
   c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
       ->type_name("COUNT")

@@ -45,8 +45,6 @@ class RadialKernel {
   bool is_compact() const {
     return function_ == RadialFunction::kWendlandC2 || function_ == RadialFunction::kWendlandC4;
   }
-  /// Whether interpolants depend on the scale.
-  bool has_scale() const { return function_ > RadialFunction::kTriharmonic; }
   /// Order of conditional positive definiteness: polynomials of degree < order() belong to it.
   int order() const {
     switch (function_) {

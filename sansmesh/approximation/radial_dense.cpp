@@ -20,13 +20,6 @@ void PolynomialTail<D>::basis(const Position<D>& x, double* values) const {
 }
 
 template <int D>
-double PolynomialTail<D>::value(const Position<D>& x) const {
-  double sum = 0;
-  add(x, sum, nullptr);
-  return sum;
-}
-
-template <int D>
 void PolynomialTail<D>::add(const Position<D>& x, double& value, Position<D>* gradient) const {
   if (size == 0) return;
   const auto& order = PolynomialOrder<D>::get();

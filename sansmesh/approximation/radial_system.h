@@ -23,7 +23,6 @@ struct PolynomialTail {
 
   /// Values of the first `size` monomials at x.
   void basis(const Position<D>& x, double* values) const;
-  double value(const Position<D>& x) const;
   /// Adds to value and gradient.
   void add(const Position<D>& x, double& value, Position<D>* gradient) const;
 };

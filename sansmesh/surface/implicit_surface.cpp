@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/names.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
 #include "sansmesh/surface/implicit_kernels.h"
@@ -12,24 +13,16 @@
 namespace sansmesh {
 namespace {
 
-/// Noise over spacing from which on the normals are smoothed first, and from which on twice.
-constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
-/// Noise over spacing from which on approximate MLS stays at order 2 and few iterations.
-constexpr double kRough = 0.35;
 /// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
 /// decide, and the surface grows fins beyond edges.
 constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
 /// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
 
-struct Name {
-  ImplicitMethod method;
-  const char* name;
-};
-constexpr Name kNames[] = {{ImplicitMethod::hoppe, "hoppe"},       {ImplicitMethod::adamson, "adamson"},
-                           {ImplicitMethod::kolluri, "kolluri"},   {ImplicitMethod::dey, "dey"},
-                           {ImplicitMethod::extremal, "extremal"}, {ImplicitMethod::apss, "apss"},
-                           {ImplicitMethod::amls, "amls"}};
+constexpr Named<ImplicitMethod> kNames[] = {
+    {ImplicitMethod::hoppe, "hoppe"}, {ImplicitMethod::adamson, "adamson"},   {ImplicitMethod::kolluri, "kolluri"},
+    {ImplicitMethod::dey, "dey"},     {ImplicitMethod::extremal, "extremal"}, {ImplicitMethod::apss, "apss"},
+    {ImplicitMethod::amls, "amls"}};
 
 detail::ImplicitFormula formula_of(ImplicitMethod method) {
   using F = detail::ImplicitFormula;
@@ -56,7 +49,7 @@ detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOpti
                                detail::IterationOptions iteration) {
   detail::IterationChoice best;
   // Where the noise is of the order of the spacing, higher orders and iterations follow what is left of it.
-  const bool rough = samples.noise > kRough * samples.median_spacing;
+  const bool rough = detail::is_rough(samples);
   for (const int order : {2, 4}) {
     if (order != 2 && (options.order || rough)) break;
     iteration.order = options.order.value_or(order);
@@ -120,21 +113,10 @@ void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double>
       });
 }
 
-ImplicitMethod implicit_method(const std::string& name) {
-  std::string known;
-  for (const Name& n : kNames) {
-    if (name == n.name) return n.method;
-    known += (known.empty() ? "" : ", ") + std::string(n.name);
-  }
-  throw ArgumentError("unknown surface '" + name + "': known are " + known);
-}
+ImplicitMethod implicit_method(const std::string& name) { return value_of(kNames, "surface", name); }
 
 const std::vector<std::string>& implicit_method_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    for (const Name& n : kNames) result.emplace_back(n.name);
-    return result;
-  }();
+  static const std::vector<std::string> names = names_of(kNames);
   return names;
 }
 
@@ -161,9 +143,8 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   if (options.width) detail::check_width(samples, *options.width);
   auto state = std::make_unique<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
-  const double ratio = samples.noise / samples.median_spacing;
   double smoothing = options.smoothing.value_or(default_smoothing(samples, options.method));
-  if (ratio > kSomeNoise) smooth_normals(samples, default_smoothing(samples), ratio > kMuchNoise ? 2 : 1);
+  smooth_noisy_normals(samples, default_smoothing(samples));
   detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0),
                                      options.separate_sheets};
   if (amls && !options.width && (!options.smoothing || !options.iterations || !options.order)) {

@@ -230,6 +230,8 @@ IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<f
   return result;
 }
 
+bool is_rough(const SurfaceSamples& samples) { return samples.noise > kRough * samples.median_spacing; }
+
 IterationChoice choose_iterations(const SurfaceSamples& samples, const IterationOptions& options, double smoothing,
                                   int iterations) {
   const bool clean = samples.noise < kFootNoise * samples.median_spacing;
@@ -238,7 +240,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
   if (clean)
     candidates = unevenness(samples) < 0.5 ? std::vector<double>{0.8, 1, 1.25, 1.6} : std::vector<double>{1.25, 1.6, 2};
   if (smoothing > 0) candidates = {smoothing};
-  const bool rough = samples.noise > kRough * samples.median_spacing;
+  const bool rough = is_rough(samples);
   const int tried = rough ? kMostWhenRough : kMostIterations;
   const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : tried;
   const std::size_t places = std::min(kPlaces, samples.size());

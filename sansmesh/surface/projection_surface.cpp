@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/names.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
@@ -11,18 +12,12 @@
 namespace sansmesh {
 namespace {
 
-struct Name {
-  ProjectionMethod method;
-  const char* name;
-};
-constexpr Name kNames[] = {
+constexpr Named<ProjectionMethod> kNames[] = {
     {ProjectionMethod::levin, "levin"}, {ProjectionMethod::alexa, "alexa"}, {ProjectionMethod::curvature, "curvature"}};
 
 /// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
 /// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
 constexpr double kMore = 0.1, kFewer = 0.2, kMostSmoothing = 5;
-/// Noise over spacing from which on the normals are smoothed first, and from which on twice.
-constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
 
 detail::ProjectionFormula formula_of(ProjectionMethod method) {
   if (method == ProjectionMethod::levin) return detail::ProjectionFormula::levin;
@@ -39,21 +34,10 @@ struct ProjectionSurface::State {
   double smoothing = 0;
 };
 
-ProjectionMethod projection_method(const std::string& name) {
-  std::string known;
-  for (const Name& n : kNames) {
-    if (name == n.name) return n.method;
-    known += (known.empty() ? "" : ", ") + std::string(n.name);
-  }
-  throw ArgumentError("unknown projection '" + name + "': known are " + known);
-}
+ProjectionMethod projection_method(const std::string& name) { return value_of(kNames, "projection", name); }
 
 const std::vector<std::string>& projection_method_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    for (const Name& n : kNames) result.emplace_back(n.name);
-    return result;
-  }();
+  static const std::vector<std::string> names = names_of(kNames);
   return names;
 }
 
@@ -78,7 +62,7 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   const bool curvature = options.method == ProjectionMethod::curvature;
   const double more = kMore - (curvature ? std::max(kFewer - ratio, 0.0) : 0.0);
   state->smoothing = options.smoothing.value_or(std::min(default_smoothing(samples) + more, kMostSmoothing));
-  if (ratio > kSomeNoise) smooth_normals(samples, state->smoothing, ratio > kMuchNoise ? 2 : 1);
+  smooth_noisy_normals(samples, state->smoothing);
   const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.width);
   state->candidates =
       detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach.value_or(default_reach(samples)));

@@ -7,7 +7,11 @@
 
 namespace sansmesh {
 
-/// The mean of the four nearest samples' colours, weighted by inverse squared distance.
+/// The mean of the four nearest samples' colours, weighted by inverse squared distance: components 0..255. The tree is
+/// of the samples that `colors` belong to, and not empty.
+Vec3 mean_color(const KdTree& samples, std::span<const std::array<std::uint8_t, 3>> colors, const Vec3f& x);
+
+/// That mean anywhere.
 class SampleColors : public ColorField {
  public:
   /// Throws DataError if the cloud has no colours.

@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kFewest = 9;
 
+/// Noise over spacing from which on normals are smoothed, and from which on twice.
+constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
+
 /// Evenness of samples that count as even, and of those at random.
 constexpr double kEven = 0.85, kRandom = 0.5;
 
@@ -101,6 +104,11 @@ void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds) {
     });
     samples.normals.swap(next);
   }
+}
+
+void smooth_noisy_normals(SurfaceSamples& samples, double smoothing) {
+  const double ratio = samples.noise / samples.median_spacing;
+  if (ratio > kSomeNoise) smooth_normals(samples, smoothing, ratio > kMuchNoise ? 2 : 1);
 }
 
 double unevenness(const SurfaceSamples& samples) {

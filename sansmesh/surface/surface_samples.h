@@ -37,6 +37,8 @@ SurfaceSamples prepare_samples(const PointSet& points, Progress& progress);
 /// look the other way left out. Estimated normals follow the noise of the positions that they were estimated from; the
 /// means do so less.
 void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds);
+/// The same as often as the noise asks for: not at all below a tenth of the spacing, else once or twice.
+void smooth_noisy_normals(SurfaceSamples& samples, double smoothing);
 
 /// 0 where samples lie evenly (by their `evenness`), 1 where they lie at random.
 double unevenness(const SurfaceSamples& samples);
