@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "command.h"
 #include "commands.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/names.h"
@@ -385,9 +386,11 @@ CLI::App& add_advise(CLI::App& app, CommandLine& line) {
   return c;
 }
 
-void run(const CLI::App& app, CommandLine& line) {
+void run(const CLI::App& app, const std::vector<Command>& commands, CommandLine& line) {
   if (line.threads > 0) set_thread_count(line.threads);
   Console console(line.console);
+  for (const Command& command : commands)
+    if (app.got_subcommand(command.app)) return command.run(console);
   if (app.got_subcommand("reconstruct")) {
     ReconstructOptions& o = line.reconstruct.options;
     o.components = parse_components(line.components);
@@ -461,6 +464,8 @@ int main(int argc, char** argv) {
   add_project(app, line);
   add_curvature(app, line);
   add_advise(app, line);
+  const std::vector<Command> commands = {};
+  for (const Command& command : commands) add_common(*command.app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
@@ -478,7 +483,7 @@ int main(int argc, char** argv) {
     return kUsage;
   }
   try {
-    run(app, line);
+    run(app, commands, line);
     return 0;
   } catch (const Cancelled&) {
     print_error("interrupted, nothing was written");

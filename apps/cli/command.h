@@ -1,0 +1,21 @@
+// A command of the tool: how it is spelled, and what happens when it was chosen. Each command's source has a function
+// add_NAME(app) that declares its options and returns it; main.cpp lists them.
+#pragma once
+
+#include <functional>
+
+#include "console.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sansmesh::cli {
+
+struct Command {
+  CLI::App* app;  ///< the subcommand, with its own options; those of every command are added by main.cpp
+  /// Called once after parsing. Its arguments live in what it has captured. Errors are thrown.
+  std::function<void(Console&)> run;
+};
+
+}  // namespace sansmesh::cli
