@@ -36,16 +36,6 @@ void set_normal(LocalFunction& f, const Vec3f& nu) {
   tangent_frame(f.nu, f.xi, f.eta);
 }
 
-/// Coverage k (METHODS §3.1): area of the box of the projected samples / area of the projected ball.
-double coverage(const LocalSamples& s) {
-  float lo[2] = {1, 1}, hi[2] = {-1, -1};
-  for (std::size_t i = 0; i < s.size(); ++i) {
-    lo[0] = std::min(lo[0], s.u()[i]), hi[0] = std::max(hi[0], s.u()[i]);
-    lo[1] = std::min(lo[1], s.v()[i]), hi[1] = std::max(hi[1], s.v()[i]);
-  }
-  return std::max(0.0f, hi[0] - lo[0]) * std::max(0.0f, hi[1] - lo[1]) / 3.14159265;
-}
-
 /// Distance of the samples' centre of gravity from the middle of the disc, relative to its radius: 0 in the interior of
 /// a surface, 0.28 at a straight border (under the weights (1 − t²)²).
 double eccentricity(const LocalSamples& s) {
@@ -56,6 +46,15 @@ double eccentricity(const LocalSamples& s) {
 }
 
 }  // namespace
+
+double coverage(const LocalSamples& s) {
+  float lo[2] = {1, 1}, hi[2] = {-1, -1};
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    lo[0] = std::min(lo[0], s.u()[i]), hi[0] = std::max(hi[0], s.u()[i]);
+    lo[1] = std::min(lo[1], s.v()[i]), hi[1] = std::max(hi[1], s.v()[i]);
+  }
+  return std::max(0.0f, hi[0] - lo[0]) * std::max(0.0f, hi[1] - lo[1]) / 3.14159265;
+}
 
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
             std::vector<std::uint32_t>& ids, std::size_t stride) {

@@ -55,6 +55,9 @@ float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, co
 DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
                      LocalFunction& f, float* dropped = nullptr);
 
+/// Coverage k (METHODS §3.1): area of the box of the projected samples / area of the projected ball.
+double coverage(const LocalSamples& samples);
+
 /// Robustness (METHODS §3.1): curved polynomials only where the samples cover the support, and surround its middle.
 int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples);
 

@@ -121,7 +121,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     return ab == ba ? static_cast<int>(ab) : -1;
   };
   if (sheets == 1) {
-    piece[0].convex = true;
+    piece[0].convex = 1;
   } else if (sheets == 2) {
     const int r = relation(0, 1);
     if (r < 0) return result;

@@ -14,7 +14,8 @@ constexpr std::array<int, kMaxDegree + 1> kBasisSize{1, 3, 6, 10, 15};
 
 /// f(x) = scale · (w − g(u, v)), where (u, v, w) = frame · (x − center) / scale and g has the coefficients below in the
 /// order 1 | u v | u² uv v² | u³ u²v uv² v³ | u⁴ … v⁴. It counts within the ball of radius `radius` around `center`
-/// (METHODS §3.1).
+/// (METHODS §3.1). Without a frame (xi = eta = nu = 0) it is the constant −scale · coefficient[0]. The layout is that
+/// of function files.
 struct LocalFunction {
   Vec3f center;
   float radius = 0;
@@ -25,7 +26,10 @@ struct LocalFunction {
   /// Creases (METHODS §2.1, Ohtake et al. 2003): index + 1 of the next function of the same support, combined by
   /// max (convex) or min (concave) with this one; 0 = none.
   std::int32_t next = 0;
-  bool convex = true;
+  std::uint32_t convex = 1;
+
+  bool is_constant() const { return nu == Vec3f{}; }
 };
+static_assert(sizeof(LocalFunction) == 128 && alignof(LocalFunction) == 4);
 
 }  // namespace sansmesh

@@ -81,8 +81,8 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
 }
 
 template <bool kGradient>
-void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, const std::uint32_t* list,
-                  std::size_t count, std::size_t n, EvaluationTile& tile) {
+void SumSupportsT(const LocalFunction* functions, const std::uint32_t* list, std::size_t count, std::size_t n,
+                  EvaluationTile& tile) {
   const hn::ScalableTag<float> d;
   using V = hn::Vec<decltype(d)>;
   const std::size_t lanes = hn::Lanes(d);
@@ -91,7 +91,7 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, co
     const V x = hn::Load(d, tile.x + i), y = hn::Load(d, tile.y + i), z = hn::Load(d, tile.z + i);
     V weight = zero, value = zero, gx = zero, gy = zero, gz = zero, wx = zero, wy = zero, wz = zero;
     for (std::size_t s = 0; s < count; ++s) {
-      const LocalFunction* f = functions + heads[list[s]];
+      const LocalFunction* f = functions + list[s];
       const V dx = hn::Sub(x, hn::Set(d, f->center.x)), dy = hn::Sub(y, hn::Set(d, f->center.y)),
               dz = hn::Sub(z, hn::Set(d, f->center.z));
       const float inverse = 1.0f / (f->radius * f->radius);
@@ -104,7 +104,7 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, co
       V fv, fx = zero, fy = zero, fz = zero;
       Local<kGradient>(d, *f, dx, dy, dz, fv, fx, fy, fz);
       for (const LocalFunction* g = f; g->next != 0;) {
-        const bool convex = g->convex;
+        const bool convex = g->convex != 0;
         g = functions + (g->next - 1);
         V hv, hx = zero, hy = zero, hz = zero;
         Local<kGradient>(d, *g, dx, dy, dz, hv, hx, hy, hz);
@@ -133,12 +133,12 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* heads, co
   }
 }
 
-void SumSupports(const LocalFunction* functions, const std::uint32_t* heads, const std::uint32_t* list,
-                 std::size_t count, std::size_t n, bool gradient, EvaluationTile& tile) {
+void SumSupports(const LocalFunction* functions, const std::uint32_t* list, std::size_t count, std::size_t n,
+                 bool gradient, EvaluationTile& tile) {
   if (gradient) {
-    SumSupportsT<true>(functions, heads, list, count, n, tile);
+    SumSupportsT<true>(functions, list, count, n, tile);
   } else {
-    SumSupportsT<false>(functions, heads, list, count, n, tile);
+    SumSupportsT<false>(functions, list, count, n, tile);
   }
 }
 
@@ -150,10 +150,10 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh {
 HWY_EXPORT(SumSupports);
 
-void SupportTree::build(std::span<const LocalFunction> functions, std::span<const std::uint32_t> heads) {
+void SupportTree::build(std::span<const LocalFunction> functions) {
   levels.assign(1, {});
-  for (const std::uint32_t h : heads) {
-    const LocalFunction& f = functions[h];
+  levels[0].reserve(functions.size());
+  for (const LocalFunction& f : functions) {
     const Vec3f r{f.radius, f.radius, f.radius};
     levels[0].push_back({f.center - r, f.center + r});
   }
@@ -190,18 +190,28 @@ void SupportTree::query(const Box3f& box, std::vector<std::uint32_t>& found) con
   }
 }
 
-PartitionOfUnity::PartitionOfUnity(std::unique_ptr<State> state) : state_(std::move(state)) {}
+PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_unique<State>()) {
+  state_->data = std::move(data);
+  const PartitionData& d = state_->data;
+  state_->tree.build(d.functions.view().first(d.supports.size()));
+  // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
+  // where no support reaches.
+  std::vector<OrientedPatch> patches(d.supports.size());
+  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
+    patches[i] = {d.supports[i].foot, d.functions[i].nu * d.supports[i].area};
+  });
+  state_->sign = GlobalSign(patches, d.edge);
+}
 PartitionOfUnity::~PartitionOfUnity() = default;
 PartitionOfUnity::PartitionOfUnity(PartitionOfUnity&&) noexcept = default;
 PartitionOfUnity& PartitionOfUnity::operator=(PartitionOfUnity&&) noexcept = default;
 
 Box3 PartitionOfUnity::bounds() const {
-  const Vec3 lower = state_->origin + Vec3(state_->lower);
-  const double e = state_->edge;
+  const Vec3 lower = state_->data.origin + Vec3(state_->data.lower);
+  const double e = state_->data.edge;
   return {lower, lower + Vec3{e, e, e}};
 }
-std::span<const LocalFunction> PartitionOfUnity::functions() const { return state_->functions; }
-const PartitionReport& PartitionOfUnity::report() const { return state_->report; }
+const PartitionData& PartitionOfUnity::data() const { return state_->data; }
 
 namespace {
 
@@ -228,7 +238,7 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
     tile.x[i] = p.x, tile.y[i] = p.y, tile.z[i] = p.z;
   }
   HWY_DYNAMIC_DISPATCH(SumSupports)
-  (s.functions.data(), s.heads.data(), list.data(), list.size(), n, !gradients.empty(), tile);
+  (s.data.functions.data(), list.data(), list.size(), n, !gradients.empty(), tile);
 
   Vec3f far_x[EvaluationTile::kTile];
   std::size_t far_i[EvaluationTile::kTile], far_count = 0;
@@ -249,7 +259,7 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
   }
   if (far_count == 0) return;
   float far_values[EvaluationTile::kTile];
-  const float step = 1e-4f * s.edge;
+  const float step = 1e-4f * s.data.edge;
   s.sign.signed_distance(std::span<const Vec3f>(far_x, far_count), std::span<float>(far_values, far_count));
   float stepped[3][EvaluationTile::kTile];
   if (!gradients.empty()) {
@@ -281,14 +291,15 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
 
 void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   const State& s = *state_;
+  const PartitionData& data = s.data;
   const std::size_t n = x.size();
   constexpr std::size_t kTile = EvaluationTile::kTile;
-  const auto local = [&](std::size_t i) { return Vec3f(x[i] - s.origin); };
+  const auto local = [&](std::size_t i) { return Vec3f(x[i] - data.origin); };
 
   // Neighbours in space must be neighbours in a tile. Input that is already ordered that way is taken as it is.
   std::vector<std::uint32_t> order;
   const auto code = [&](std::size_t i) {
-    const Vec3f p = (local(i) - s.lower) * (1024.0f / s.edge);
+    const Vec3f p = (local(i) - data.lower) * (1024.0f / data.edge);
     const auto clamp = [](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1023.0f)); };
     return morton_code(clamp(p.x), clamp(p.y), clamp(p.z));
   };
@@ -323,13 +334,14 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
 }
 
 std::vector<Vec3> PartitionOfUnity::seeds() const {
-  std::vector<Vec3> result(state_->foot.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = state_->origin + Vec3(state_->foot[i]);
+  const PartitionData& d = state_->data;
+  std::vector<Vec3> result(d.supports.size());
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = d.origin + Vec3(d.supports[i].foot);
   return result;
 }
 
 BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {
-  const State& s = *state_;
+  const PartitionData& s = state_->data;
   BlockTree tree(s.origin + Vec3(s.lower), s.edge);
   struct Item {
     std::size_t block;
@@ -341,11 +353,11 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {
   while (!stack.empty()) {
     const Item item = stack.back();
     stack.pop_back();
-    const State::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
+    const PartitionData::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
     if (here.gap[item.cell] <= mesh_error) continue;
     const std::size_t first = tree.subdivide(item.block);
     if (item.level == last) continue;  // the samples say nothing about finer scales
-    const State::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
+    const PartitionData::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
     for (std::uint32_t c = here.child[item.cell]; c < here.child[item.cell + 1]; ++c)
       stack.push_back({first + (below.code[c] & 7), item.level + 1, c});
   }

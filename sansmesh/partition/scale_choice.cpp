@@ -320,7 +320,7 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
 ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& options, double diagonal,
                           Progress& progress) {
   ScaleChoice choice;
-  const int finest = choice.finest = finest_level(tree, options);
+  const int finest = choice.tried = choice.finest = finest_level(tree, options);
   find_neighbours(tree, choice);
   choice.support = static_cast<float>(options.support.value_or(kSupport));
   BlockFitter fitter{tree, options, choice.support, finest};

@@ -37,6 +37,7 @@ struct Leaf {
 
 /// Trial fits of all blocks with samples, on all levels, and what follows from them.
 struct ScaleChoice {
+  int tried = 0;                           ///< finest level that was tried
   int finest = 0;                          ///< finest level worth a fit
   double variance = 0;                     ///< of the noise (length²)
   double accepted = 0;                     ///< rms error that needs no subdivision (length)

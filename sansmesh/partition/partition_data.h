@@ -1,0 +1,95 @@
+// What a partition of unity is made of, as plain arrays: what a file keeps and what an edit replaces.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/shared_array.h"
+#include "sansmesh/core/vec.h"
+#include "sansmesh/partition/local_function.h"
+
+namespace sansmesh {
+
+struct PartitionOptions {
+  std::optional<int> max_depth;  ///< deepest level of the tree, 2..14; default: where supports run out of samples
+  std::optional<double> error;   ///< accepted rms error of a local function (length); default: 0.1 noise
+  /// Radius of a support / circumscribed radius of its block, 1.1..2; default: 1.5, up to 1.8 where noise is large
+  /// against the spacing.
+  std::optional<double> support;
+  int max_degree = 4;      ///< largest polynomial degree, 1..4
+  int min_samples = 9;     ///< a support with fewer samples borrows a larger ball for its fit
+  int max_samples = 1000;  ///< beyond this a block is subdivided without fitting (METHODS case iii);
+                           ///< on the deepest level only so many of its samples are used
+  std::array<double, kMaxDegree + 1> coverage{0, 0, 0.4, 0.6, 0.7};  ///< least coverage k for each degree
+  double max_eccentricity = 0.2;  ///< beyond it (a border of the data) only planes: curved fits swing off there
+  bool sharp = true;              ///< split supports at creases
+
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// What fitting learned about the data.
+struct PartitionReport {
+  double noise = 0;           ///< rms deviation of the samples from the surface (length)
+  double error = 0;           ///< accepted error used (length)
+  double accuracy = 0;        ///< estimated rms error of the surface (length)
+  double area = 0;            ///< of the surface near samples (length²)
+  double spacing = 0;         ///< of the samples: √(area / count) (length)
+  int depth = 0;              ///< deepest level used
+  std::size_t functions = 0;  ///< supports
+  std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
+  std::size_t creased = 0;  ///< supports with a crease or corner
+};
+
+/// Of one support, beside its function: which block it belongs to, and how well it was fitted. The layout is that of
+/// function files.
+struct Support {
+  enum State : std::uint8_t { fitted = 0, constant = 1 };
+  std::uint64_t code = 0;     ///< Morton code of the block on its level
+  Vec3f foot;                 ///< of the support's centre on the function's zero set
+  float area = 0;             ///< of the zero set within the block; 0 for constants
+  float error = 0;            ///< rms distance of the samples from the zero set (length)
+  float coverage = 0;         ///< box of the samples over the disc of the support (METHODS §3.1)
+  std::uint32_t samples = 0;  ///< in the ball of the fit (of every stride-th, where there are very many)
+  std::uint8_t level = 0;     ///< of the block
+  std::uint8_t state = fitted;
+  std::uint8_t creased = 0;  ///< 1: there is a crease or corner in it
+  std::uint8_t unused = 0;
+};
+static_assert(sizeof(Support) == 40 && alignof(Support) == 8);
+
+/// How a fit came to its scales: what is needed to refit a part of it as if it had been part of the whole.
+struct ScaleBasis {
+  int sort_depth = 0;   ///< of the tree of samples
+  int tried = 0;        ///< finest level that was tried
+  int finest = 0;       ///< finest level that was worth it
+  double variance = 0;  ///< of the noise (length²)
+  double accepted = 0;  ///< rms error that needs no subdivision (length)
+  double support = 0;   ///< radius of a support / circumscribed radius of its block
+};
+
+struct PartitionData {
+  /// How flat the surface is around the blocks of one level that hold samples.
+  struct Flatness {
+    SharedArray<std::uint64_t> code;   ///< Morton codes, ascending
+    SharedArray<float> gap;            ///< that linear triangles would leave (length; large or infinite at creases)
+    SharedArray<std::uint32_t> child;  ///< code.size() + 1 entries: children on the next level; none on the last
+  };
+
+  Vec3 origin;     ///< of the cloud: the function takes world positions
+  Vec3f lower;     ///< of the root cube, relative to origin
+  float edge = 0;  ///< of the root cube
+  PartitionOptions options;
+  PartitionReport report;
+  ScaleBasis basis;
+  SharedArray<LocalFunction> functions;  ///< one a support, then further pieces of creased ones
+  SharedArray<Support> supports;         ///< in the order of their blocks along the Morton curve
+  std::vector<Flatness> flatness;        ///< of each level
+
+  /// Throws DataError that says what is wrong with it, were it from a file.
+  void validate() const;
+};
+
+}  // namespace sansmesh
