@@ -1,0 +1,65 @@
+// Cross-sections: the curves in which a plane cuts a surface.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/measure/cut_plane.h"
+
+namespace sansmesh {
+
+/// A polyline. Seen against the plane's normal (u to the right, v up) the solid lies to the left of its direction:
+/// outer boundaries run counter-clockwise, holes clockwise.
+struct SectionCurve {
+  std::vector<Vec3> points;                  ///< in space; the first is not repeated at the end of a closed curve
+  std::vector<std::array<double, 2>> plane;  ///< the same in the plane's coordinates (u, v)
+  bool closed = false;
+  double length = 0;
+  double area = 0;  ///< enclosed, with the sign of the direction: negative for holes; 0 if open
+};
+
+struct Section {
+  CutPlane plane;
+  std::vector<SectionCurve> curves;  ///< open ones first
+  double length = 0;
+  /// Sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
+  double area = 0;
+  bool closed() const;  ///< whether every curve is
+};
+
+/// Exact for the mesh. Vertices in the plane count as above it (simulation of simplicity, Edelsbrunner and Mücke 1990),
+/// so a closed mesh always gives closed curves, and a face that lies in the plane appears if the solid lies below it
+/// and not if above: the section is the limit of those by planes a little lower. Vertices at the same place are one, so
+/// that triangle soups work; triangles with a corner that is not finite or does not exist are left out. Points in world
+/// coordinates (the mesh's origin added). Linear in the number of triangles, parallel.
+Section section_mesh(const TriangleMesh& mesh, const CutPlane& plane);
+
+/// One after the other.
+std::vector<Section> section_mesh(const TriangleMesh& mesh, std::span<const CutPlane> planes, Progress& progress);
+
+struct FieldSectionOptions {
+  /// Squares of the lattice along the longer side of what the plane cuts out of the box, 2..4096: what is smaller than
+  /// one may be missed, and corners are cut off by at most one.
+  int resolution = 512;
+  /// Where to look; default: the field's own box.
+  std::optional<Box3> box;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// Straight from a function, negative inside: its sign is taken on a lattice of right triangles in the plane, and every
+/// crossing of a lattice edge is moved to the zero set along that edge by Newton's method, safeguarded by bisection, to
+/// 1e-12 of the edge. So curves never cross each other; they are closed unless they leave the box or the field's
+/// domain. Zeros count as outside. The lattice is evaluated in parallel; the result does not depend on the number of
+/// threads.
+Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options = {});
+std::vector<Section> section_field(const ScalarField& field, std::span<const CutPlane> planes,
+                                   const FieldSectionOptions& options, Progress& progress);
+
+}  // namespace sansmesh

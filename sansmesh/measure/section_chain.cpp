@@ -1,0 +1,82 @@
+#include "sansmesh/measure/section_chain.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace sansmesh {
+namespace {
+
+/// The pieces at each place, in ascending order, and how far each list has been used up.
+class PiecesAt {
+ public:
+  PiecesAt(const std::vector<SectionPiece>& pieces, std::size_t places, std::uint32_t SectionPiece::*end)
+      : first_(places + 1), next_(places), pieces_(pieces.size()) {
+    for (const SectionPiece& p : pieces) ++first_[p.*end + 1];
+    for (std::size_t i = 0; i < places; ++i) first_[i + 1] += first_[i];
+    std::copy_n(first_.begin(), places, next_.begin());
+    for (std::size_t i = 0; i < pieces.size(); ++i) pieces_[next_[pieces[i].*end]++] = static_cast<std::uint32_t>(i);
+    std::copy_n(first_.begin(), places, next_.begin());
+  }
+
+  std::uint32_t count(std::uint32_t place) const { return first_[place + 1] - first_[place]; }
+
+  /// The lowest piece there that is not used; kNone if all are.
+  std::uint32_t unused(std::uint32_t place, const std::vector<std::uint8_t>& used) {
+    std::uint32_t& at = next_[place];
+    while (at < first_[place + 1] && used[pieces_[at]]) ++at;
+    return at < first_[place + 1] ? pieces_[at] : kNone;
+  }
+
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+ private:
+  std::vector<std::uint32_t> first_, next_, pieces_;
+};
+
+}  // namespace
+
+std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, std::size_t places) {
+  PiecesAt leaving(pieces, places, &SectionPiece::from), arriving(pieces, places, &SectionPiece::to);
+  std::vector<std::uint8_t> used(pieces.size());
+  std::vector<SectionChain> chains;
+
+  const auto walk = [&](std::uint32_t start) {
+    SectionChain chain;
+    chain.places.push_back(start);
+    std::size_t forward = 0, backward = 0;
+    for (std::uint32_t place = start;;) {
+      std::uint32_t piece = leaving.unused(place, used);
+      if (piece != PiecesAt::kNone) {
+        ++forward;
+        place = pieces[piece].to;
+      } else {
+        piece = arriving.unused(place, used);
+        if (piece == PiecesAt::kNone) break;
+        ++backward;
+        place = pieces[piece].from;
+      }
+      used[piece] = 1;
+      if (place == start) {
+        chain.closed = true;
+        break;
+      }
+      chain.places.push_back(place);
+    }
+    if (backward > forward) std::reverse(chain.places.begin(), chain.places.end());
+    chains.push_back(std::move(chain));
+  };
+
+  // Ends first, so that what remains can only run in circles: places where a chain must begin, then those where one
+  // must end but nothing led to.
+  const auto odd = [&](std::uint32_t place) { return (leaving.count(place) + arriving.count(place)) % 2 == 1; };
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (const std::uint32_t p = pieces[i].from; !used[i] && odd(p) && leaving.count(p) > arriving.count(p)) walk(p);
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    for (const std::uint32_t p : {pieces[i].from, pieces[i].to})
+      if (!used[i] && odd(p)) walk(p);
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (!used[i]) walk(pieces[i].from);
+  return chains;
+}
+
+}  // namespace sansmesh

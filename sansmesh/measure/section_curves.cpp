@@ -1,0 +1,41 @@
+#include "sansmesh/measure/section_curves.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sansmesh {
+
+bool Section::closed() const {
+  return std::all_of(curves.begin(), curves.end(), [](const SectionCurve& c) { return c.closed; });
+}
+
+Section make_section(const CutPlane& plane, const std::vector<SectionChain>& chains,
+                     const std::vector<std::array<double, 2>>& points) {
+  Section section;
+  section.plane = plane;
+  for (const SectionChain& chain : chains) {
+    SectionCurve curve;
+    curve.closed = chain.closed;
+    auto& line = curve.plane;
+    for (const std::uint32_t place : chain.places)
+      if (line.empty() || line.back() != points[place]) line.push_back(points[place]);
+    while (curve.closed && line.size() > 1 && line.back() == line.front()) line.pop_back();
+    if (line.size() < (curve.closed ? 3u : 2u)) continue;
+    // Relative to one of the points, so that places far from the origin lose nothing.
+    const auto [u0, v0] = line[0];
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const auto [u, v] = line[i];
+      curve.points.push_back(plane.at(u, v));
+      if (i + 1 == line.size() && !curve.closed) break;
+      const auto [s, t] = line[(i + 1) % line.size()];
+      curve.length += std::hypot(s - u, t - v);
+      if (curve.closed) curve.area += 0.5 * ((u - u0) * (t - v0) - (s - u0) * (v - v0));
+    }
+    section.length += curve.length;
+    section.area += curve.area;
+    section.curves.push_back(std::move(curve));
+  }
+  return section;
+}
+
+}  // namespace sansmesh

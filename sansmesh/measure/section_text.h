@@ -1,0 +1,32 @@
+// Sections as files: drawings and tables, as text.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "sansmesh/measure/section.h"
+
+namespace sansmesh {
+
+struct SectionSvgOptions {
+  /// The unit of lengths, "mm", "cm" or "in": the drawing is true to scale. Empty: the drawing is about 1000 pixels
+  /// wide.
+  std::string unit;
+  bool titles = true;  ///< the plane's equation, length and area, and a scale bar, at every drawing
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// A sheet with one drawing a plane, side by side, all at the same scale: the solid filled by the even-odd rule,
+/// outlines as hairlines. Each drawing has its own viewBox in the unit of lengths, u to the right and v up (y = −v).
+/// Where coordinates are much larger than the drawing, they are relative to a place that the group's data-origin tells.
+std::string section_svg(std::span<const Section> sections, const SectionSvgOptions& options = {});
+
+/// One row a vertex: plane,curve,closed,vertex,x,y,z,u,v; planes, curves and vertices are counted from 0, lengths have
+/// 12 significant digits. Closed curves do not repeat their first vertex.
+std::string section_csv(std::span<const Section> sections);
+
+/// A round number (1, 2 or 5 times a power of ten) of at most `length`, which is positive.
+double round_length(double length);
+
+}  // namespace sansmesh
