@@ -1,0 +1,206 @@
+// The second half of CreaseZone: triangles get their pieces, and a good shape.
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/polygonize/crease_zone.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kGood = 0.5;         // 4√3 A / Σ l²: triangles above are left alone
+constexpr double kLeastCosine = 0.3;  // between a triangle and its piece; below it counts as nearly folded
+constexpr double kGain = 1e-3;
+constexpr int kPasses = 4, kMendPasses = 4;
+constexpr double kLongest = 2.2;  // mean edges: no merge makes a longer one
+
+}  // namespace
+
+double CreaseZone::shape(const std::array<Vec3, 3>& p, const Triangle& t, std::uint32_t on) const {
+  const Vec3 area = cross(p[1] - p[0], p[2] - p[0]);
+  const double sum = squared_norm(p[1] - p[0]) + squared_norm(p[2] - p[1]) + squared_norm(p[0] - p[2]);
+  if (!(sum > 0)) return 0;
+  const Vec3 normal = normalized(label[t[0]].normal_of(on) + label[t[1]].normal_of(on) + label[t[2]].normal_of(on));
+  const double along = dot(area, normal);
+  const double q = 2 * std::sqrt(3.0) * along / sum;
+  return q > 0 && along < kLeastCosine * norm(area) ? 0.1 * q : q;
+}
+
+bool CreaseZone::crease_edge(std::uint32_t h) const {
+  const std::uint32_t g = surface.twin(h);
+  return g != kNone && piece[h / 3] != piece[g / 3] && label[surface.from(h)].rank > 1 && label[surface.to(h)].rank > 1;
+}
+
+void CreaseZone::assign_pieces() {
+  piece.assign(surface.triangles(), kNone);
+  std::vector<std::uint32_t> unclear;
+  for (std::uint32_t t = 0; t < surface.triangles(); ++t) {
+    const PieceSet on = shared(surface[t]);
+    if (on.count == 1 || (on.count > 1 && label[surface[t][0]].rank == 1)) piece[t] = on.piece[0];
+    if (on.count > 1 && piece[t] == kNone) unclear.push_back(t);
+  }
+  for (const std::uint32_t t : unclear) {
+    const PieceSet on = shared(surface[t]);
+    double best = -2;
+    for (const std::uint32_t p : on) {
+      const double q = shape(surface[t], p);
+      if (q > best + 1e-6) best = q, piece[t] = p;
+    }
+    if (best > 0.1) continue;
+    // Three vertices in a row on a crease: the one in the middle belongs on the other side of the longest edge.
+    std::uint32_t longest = 3 * t;
+    for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
+      if (norm(x[surface.to(h)] - x[surface.from(h)]) > norm(x[surface.to(longest)] - x[surface.from(longest)]))
+        longest = h;
+    const std::uint32_t other = surface.twin(longest);
+    if (other != kNone && piece[other / 3] != kNone && on.has(piece[other / 3])) piece[t] = piece[other / 3];
+  }
+}
+
+double CreaseZone::least_around(std::uint32_t v) const {
+  double least = 1;
+  surface.around(v, [&](std::uint32_t h) {
+    least = piece[h / 3] == kNone ? -3 : std::min(least, shape(surface[h / 3], piece[h / 3]));
+  });
+  return least;
+}
+
+bool CreaseZone::mend(std::uint32_t t) {
+  enum class Kind { kNothing, kFlip, kCollapse };
+  Kind kind = Kind::kNothing;
+  std::uint32_t chosen = 0;
+  std::array<std::uint32_t, 2> pieces{};
+  double best_gain = kGain;
+  for (const std::uint32_t h : {3 * t, 3 * t + 1, 3 * t + 2}) {
+    const std::uint32_t g = surface.twin(h);
+    if (g == kNone || piece[g / 3] == kNone) continue;
+    const std::uint32_t a = surface.from(h), b = surface.to(h), c = surface.apex(h), d = surface.apex(g);
+    if (!crease_edge(h) && surface.can_flip(h)) {
+      const Triangle one{a, d, c}, two{d, b, c};
+      const PieceSet on_one = shared(one), on_two = shared(two);
+      if (on_one.count > 0 && on_two.count > 0) {
+        const std::uint32_t first = on_one.has(piece[t]) ? piece[t] : on_one.piece[0];
+        const std::uint32_t second = on_two.has(piece[g / 3]) ? piece[g / 3] : on_two.piece[0];
+        const double before = std::min(shape(surface[t], piece[t]), shape(surface[g / 3], piece[g / 3]));
+        const double gain = std::min(shape(one, first), shape(two, second)) - before;
+        if (gain > best_gain) {
+          best_gain = gain;
+          kind = Kind::kFlip;
+          chosen = h;
+          pieces = {first, second};
+        }
+      }
+    }
+    for (const std::uint32_t k : {h, g}) {
+      const std::uint32_t from = surface.from(k), to = surface.to(k);
+      const PieceLabel& l = label[from];
+      if (l.rank == 0 || l.rank == 3 || label[to].rank < l.rank) continue;
+      if (common(l.pieces, label[to].pieces).count != l.pieces.count) continue;
+      if (l.rank == 2) {
+        std::uint32_t creases = 0;
+        surface.around(from, [&](std::uint32_t e) { creases += crease_edge(e); });
+        if (!crease_edge(k) || creases != 2) continue;
+      }
+      if (surface.on_border(from) || !surface.can_collapse(k)) continue;
+      double before = 1, after = 1;
+      surface.around(from, [&](std::uint32_t e) {
+        const std::uint32_t on = piece[e / 3];
+        if (on == kNone || !label[to].pieces.has(on)) after = -3;
+        before = std::min(before, shape(surface[e / 3], on));
+        if (e == k || surface.previous(e) == surface.twin(k)) return;
+        const std::uint32_t p = surface.to(e), q = surface.apex(e);
+        if (p == to || q == to) return;
+        after = std::min(after, shape({to, p, q}, on));
+        if (norm(x[p] - x[to]) > kLongest * std::max(size[p], size[to])) after = -3;
+      });
+      if (after - before > best_gain) {
+        best_gain = after - before;
+        kind = Kind::kCollapse;
+        chosen = k;
+      }
+    }
+  }
+  if (kind == Kind::kFlip) {
+    const std::uint32_t g = surface.twin(chosen);
+    surface.flip(chosen);
+    piece[chosen / 3] = pieces[0];
+    piece[g / 3] = pieces[1];
+  } else if (kind == Kind::kCollapse) {
+    surface.collapse(chosen);
+  }
+  return kind != Kind::kNothing;
+}
+
+void CreaseZone::relax() {
+  std::vector<Meeting> meetings;
+  std::vector<std::uint32_t> at;
+  for (std::uint32_t v = 0; v < x.size(); ++v) {
+    if (!surface.used(v) || surface.on_border(v) || label[v].rank == 0 || label[v].rank == 3) continue;
+    const double least = least_around(v);
+    if (least > 0.75 || least <= -3) continue;
+    const double reach = 0.5 * size[v];
+    if (label[v].rank == 1) {
+      Vec3 sum;
+      double weight = 0;
+      surface.around(v, [&](std::uint32_t h) {
+        const auto [a, b, c] = surface[h / 3];
+        const double area = norm(cross(x[b] - x[a], x[c] - x[a]));
+        sum += (x[a] + x[b] + x[c]) * (area / 3);
+        weight += area;
+      });
+      if (!(weight > 0)) continue;
+      const Vec3 n(label[v].normal[0]);
+      Vec3 move = sum / weight - x[v];
+      move -= n * dot(move, n);
+      meetings.push_back({x[v] + move, reach, {label[v].pieces.piece[0]}, 1, false, {}, {}});
+    } else {
+      std::array<std::uint32_t, 2> ends{};
+      std::array<std::uint32_t, 2> pair{};
+      std::uint32_t creases = 0;
+      surface.around(v, [&](std::uint32_t h) {
+        if (!crease_edge(h)) return;
+        if (creases < 2) ends[creases] = surface.to(h);
+        pair = {piece[h / 3], piece[surface.twin(h) / 3]};
+        ++creases;
+      });
+      if (creases != 2) continue;
+      const Vec3 middle = (x[ends[0]] + x[ends[1]]) * 0.5;
+      meetings.push_back({x[v] + (middle - x[v]) * 0.5, reach, {pair[0], pair[1]}, 2, false, {}, {}});
+    }
+    at.push_back(v);
+  }
+  find_meetings(field, meetings);
+  std::vector<std::uint32_t> moved;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Meeting& m = meetings[i];
+    if (!m.found) continue;
+    const std::uint32_t v = at[i];
+    const Vec3 old = x[v];
+    const PieceLabel before = label[v];
+    const double least = least_around(v);
+    x[v] = m.x;
+    for (std::uint32_t k = 0; k < m.count; ++k)
+      for (std::size_t j = 0; j < label[v].pieces.count; ++j)
+        if (label[v].pieces.piece[j] == m.piece[k]) label[v].normal[j] = Vec3f(m.normal[k]);
+    if (least_around(v) >= std::min(least, 0.6)) {
+      moved.push_back(v);
+      continue;
+    }
+    x[v] = old;
+    label[v] = before;
+  }
+  settle(moved, false);
+}
+
+void CreaseZone::improve() {
+  for (int pass = 0; pass < kPasses; ++pass) {
+    for (int again = 0; again < kMendPasses; ++again) {
+      bool any = false;
+      for (std::uint32_t t = 0; t < surface.triangles(); ++t)
+        if (surface.alive(t) && piece[t] != kNone && shape(surface[t], piece[t]) < kGood) any = mend(t) || any;
+      if (!any) break;
+    }
+    relax();
+  }
+}
+
+}  // namespace sansmesh

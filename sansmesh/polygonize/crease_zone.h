@@ -1,0 +1,77 @@
+// The part of a mesh next to the creases of its field, on which the creases become edges.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/polygonize/editable_surface.h"
+#include "sansmesh/polygonize/piece_meeting.h"
+
+namespace sansmesh {
+
+/// On which pieces a vertex lies, and their unit normals there.
+struct PieceLabel {
+  PieceSet pieces;
+  /// How many directions the normals span: 1 on a smooth part, 2 on a crease, 3 in a corner; 0: not on the surface (a
+  /// cap that closes the mesh), to be left alone.
+  std::uint8_t rank = 0;
+  std::array<Vec3f, PieceSet::kMost> normal;
+
+  Vec3 normal_of(std::uint32_t p) const {
+    for (std::size_t i = 0; i < pieces.count; ++i)
+      if (pieces.piece[i] == p) return Vec3(normal[i]);
+    return {};
+  }
+};
+
+struct CreaseZone {
+  static constexpr std::uint32_t kNone = EditableSurface::kNone;
+
+  const PiecewiseField& field;
+  EditableSurface surface;
+  std::vector<Vec3> x;
+  std::vector<double> size;  ///< mean edge at each vertex in the beginning
+  std::vector<PieceLabel> label;
+  std::vector<std::uint32_t> piece;  ///< of each triangle; kNone: it reaches across a crease that could not be placed
+
+  CreaseZone(const PiecewiseField& f, std::vector<Triangle> triangles, std::vector<Vec3> vertices);
+
+  /// All that follows, in this order.
+  void resolve();
+  /// Each vertex onto the piece that is active there.
+  void place_on_pieces();
+  /// Vertices close to a crease or a corner move onto it.
+  void snap();
+  /// Edges between vertices without a common piece are flipped or get a vertex on the crease that they cross.
+  void split();
+  /// Gives every triangle the piece that its corners have in common.
+  void assign_pieces();
+  /// Flips, merges and moves where triangles are thin or folded; creases and corners keep their place.
+  void improve();
+
+  /// 4√3 area / Σ edges² of a triangle that lies on a piece, negative where it is folded against the piece's normals.
+  double shape(const std::array<Vec3, 3>& p, const Triangle& t, std::uint32_t on) const;
+  double shape(const Triangle& t, std::uint32_t on) const { return shape({x[t[0]], x[t[1]], x[t[2]]}, t, on); }
+  PieceSet shared(const Triangle& t) const {
+    return common(common(label[t[0]].pieces, label[t[1]].pieces), label[t[2]].pieces);
+  }
+  bool crease_edge(std::uint32_t h) const;
+
+ private:
+  /// Normals and ranks of these vertices; pieces of their neighbours that vanish there, too, are added.
+  void settle(const std::vector<std::uint32_t>& vertices, bool look_around);
+  bool crosses(std::uint32_t a, std::uint32_t b) const;
+  bool may_snap(std::uint32_t v, const Meeting& m) const;
+  bool corner_near(std::uint32_t v, const Vec3& p, double distance) const;
+  void merge_coincident();
+  std::size_t flip_crossing();
+  std::size_t split_crossing(int round);
+  std::size_t split_triangles();
+  std::uint32_t add_vertex(const Vec3& p, double h, const Meeting& m);
+  double least_around(std::uint32_t v) const;
+  bool mend(std::uint32_t t);
+  void relax();
+};
+
+}  // namespace sansmesh

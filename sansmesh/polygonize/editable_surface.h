@@ -1,0 +1,100 @@
+// A triangle surface whose edges can be split, flipped and collapsed one by one.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// An oriented manifold, closed or with a border, as flat arrays: half-edge 3t + k runs from corner k of triangle t to
+/// the next. Every operation keeps it an oriented manifold of the same topology; where that is impossible, can_... says
+/// so. Numbers of triangles stay valid: what goes is marked, what is new is appended.
+class EditableSurface {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  /// `triangles` use vertices 0 .. vertices − 1 and have no edge with more than two triangles.
+  EditableSurface(std::vector<Triangle> triangles, std::size_t vertices);
+
+  std::size_t triangles() const { return triangle_.size(); }
+  std::size_t vertices() const { return out_.size(); }
+  const Triangle& operator[](std::size_t t) const { return triangle_[t]; }
+  bool alive(std::size_t t) const { return triangle_[t][0] != triangle_[t][1]; }
+
+  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  std::uint32_t from(std::uint32_t h) const { return triangle_[h / 3][h % 3]; }
+  std::uint32_t to(std::uint32_t h) const { return from(next(h)); }
+  std::uint32_t apex(std::uint32_t h) const { return from(previous(h)); }  ///< the vertex opposite to h
+  std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }           ///< kNone at the border
+  bool on_border(std::uint32_t v) const { return border_[v] != 0; }
+  bool used(std::uint32_t v) const { return out_[v] != kNone; }
+
+  /// The half-edges that leave a vertex inside of the border, in the order of their triangles around it.
+  template <class Body>
+  void around(std::uint32_t v, Body&& body) const {
+    const std::uint32_t first = out_[v];
+    if (first == kNone) return;
+    std::uint32_t h = first;
+    do {
+      body(h);
+      h = twin_[previous(h)];
+    } while (h != first && h != kNone);
+  }
+  std::uint32_t valence(std::uint32_t v) const {
+    std::uint32_t n = 0;
+    around(v, [&](std::uint32_t) { ++n; });
+    return n;
+  }
+  bool adjacent(std::uint32_t v, std::uint32_t w) const {
+    bool found = false;
+    around(v, [&](std::uint32_t h) { found = found || to(h) == w; });
+    return found;
+  }
+
+  /// The half-edge from v to w, which must be an inner edge.
+  std::uint32_t find(std::uint32_t v, std::uint32_t w) const {
+    std::uint32_t found = kNone;
+    around(v, [&](std::uint32_t h) { found = to(h) == w ? h : found; });
+    around(w, [&](std::uint32_t h) { found = to(h) == v ? twin_[h] : found; });
+    return found;
+  }
+
+  /// Puts a new vertex on an inner edge: from(h) → new → to(h). Half-edge h ends at the new vertex afterwards. Appends
+  /// two triangles, the second half of h's and that of its twin's, in this order.
+  std::uint32_t split_edge(std::uint32_t h);
+  /// Puts a new vertex into a triangle, which keeps its first edge. Appends two triangles.
+  std::uint32_t split_triangle(std::uint32_t t);
+
+  /// Whether the edge can be replaced by the other diagonal of its two triangles.
+  bool can_flip(std::uint32_t h) const;
+  /// Afterwards the triangles are (from, other, apex) in place of h's and (other, to, apex) in place of its twin's.
+  void flip(std::uint32_t h);
+
+  /// Whether from(h) can be merged into to(h) (link condition; both inside of the border).
+  bool can_collapse(std::uint32_t h) const;
+  void collapse(std::uint32_t h);
+
+ private:
+  void join(std::uint32_t g, std::uint32_t h) {
+    twin_[g] = h;
+    twin_[h] = g;
+  }
+  void join_outer(std::uint32_t h, std::uint32_t other) {
+    twin_[h] = other;
+    if (other != kNone) twin_[other] = h;
+  }
+  std::uint32_t add_vertex();
+  std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+
+  std::vector<Triangle> triangle_;
+  std::vector<std::uint32_t> twin_;
+  std::vector<std::uint32_t> out_;  ///< a half-edge that leaves each vertex
+  std::vector<std::uint8_t> border_;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,140 @@
+#include "sansmesh/polygonize/piece_meeting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kMostSteps = 12;
+constexpr double kConverged = 1e-10;  // last step, as a share of the reach
+constexpr double kResidual = 1e-4;    // distance from each piece, as a share of the reach: for fields that are noisy
+constexpr double kOffSurface = 1e-3;  // |F| as a share of the reach: then another piece cut the crease away
+constexpr double kFlatCorner = 0.02;
+
+/// The shortest d with g[i] · d = r[i] for i < n; false if the g are not independent.
+bool shortest_step(const std::array<Vec3, 3>& g, const std::array<double, 3>& r, std::uint32_t n, Vec3& d) {
+  if (n == 1) {
+    const double s = squared_norm(g[0]);
+    if (!(s > 1e-8)) return false;
+    d = g[0] * (r[0] / s);
+    return true;
+  }
+  if (n == 2) {
+    const double aa = squared_norm(g[0]), bb = squared_norm(g[1]), ab = dot(g[0], g[1]), det = aa * bb - ab * ab;
+    if (!(det > 1e-6 * aa * bb) || !(aa * bb > 1e-16)) return false;
+    d = g[0] * ((r[0] * bb - r[1] * ab) / det) + g[1] * ((r[1] * aa - r[0] * ab) / det);
+    return true;
+  }
+  const Vec3 c12 = cross(g[1], g[2]), c20 = cross(g[2], g[0]), c01 = cross(g[0], g[1]);
+  const double det = dot(g[0], c12);
+  if (!(std::abs(det) > 1e-4 * norm(g[0]) * norm(g[1]) * norm(g[2])) || det == 0) return false;
+  d = (c12 * r[0] + c20 * r[1] + c01 * r[2]) / det;
+  return true;
+}
+
+bool independent(const std::array<Vec3, 3>& n, std::uint32_t count) {
+  if (count == 2) return squared_norm(cross(n[0], n[1])) > kTangentSine * kTangentSine;
+  if (count == 3) return std::abs(dot(n[0], cross(n[1], n[2]))) > kFlatCorner;
+  return true;
+}
+
+}  // namespace
+
+bool PieceSet::has(std::uint32_t p) const { return std::find(begin(), end(), p) != end(); }
+
+bool PieceSet::add(std::uint32_t p) {
+  const auto at = static_cast<std::size_t>(std::lower_bound(begin(), end(), p) - begin());
+  if (at < count && piece[at] == p) return true;
+  if (count == kMost) return false;
+  std::copy_backward(piece.begin() + at, piece.begin() + count, piece.begin() + count + 1);
+  piece[at] = p;
+  ++count;
+  return true;
+}
+
+PieceSet common(const PieceSet& a, const PieceSet& b) {
+  PieceSet both;
+  for (const std::uint32_t p : a)
+    if (b.has(p)) both.piece[both.count++] = p;
+  return both;
+}
+
+void evaluate_pieces(const PiecewiseField& field, std::span<PieceValue> all) {
+  std::vector<std::uint64_t> order(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) order[i] = std::uint64_t{all[i].piece} << 32 | i;
+  parallel_sort(order);
+  std::vector<Vec3> x(all.size()), gradient(all.size());
+  std::vector<double> value(all.size());
+  const auto index = [&](std::size_t i) { return static_cast<std::size_t>(order[i] & 0xffffffffUL); };
+  for (std::size_t i = 0; i < all.size(); ++i) x[i] = all[index(i)].x;
+  for (std::size_t i = 0, j; i < all.size(); i = j) {
+    const auto piece = static_cast<std::uint32_t>(order[i] >> 32);
+    for (j = i; j < all.size() && order[j] >> 32 == piece; ++j) {
+    }
+    field.evaluate_piece(piece, std::span(x).subspan(i, j - i), std::span(value).subspan(i, j - i),
+                         std::span(gradient).subspan(i, j - i));
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[index(i)].value = value[i];
+    all[index(i)].gradient = gradient[i];
+  }
+}
+
+void find_meetings(const PiecewiseField& field, std::span<Meeting> all) {
+  std::vector<std::uint32_t> open;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].x = all[i].start;
+    all[i].found = false;
+    open.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<PieceValue> queries;
+  std::vector<std::uint8_t> last(all.size(), 0);  // the step before was tiny: only the normals are wanted still
+  for (int step = 0; step <= kMostSteps && !open.empty(); ++step) {
+    queries.clear();
+    for (const std::uint32_t i : open)
+      for (std::uint32_t k = 0; k < all[i].count; ++k) queries.push_back({all[i].piece[k], all[i].x, 0, {}});
+    evaluate_pieces(field, queries);
+    std::size_t kept = 0, q = 0;
+    for (const std::uint32_t i : open) {
+      Meeting& m = all[i];
+      std::array<Vec3, 3> g;
+      std::array<double, 3> r{};
+      double residual = 0;
+      for (std::uint32_t k = 0; k < m.count; ++k, ++q) {
+        g[k] = queries[q].gradient;
+        r[k] = -queries[q].value;
+        const double slope = norm(g[k]);
+        m.normal[k] = normalized(g[k]);
+        residual = std::max(residual, slope > 0 ? std::abs(r[k]) / slope : m.reach);
+      }
+      Vec3 d;
+      if (!shortest_step(g, r, m.count, d) || !is_finite(d)) continue;
+      const double length = norm(d);
+      if (last[i] || length <= kConverged * m.reach || step == kMostSteps) {
+        m.found = residual <= kResidual * m.reach && independent(m.normal, m.count);
+        continue;
+      }
+      m.x += length > m.reach ? d * (m.reach / length) : d;
+      if (norm(m.x - m.start) > 2 * m.reach) continue;  // on its way, it may leave the reach by a little
+      last[i] = length <= 1e-6 * m.reach;               // quadratic convergence: the next would be nothing
+      open[kept++] = i;
+    }
+    open.resize(kept);
+  }
+  open.clear();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].found = all[i].found && norm(all[i].x - all[i].start) <= all[i].reach;
+    if (all[i].found) open.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<Vec3> x(open.size());
+  std::vector<double> f(open.size());
+  for (std::size_t i = 0; i < open.size(); ++i) x[i] = all[open[i]].x;
+  field.evaluate(x, f);
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (!(std::abs(f[i]) <= kOffSurface * all[open[i]].reach)) all[open[i]].found = false;
+}
+
+}  // namespace sansmesh

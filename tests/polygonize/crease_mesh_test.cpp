@@ -1,0 +1,192 @@
+#include "sansmesh/polygonize/crease_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "polygonize/piece_solids.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/mesh_quality.h"
+#include "support/mesh_checks.h"
+
+namespace sansmesh {
+namespace {
+
+using namespace test;  // NOLINT(google-build-using-namespace)
+
+constexpr double kPi = std::numbers::pi;
+
+BlockTree blocks(int level) {
+  BlockTree tree({-1, -1, -1}, 2);
+  for (std::size_t b = 0; b < tree.size(); ++b)
+    if (tree[b].level < level) tree.subdivide(b);
+  return tree;
+}
+
+PolygonizeOptions on_surface() {
+  PolygonizeOptions options;
+  options.balance = false;
+  return options;
+}
+
+TriangleMesh mesh_of(const PiecewiseField& field, int level = 5, const PolygonizeOptions& options = on_surface()) {
+  Progress progress;
+  return polygonize_with_creases(field, blocks(level), {}, options, progress);
+}
+
+double value_at(const ScalarField& field, const Vec3& x, Vec3* gradient = nullptr) {
+  double f = 0;
+  Vec3 g;
+  field.evaluate({&x, 1}, {&f, 1}, {&g, 1});
+  if (gradient != nullptr) *gradient = g;
+  return f;
+}
+
+/// Distances of the mesh from the zero set: at vertices, and anywhere on triangles.
+struct Gaps {
+  double vertices = 0, triangles = 0;
+  std::size_t folded = 0;  ///< triangles turned by more than 75° against the surface
+  double small_share = 0;  ///< of triangles with an angle below 5°
+};
+
+Gaps gaps_of(const TriangleMesh& mesh, const ScalarField& field) {
+  Gaps gaps;
+  for (const Vec3f& v : mesh.vertices)
+    gaps.vertices = std::max(gaps.vertices, std::abs(value_at(field, mesh.origin + Vec3(v))));
+  std::size_t small = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 p = mesh.origin;
+    const Vec3 a = p + Vec3(mesh.vertices[t[0]]), b = p + Vec3(mesh.vertices[t[1]]), c = p + Vec3(mesh.vertices[t[2]]);
+    for (int i = 0; i <= 4; ++i)
+      for (int j = 0; i + j <= 4; ++j)
+        gaps.triangles =
+            std::max(gaps.triangles, std::abs(value_at(field, a + (b - a) * (i / 4.0) + (c - a) * (j / 4.0))));
+    Vec3 g;
+    value_at(field, (a + b + c) / 3, &g);
+    gaps.folded += dot(normalized(cross(b - a, c - a)), g) < 0.26;
+    const auto angle = [](const Vec3& at, const Vec3& q, const Vec3& r) {
+      return std::atan2(norm(cross(q - at, r - at)), dot(q - at, r - at)) * 180 / kPi;
+    };
+    small += std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)}) < 5;
+  }
+  gaps.small_share = static_cast<double>(small) / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size()));
+  return gaps;
+}
+
+/// How many pieces vanish at each vertex.
+std::vector<int> pieces_at(const TriangleMesh& mesh, const PiecewiseField& field, double tolerance) {
+  std::vector<int> count(mesh.vertices.size(), 0);
+  for (std::size_t v = 0; v < count.size(); ++v)
+    for (std::uint32_t p = 0; p < field.pieces(); ++p) {
+      const Vec3 x = mesh.origin + Vec3(mesh.vertices[v]);
+      double f = 1;
+      field.evaluate_piece(p, {&x, 1}, {&f, 1}, {});
+      count[v] += std::abs(f) < tolerance;
+    }
+  return count;
+}
+
+struct Case {
+  std::string name;
+  Solid solid;
+  long euler;
+  double volume;  ///< 0: not compared
+  double gap;     ///< largest distance of a triangle from the surface: chords of what is curved
+};
+
+Solid pyramid(int sides) {
+  std::vector<Solid> parts;
+  for (int i = 0; i < sides; ++i) {
+    const double a = 2 * kPi * i / sides + 0.3;
+    parts.push_back(half_space({std::cos(a), std::sin(a), 0.7}, 0.25));
+  }
+  parts.push_back(half_space({0, 0, -1}, 0.3));
+  return intersect(std::move(parts));
+}
+
+std::vector<Case> cases() {
+  const auto axes = tilted_axes();
+  const double drop = 2e-3;  // 2 % of (1/16)² / 0.3, the height of an arc over an edge
+  return {
+      {"cube", box({0.013, 0.02, -0.01}, {0.51, 0.53, 0.55}), 2, 8 * 0.51 * 0.53 * 0.55, 1e-6},
+      {"cube on the lattice", box({0, 0, 0}, {0.5, 0.5, 0.5}), 2, 1, 1e-6},
+      {"cube on half the lattice", box({0, 0, 0}, {0.53125, 0.5, 0.515625}), 2, 8 * 0.53125 * 0.5 * 0.515625, 1e-6},
+      {"tilted cube", box({0.01, 0.02, 0.03}, {0.5, 0.45, 0.4}, axes), 2, 8 * 0.5 * 0.45 * 0.4, 1e-6},
+      {"ball with a flat", intersect({ball({0, 0, 0}, 0.7), half_space({0.3, 0.2, 1}, 0.2)}), 2, 0, drop},
+      {"Steinmetz", intersect({cylinder({0, 0, 0}, axes[0], 0.5), cylinder({0, 0, 0}, axes[1], 0.5)}), 2, 0, drop},
+      {"two balls", unite({ball({-0.3, 0.01, 0.02}, 0.45), ball({0.28, 0.05, 0}, 0.4)}), 2, 0, drop},
+      {"lens", intersect({ball({-0.3, 0.01, 0.02}, 0.45), ball({0.28, 0.05, 0}, 0.4)}), 2, 0, drop},
+  };
+}
+
+class CreaseMesh : public ::testing::TestWithParam<Case> {};
+
+TEST_P(CreaseMesh, IsClosedExactAndOfGoodShape) {
+  const Case& c = GetParam();
+  const SolidField field(c.solid);
+  const TriangleMesh mesh = mesh_of(field);
+  const Topology topology = topology_of(mesh);
+  EXPECT_TRUE(topology.closed_manifold());
+  EXPECT_EQ(topology.euler, c.euler);
+  const Gaps gaps = gaps_of(mesh, field);
+  EXPECT_LT(gaps.vertices, 1e-6);
+  EXPECT_LT(gaps.triangles, c.gap);  // no triangle reaches across a crease: that would be a gap of up to 0.03
+  EXPECT_EQ(gaps.folded, 0u);
+  EXPECT_LT(gaps.small_share, 1e-3);
+  if (c.volume > 0) {
+    EXPECT_NEAR(measure_quality(mesh).volume, c.volume, 2e-7);
+  }
+  ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
+  for (const Vec3f& n : mesh.normals) EXPECT_NEAR(norm(n), 1, 1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solids, CreaseMesh, ::testing::ValuesIn(cases()), [](const auto& param_info) {
+  std::string name;
+  for (const char c : param_info.param.name) name += c == ' ' ? '_' : c;
+  return name;
+});
+
+TEST(CreaseMeshOf, ACubeHasItsTwelveEdgesAndEightCorners) {
+  const SolidField field(box({0.01, 0.02, 0.03}, {0.5, 0.45, 0.4}, tilted_axes()));
+  const TriangleMesh mesh = mesh_of(field);
+  const std::vector<int> pieces = pieces_at(mesh, field, 1e-6);
+  EXPECT_EQ(std::count(pieces.begin(), pieces.end(), 3), 8);
+  // The edges that run along creases: as long as the cube's edges together.
+  double length = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (pieces[a] < 2 || pieces[b] < 2) continue;
+      const Vec3 middle = (Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5;
+      int vanish = 0;
+      for (std::uint32_t p = 0; p < field.pieces(); ++p) {
+        double f = 1;
+        field.evaluate_piece(p, {&middle, 1}, {&f, 1}, {});
+        vanish += std::abs(f) < 1e-6;
+      }
+      if (vanish == 2) length += 0.5 * norm(Vec3(mesh.vertices[a]) - Vec3(mesh.vertices[b]));
+    }
+  EXPECT_NEAR(length, 8 * (0.5 + 0.45 + 0.4), 1e-5);
+}
+
+TEST(CreaseMeshOf, TheSameForAnyNumberOfThreads) {
+  const auto axes = tilted_axes();
+  const SolidField field(subtract(intersect({box({0, 0, 0}, {0.5, 0.5, 0.5}, axes), ball({0, 0, 0}, 0.65)}),
+                                  unite({cylinder({0, 0, 0}, axes[0], 0.3), cylinder({0, 0, 0}, axes[1], 0.3)})));
+  set_thread_count(1);
+  const TriangleMesh one = mesh_of(field);
+  set_thread_count(2);
+  const TriangleMesh two = mesh_of(field);
+  set_thread_count(0);
+  EXPECT_EQ(one.triangles, two.triangles);
+  EXPECT_EQ(one.vertices, two.vertices);
+  EXPECT_EQ(one.normals, two.normals);
+}
+
+}  // namespace
+}  // namespace sansmesh
