@@ -48,7 +48,7 @@ struct FieldSectionOptions {
   /// one may be missed, and corners are cut off by at most one.
   int resolution = 512;
   /// Where to look; default: the field's own box.
-  std::optional<Box3> box;
+  std::optional<Box3> box = {};
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

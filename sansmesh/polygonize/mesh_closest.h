@@ -9,8 +9,18 @@
 
 namespace sansmesh {
 
-/// Closest point of the triangle (a, b, c) to p; for triangles without area that of an edge or vertex
-/// (Ericson 2005, section 5.1.5).
+/// What of a triangle (a, b, c) a point lies on: a corner, an edge without its ends, or the inside.
+enum class TrianglePart : std::uint8_t { a, b, c, ab, bc, ca, inside };
+
+struct TrianglePoint {
+  Vec3 point;
+  TrianglePart part = TrianglePart::a;
+};
+
+/// Closest point of the triangle (a, b, c) to p and where that lies; for triangles without area that of an edge or
+/// vertex (Ericson 2005, section 5.1.5).
+TrianglePoint locate_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+/// Only the point.
 Vec3 closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// Built once (parallel), then any number of queries from any thread: a binary tree of boxes over the triangles, halved

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/field/color_field.h"
@@ -13,10 +14,6 @@
 #include "sansmesh/surface/curvature.h"
 
 namespace sansmesh {
-
-/// Blue at −1, white at 0, red at +1 (sRGB 0..1; values beyond are clamped): two ramps of even perceptual steps, mirror
-/// images of each other in lightness and colourfulness (straight lines in Oklab, Ottosson 2020).
-Vec3f diverging_color(float t);
 
 struct CurvatureColorOptions {
   enum class Quantity { mean, gaussian, k1, k2 };

@@ -1,0 +1,220 @@
+#include "sansmesh/measure/distance_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "sansmesh/core/diverging_color.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kChunk = 1024;  // fixed: neighbours in a chunk share hints
+constexpr double kInRange = 0.99;
+constexpr std::array<std::uint8_t, 3> kLeftOut{150, 150, 150};
+
+/// A third of the area of the triangles at each vertex; negative for vertices that no triangle uses. Points: 1.
+std::vector<double> weights(const TriangleMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  if (mesh.triangles.empty()) return std::vector<double>(n, 1.0);
+  std::vector<double> result(n, -1.0);
+  for (const Triangle& t : mesh.triangles) {
+    if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    const double area = norm(cross(b - a, c - a)) / 6;
+    for (const std::uint32_t v : t) result[v] = std::max(0.0, result[v]) + (std::isfinite(area) ? area : 0);
+  }
+  return result;
+}
+
+double rounded_up(double value) {
+  if (!(value > 0)) return 0;
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
+  return unit * std::ceil(value / unit * (1 - 1e-9));
+}
+
+struct Sample {
+  double distance, weight;
+  std::uint32_t index;
+};
+
+double sum_of(const std::vector<Sample>& samples, double (*term)(const Sample&, double), double parameter) {
+  return parallel_reduce(
+      samples.size(), 16384, 0.0,
+      [&](std::size_t first, std::size_t last) {
+        double sum = 0;
+        for (std::size_t i = first; i < last; ++i) sum += samples[i].weight * term(samples[i], parameter);
+        return sum;
+      },
+      [](double a, double b) { return a + b; });
+}
+
+/// Where the weight of sorted samples reaches a share of the total; `value` is what they are sorted by.
+template <class Value>
+double percentile(const std::vector<Sample>& sorted, double total, double share, Value&& value) {
+  double sum = 0;
+  for (const Sample& s : sorted)
+    if ((sum += s.weight) >= share * total) return value(s);
+  return value(sorted.back());
+}
+
+DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh& part,
+                                 const DistanceMapOptions& options, bool has_sides) {
+  DistanceStatistics s;
+  s.histogram.assign(kHistogramBins, 0);
+  if (options.range) s.range = *options.range;
+  if (samples.empty()) {
+    s.mean = s.mean_absolute = s.rms = s.deviation = s.p05 = s.median = s.p95 = s.p95_absolute = s.lowest = s.highest =
+        std::numeric_limits<double>::quiet_NaN();
+    return s;
+  }
+  double total = sum_of(
+      samples, [](const Sample&, double) { return 1.0; }, 0);
+  s.area = total;
+  if (!(total > 0)) {
+    for (Sample& x : samples) x.weight = 1;
+    total = static_cast<double>(samples.size());
+  }
+  s.mean = sum_of(
+               samples, [](const Sample& x, double) { return x.distance; }, 0) /
+           total;
+  s.mean_absolute = sum_of(
+                        samples, [](const Sample& x, double) { return std::abs(x.distance); }, 0) /
+                    total;
+  s.rms = std::sqrt(sum_of(
+                        samples, [](const Sample& x, double) { return x.distance * x.distance; }, 0) /
+                    total);
+  const auto off = [](const Sample& x, double mean) { return (x.distance - mean) * (x.distance - mean); };
+  s.deviation = std::sqrt(sum_of(samples, off, s.mean) / total);
+  if (options.tolerance)
+    s.within_tolerance = sum_of(
+                             samples, [](const Sample& x, double t) { return std::abs(x.distance) <= t ? 1.0 : 0.0; },
+                             *options.tolerance) /
+                         total;
+
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+    return std::abs(a.distance) != std::abs(b.distance) ? std::abs(a.distance) < std::abs(b.distance)
+                                                        : a.index < b.index;
+  });
+  const auto size = [](const Sample& x) { return std::abs(x.distance); };
+  s.p95_absolute = percentile(samples, total, 0.95, size);
+  if (!options.range) s.range = rounded_up(percentile(samples, total, kInRange, size));
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
+  });
+  const auto value = [](const Sample& x) { return x.distance; };
+  s.p05 = percentile(samples, total, 0.05, value);
+  s.median = percentile(samples, total, 0.5, value);
+  s.p95 = percentile(samples, total, 0.95, value);
+  s.lowest = samples.front().distance;
+  s.highest = samples.back().distance;
+  s.lowest_at = part.origin + Vec3(part.vertices[samples.front().index]);
+  s.highest_at = part.origin + Vec3(part.vertices[samples.back().index]);
+
+  const double low = has_sides ? -s.range : 0, width = (s.range - low) / kHistogramBins;
+  for (const Sample& x : samples) {
+    if (x.distance < low)
+      s.below_range += x.weight / total;
+    else if (x.distance > s.range)
+      s.above_range += x.weight / total;
+    else
+      s.histogram[width > 0   ? std::min(kHistogramBins - 1, static_cast<std::size_t>((x.distance - low) / width))
+                  : has_sides ? kHistogramBins / 2
+                              : 0] += x.weight / total;
+  }
+  return s;
+}
+
+}  // namespace
+
+void DistanceMapOptions::validate() const {
+  const auto positive = [](const std::optional<double>& value, const char* name) {
+    if (value && !(*value > 0 && std::isfinite(*value)))
+      throw ArgumentError(std::string("DistanceMapOptions::") + name + " must be positive");
+  };
+  positive(max_distance, "max_distance");
+  positive(range, "range");
+  if (tolerance && !(*tolerance >= 0 && std::isfinite(*tolerance)))
+    throw ArgumentError("DistanceMapOptions::tolerance must not be negative");
+}
+
+DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,
+                         Progress& progress) {
+  options.validate();
+  DistanceMap map;
+  map.has_sides = reference.has_sides();
+  map.max_distance = options.max_distance.value_or(0.1 * reference.bounds().diagonal());
+  const std::size_t n = part.vertices.size();
+  map.distance.assign(n, std::numeric_limits<float>::quiet_NaN());
+  const std::vector<double> weight = weights(part);
+  // Neighbours in space one after the other: searches are short then, however the vertices are ordered.
+  const KdTree tree(part.vertices);
+  std::vector<std::uint32_t> order;
+  order.reserve(n);
+  for (const std::uint32_t i : tree.order())
+    if (i < n && weight[i] >= 0) order.push_back(i);
+  map.not_finite = n - order.size();
+  if (order.empty()) throw DataError("no finite points to compare");
+
+  // NaN keeps its reason here until all are counted.
+  enum class Left : std::uint8_t { no, beyond, border };
+  std::vector<Left> left(n, Left::no);
+  std::vector<std::uint8_t> border(n);
+  const std::size_t chunks = (order.size() + kChunk - 1) / kChunk;
+  progress.begin("distances", chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    const std::size_t first = c * kChunk, count = std::min(kChunk, order.size() - first);
+    std::vector<Vec3> x(count);
+    std::vector<SurfacePoint> found(count);
+    for (std::size_t k = 0; k < count; ++k) x[k] = part.origin + Vec3(part.vertices[order[first + k]]);
+    reference.measure(x, map.max_distance, found);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t i = order[first + k];
+      border[i] = found[k].border;
+      if (!(std::abs(found[k].distance) <= map.max_distance))
+        left[i] = Left::beyond;
+      else if (found[k].border && options.skip_border)
+        left[i] = Left::border;
+      else
+        map.distance[i] =
+            static_cast<float>(options.reversed && map.has_sides ? -found[k].distance : found[k].distance);
+    }
+    progress.advance();
+  });
+
+  std::vector<Sample> samples;
+  for (std::size_t i = 0; i < n; ++i) {
+    map.beyond += left[i] == Left::beyond;
+    map.at_border += border[i] && left[i] != Left::beyond;
+    if (std::isnan(map.distance[i])) continue;
+    samples.push_back({static_cast<double>(map.distance[i]), weight[i], static_cast<std::uint32_t>(i)});
+  }
+  map.measured = samples.size();
+  progress.begin("statistics");
+  map.statistics = statistics_of(std::move(samples), part, options, map.has_sides);
+  return map;
+}
+
+std::array<std::uint8_t, 3> distance_color(float distance, double range) {
+  if (std::isnan(distance)) return kLeftOut;
+  const Vec3f color = diverging_color(range > 0 ? static_cast<float>(static_cast<double>(distance) / range)
+                                                : std::copysign(distance == 0 ? 0.0f : 1.0f, distance));
+  std::array<std::uint8_t, 3> bytes{};
+  for (std::size_t k = 0; k < 3; ++k)
+    bytes[k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
+  return bytes;
+}
+
+void apply_map(TriangleMesh& part, const DistanceMap& map, double range) {
+  if (map.distance.size() != part.vertices.size())
+    throw ArgumentError("apply_map: the map and the mesh differ in the number of vertices");
+  part.quality = map.distance;
+  part.colors.resize(part.vertices.size());
+  parallel_for(0, part.colors.size(), 8192,
+               [&](std::size_t i) { part.colors[i] = distance_color(map.distance[i], range); });
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,77 @@
+// The inspection map: how far every place of a part lies from where it should.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/measure/signed_distance.h"
+
+namespace sansmesh {
+
+/// Lengths in the unit of the input. What is absent follows from the data.
+struct DistanceMapOptions {
+  /// Places farther off than this belong to something else and are left out (> 0). Default: a tenth of the diagonal of
+  /// the reference's box.
+  std::optional<double> max_distance = {};
+  std::optional<double> tolerance = {};  ///< of which the statistics tell the share that keeps it (>= 0)
+  /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area keep, rounded up to
+  /// two digits.
+  std::optional<double> range = {};
+  bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
+  bool reversed = false;     ///< the map lies on the reference, distances are to the part: their sign is turned round
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// Over what was measured. On a mesh every vertex weighs as much as a third of the area of its triangles, so that dense
+/// places count no more than others; points weigh the same each. NaN where nothing was measured.
+struct DistanceStatistics {
+  double mean = 0, mean_absolute = 0, rms = 0, deviation = 0;  ///< deviation: from the mean
+  double p05 = 0, median = 0, p95 = 0;                         ///< of the signed distance
+  double p95_absolute = 0;
+  double lowest = 0, highest = 0;          ///< over all that was measured, whatever its weight
+  Vec3 lowest_at, highest_at;              ///< on the mapped surface, world coordinates
+  std::optional<double> within_tolerance;  ///< share, 0..1
+  double area = 0;                         ///< that was measured; of points: their number
+  /// Share of the weight in bins of equal width over −range..range (0..range without sides), and what lies beyond.
+  std::vector<double> histogram;
+  double below_range = 0, above_range = 0;
+  double range = 0;
+};
+
+struct DistanceMap {
+  std::vector<float> distance;  ///< of every vertex; positive outside; NaN where it was left out
+  bool has_sides = true;        ///< false: only absolute values are known
+  double max_distance = 0;      ///< as used
+  std::size_t measured = 0;     ///< vertices with a distance
+  std::size_t beyond = 0;       ///< left out: farther than max_distance or no surface found
+  std::size_t at_border = 0;    ///< whose closest point lies on a border; left out only with skip_border
+  std::size_t not_finite = 0;   ///< left out: vertices that are not finite, or that no triangle uses
+  DistanceStatistics statistics;
+};
+
+inline constexpr std::size_t kHistogramBins = 41;  ///< odd: one bin lies around 0
+
+/// Distances at the vertices of a mesh that triangles use, or at all points if there are no triangles. Parallel, the
+/// same for any number of threads. Throws DataError if there are no finite points, ArgumentError for bad options.
+DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,
+                         Progress& progress);
+
+/// The colour of a distance: blue inside, white at 0, red outside, full at ±range; grey where it was left out.
+std::array<std::uint8_t, 3> distance_color(float distance, double range);
+
+/// Writes distances as the vertices' quality (left out: NaN) and their colours into the mesh.
+void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
+
+/// Cuts edges longer than `length` in half, again and again, together with the triangles at them, without opening
+/// seams: so that a map reaches the middle of large triangles. Attributes are interpolated. Stops before there are more
+/// than `most_triangles`; returns whether all edges became short enough. Throws ArgumentError unless length > 0.
+bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles = 20000000);
+
+}  // namespace sansmesh

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/measure/signed_distance.h"
+
+namespace sansmesh {
+namespace {
+
+std::uint64_t place_key(const Vec3f& p) {
+  std::uint64_t key = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float value = p[k] + 0.0f;  // turns -0 into 0
+    std::uint32_t bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    key = (key ^ bits) * 0x9E3779B97F4A7C15u;
+    key ^= key >> 31;
+  }
+  return key;
+}
+
+/// Of each vertex the first one at its place.
+std::vector<std::uint32_t> first_at_place(const std::vector<Vec3f>& vertices) {
+  std::vector<KeyIndex> order(vertices.size());
+  parallel_for(0, order.size(), 8192, [&](std::size_t i) {
+    order[i] = {place_key(vertices[i]), static_cast<unsigned>(i)};
+  });
+  parallel_sort(order);
+  std::vector<std::uint32_t> first(vertices.size());
+  for (std::size_t i = 0, group = 0; i < order.size(); ++i) {
+    // Different places with the same key (one pair in 2^64) are only not joined.
+    if (order[i].key != order[group].key || !(vertices[order[i].index] == vertices[order[group].index])) group = i;
+    first[order[i].index] = order[group].index;
+  }
+  return first;
+}
+
+}  // namespace
+
+MeshDistance::MeshDistance(const TriangleMesh& mesh) : mesh_(mesh), closest_(mesh) {
+  if (closest_.empty()) throw DataError("no triangles to measure distances to");
+  same_ = first_at_place(mesh.vertices);
+  const std::size_t n = mesh.vertices.size();
+  const auto usable = [&](const Triangle& t) {
+    return t[0] < n && t[1] < n && t[2] < n && is_finite(mesh.vertices[t[0]]) && is_finite(mesh.vertices[t[1]]) &&
+           is_finite(mesh.vertices[t[2]]);
+  };
+  first_.assign(n + 1, 0);
+  Box3f box;
+  for (const Triangle& t : mesh.triangles) {
+    if (!usable(t)) continue;
+    for (const std::uint32_t v : t) ++first_[same_[v] + 1], box.extend(mesh.vertices[v]);
+  }
+  for (std::size_t i = 0; i < n; ++i) first_[i + 1] += first_[i];
+  triangles_.resize(first_[n]);
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!usable(mesh.triangles[i])) continue;
+    for (const std::uint32_t v : mesh.triangles[i]) triangles_[next[same_[v]]++] = static_cast<std::uint32_t>(i);
+  }
+  bounds_ = {mesh.origin + Vec3(box.lower), mesh.origin + Vec3(box.upper)};
+}
+
+std::span<const std::uint32_t> MeshDistance::triangles_at(std::uint32_t corner) const {
+  return std::span(triangles_).subspan(first_[corner], first_[corner + 1] - first_[corner]);
+}
+
+Triangle MeshDistance::corners(std::uint32_t triangle) const {
+  const Triangle& t = mesh_.triangles[triangle];
+  return {same_[t[0]], same_[t[1]], same_[t[2]]};
+}
+
+Vec3 MeshDistance::face_normal(std::uint32_t triangle) const {
+  const auto [a, b, c] = corners(triangle);
+  return normalized(cross(position(b) - position(a), position(c) - position(a)));
+}
+
+/// Sum of the unit normals of the other triangles at an edge.
+Vec3 MeshDistance::normals_across(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
+  Vec3 sum;
+  for (const std::uint32_t other : triangles_at(a)) {
+    if (other == triangle) continue;
+    const Triangle t = corners(other);
+    if (t[0] == b || t[1] == b || t[2] == b) sum += face_normal(other);
+  }
+  return sum;
+}
+
+Vec3 MeshDistance::edge_normal(std::uint32_t a, std::uint32_t b, bool& border) const {
+  Vec3 sum;
+  int faces = 0;
+  for (const std::uint32_t triangle : triangles_at(a)) {
+    const Triangle t = corners(triangle);
+    if (t[0] != b && t[1] != b && t[2] != b) continue;
+    ++faces;
+    const Vec3 normal = face_normal(triangle);
+    sum += normal;
+    if (squared_norm(normal) > 0) continue;
+    // Without area: what lies behind it meets the edge in its place.
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t p = t[k], q = t[(k + 1) % 3];
+      if (p != q && !(p == a && q == b) && !(p == b && q == a)) sum += normalized(normals_across(triangle, p, q));
+    }
+  }
+  border = faces == 1;
+  return sum;
+}
+
+Vec3 MeshDistance::vertex_normal(std::uint32_t corner, bool& border) const {
+  Vec3 sum;
+  border = false;
+  for (const std::uint32_t triangle : triangles_at(corner)) {
+    const Triangle t = corners(triangle);
+    const std::size_t k = t[0] == corner ? 0 : t[1] == corner ? 1 : 2;
+    const std::uint32_t next = t[(k + 1) % 3], last = t[(k + 2) % 3];
+    const Vec3 to_next = position(next) - position(corner), to_last = position(last) - position(corner);
+    const double angle = std::atan2(norm(cross(to_next, to_last)), dot(to_next, to_last));
+    const Vec3 normal = face_normal(triangle);
+    sum +=
+        (squared_norm(normal) > 0 || next == last ? normal : normalized(normals_across(triangle, next, last))) * angle;
+    for (const std::uint32_t end : {next, last}) {
+      if (end == corner || border) continue;
+      int faces = 0;
+      for (const std::uint32_t other : triangles_at(corner)) {
+        const Triangle o = corners(other);
+        faces += o[0] == end || o[1] == end || o[2] == end;
+      }
+      border = faces == 1;
+    }
+  }
+  return sum;
+}
+
+Vec3 MeshDistance::pseudo_normal(std::uint32_t triangle, TrianglePart part, bool& border) const {
+  border = false;
+  const auto [a, b, c] = corners(triangle);
+  switch (part) {
+    case TrianglePart::a:
+      return vertex_normal(a, border);
+    case TrianglePart::b:
+      return vertex_normal(b, border);
+    case TrianglePart::c:
+      return vertex_normal(c, border);
+    case TrianglePart::ab:
+      return edge_normal(a, b, border);
+    case TrianglePart::bc:
+      return edge_normal(b, c, border);
+    case TrianglePart::ca:
+      return edge_normal(c, a, border);
+    case TrianglePart::inside:
+      break;
+  }
+  return face_normal(triangle);
+}
+
+void MeshDistance::measure(std::span<const Vec3> x, double, std::span<SurfacePoint> found) const {
+  ClosestTriangle::Hit hit;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    found[i] = {};
+    const Vec3 query = x[i] - mesh_.origin;
+    if (!is_finite(query)) continue;
+    hit = closest_.closest(query, hit);
+    const Triangle& t = mesh_.triangles[hit.triangle];
+    const TrianglePoint at = locate_on_triangle(query, position(t[0]), position(t[1]), position(t[2]));
+    const Vec3 normal = pseudo_normal(hit.triangle, at.part, found[i].border);
+    const double distance = std::sqrt(hit.squared_distance);
+    found[i].distance = dot(query - at.point, normal) < 0 ? -distance : distance;
+    found[i].point = mesh_.origin + hit.point;
+  }
+}
+
+std::unique_ptr<SignedDistance> signed_distance(const TriangleMesh& surface) {
+  if (surface.triangles.empty()) return std::make_unique<PointsDistance>(surface);
+  return std::make_unique<MeshDistance>(surface);
+}
+
+}  // namespace sansmesh

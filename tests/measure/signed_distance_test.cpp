@@ -1,0 +1,249 @@
+#include "sansmesh/measure/signed_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "measure/measure_shapes.h"
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+SurfacePoint ask(const SignedDistance& surface, const Vec3& x, double farthest = 100) {
+  SurfacePoint found;
+  surface.measure({&x, 1}, farthest, {&found, 1});
+  return found;
+}
+
+/// Signed distance to a box, and whether one point is closest (not two).
+double box_distance(const Vec3& p, const Vec3& low, const Vec3& high) {
+  Vec3 out, in;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out[k] = std::max({low[k] - p[k], p[k] - high[k], 0.0});
+    in[k] = std::min(p[k] - low[k], high[k] - p[k]);
+  }
+  return squared_norm(out) > 0 ? norm(out) : -std::min({in.x, in.y, in.z});
+}
+
+TEST(MeshDistance, BoxIsRightEverywhereEdgesAndCornersIncluded) {
+  const TriangleMesh box = test::box_mesh({-1, -1, -1}, {1, 2, 3});
+  const MeshDistance surface(box);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> wide(-4, 5);
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p{wide(random), wide(random), wide(random)};
+    const double truth = box_distance(p, {-1, -1, -1}, {1, 2, 3});
+    const SurfacePoint found = ask(surface, p);
+    ASSERT_NEAR(found.distance, truth, 1e-12) << p.x << ' ' << p.y << ' ' << p.z;
+    ASSERT_NEAR(norm(found.point - p), std::abs(truth), 1e-12);
+    ASSERT_FALSE(found.border);
+  }
+  // Straight off the edges and corners, where the diagonals of the faces end too.
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner{i & 1 ? 1.0 : -1.0, i & 2 ? 2.0 : -1.0, i & 4 ? 3.0 : -1.0};
+    const Vec3 outward{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
+    EXPECT_NEAR(ask(surface, corner + outward * 0.1).distance, 0.1 * std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(ask(surface, corner - outward * 0.1).distance, -0.1, 1e-12);
+    EXPECT_EQ(ask(surface, corner).distance, 0);
+  }
+}
+
+/// A spike over a notched base: at its foot and tip the closest face's own normal gets the side wrong.
+TEST(MeshDistance, SharpVerticesNeedWeightsByAngle) {
+  TriangleMesh spike;
+  spike.vertices = {{0, 0, 5}, {1, 0, 0}, {0, 0.2f, 0}, {-1, 0, 0}, {0, -0.2f, 0}};
+  spike.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2}};
+  const MeshDistance surface(spike);
+  // Truth by the generalised winding number: solid angles of the triangles.
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  int inside = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 near = Vec3(spike.vertices[static_cast<std::size_t>(i) % 5]);
+    const Vec3 p = near + Vec3{normal(random), normal(random), normal(random)} * (i % 2 ? 0.5 : 0.02);
+    double angle = 0;
+    for (const Triangle& t : spike.triangles) {
+      const Vec3 a = Vec3(spike.vertices[t[0]]) - p, b = Vec3(spike.vertices[t[1]]) - p,
+                 c = Vec3(spike.vertices[t[2]]) - p;
+      const double x = norm(a), y = norm(b), z = norm(c);
+      angle += 2 * std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+    }
+    const bool truth = angle > 6;
+    const double d = ask(surface, p).distance;
+    if (std::abs(d) < 1e-9) continue;
+    ASSERT_EQ(d < 0, truth) << p.x << ' ' << p.y << ' ' << p.z << ": " << d;
+    inside += truth;
+  }
+  EXPECT_GT(inside, 300);
+}
+
+TEST(MeshDistance, SoupsAreJoinedByPosition) {
+  const TriangleMesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
+  TriangleMesh soup;
+  for (const Triangle& t : box.triangles) {
+    const auto base = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : t) soup.vertices.push_back(box.vertices[v]);
+    soup.triangles.push_back({base, base + 1, base + 2});
+  }
+  for (Vec3f& v : soup.vertices)
+    if (v.x == 0 && &v - soup.vertices.data() > 15) v.x = -0.0f;
+  const MeshDistance surface(soup);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> wide(-0.7, 1.7);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 p{wide(random), wide(random), wide(random)};
+    const SurfacePoint found = ask(surface, p);
+    ASSERT_NEAR(found.distance, box_distance(p, {0, 0, 0}, {1, 1, 1}), 1e-12);
+    ASSERT_FALSE(found.border);
+  }
+}
+
+TEST(MeshDistance, DegenerateTrianglesHaveNoSay) {
+  // A corner of an edge's neighbours in its middle, closed by a triangle without area.
+  TriangleMesh box = test::box_mesh({0, 0, 0}, {2, 1, 1});
+  box.vertices.push_back({1, 1, 1});  // 8, on the edge 6-7
+  for (Triangle& t : box.triangles)
+    if (t == Triangle{3, 6, 7}) t = {3, 6, 8};
+  box.triangles.push_back({3, 8, 7});
+  box.triangles.push_back({6, 7, 8});
+  box.triangles.push_back({5, 5, 7});
+  box.triangles.push_back({0, 0, 0});
+  box.vertices.push_back({NAN, 0, 0});
+  box.triangles.push_back({0, 1, 9});
+  box.triangles.push_back({0, 1, 77});
+  const MeshDistance surface(box);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> wide(-1, 3);
+  std::normal_distribution<double> small(0, 0.05);
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 p = i % 2 ? Vec3{wide(random), wide(random), wide(random)}
+                         : Vec3{0.5 * (1 + wide(random)), 1 + small(random), 1 + small(random)};
+    ASSERT_NEAR(ask(surface, p).distance, box_distance(p, {0, 0, 0}, {2, 1, 1}), 1e-12)
+        << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
+TEST(MeshDistance, PlaneWithAHole) {
+  // Squares of a grid in z = 0 without the middle ones.
+  TriangleMesh plane;
+  for (int j = 0; j <= 10; ++j)
+    for (int i = 0; i <= 10; ++i) plane.vertices.push_back({float(i), float(j), 0});
+  for (std::uint32_t j = 0; j < 10; ++j)
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      if (i >= 4 && i < 6 && j >= 4 && j < 6) continue;
+      const std::uint32_t a = j * 11 + i;
+      plane.triangles.push_back({a, a + 1, a + 12});
+      plane.triangles.push_back({a, a + 12, a + 11});
+    }
+  plane.origin = {1000, 2000, 3000};
+  const MeshDistance surface(plane);
+  const auto at = [&](double x, double y, double z) { return ask(surface, plane.origin + Vec3{x, y, z}); };
+  EXPECT_NEAR(at(2.3, 2.2, 0.5).distance, 0.5, 1e-12);
+  EXPECT_NEAR(at(2.3, 2.2, -0.5).distance, -0.5, 1e-12);
+  EXPECT_FALSE(at(2.3, 2.2, -0.5).border);
+  EXPECT_FALSE(at(2, 2, 0.1).border);
+  EXPECT_NEAR(at(5, 4.5, 0.5).distance, std::hypot(0.5, 0.5), 1e-12);
+  EXPECT_NEAR(at(5, 4.5, -0.5).distance, -std::hypot(0.5, 0.5), 1e-12);
+  EXPECT_TRUE(at(5, 4.5, 0.5).border);
+  EXPECT_TRUE(at(-1, -1, 1).border);
+  EXPECT_NEAR(at(-1, -1, 1).distance, std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(norm(at(5, 4.5, 0.5).point - Vec3{1005, 2004, 3000}), 0, 1e-12);
+}
+
+TEST(MeshDistance, NothingToMeasureFrom) {
+  TriangleMesh none;
+  EXPECT_THROW(MeshDistance{none}, DataError);
+  EXPECT_THROW(PointsDistance{none}, DataError);
+  none.vertices = {{NAN, 0, 0}};
+  EXPECT_THROW(PointsDistance{none}, DataError);
+  const TriangleMesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
+  EXPECT_TRUE(std::isnan(ask(MeshDistance(box), {NAN, 0, 0}).distance));
+  EXPECT_TRUE(std::isnan(ask(PointsDistance(box), {0, INFINITY, 0}).distance));
+  const test::SphereField sphere(1);
+  EXPECT_TRUE(std::isnan(ask(FieldDistance(sphere), {0, NAN, 0}).distance));
+}
+
+TEST(PointsDistance, SamplesStandForTheSurfaceBetweenThem) {
+  TriangleMesh sphere = test::octasphere(5);
+  sphere.normals = sphere.vertices;
+  sphere.triangles.clear();
+  sphere.origin = {10, 0, 0};
+  const PointsDistance surface(sphere);
+  EXPECT_TRUE(surface.has_sides());
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> radius(0.9, 1.1);
+  for (int i = 0; i < 5000; ++i) {
+    const double r = radius(random);
+    const Vec3 p = Vec3{10, 0, 0} + normalized(Vec3{normal(random), normal(random), normal(random)}) * r;
+    // Samples are 0.05 apart; the tangent plane differs from the sphere by the square of half of that.
+    ASSERT_NEAR(ask(surface, p).distance, r - 1, 1.5e-3);
+  }
+  EXPECT_NEAR(ask(surface, {13, 0, 0}).distance, 2, 1e-2);
+  sphere.normals.clear();
+  const PointsDistance plain(sphere);
+  EXPECT_FALSE(plain.has_sides());
+  EXPECT_NEAR(ask(plain, {10.5, 0, 0}).distance, 0.5, 2e-3);
+}
+
+TEST(PointsDistance, BeyondTheLastSampleTheDistanceIsToTheRim) {
+  TriangleMesh patch;
+  for (int j = 0; j <= 20; ++j)
+    for (int i = 0; i <= 20; ++i) {
+      patch.vertices.push_back({float(i) / 20, float(j) / 20, 0});
+      patch.normals.push_back({0, 0, 1});
+    }
+  const PointsDistance surface(patch);
+  EXPECT_NEAR(ask(surface, {0.5, 0.5, 0.3}).distance, 0.3, 1e-6);
+  EXPECT_NEAR(ask(surface, {0.51, 0.52, -0.3}).distance, -0.3, 1e-6);
+  const double off = ask(surface, {3, 0.5, 0.4}).distance;
+  EXPECT_NEAR(off, std::hypot(2.0, 0.4), 0.12);
+  EXPECT_GT(off, 1.8);
+}
+
+TEST(FieldDistance, ScaledValuesGiveTrueDistances) {
+  const test::TorusField torus;  // its values are not distances
+  const FieldDistance surface(torus);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> angle(0, 6.2831853), radius(0.1, 0.55);
+  for (int i = 0; i < 3000; ++i) {
+    const double u = angle(random), v = angle(random), r = radius(random), q = 1 + r * std::cos(v);
+    const Vec3 p{q * std::cos(u), q * std::sin(u), r * std::sin(v)};
+    const SurfacePoint found = ask(surface, p);
+    ASSERT_NEAR(found.distance, r - 0.35, 1e-7) << r;
+    double value = 0;
+    torus.evaluate({&found.point, 1}, {&value, 1});
+    ASSERT_NEAR(value, 0, 1e-7);
+  }
+}
+
+TEST(FieldDistance, AgreesWithTheMesh) {
+  const test::TorusField torus;
+  const TriangleMesh mesh = test::torus_mesh(400, 200);
+  const FieldDistance field(torus);
+  const MeshDistance triangles(mesh);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> wide(-1.5, 1.5);
+  int compared = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 p{wide(random), wide(random), 0.4 * wide(random)};
+    const double a = ask(field, p).distance, b = ask(triangles, p).distance;
+    if (std::isnan(a) || std::hypot(p.x, p.y) < 0.3) continue;  // near the axis two sides are as close
+    if (std::abs(b + 0.35) < 0.05) continue;                    // and in the middle of the tube all
+    ++compared;
+    ASSERT_NEAR(a, b, 1e-3) << p.x << ' ' << p.y << ' ' << p.z;
+  }
+  EXPECT_GT(compared, 2000);
+}
+
+TEST(FieldDistance, FarPointsAreNotFollowed) {
+  const test::SphereField sphere(1);
+  const FieldDistance kept(sphere);
+  EXPECT_TRUE(std::isnan(ask(kept, {3, 0, 0}, 0.5).distance));
+  EXPECT_NEAR(ask(kept, {3, 0, 0}, 2.5).distance, 2, 1e-9);
+  EXPECT_TRUE(std::isnan(ask(kept, {0, 0, 0}).distance));  // no direction leads out of the centre
+}
+
+}  // namespace
+}  // namespace sansmesh
