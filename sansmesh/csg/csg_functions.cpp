@@ -1,0 +1,162 @@
+#include "sansmesh/csg/csg_functions.h"
+
+#include <limits>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+using Kind = CsgParameter::Kind;
+using Arguments = CsgArguments;
+
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+constexpr Vec3 kZ{0, 0, 1};
+
+Solid make_box(const Arguments& a) {
+  const bool corners = a["from"].given || a["to"].given;
+  if (corners == a["size"].given || (corners && (!a["from"].given || !a["to"].given || a["center"].given)))
+    throw ArgumentError("box: give size= and perhaps center=, or both from= and to=");
+  const double r = a.number("r", 0);
+  if (corners) return csg::box(a.vector("from"), a.vector("to"), r);
+  const Vec3 center = a.vector("center"), half = a.vector("size") * 0.5;
+  return csg::box(center - half, center + half, r);
+}
+
+Solid make_cylinder(const Arguments& a) {
+  const Vec3 center = a.vector("center"), axis = a.vector("axis", kZ);
+  if (!a["h"].given) return csg::cylinder(center, axis, a.number("r", 0));
+  return csg::cylinder(center, axis, a.number("r", 0), a.number("h", 0));
+}
+
+Solid make_plane(const Arguments& a) {
+  const Vec3 normal = a.vector("normal", kZ);
+  if (!a["through"].given) return csg::half_space(normal, a.number("offset", 0));
+  if (a["offset"].given) throw ArgumentError("plane: give offset= or through=, not both");
+  return csg::half_space(normal, dot(a.vector("through"), normalized(normal)));
+}
+
+/// Blends depend a little on the order: the first two, then the third with the result, and so on.
+Solid combined(const Arguments& a, Solid (*pair)(const Solid&, const Solid&, double)) {
+  const double r = a.number("r", 0);
+  Solid result = a.solids[0];
+  for (std::size_t i = 1; i < a.solids.size(); ++i) result = pair(result, a.solids[i], r);
+  return result;
+}
+
+Solid make_union(const Arguments& a) {
+  return a.number("r", 0) == 0 ? combine_all(a.solids, false) : combined(a, csg::unite);
+}
+
+Solid make_intersection(const Arguments& a) {
+  return a.number("r", 0) == 0 ? combine_all(a.solids, true) : combined(a, csg::intersect);
+}
+
+Solid make_difference(const Arguments& a) {
+  if (a.number("r", 0) == 0) return csg::subtract(a.solids[0], combine_all(std::span(a.solids).subspan(1), false));
+  return combined(a, csg::subtract);
+}
+
+std::vector<CsgFunction> table() {
+  const CsgParameter center{"center", Kind::vector}, axis{"axis", Kind::direction}, blend{"r"};
+  const CsgParameter radius{"r", Kind::number, true};
+  std::vector<CsgFunction> all = {
+      {"sphere",
+       0,
+       0,
+       {radius, center},
+       [](const Arguments& a) { return csg::sphere(a.vector("center"), a.number("r", 0)); }},
+      {"box", 0, 0, {{"size", Kind::size}, center, blend, {"from", Kind::vector}, {"to", Kind::vector}}, make_box},
+      {"cylinder", 0, 0, {radius, {"h"}, axis, center}, make_cylinder},
+      {"cone",
+       0,
+       0,
+       {radius, {"h", Kind::number, true}, {"top"}, axis, center},
+       [](const Arguments& a) {
+         return csg::cone(a.vector("center"), a.vector("axis", kZ), a.number("r", 0), a.number("top", 0),
+                          a.number("h", 0));
+       }},
+      {"torus",
+       0,
+       0,
+       {{"R", Kind::number, true}, radius, axis, center},
+       [](const Arguments& a) {
+         return csg::torus(a.vector("center"), a.vector("axis", kZ), a.number("R", 0), a.number("r", 0));
+       }},
+      {"capsule",
+       0,
+       0,
+       {radius, {"from", Kind::vector, true}, {"to", Kind::vector, true}},
+       [](const Arguments& a) { return csg::capsule(a.vector("from"), a.vector("to"), a.number("r", 0)); }},
+      {"plane", 0, 0, {{"normal", Kind::direction}, {"offset"}, {"through", Kind::vector}}, make_plane},
+      {"union", 1, kAny, {blend}, make_union},
+      {"intersection", 1, kAny, {blend}, make_intersection},
+      {"difference", 2, kAny, {blend}, make_difference},
+      {"complement", 1, 1, {}, [](const Arguments& a) { return csg::complement(a.solids[0]); }},
+      {"offset",
+       1,
+       1,
+       {{"d", Kind::number, true}},
+       [](const Arguments& a) { return csg::offset(a.solids[0], a.number("d", 0)); }},
+      {"shell",
+       1,
+       1,
+       {{"t", Kind::number, true}, {"side", Kind::side}},
+       [](const Arguments& a) { return csg::shell(a.solids[0], a.number("t", 0), a["side"].side); }},
+      {"translate",
+       1,
+       1,
+       {{"by", Kind::vector, true}},
+       [](const Arguments& a) { return csg::translate(a.solids[0], a.vector("by")); }},
+      {"rotate",
+       1,
+       1,
+       {{"angle", Kind::number, true}, axis, center},
+       [](const Arguments& a) {
+         return csg::rotate(a.solids[0], a.vector("axis", kZ), a.number("angle", 0), a.vector("center"));
+       }},
+      {"scale",
+       1,
+       1,
+       {{"factor", Kind::number, true}, center},
+       [](const Arguments& a) { return csg::scale(a.solids[0], a.number("factor", 1), a.vector("center")); }},
+      {"mirror",
+       1,
+       1,
+       {{"normal", Kind::direction, true}, {"offset"}},
+       [](const Arguments& a) { return csg::mirror(a.solids[0], a.vector("normal"), a.number("offset", 0)); }},
+  };
+  return all;
+}
+
+}  // namespace
+
+const CsgArgument& CsgArguments::operator[](std::string_view name) const {
+  std::size_t i = 0;
+  while (i + 1 < values_.size() && name != function_.parameters[i].name) ++i;
+  return values_[i];
+}
+
+double CsgArguments::number(std::string_view name, double otherwise) const {
+  const CsgArgument& a = (*this)[name];
+  return a.given ? a.number : otherwise;
+}
+
+Vec3 CsgArguments::vector(std::string_view name, const Vec3& otherwise) const {
+  const CsgArgument& a = (*this)[name];
+  return a.given ? a.vector : otherwise;
+}
+
+std::span<const CsgFunction> csg_functions() {
+  static const std::vector<CsgFunction> all = table();
+  return all;
+}
+
+Solid combine_all(std::span<const Solid> solids, bool intersection) {
+  if (solids.size() == 1) return solids[0];
+  const std::size_t half = solids.size() / 2;
+  const Solid a = combine_all(solids.first(half), intersection), b = combine_all(solids.subspan(half), intersection);
+  return intersection ? csg::intersect(a, b) : csg::unite(a, b);
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,18 @@
+// Solids written as text: `a.smf - cylinder(axis=z, r=0.1)`. The grammar is in docs/methods/csg.md.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "sansmesh/csg/solid.h"
+
+namespace sansmesh {
+
+/// Makes the solid that a name in an expression stands for, usually that of a file. Called once for each name.
+using SolidLoader = std::function<Solid(const std::string& name)>;
+
+/// Throws ArgumentError "expression at N: …" for text that does not follow the grammar or asks for an impossible solid;
+/// N counts characters from 1. What the loader throws passes through.
+Solid parse_csg(const std::string& text, const SolidLoader& loader);
+
+}  // namespace sansmesh

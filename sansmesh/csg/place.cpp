@@ -1,0 +1,202 @@
+// Nodes that move solids, and those that hold fields of others.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/csg/solid_node.h"
+
+namespace sansmesh {
+namespace {
+
+/// x ↦ translation + scale · rotation x; the rotation may mirror.
+struct Similarity {
+  std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  double scale = 1;
+  Vec3 translation;
+  bool turned = false;  ///< the rotation is not the identity
+
+  Vec3 turn(const Vec3& d) const { return columns[0] * d.x + columns[1] * d.y + columns[2] * d.z; }
+  Vec3 turn_back(const Vec3& d) const { return {dot(columns[0], d), dot(columns[1], d), dot(columns[2], d)}; }
+  Vec3 apply(const Vec3& x) const { return translation + scale * (turned ? turn(x) : x); }
+
+  /// First `inner`, then `outer`.
+  friend Similarity operator*(const Similarity& outer, const Similarity& inner) {
+    Similarity s;
+    for (std::size_t k = 0; k < 3; ++k) s.columns[k] = outer.turn(inner.columns[k]);
+    s.scale = outer.scale * inner.scale;
+    s.translation = outer.apply(inner.translation);
+    s.turned = outer.turned || inner.turned;
+    return s;
+  }
+};
+
+class PlacedNode final : public SolidNode {
+ public:
+  PlacedNode(NodePtr child, const Similarity& map)
+      : SolidNode(Traits{.pieces = child->pieces(),
+                         .rise = child->rise(),
+                         .lipschitz = child->lipschitz(),
+                         .cost = child->cost() + 1,
+                         .depth = child->depth() + 1}),
+        child_(std::move(child)),
+        map_(map) {
+    keep_extents();
+  }
+  const NodePtr& child() const { return child_; }
+  const Similarity& map() const { return map_; }
+
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                std::span<std::uint32_t> active) const override {
+    child_->evaluate(brought_back(x), values, gradients, active);
+    finish(values, gradients);
+  }
+  void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                      std::span<Vec3> gradients) const override {
+    child_->evaluate_piece(piece, brought_back(x), values, gradients);
+    finish(values, gradients);
+  }
+  double support(const Vec3& n) const override { return placed(n, child_->support(back(n))); }
+  double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(back(n))); }
+
+ private:
+  Vec3 back(const Vec3& n) const { return map_.turned ? map_.turn_back(n) : n; }
+  double placed(const Vec3& n, double support) const { return dot(n, map_.translation) + map_.scale * support; }
+
+  std::vector<Vec3> brought_back(std::span<const Vec3> x) const {
+    std::vector<Vec3> y(x.size());
+    const double inverse = 1 / map_.scale;
+    for (std::size_t i = 0; i < x.size(); ++i) y[i] = back(x[i] - map_.translation) * inverse;
+    return y;
+  }
+  void finish(std::span<double> values, std::span<Vec3> gradients) const {
+    if (map_.scale != 1)
+      for (double& v : values) v *= map_.scale;
+    if (map_.turned)
+      for (Vec3& g : gradients) g = map_.turn(g);
+  }
+
+  NodePtr child_;
+  Similarity map_;
+};
+
+/// A field of others, wherever it is asked. Nothing is known of it but its values.
+class LeafNode final : public SolidNode {
+ public:
+  explicit LeafNode(std::shared_ptr<const ScalarField> field)
+      : SolidNode(traits_of(*field)),
+        field_(std::move(field)),
+        piecewise_(dynamic_cast<const PiecewiseField*>(field_.get())) {
+    keep_extents();
+  }
+
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                std::span<std::uint32_t> active) const override {
+    field_->evaluate(x, values, gradients);
+    if (active.empty()) return;
+    if (piecewise_) return piecewise_->active(x, active);
+    std::fill(active.begin(), active.end(), 0u);
+  }
+  void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                      std::span<Vec3> gradients) const override {
+    if (piecewise_) return piecewise_->evaluate_piece(piece, x, values, gradients);
+    field_->evaluate(x, values, gradients);
+  }
+  double support(const Vec3&) const override { return kUnbounded; }
+  double hollow_support(const Vec3&) const override { return kUnbounded; }
+
+ private:
+  static Traits traits_of(const ScalarField& field) {
+    const auto* piecewise = dynamic_cast<const PiecewiseField*>(&field);
+    return {.pieces = piecewise ? piecewise->pieces() : 1, .rise = 1, .lipschitz = false, .cost = 50, .depth = 1};
+  }
+  std::shared_ptr<const ScalarField> field_;
+  const PiecewiseField* piecewise_;
+};
+
+Solid placed(const Solid& a, const Similarity& map) {
+  // Placements of placements are one.
+  if (const auto* inner = dynamic_cast<const PlacedNode*>(a.node().get()))
+    return Solid(std::make_shared<PlacedNode>(inner->child(), map * inner->map()));
+  return Solid(std::make_shared<PlacedNode>(a.node(), map));
+}
+
+/// Quarter turns are exact, so that boxes stay boxes.
+double exact(double sine_or_cosine) {
+  const double nearest = std::round(sine_or_cosine);
+  return std::abs(sine_or_cosine - nearest) < 1e-15 ? nearest : sine_or_cosine;
+}
+
+}  // namespace
+
+namespace csg {
+
+Solid leaf(std::shared_ptr<const ScalarField> field) {
+  if (!field) throw ArgumentError("leaf: there is no field");
+  const Box3 bounds = field->bounds();
+  Solid result(std::make_shared<LeafNode>(std::move(field)));
+  if (is_finite(bounds.lower) && is_finite(bounds.upper)) {
+    if (bounds.empty()) throw ArgumentError("leaf: the field has an empty domain");
+    return intersect(result, box(bounds.lower, bounds.upper));
+  }
+  for (std::size_t k = 0; k < 6; ++k) {  // cut off in the directions in which it ends
+    Vec3 n;
+    n[k / 2] = k % 2 ? 1 : -1;
+    const double end = k % 2 ? bounds.upper[k / 2] : -bounds.lower[k / 2];
+    if (std::isfinite(end)) result = intersect(result, half_space(n, end));
+  }
+  return result;
+}
+
+Solid translate(const Solid& a, const Vec3& by) {
+  require_finite("translate", "vector", by);
+  Similarity map;
+  map.translation = by;
+  return placed(a, map);
+}
+
+Solid rotate(const Solid& a, const Vec3& axis, double degrees, const Vec3& center) {
+  const Vec3 u = require_direction("rotate", "axis", axis);
+  require_finite("rotate", "angle", degrees);
+  require_finite("rotate", "center", center);
+  const double angle = std::remainder(degrees, 360.0) * (std::numbers::pi / 180);
+  const double c = exact(std::cos(angle)), s = exact(std::sin(angle));
+  Similarity map;
+  for (Vec3& e : map.columns) e = c * e + s * cross(u, e) + (1 - c) * dot(u, e) * u;
+  map.turned = true;
+  map.translation = center - map.turn(center);
+  return placed(a, map);
+}
+
+Solid scale(const Solid& a, double factor, const Vec3& center) {
+  require_positive("scale", "factor", factor);
+  require_finite("scale", "center", center);
+  Similarity map;
+  map.scale = factor;
+  map.translation = center - factor * center;
+  return placed(a, map);
+}
+
+Solid mirror(const Solid& a, const Vec3& normal, double offset) {
+  const Vec3 n = require_direction("mirror", "normal", normal);
+  require_finite("mirror", "offset", offset);
+  Similarity map;
+  for (Vec3& e : map.columns) e -= 2 * dot(n, e) * n;
+  map.turned = true;
+  map.translation = 2 * offset * n;
+  return placed(a, map);
+}
+
+Solid place(const Solid& a, const Vec3& origin, double unit) {
+  require_finite("place", "origin", origin);
+  require_positive("place", "unit", unit);
+  Similarity map;
+  map.scale = unit;
+  map.translation = origin;
+  return placed(a, map);
+}
+
+}  // namespace csg
+}  // namespace sansmesh

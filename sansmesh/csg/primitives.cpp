@@ -1,0 +1,325 @@
+// Analytic primitives. Each is a shape with a few smooth pieces and one inlined loop over points.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/csg/solid_node.h"
+
+namespace sansmesh {
+namespace {
+
+struct Sample {
+  double value = 0;
+  Vec3 gradient;
+};
+
+/// Distance of a point to an axis, along it, and away from it.
+struct AroundAxis {
+  double along, radius;
+  Vec3 outward;  ///< unit; zero on the axis
+
+  AroundAxis(const Vec3& d, const Vec3& axis) : along(dot(d, axis)) {
+    const Vec3 away = d - along * axis;
+    radius = norm(away);
+    if (radius > 0) outward = away / radius;
+  }
+};
+
+/// Support of a disc.
+double disc_support(const Vec3& n, const Vec3& center, const Vec3& axis, double radius) {
+  const double c = dot(n, axis);
+  return dot(n, center) + radius * std::sqrt(std::max(0.0, 1 - c * c));
+}
+
+/// The piece of largest value.
+template <class Shape>
+std::uint32_t largest_piece(const Shape& shape, const Vec3& x, Sample& sample) {
+  std::uint32_t best = 0;
+  sample = shape.at(0, x);
+  for (std::uint32_t p = 1; p < shape.pieces(); ++p) {
+    const Sample s = shape.at(p, x);
+    if (s.value > sample.value) best = p, sample = s;
+  }
+  return best;
+}
+
+template <class Shape>
+class PrimitiveNode final : public SolidNode {
+ public:
+  explicit PrimitiveNode(const Shape& shape)
+      : SolidNode(Traits{.pieces = shape.pieces(), .rise = shape.rise()}), shape_(shape) {
+    keep_extents();
+  }
+
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                std::span<std::uint32_t> active) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      Sample s;
+      const std::uint32_t piece = shape_.choose(x[i], s);
+      values[i] = s.value;
+      if (!gradients.empty()) gradients[i] = s.gradient;
+      if (!active.empty()) active[i] = piece;
+    }
+  }
+
+  void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                      std::span<Vec3> gradients) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Sample s = shape_.at(piece, x[i]);
+      values[i] = s.value;
+      if (!gradients.empty()) gradients[i] = s.gradient;
+    }
+  }
+
+  double support(const Vec3& n) const override { return shape_.support(n); }
+  double hollow_support(const Vec3& n) const override { return shape_.hollow_support(n); }
+
+ private:
+  Shape shape_;
+};
+
+template <class Shape>
+Solid solid_of(const Shape& shape) {
+  return Solid(std::make_shared<PrimitiveNode<Shape>>(shape));
+}
+
+/// What most shapes are: one piece, bounded, an exact distance.
+struct SmoothShape {
+  std::uint32_t pieces() const { return 1; }
+  double rise() const { return 1; }
+  double hollow_support(const Vec3&) const { return kUnbounded; }
+};
+
+struct Ball : SmoothShape {
+  Vec3 center;
+  double radius = 0;
+
+  Sample at(std::uint32_t, const Vec3& x) const {
+    const Vec3 d = x - center;
+    const double r = norm(d);
+    return {r - radius, r > 0 ? d / r : Vec3{}};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double support(const Vec3& n) const { return dot(n, center) + radius; }
+};
+
+struct HalfSpace : SmoothShape {
+  Vec3 normal;
+  double offset = 0;
+
+  Sample at(std::uint32_t, const Vec3& x) const { return {dot(normal, x) - offset, normal}; }
+  std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  // Directions come out of rotations: the same but for rounding is the same.
+  double support(const Vec3& n) const { return dot(n, normal) > 1 - 1e-14 ? offset : kUnbounded; }
+  double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
+};
+
+/// Pieces 0 to 5: the faces −x, +x, −y, … With rounding, 6: what is round.
+struct Block : SmoothShape {
+  Vec3 center, half;  ///< half the size, less the rounding
+  double rounding = 0;
+
+  std::uint32_t pieces() const { return rounding > 0 ? 7 : 6; }
+  double rise() const { return rounding > 0 ? 1 : std::sqrt(1.0 / 3); }
+  Sample at(std::uint32_t piece, const Vec3& x) const {
+    const Vec3 d = x - center;
+    if (piece < 6) {
+      const std::size_t k = piece / 2;
+      const double sign = piece % 2 ? 1 : -1;
+      Sample s{sign * d[k] - half[k] - rounding, {}};
+      s.gradient[k] = sign;
+      return s;
+    }
+    Vec3 q;
+    for (std::size_t k = 0; k < 3; ++k) q[k] = std::copysign(std::max(0.0, std::abs(d[k]) - half[k]), d[k]);
+    const double r = norm(q);
+    return {r - rounding, r > 0 ? q / r : Vec3{}};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const {
+    const Vec3 d = x - center;
+    std::size_t best = 0;
+    int outside = 0;
+    double largest = -kUnbounded;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double q = std::abs(d[k]) - half[k];
+      outside += q > 0;
+      if (q > largest) best = k, largest = q;
+    }
+    const std::uint32_t piece =
+        rounding > 0 && outside > 1 ? 6 : static_cast<std::uint32_t>(2 * best + (std::signbit(d[best]) ? 0 : 1));
+    s = at(piece, x);
+    return piece;
+  }
+  double support(const Vec3& n) const {
+    return dot(n, center) + std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + rounding;
+  }
+};
+
+struct Pipe : SmoothShape {
+  Vec3 center, axis;
+  double radius = 0;
+
+  Sample at(std::uint32_t, const Vec3& x) const {
+    const AroundAxis a(x - center, axis);
+    return {a.radius - radius, a.outward};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double support(const Vec3& n) const { return std::abs(dot(n, axis)) < 1e-14 ? dot(n, center) + radius : kUnbounded; }
+};
+
+/// Pieces: the side, the bottom, the top.
+struct Frustum : SmoothShape {
+  Vec3 center, axis;
+  double bottom = 0, top = 0, half_height = 0;
+  double slope = 0, cosine = 1;  ///< of the side: radius per height, and of its angle to the axis
+
+  std::uint32_t pieces() const { return 3; }
+  /// In front of an edge both pieces are seen at half the angle between their normals.
+  double rise() const {
+    const double sine = std::abs(slope) * cosine;  // the side's normal leans by this towards the narrow end's
+    return std::sqrt((1 - sine) / 2);
+  }
+  Sample at(std::uint32_t piece, const Vec3& x) const {
+    const Vec3 d = x - center;
+    if (piece == 1) return {-dot(d, axis) - half_height, -axis};
+    if (piece == 2) return {dot(d, axis) - half_height, axis};
+    const AroundAxis a(d, axis);
+    return {(a.radius - (bottom + top) / 2 - slope * a.along) * cosine, (a.outward - slope * axis) * cosine};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const { return largest_piece(*this, x, s); }
+  double support(const Vec3& n) const {
+    return std::max(disc_support(n, center - half_height * axis, axis, bottom),
+                    disc_support(n, center + half_height * axis, axis, top));
+  }
+};
+
+struct Ring : SmoothShape {
+  Vec3 center, axis;
+  double ring = 0, tube = 0;
+
+  Sample at(std::uint32_t, const Vec3& x) const {
+    const AroundAxis a(x - center, axis);
+    const Vec3 d = (a.radius - ring) * a.outward + a.along * axis;
+    const double r = std::hypot(a.radius - ring, a.along);
+    return {r - tube, r > 0 ? d / r : Vec3{}};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double support(const Vec3& n) const { return disc_support(n, center, axis, ring) + tube; }
+};
+
+struct Rod : SmoothShape {
+  Vec3 from, along;  ///< not a unit vector
+  double radius = 0;
+
+  Sample at(std::uint32_t, const Vec3& x) const {
+    const Vec3 d = x - from;
+    const double t = std::clamp(dot(d, along) / squared_norm(along), 0.0, 1.0);
+    const Vec3 away = d - t * along;
+    const double r = norm(away);
+    return {r - radius, r > 0 ? away / r : Vec3{}};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double support(const Vec3& n) const { return dot(n, from) + std::max(0.0, dot(n, along)) + radius; }
+};
+
+}  // namespace
+
+namespace csg {
+
+Solid sphere(const Vec3& center, double radius) {
+  require_finite("sphere", "center", center);
+  require_positive("sphere", "r", radius);
+  Ball s;
+  s.center = center, s.radius = radius;
+  return solid_of(s);
+}
+
+Solid box(const Vec3& lower, const Vec3& upper, double rounding) {
+  require_finite("box", "lower corner", lower);
+  require_finite("box", "upper corner", upper);
+  require_finite("box", "r", rounding);
+  const Vec3 half = (upper - lower) * 0.5;
+  const double least = std::min({half.x, half.y, half.z});
+  if (!(least > 0))
+    throw ArgumentError(fmt::format("box: size must be positive, not ({}, {}, {})", upper.x - lower.x,
+                                    upper.y - lower.y, upper.z - lower.z));
+  require_finite("box", "size", half);
+  if (rounding < 0 || !(rounding < least))
+    throw ArgumentError(
+        fmt::format("box: r must lie between 0 and half the shortest edge, {}, not be {}", least, rounding));
+  Block s;
+  s.center = lower * 0.5 + upper * 0.5;
+  s.half = half - Vec3{rounding, rounding, rounding};
+  s.rounding = rounding;
+  return solid_of(s);
+}
+
+Solid half_space(const Vec3& normal, double offset) {
+  HalfSpace s;
+  s.normal = require_direction("plane", "normal", normal);
+  require_finite("plane", "offset", offset);
+  s.offset = offset;
+  return solid_of(s);
+}
+
+Solid cylinder(const Vec3& center, const Vec3& axis, double radius) {
+  require_finite("cylinder", "center", center);
+  require_positive("cylinder", "r", radius);
+  Pipe s;
+  s.center = center, s.axis = require_direction("cylinder", "axis", axis), s.radius = radius;
+  return solid_of(s);
+}
+
+Solid cylinder(const Vec3& center, const Vec3& axis, double radius, double height) {
+  require_finite("cylinder", "center", center);
+  require_positive("cylinder", "r", radius);
+  require_positive("cylinder", "h", height);
+  Frustum s;
+  s.center = center, s.axis = require_direction("cylinder", "axis", axis);
+  s.bottom = s.top = radius, s.half_height = height / 2;
+  return solid_of(s);
+}
+
+Solid cone(const Vec3& center, const Vec3& axis, double bottom, double top, double height) {
+  require_finite("cone", "center", center);
+  require_finite("cone", "r", bottom);
+  require_finite("cone", "top", top);
+  require_positive("cone", "h", height);
+  if (bottom < 0 || top < 0 || bottom + top == 0)
+    throw ArgumentError(
+        fmt::format("cone: r and top must not be negative, nor both zero; they are {} and {}", bottom, top));
+  Frustum s;
+  s.center = center, s.axis = require_direction("cone", "axis", axis);
+  s.bottom = bottom, s.top = top, s.half_height = height / 2;
+  s.slope = (top - bottom) / height;
+  s.cosine = 1 / std::hypot(1.0, s.slope);
+  return solid_of(s);
+}
+
+Solid torus(const Vec3& center, const Vec3& axis, double ring, double tube) {
+  require_finite("torus", "center", center);
+  require_positive("torus", "R", ring);
+  require_positive("torus", "r", tube);
+  if (!(tube < ring))
+    throw ArgumentError(
+        fmt::format("torus: r must be less than R, or there is no hole; they are {} and {}", tube, ring));
+  Ring s;
+  s.center = center, s.axis = require_direction("torus", "axis", axis), s.ring = ring, s.tube = tube;
+  return solid_of(s);
+}
+
+Solid capsule(const Vec3& from, const Vec3& to, double radius) {
+  require_finite("capsule", "from", from);
+  require_finite("capsule", "to", to);
+  require_positive("capsule", "r", radius);
+  require_direction("capsule", "to − from", to - from);
+  Rod s;
+  s.from = from, s.along = to - from, s.radius = radius;
+  return solid_of(s);
+}
+
+}  // namespace csg
+}  // namespace sansmesh

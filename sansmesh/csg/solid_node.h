@@ -1,0 +1,83 @@
+// What solids are made of, seen from inside: the nodes of the tree.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+class Solid;
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+/// A smallest box, as its extents in the directions −x, +x, −y, +y, −z, +z; they may contradict each other (no point).
+using Extents = std::array<double, 6>;
+
+/// One solid of a tree. Nodes never change once made.
+///
+/// Its support S(n) is a bound for ⟨n, x⟩ over the solid, for any unit vector n. Besides bounding the solid it bounds
+/// the field: outside, value(x) ≥ rise · (⟨n, x⟩ − S(n)), by which a node that is far away need not be evaluated.
+/// The same for the solid's complement, with the value's sign turned.
+class SolidNode {
+ public:
+  virtual ~SolidNode() = default;
+  SolidNode(const SolidNode&) = delete;
+  SolidNode& operator=(const SolidNode&) = delete;
+
+  /// Values, and gradients and active pieces unless their spans are empty.
+  virtual void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                        std::span<std::uint32_t> active) const = 0;
+  /// As PiecewiseField::evaluate_piece.
+  virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                              std::span<Vec3> gradients) const = 0;
+
+  virtual double support(const Vec3& n) const = 0;
+  virtual double hollow_support(const Vec3& n) const = 0;
+
+  std::uint32_t pieces() const { return pieces_; }
+  double rise() const { return rise_; }
+  /// Gradients are known to be 1 at most.
+  bool lipschitz() const { return lipschitz_; }
+  /// Rough time of one evaluation; a primitive takes 1.
+  double cost() const { return cost_; }
+  int depth() const { return depth_; }
+  const Extents& extents() const { return extents_; }
+  const Extents& hollow_extents() const { return hollow_extents_; }
+
+ protected:
+  struct Traits {
+    std::uint64_t pieces = 1;
+    double rise = 1;
+    bool lipschitz = true;
+    double cost = 1;
+    int depth = 1;  ///< one more than the deepest child's
+  };
+  /// Throws ArgumentError if the tree has become too deep or has too many pieces.
+  explicit SolidNode(const Traits& traits);
+  /// To be called by each constructor of a class that is not derived from any more.
+  void keep_extents();
+
+ private:
+  std::uint32_t pieces_;
+  double rise_;
+  bool lipschitz_;
+  double cost_;
+  int depth_;
+  Extents extents_{}, hollow_extents_{};
+};
+
+using NodePtr = std::shared_ptr<const SolidNode>;
+
+/// Throws ArgumentError "WHAT: NAME must be … not VALUE".
+void require_finite(const char* what, const char* name, double value);
+void require_finite(const char* what, const char* name, const Vec3& value);
+void require_positive(const char* what, const char* name, double value);
+/// The unit vector; a zero one is an error too.
+Vec3 require_direction(const char* what, const char* name, const Vec3& value);
+
+}  // namespace sansmesh
