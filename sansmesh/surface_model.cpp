@@ -72,6 +72,7 @@ struct SurfaceModel::State {
   std::vector<float> spacing;  // of the samples at the balls' centres; empty for the partition
 
   void make_field();
+  void use_partition();
 };
 
 /// What only polygonisers need: for a projection, a field that also knows on which side points are that are too far
@@ -86,6 +87,13 @@ void SurfaceModel::State::make_field() {
     field = &*projection_field;
   }
   if (normals) placement.emplace(*field, *normals);
+}
+
+void SurfaceModel::State::use_partition() {
+  field = &*partition;
+  balls = support_balls(*partition);
+  report.spacing = partition->report().spacing * cloud.unit;
+  report.noise = partition->report().noise * cloud.unit;
 }
 
 const std::vector<std::string>& surface_names() {
@@ -133,10 +141,7 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
   const SurfaceSamples* samples = nullptr;
   if (options.method == kPartition) {
     state->partition = fit_partition_of_unity(cloud, {}, progress);
-    state->field = &*state->partition;
-    state->balls = support_balls(*state->partition);
-    report.spacing = state->partition->report().spacing * unit;
-    report.noise = state->partition->report().noise * unit;
+    state->use_partition();
   } else if (is_one_of(implicit_method_names(), options.method)) {
     ImplicitOptions o;
     o.method = implicit_method(options.method);
@@ -169,6 +174,19 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
   }
   if (cloud.has_colors()) state->colors.emplace(cloud);
   progress.finish();
+  return SurfaceModel(std::move(state));
+}
+
+SurfaceModel make_surface_model(SurfaceFunction function) {
+  auto state = std::make_unique<SurfaceModel::State>();
+  state->cloud.points = *function.samples;
+  state->cloud.origin = function.origin;
+  state->cloud.unit = function.unit;
+  state->report.method = kPartition;
+  state->report.samples = state->cloud.points.size();
+  state->partition = std::move(function.field);
+  state->use_partition();
+  if (state->cloud.points.has_colors()) state->colors.emplace(state->cloud.points);
   return SurfaceModel(std::move(state));
 }
 

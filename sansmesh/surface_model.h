@@ -16,6 +16,7 @@
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/prepare_cloud.h"
+#include "sansmesh/surface_function.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
@@ -85,6 +86,7 @@ class SurfaceModel {
 
  private:
   friend SurfaceModel make_surface_model(PointSet, const SurfaceOptions&, Progress&);
+  friend SurfaceModel make_surface_model(SurfaceFunction);
   explicit SurfaceModel(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
@@ -92,5 +94,8 @@ class SurfaceModel {
 /// Cleans and orients the samples (prepare_cloud) and makes the surface. Throws ArgumentError for bad options,
 /// DataError where the points do not make a surface.
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress);
+
+/// The same of a function that was fitted before: the surface "partition".
+SurfaceModel make_surface_model(SurfaceFunction function);
 
 }  // namespace sansmesh

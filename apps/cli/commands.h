@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "command.h"
 #include "console.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/reconstruct.h"
@@ -79,5 +80,12 @@ struct AdviseArguments {
   std::string input;
 };
 void run_advise(const AdviseArguments& arguments, Console& console);
+
+Command add_fit(CLI::App& app);
+Command add_mesh(CLI::App& app);
+Command add_eval(CLI::App& app);
+
+/// Throws FileError early if no function file of that name can be written.
+void check_function_writable(const std::string& file);
 
 }  // namespace sansmesh::cli

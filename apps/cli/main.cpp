@@ -2,13 +2,12 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <new>
 #include <utility>
 #include <vector>
 
-#include "command.h"
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/names.h"
 #include "sansmesh/core/parallel.h"
@@ -20,9 +19,6 @@ constexpr int kFailed = 1;         // a file or its data
 constexpr int kUsage = 2;          // the command line
 constexpr int kInterrupted = 130;  // Ctrl-C, as shells have it
 
-constexpr const char* kReadable =
-    "Reads PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS, VTP and Stanford .conf files, gzipped or not.";
-
 constexpr const char* kExamples = R"(
 Examples:
   sansmesh reconstruct scan.ply -o surface.ply
@@ -33,42 +29,10 @@ Examples:
 Lengths are in the unit of the input. What is not given is chosen from the data.
 Exit codes: 0 done, 1 a file or its data is at fault, 2 the command line is, 130 interrupted.)";
 
-ComponentChoice parse_components(const std::string& text) {
-  using Kind = ComponentChoice::Kind;
-  if (text == "auto") return {};
-  if (text == "all") return {.kind = Kind::all};
-  if (text == "largest") return {.kind = Kind::count, .count = 1};
-  int count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (error != std::errc() || end != text.data() + text.size() || count < 1)
-    throw ArgumentError("--components " + text + ": must be auto, all, largest or a number of at least 1");
-  return {.kind = Kind::count, .count = count};
-}
-
-/// Words for the values of an enumeration. Messages name the words, not the numbers behind them.
-template <class Enum>
-CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
-  return CLI::Validator(
-      [words = std::move(words)](std::string& text) {
-        std::string known;
-        for (const auto& [word, value] : words) {
-          if (text == word) {
-            text = std::to_string(static_cast<int>(value));
-            return std::string();
-          }
-          known += (known.empty() ? "" : ", ") + word;
-        }
-        return "must be one of " + known + ", not " + text;
-      },
-      "");
-}
-
 struct CommandLine {
   ConsoleOptions console;
   int threads = 0;
   ReconstructArguments reconstruct;
-  std::string components = "auto";
-  bool smooth_only = false, no_colors = false, no_enhance = false;
   SurfaceOptions surface;
   std::string surface_name;
   bool no_sheets = false;
@@ -150,64 +114,16 @@ std::optional<SurfaceOptions> chosen_surface(CommandLine& line) {
   return std::nullopt;
 }
 
-void require(bool ok, const char* message) {
-  if (!ok) throw ArgumentError(message);
-}
-
 CLI::App& add_reconstruct(CLI::App& app, CommandLine& line) {
   CLI::App& c = add_command(app, "reconstruct", "Points → triangle mesh, closed unless asked otherwise", line);
   ReconstructArguments& a = line.reconstruct;
-  ReconstructOptions& o = a.options;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
   c.add_option("-o,--output", a.output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
   c.add_option("--preview", a.preview, "Also draw the mesh into this PNG")->type_name("FILE");
   c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form");
-  c.add_option("--components", line.components,
-               "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
-      ->type_name("CHOICE");
-  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near [no value: from data]")
-      ->type_name("LENGTH")
-      ->expected(0, 1)
-      ->default_str("0");
-  c.add_option("--faces", o.faces,
-               "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
-      ->transform(choices<ReconstructOptions::Faces>({{"auto", ReconstructOptions::Faces::automatic},
-                                                      {"ignore", ReconstructOptions::Faces::ignore},
-                                                      {"sample", ReconstructOptions::Faces::sample}}))
-      ->type_name("CHOICE");
-  c.add_option("--normals", o.normals,
-               "Use those given as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
-      ->transform(choices<ReconstructOptions::Normals>({{"auto", ReconstructOptions::Normals::automatic},
-                                                        {"given", ReconstructOptions::Normals::as_given},
-                                                        {"estimate", ReconstructOptions::Normals::estimate}}))
-      ->type_name("CHOICE");
-  c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
-  c.add_option("--mesh-error", o.mesh_error,
-               "Mean distance accepted between mesh and surface: larger is coarser [from data]")
-      ->type_name("LENGTH")
-      ->group("Mesh");
-  c.add_option("--triangles", o.triangles, "Simplify until there are no more triangles than this")
-      ->type_name("COUNT")
-      ->group("Mesh");
-  c.add_flag("--no-enhance", line.no_enhance, "No clustering, smoothing or simplification of triangles")->group("Mesh");
-  c.add_option("--displacement", o.displacement, "With --no-enhance: lattice steps back from the surface, 0..1 [0]")
-      ->type_name("RATIO")
-      ->group("Mesh");
-  c.add_flag("--no-colors", line.no_colors, "Leave out the samples' colours")->group("Mesh");
-  c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
-      ->type_name("LEVEL")
-      ->group("Fit");
-  c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
-      ->type_name("LENGTH")
-      ->group("Fit");
-  c.add_option("--support", o.support,
-               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 1.8 with noise]")
-      ->type_name("RATIO")
-      ->group("Fit");
-  c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")
-      ->type_name("DEGREE")
-      ->group("Fit");
-  c.add_flag("--smooth", line.smooth_only, "Do not look for creases and corners")->group("Fit");
+  add_mesh_options(c, a.options);
+  add_cloud_options(c, a.options);
+  add_fit_options(c, a.options);
   add_surface(c, line, "Cut another surface out, as it stands [partition]");
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
@@ -259,10 +175,10 @@ CLI::App& add_info(CLI::App& app, CommandLine& line) {
 }
 
 CLI::App& add_render(CLI::App& app, CommandLine& line) {
-  CLI::App& c = add_command(app, "render", "Mesh or points → picture", line);
+  CLI::App& c = add_command(app, "render", "Mesh, points or function → picture", line);
   RenderArguments& a = line.render;
   RenderOptions& o = a.options;
-  c.add_option("input", a.input, "Mesh or points")->type_name("FILE")->required();
+  c.add_option("input", a.input, "Mesh, points or function (.smf)")->type_name("FILE")->required();
   c.add_option("-o,--output", a.output, "Picture to write: .png")->type_name("FILE")->required();
   c.add_option("--width", o.width, "Pixels, 1..16384 [1280]")->type_name("PIXELS");
   c.add_option("--height", o.height, "Pixels, 1..16384 [960]")->type_name("PIXELS");
@@ -393,10 +309,6 @@ void run(const CLI::App& app, const std::vector<Command>& commands, CommandLine&
     if (app.got_subcommand(command.app)) return command.run(console);
   if (app.got_subcommand("reconstruct")) {
     ReconstructOptions& o = line.reconstruct.options;
-    o.components = parse_components(line.components);
-    o.sharp = !line.smooth_only;
-    o.carry_colors = !line.no_colors;
-    o.enhance = !line.no_enhance;
     o.remove_outliers = line.surface.remove_outliers;
     if (const auto surface = chosen_surface(line); surface && surface->method != "partition") {
       require(!o.max_depth && !o.error && !o.support && o.max_degree == ReconstructOptions().max_degree && o.sharp,
@@ -430,14 +342,18 @@ void run(const CLI::App& app, const std::vector<Command>& commands, CommandLine&
     o.shadows = !line.no_shadows;
     line.render.surface = chosen_surface(line);
     const SurfaceRenderOptions& s = line.render.surface_options;
-    if (!line.render.surface) {
+    const bool function = is_function_file(line.render.input);
+    require(!function || !line.render.surface,
+            "--surface is for samples: the surface of a function file is the function");
+    if (!line.render.surface && !function) {
       require(line.render.frames == 0 && line.render.color_by.empty() && !line.render.color_range && !s.plain &&
                   !s.exact_shadows && s.reflection == 0 && s.transmission == 0 &&
                   s.refraction_index == SurfaceRenderOptions().refraction_index && !line.surface.remove_outliers,
               "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
               "--refraction-index and --remove-outliers need --surface NAME");
     } else {
-      require(!line.flat && !o.point_radius, "--flat and --point-radius are for meshes and points, not for --surface");
+      require(!line.flat && !o.point_radius,
+              "--flat and --point-radius are for meshes and points, not for surfaces without a mesh");
     }
     using Background = RenderOptions::Background;
     if (line.background == "transparent") o.background = Background::transparent;
@@ -464,7 +380,7 @@ int main(int argc, char** argv) {
   add_project(app, line);
   add_curvature(app, line);
   add_advise(app, line);
-  const std::vector<Command> commands = {};
+  const std::vector<Command> commands = {add_fit(app), add_mesh(app), add_eval(app)};
   for (const Command& command : commands) add_common(*command.app, line);
   try {
     app.parse(argc, argv);

@@ -10,7 +10,7 @@
 namespace sansmesh::cli {
 
 void run_render(const RenderArguments& arguments, Console& console) {
-  if (arguments.surface) return run_surface_picture(arguments, console);
+  if (arguments.surface || is_function_file(arguments.input)) return run_surface_picture(arguments, console);
   arguments.options.validate();
   check_writable(arguments.output, "image");
 

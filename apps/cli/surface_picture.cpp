@@ -45,23 +45,31 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
   return std::make_unique<CurvatureColors>(model.points(), o, progress);
 }
 
+/// The surface of a function file, or that of samples.
+SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Progress& progress) {
+  if (is_function_file(arguments.input)) {
+    read.format = "function";
+    return make_surface_model(read_function(arguments.input));
+  }
+  return make_surface_model(read_points(arguments.input, &read), *arguments.surface, progress);
+}
+
 }  // namespace
 
 void run_surface_picture(const RenderArguments& arguments, Console& console) {
   SurfaceRenderOptions options = arguments.surface_options;
   static_cast<RenderOptions&>(options) = arguments.options;
   options.validate();
-  arguments.surface->validate();
+  if (arguments.surface) arguments.surface->validate();
   check_writable(arguments.output, "image");
 
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = read_points(arguments.input, &read);
-  console.warn(arguments.input, read.warnings);
   std::vector<std::string> files;
   try {
-    const SurfaceModel model = make_surface_model(std::move(points), *arguments.surface, progress);
+    const SurfaceModel model = read_model(arguments, read, progress);
+    console.warn(arguments.input, read.warnings);
     console.warn(arguments.input, model.warnings());
     const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
@@ -69,7 +77,8 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     cast.normals = model.normals();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
                                                     : SurfaceCaster(model.field(), model.balls(), cast);
-    const std::vector<Vec3f>& frame = model.points().positions;
+    const std::vector<Vec3f>& samples = model.points().positions;
+    const std::vector<Vec3f>& frame = samples.empty() ? model.balls().centers : samples;
     if (arguments.frames == 0) {
       const Image image = render_surface(caster, frame, colors, options, progress);
       write_image(arguments.output, image);

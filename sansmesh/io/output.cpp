@@ -36,7 +36,11 @@ int write_all(int fd, const char* data, std::size_t size) {
   return 0;
 }
 
-std::vector<std::string> gzip(const std::string& file, const std::vector<std::string>& parts) {
+using Parts = std::vector<std::string_view>;
+
+Parts views(const std::vector<std::string>& parts) { return {parts.begin(), parts.end()}; }
+
+std::vector<std::string> gzip(const std::string& file, const Parts& parts) {
   z_stream z{};
   if (deflateInit2(&z, 4, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK) {
     throw FileError(file, "cannot be written (compression does not start)");
@@ -84,7 +88,7 @@ int open_temporary(const std::filesystem::path& target, std::string& name) {
   return -1;
 }
 
-void write_bytes(const std::string& file, const std::vector<std::string>& parts) {
+void write_bytes(const std::string& file, const Parts& parts) {
   struct stat info {};
   const bool exists = ::stat(file.c_str(), &info) == 0;
   if (exists && S_ISDIR(info.st_mode)) throw FileError(file, "cannot be written (it is a directory)");
@@ -93,7 +97,7 @@ void write_bytes(const std::string& file, const std::vector<std::string>& parts)
     const int fd = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
     if (fd < 0) fail_system(file, errno);
     int error = 0;
-    for (const std::string& part : parts) {
+    for (const std::string_view part : parts) {
       if (error == 0) error = write_all(fd, part.data(), part.size());
     }
     if (::close(fd) != 0 && error == 0) error = errno;
@@ -112,7 +116,7 @@ void write_bytes(const std::string& file, const std::vector<std::string>& parts)
   if (fd < 0) fail_system(file, errno);
   int error = 0;
   if (exists) (void)!::fchmod(fd, info.st_mode & 07777);  // keeps the old file's mode where the system lets us
-  for (const std::string& part : parts) {
+  for (const std::string_view part : parts) {
     if (error == 0) error = write_all(fd, part.data(), part.size());
   }
   if (::close(fd) != 0 && error == 0) error = errno;
@@ -125,9 +129,11 @@ void write_bytes(const std::string& file, const std::vector<std::string>& parts)
 
 }  // namespace
 
-void write_whole(const std::string& file, const std::vector<std::string>& parts) {
+void write_whole(const std::string& file, const std::vector<std::string>& parts) { write_parts(file, views(parts)); }
+
+void write_parts(const std::string& file, const Parts& parts) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
-  if (lower(file).ends_with(".gz")) return write_bytes(file, gzip(file, parts));
+  if (lower(file).ends_with(".gz")) return write_bytes(file, views(gzip(file, parts)));
   write_bytes(file, parts);
 }
 

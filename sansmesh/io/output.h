@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/core/error.h"
@@ -18,6 +19,7 @@ namespace sansmesh::io {
 /// Writes the parts one after the other into `file` (gzipped if its name ends in ".gz"): into a temporary file of the
 /// same folder first, which then takes the name. Throws FileError, leaving whatever had the name untouched.
 void write_whole(const std::string& file, const std::vector<std::string>& parts);
+void write_parts(const std::string& file, const std::vector<std::string_view>& parts);
 
 /// Bytes that `row(i, p)` appends at p (returning the new end, at most `most` bytes further), for i in [0, n),
 /// formatted in parallel and in order.

@@ -28,6 +28,7 @@ constexpr Format formats[] = {
     {" conf ", io::read_conf},
     {" laz ", nullptr, "LAZ (compressed LAS) is not supported; decompress it to LAS first"},
     {" e57 ", nullptr, "E57 is not supported; convert it to PLY, LAS or XYZ first"},
+    {" smf ", nullptr, "is a function, not points or a mesh; `sansmesh mesh` makes a mesh of it"},
     {" glb gltf fbx dae 3ds 3mf usd usdz ", nullptr,
      "reading this format is not supported; convert it to PLY or OBJ first"},
     {" vtk vtu vti vts vtr ", nullptr, "this kind of VTK file is not supported; convert it to VTP or PLY first"},

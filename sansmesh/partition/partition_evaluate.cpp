@@ -165,7 +165,7 @@ void SupportTree::build(std::span<const LocalFunction> functions) {
   }
 }
 
-void SupportTree::query(const Box3f& box, std::vector<std::uint32_t>& found) const {
+bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& found) const {
   const auto meets = [&](const Box3f& b) {
     return b.lower.x <= box.upper.x && b.upper.x >= box.lower.x && b.lower.y <= box.upper.y &&
            b.upper.y >= box.lower.y && b.lower.z <= box.upper.z && b.upper.z >= box.lower.z;
@@ -180,6 +180,7 @@ void SupportTree::query(const Box3f& box, std::vector<std::uint32_t>& found) con
     const Item item = stack[--top];
     if (!meets(levels[item.level][item.index])) continue;
     if (item.level == 0) {
+      if (found.size() == most) return false;
       found.push_back(item.index);
       continue;
     }
@@ -188,6 +189,7 @@ void SupportTree::query(const Box3f& box, std::vector<std::uint32_t>& found) con
     const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(first + 8, count));
     for (std::uint32_t k = last; k-- > first;) stack[top++] = {item.level - 1, k};
   }
+  return true;
 }
 
 PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_unique<State>()) {
@@ -223,9 +225,9 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
   list.clear();
-  s.tree.query(box, list);
-  if (list.size() > 96 && x.size() > 8) {
-    // Points too far apart to share a list: halve the tile.
+  // Lists longer than this are a sign of points too far apart to share one.
+  const std::size_t most = x.size() > 8 ? 96 : x.size() > 1 ? 1024 : s.data.supports.size();
+  if (!s.tree.query(box, most, list)) {
     const std::size_t half = x.size() / 2;
     const bool g = !gradients.empty();
     evaluate_tile(s, x.first(half), values.first(half), g ? gradients.first(half) : gradients, list, tile);

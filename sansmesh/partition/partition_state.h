@@ -15,8 +15,9 @@ struct SupportTree {
 
   /// One function a support.
   void build(std::span<const LocalFunction> functions);
-  /// Appends the supports whose boxes meet `box`, in ascending order.
-  void query(const Box3f& box, std::vector<std::uint32_t>& found) const;
+  /// Appends the supports whose boxes meet `box`, in ascending order; false: there are more than `most`, and only some
+  /// of them were appended.
+  bool query(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& found) const;
 };
 
 struct PartitionOfUnity::State {

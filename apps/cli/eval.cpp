@@ -1,0 +1,143 @@
+// sansmesh eval: value, gradient and curvature of a function at points.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// So many points are printed as well.
+constexpr std::size_t kPrinted = 20;
+/// Step of the second derivatives over the spacing of the samples.
+constexpr double kStep = 0.25;
+
+struct EvalArguments {
+  std::string input, points, output;
+  std::vector<double> at;
+  bool ascii = false;
+};
+
+PointSet points_of(const EvalArguments& a, Console& console) {
+  if (a.points.empty() == a.at.empty()) throw ArgumentError("where? Give either --points FILE or --at x,y,z");
+  if (!a.points.empty()) {
+    ReadReport read;
+    PointSet points = read_points(a.points, &read);
+    console.warn(a.points, read.warnings);
+    return points;
+  }
+  PointSet points;
+  points.origin = {a.at[0], a.at[1], a.at[2]};
+  points.positions = {{0, 0, 0}};
+  return points;
+}
+
+void run_eval(const EvalArguments& a, Console& console) {
+  if (!a.output.empty()) check_writable(a.output, "points");
+  Progress& progress = console.progress();
+  progress.begin("read");
+  const SurfaceFunction function = read_function(a.input);
+  PointSet points = points_of(a, console);
+  points.triangles.clear();
+
+  progress.begin("evaluate");
+  const std::size_t n = points.size();
+  std::vector<Vec3> x(n);
+  for (std::size_t i = 0; i < n; ++i) x[i] = function.from_input(points.origin + Vec3(points.positions[i]));
+  std::vector<LevelSetPoint> found(n);
+  level_set_points(function.field, x, kStep * function.field.report().spacing, found);
+  const double unit = function.unit;
+  for (LevelSetPoint& p : found) p.value *= unit, p.k1 /= unit, p.k2 /= unit;
+
+  if (!a.output.empty()) {
+    progress.begin("write");
+    const auto add = [&](const char* name, auto&& get) {
+      Attribute attribute{name, std::vector<float>(n)};
+      for (std::size_t i = 0; i < n; ++i) attribute.values[i] = static_cast<float>(get(found[i]));
+      points.attributes.push_back(std::move(attribute));
+    };
+    points.attributes.clear();
+    add("value", [](const LevelSetPoint& p) { return p.value; });
+    add("gradient_x", [](const LevelSetPoint& p) { return p.gradient.x; });
+    add("gradient_y", [](const LevelSetPoint& p) { return p.gradient.y; });
+    add("gradient_z", [](const LevelSetPoint& p) { return p.gradient.z; });
+    add("k1", [](const LevelSetPoint& p) { return p.k1; });
+    add("k2", [](const LevelSetPoint& p) { return p.k2; });
+    write_points(a.output, points, {.ascii = a.ascii});
+  }
+  progress.finish();
+
+  std::vector<double> size(n);
+  double inside = 0, steepest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    size[i] = std::abs(found[i].value);
+    inside += found[i].value < 0;
+    steepest = std::max(steepest, norm(found[i].gradient));
+  }
+  std::sort(size.begin(), size.end());
+  double mean = 0;
+  for (const double s : size) mean += s / static_cast<double>(n);
+  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"),
+                          grouped(static_cast<unsigned long long>(inside))));
+  if (n <= kPrinted) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 p = points.origin + Vec3(points.positions[i]);
+      const LevelSetPoint& f = found[i];
+      console.say(
+          fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient ({:.6g}, {:.6g}, {:.6g})  "
+                      "curvatures {:.4g}, {:.4g}",
+                      p.x, p.y, p.z, f.value, f.gradient.x, f.gradient.y, f.gradient.z, f.k1, f.k2));
+    }
+  } else {
+    console.say(fmt::format("|value| {} in the mean, {} in the middle, {} at most; largest gradient {:.3f}",
+                            length(mean), length(size[n / 2]), length(size[n - 1]), steepest));
+  }
+  nlohmann::ordered_json json = {{"input", {{"file", a.input}}},
+                                 {"points", n},
+                                 {"inside", inside},
+                                 {"absolute_value", {{"mean", mean}, {"median", size[n / 2]}, {"max", size[n - 1]}}},
+                                 {"largest_gradient", steepest}};
+  if (n <= kPrinted) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 p = points.origin + Vec3(points.positions[i]);
+      const LevelSetPoint& f = found[i];
+      json["values"].push_back({{"at", {p.x, p.y, p.z}},
+                                {"value", f.value},
+                                {"gradient", {f.gradient.x, f.gradient.y, f.gradient.z}},
+                                {"k1", f.k1},
+                                {"k2", f.k2}});
+    }
+  }
+  if (!a.output.empty()) json["output"] = {{"file", a.output}};
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_eval(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("eval", "Function file → its value, gradient and curvature at points");
+  auto a = std::make_shared<EvalArguments>();
+  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
+  c->add_option("--points", a->points, "Where: the points of this file")->type_name("FILE");
+  c->add_option("--at", a->at, "Where: at this place, x,y,z")->delimiter(',')->expected(3)->type_name("POINT");
+  c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv")->type_name("FILE");
+  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  c->footer(
+      "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"
+      "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
+      "Examples:\n"
+      "  sansmesh eval scan.smf --at 0.1,0.2,0.3\n"
+      "  sansmesh eval scan.smf --points probes.xyz -o values.csv");
+  return {c, [a](Console& console) { run_eval(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

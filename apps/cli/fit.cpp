@@ -1,0 +1,86 @@
+// sansmesh fit: points in, function file out.
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct FitArguments {
+  std::string input, output;
+  bool without_samples = false;
+  FitOptions options;
+};
+
+void run_fit(const FitArguments& a, Console& console) {
+  a.options.validate();
+  check_function_writable(a.output);
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  PointSet points = read_points(a.input, &read);
+  const std::size_t given = points.size();
+  console.warn(a.input, read.warnings);
+  try {
+    const SurfaceFunction function = fit_surface_function(std::move(points), a.options, progress);
+    console.warn(a.input, function.warnings);
+    progress.begin("write");
+    write_function(a.output, function, !a.without_samples);
+    progress.finish();
+    const PartitionReport& r = function.field.report();
+    const double unit = function.unit;
+    console.say(fmt::format("{}: {} ({})", a.input, counted(given, "point"), read.format));
+    console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(r.spacing * unit),
+                            length(r.noise * unit), length(r.accuracy * unit)));
+    console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
+                            r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
+    const nlohmann::ordered_json json = {
+        {"input", {{"file", a.input}, {"format", read.format}, {"points", given}}},
+        {"spacing", r.spacing * unit},
+        {"noise", r.noise * unit},
+        {"accuracy", r.accuracy * unit},
+        {"depth", r.depth},
+        {"fits", r.functions},
+        {"fits_of_degree", r.functions_of_degree},
+        {"creased", r.creased},
+        {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
+    console.say_json(json.dump(2));
+  } catch (const DataError& error) {
+    throw FileError(a.input, error.what());
+  }
+  console.print_timings();
+}
+
+}  // namespace
+
+void check_function_writable(const std::string& file) {
+  if (!is_function_file(file))
+    throw FileError(file, "functions are written to files with the ending .smf (or .smf.gz)");
+  check_writable(file, "text");
+}
+
+Command add_fit(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
+  auto a = std::make_shared<FitArguments>();
+  c->add_option("input", a->input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c->add_option("-o,--output", a->output, "Function to write: .smf")->type_name("FILE")->required();
+  c->add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
+  c->add_flag("--remove-outliers", a->options.remove_outliers, "Leave out samples that belong to no surface");
+  add_cloud_options(*c, a->options);
+  add_fit_options(*c, a->options);
+  c->footer(std::string(kReadable) +
+            "\n\nExamples:\n"
+            "  sansmesh fit scan.ply -o scan.smf\n"
+            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
+            "  sansmesh diagnose scan.smf");
+  return {c, [a](Console& console) { run_fit(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

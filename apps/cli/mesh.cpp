@@ -1,0 +1,97 @@
+// sansmesh mesh: function file in, mesh out.
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct MeshArguments {
+  std::string input, output, preview;
+  bool ascii = false;
+  std::vector<double> box;
+  MeshOptions options;
+};
+
+void run_mesh(MeshArguments& a, Console& console) {
+  if (!a.box.empty()) a.options.box = Box3{{a.box[0], a.box[1], a.box[2]}, {a.box[3], a.box[4], a.box[5]}};
+  a.options.validate();
+  check_writable(a.output, "mesh");
+  if (!a.preview.empty()) check_writable(a.preview, "image");
+  Progress& progress = console.progress();
+  progress.begin("read");
+  const SurfaceFunction function = read_function(a.input);
+  MeshReport report;
+  TriangleMesh mesh;
+  Image preview;
+  try {
+    mesh = mesh_function(function, a.options, progress, &report);
+  } catch (const DataError& error) {
+    throw FileError(a.input, error.what());
+  }
+  console.warn(a.input, report.warnings);
+  if (!a.preview.empty()) preview = render_mesh(mesh, {}, progress);
+  progress.begin("write");
+  write_mesh(a.output, mesh, {.ascii = a.ascii});
+  if (!a.preview.empty()) write_image(a.preview, preview);
+  progress.finish();
+
+  const MeshTopology topology = measure_topology(mesh);
+  console.say(fmt::format("{}: {}, {}", a.input, counted(function.field.report().functions, "local fit"),
+                          counted(function.samples->size(), "sample")));
+  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output, counted(mesh.triangles.size(), "triangle"),
+                          grouped(mesh.vertices.size()), counted(topology.components, "component"),
+                          topology.closed() ? ", closed" : ", with borders"));
+  if (a.options.measure_quality)
+    console.say(fmt::format("aspect ratio {:.3f} ± {:.3f} before enhancement, {:.3f} ± {:.3f} after",
+                            report.aspect_mean_before, report.aspect_deviation_before, report.aspect_mean,
+                            report.aspect_deviation));
+  const nlohmann::ordered_json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
+                                       {"blocks", report.blocks},
+                                       {"depth", report.depth},
+                                       {"output",
+                                        {{"file", a.output},
+                                         {"vertices", mesh.vertices.size()},
+                                         {"triangles", mesh.triangles.size()},
+                                         {"components", topology.components},
+                                         {"closed", topology.closed()},
+                                         {"mesh_error", report.mesh_error}}},
+                                       {"warnings", report.warnings}};
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_mesh(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("mesh", "Function file → triangle mesh, closed unless asked otherwise");
+  auto a = std::make_shared<MeshArguments>();
+  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
+  c->add_option("-o,--output", a->output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  c->add_option("--preview", a->preview, "Also draw the mesh into this PNG")->type_name("FILE");
+  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  c->add_option("--box", a->box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1")
+      ->delimiter(',')
+      ->expected(6)
+      ->type_name("BOX");
+  c->add_option("--depth", a->options.block_depth,
+                "Deepest level of the blocks cut, 2..12: coarser [from the function]")
+      ->type_name("LEVEL")
+      ->group("Mesh");
+  add_mesh_options(*c, a->options);
+  c->footer(
+      "Examples:\n"
+      "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
+      "  sansmesh mesh scan.smf -o quick.stl --depth 6\n"
+      "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
+      "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
+  return {c, [a](Console& console) { run_mesh(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

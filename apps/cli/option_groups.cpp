@@ -1,0 +1,88 @@
+#include "option_groups.h"
+
+#include <charconv>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh::cli {
+namespace {
+
+ComponentChoice parse_components(const std::string& text) {
+  using Kind = ComponentChoice::Kind;
+  if (text == "auto") return {};
+  if (text == "all") return {.kind = Kind::all};
+  if (text == "largest") return {.kind = Kind::count, .count = 1};
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || end != text.data() + text.size() || count < 1)
+    throw CLI::ValidationError("--components", "must be auto, all, largest or a number of at least 1, not " + text);
+  return {.kind = Kind::count, .count = count};
+}
+
+}  // namespace
+
+void require(bool ok, const char* message) {
+  if (!ok) throw ArgumentError(message);
+}
+
+void add_cloud_options(CLI::App& c, FitOptions& o) {
+  c.add_option("--faces", o.faces,
+               "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
+      ->transform(
+          choices<FaceUse>({{"auto", FaceUse::automatic}, {"ignore", FaceUse::ignore}, {"sample", FaceUse::sample}}))
+      ->type_name("CHOICE");
+  c.add_option("--normals", o.normals,
+               "Use those given as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
+      ->transform(choices<NormalUse>(
+          {{"auto", NormalUse::automatic}, {"given", NormalUse::as_given}, {"estimate", NormalUse::estimate}}))
+      ->type_name("CHOICE");
+}
+
+void add_fit_options(CLI::App& c, FitOptions& o) {
+  c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
+      ->type_name("LEVEL")
+      ->group("Fit");
+  c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
+      ->type_name("LENGTH")
+      ->group("Fit");
+  c.add_option("--support", o.support,
+               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 1.8 with noise]")
+      ->type_name("RATIO")
+      ->group("Fit");
+  c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")
+      ->type_name("DEGREE")
+      ->group("Fit");
+  c.add_flag_callback(
+       "--smooth", [&o] { o.sharp = false; }, "Do not look for creases and corners")
+      ->group("Fit");
+}
+
+void add_mesh_options(CLI::App& c, MeshOptions& o) {
+  c.add_option_function<std::string>(
+       "--components", [&o](const std::string& text) { o.components = parse_components(text); },
+       "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
+      ->type_name("CHOICE");
+  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near [no value: from data]")
+      ->type_name("LENGTH")
+      ->expected(0, 1)
+      ->default_str("0");
+  c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
+  c.add_option("--mesh-error", o.mesh_error,
+               "Mean distance accepted between mesh and surface: larger is coarser [from data]")
+      ->type_name("LENGTH")
+      ->group("Mesh");
+  c.add_option("--triangles", o.triangles, "Simplify until there are no more triangles than this")
+      ->type_name("COUNT")
+      ->group("Mesh");
+  c.add_flag_callback(
+       "--no-enhance", [&o] { o.enhance = false; }, "No clustering, smoothing or simplification of triangles")
+      ->group("Mesh");
+  c.add_option("--displacement", o.displacement, "With --no-enhance: lattice steps back from the surface, 0..1 [0]")
+      ->type_name("RATIO")
+      ->group("Mesh");
+  c.add_flag_callback(
+       "--no-colors", [&o] { o.carry_colors = false; }, "Leave out the samples' colours")
+      ->group("Mesh");
+}
+
+}  // namespace sansmesh::cli

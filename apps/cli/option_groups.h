@@ -1,0 +1,45 @@
+// Options that several commands have, and words for the values of enumerations.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/mesh_function.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::cli {
+
+inline constexpr const char* kReadable =
+    "Reads PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS, VTP and Stanford .conf files, gzipped or not.";
+
+/// Throws ArgumentError with the message unless `ok`.
+void require(bool ok, const char* message);
+
+/// Words for the values of an enumeration. Messages name the words, not the numbers behind them.
+template <class Enum>
+CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
+  return CLI::Validator(
+      [words = std::move(words)](std::string& text) {
+        std::string known;
+        for (const auto& [word, value] : words) {
+          if (text == word) {
+            text = std::to_string(static_cast<int>(value));
+            return std::string();
+          }
+          known += (known.empty() ? "" : ", ") + word;
+        }
+        return "must be one of " + known + ", not " + text;
+      },
+      "");
+}
+
+/// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
+void add_cloud_options(CLI::App& command, FitOptions& options);
+/// --depth, --error, --support, --degree, --smooth
+void add_fit_options(CLI::App& command, FitOptions& options);
+/// --components, --trim, --quality, --mesh-error, --triangles, …
+void add_mesh_options(CLI::App& command, MeshOptions& options);
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,63 @@
+// Named arrays in one file, as they lie in memory: the container of function files. docs/formats/smf.md describes the
+// bytes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "sansmesh/core/shared_array.h"
+
+namespace sansmesh {
+
+/// One array of a file. Names have 1 to 8 characters of A–Z, 0–9 and _.
+struct Section {
+  std::string name;
+  std::uint32_t element_size = 1;  ///< bytes
+  std::string_view bytes;          ///< a multiple of element_size
+};
+
+template <class T>
+Section section_of(const std::string& name, std::span<const T> values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {name, sizeof(T), {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
+}
+
+/// Writes them atomically, each with a checksum, aligned to 64 bytes. Throws FileError.
+void write_sections(const std::string& file, const std::vector<Section>& sections);
+
+/// A file of sections, mapped into memory (unpacked if it is gzipped) and checked: every byte that is handed out
+/// belongs to a section whose checksum is right.
+class SectionFile {
+ public:
+  /// Throws FileError where the file is missing, not of this kind, of a newer version, truncated or damaged.
+  explicit SectionFile(const std::string& file);
+
+  const std::string& file() const { return file_; }
+  bool has(std::string_view name) const { return find(name) != nullptr; }
+
+  /// The elements of a section, without a copy; the array keeps the file mapped. Throws FileError if there is no such
+  /// section or its elements have another size than T.
+  template <class T>
+  SharedArray<T> array(std::string_view name) const {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= 16);
+    const std::string_view bytes = bytes_of(name, sizeof(T));
+    return {std::span(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)), owner_};
+  }
+  /// The same of single bytes.
+  std::string_view text(std::string_view name) const { return bytes_of(name, 1); }
+
+ private:
+  const Section* find(std::string_view name) const;
+  std::string_view bytes_of(std::string_view name, std::size_t element_size) const;
+
+  std::string file_;
+  std::shared_ptr<const void> owner_;
+  std::vector<Section> sections_;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,32 @@
+// The steps from a field to a finished mesh that the front doors share; not part of the public interface.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/mesh_function.h"
+#include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh::detail {
+
+/// How to cut a mesh out that is `mesh_error` (length of the field) off in the mean.
+PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases);
+
+/// Cuts it out; fills in the number of blocks and, if asked for, the quality before enhancement.
+TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
+                     PolygonizeOptions meshing, Progress& progress, MeshReport& r);
+
+/// 1 for the vertices that have a sample within `limit`.
+std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit);
+
+/// Cuts the surface where vertices are not `near`.
+void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near);
+
+/// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options, MeshReport& r);
+
+/// Back from the coordinates of a prepared cloud.
+void to_input(TriangleMesh& mesh, const Vec3& origin, double unit);
+
+}  // namespace sansmesh::detail
