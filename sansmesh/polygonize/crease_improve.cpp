@@ -8,9 +8,11 @@ namespace sansmesh {
 namespace {
 
 constexpr double kGood = 0.5;         // 4√3 A / Σ l²: triangles above are left alone
+constexpr double kBad = 0.1;          // below, nearly anything is better
 constexpr double kLeastCosine = 0.3;  // between a triangle and its piece; below it counts as nearly folded
-constexpr double kGain = 1e-3;
+constexpr double kGain = 0.004;       // of the penalties, that makes a change worth it
 constexpr int kPasses = 4, kMendPasses = 4;
+constexpr double kSameCorner = 0.05;
 constexpr double kLongest = 2.2;  // mean edges: no merge makes a longer one
 
 }  // namespace
@@ -23,6 +25,12 @@ double CreaseZone::shape(const std::array<Vec3, 3>& p, const Triangle& t, std::u
   const double along = dot(area, normal);
   const double q = 2 * std::sqrt(3.0) * along / sum;
   return q > 0 && along < kLeastCosine * norm(area) ? 0.1 * q : q;
+}
+
+double CreaseZone::penalty(const Triangle& t, std::uint32_t on) const {
+  const double q = on == kNone ? -1.5 : shape(t, on);
+  const double low = std::max(0.0, kGood - q);
+  return low * low + 10 * std::max(0.0, kBad - q);
 }
 
 bool CreaseZone::crease_edge(std::uint32_t h) const {
@@ -64,60 +72,87 @@ double CreaseZone::least_around(std::uint32_t v) const {
   return least;
 }
 
+std::uint32_t CreaseZone::best_piece(const Triangle& t) const {
+  std::uint32_t best = kNone;
+  double most = -3;
+  for (const std::uint32_t p : shared(t)) {
+    const double q = shape(t, p);
+    if (q > most + 1e-6) most = q, best = p;
+  }
+  return best;
+}
+
+double CreaseZone::flip_gain(std::uint32_t h, std::array<std::uint32_t, 2>& pieces) const {
+  const std::uint32_t g = surface.twin(h);
+  if (crease_edge(h) || !surface.can_flip(h)) return 0;
+  const std::uint32_t a = surface.from(h), b = surface.to(h), c = surface.apex(h), d = surface.apex(g);
+  const Triangle one{a, d, c}, two{d, b, c};
+  const PieceSet on_one = shared(one), on_two = shared(two);
+  if (on_one.count == 0 || on_two.count == 0) return 0;
+  pieces[0] = on_one.has(piece[h / 3]) ? piece[h / 3] : best_piece(one);
+  pieces[1] = on_two.has(piece[g / 3]) ? piece[g / 3] : best_piece(two);
+  return penalty(surface[h / 3], piece[h / 3]) + penalty(surface[g / 3], piece[g / 3]) - penalty(one, pieces[0]) -
+         penalty(two, pieces[1]);
+}
+
+double CreaseZone::collapse_gain(std::uint32_t h) const {
+  const std::uint32_t from = surface.from(h), to = surface.to(h);
+  const PieceLabel &l = label[from], &kept = label[to];
+  if (l.rank == 0 || kept.rank < l.rank || surface.on_border(from)) return 0;
+  // Corners stay, but for one that was found twice.
+  if (l.rank == 3 && norm(x[from] - x[to]) > kSameCorner * size[to]) return 0;
+  if (common(l.pieces, kept.pieces).count != l.pieces.count || !surface.can_collapse(h)) return 0;
+  if (l.rank == 2) {
+    std::uint32_t creases = 0;
+    surface.around(from, [&](std::uint32_t e) { creases += crease_edge(e); });
+    if (creases != 0 && (creases % 2 != 0 || !crease_edge(h))) return 0;
+  }
+  double gain = 0;
+  bool possible = true;
+  surface.around(from, [&](std::uint32_t e) {
+    const Triangle& t = surface[e / 3];
+    const std::uint32_t on = piece[e / 3], p = surface.to(e), q = surface.apex(e);
+    if (on == kNone && (kept.rank < 2 || label[p].rank == 0 || label[q].rank == 0)) possible = false;
+    gain += penalty(t, on);
+    if (p == to || q == to || !possible) return;
+    const Triangle moved{to, p, q};
+    gain -= penalty(moved, on == kNone ? best_piece(moved) : on);
+    if (norm(x[p] - x[to]) > kLongest * std::max(size[p], size[to])) possible = false;
+  });
+  return possible ? gain : 0;
+}
+
 bool CreaseZone::mend(std::uint32_t t) {
-  enum class Kind { kNothing, kFlip, kCollapse };
+  enum class Kind { kNothing, kFlip, kCollapse, kRename };
   Kind kind = Kind::kNothing;
   std::uint32_t chosen = 0;
   std::array<std::uint32_t, 2> pieces{};
-  double best_gain = kGain;
+  double best = kGain;
+  const std::uint32_t other_piece = best_piece(surface[t]);
+  if (other_piece != kNone && other_piece != piece[t]) {  // all corners on the same crease: it may be on either side
+    const double gain = penalty(surface[t], piece[t]) - penalty(surface[t], other_piece);
+    if (gain > best) {
+      best = gain;
+      kind = Kind::kRename;
+      pieces[0] = other_piece;
+    }
+  }
   for (const std::uint32_t h : {3 * t, 3 * t + 1, 3 * t + 2}) {
     const std::uint32_t g = surface.twin(h);
-    if (g == kNone || piece[g / 3] == kNone) continue;
-    const std::uint32_t a = surface.from(h), b = surface.to(h), c = surface.apex(h), d = surface.apex(g);
-    if (!crease_edge(h) && surface.can_flip(h)) {
-      const Triangle one{a, d, c}, two{d, b, c};
-      const PieceSet on_one = shared(one), on_two = shared(two);
-      if (on_one.count > 0 && on_two.count > 0) {
-        const std::uint32_t first = on_one.has(piece[t]) ? piece[t] : on_one.piece[0];
-        const std::uint32_t second = on_two.has(piece[g / 3]) ? piece[g / 3] : on_two.piece[0];
-        const double before = std::min(shape(surface[t], piece[t]), shape(surface[g / 3], piece[g / 3]));
-        const double gain = std::min(shape(one, first), shape(two, second)) - before;
-        if (gain > best_gain) {
-          best_gain = gain;
-          kind = Kind::kFlip;
-          chosen = h;
-          pieces = {first, second};
-        }
-      }
+    if (g == kNone) continue;
+    std::array<std::uint32_t, 2> flipped{};
+    if (const double gain = flip_gain(h, flipped); gain > best) {
+      best = gain;
+      kind = Kind::kFlip;
+      chosen = h;
+      pieces = flipped;
     }
-    for (const std::uint32_t k : {h, g}) {
-      const std::uint32_t from = surface.from(k), to = surface.to(k);
-      const PieceLabel& l = label[from];
-      if (l.rank == 0 || l.rank == 3 || label[to].rank < l.rank) continue;
-      if (common(l.pieces, label[to].pieces).count != l.pieces.count) continue;
-      if (l.rank == 2) {
-        std::uint32_t creases = 0;
-        surface.around(from, [&](std::uint32_t e) { creases += crease_edge(e); });
-        if (!crease_edge(k) || creases != 2) continue;
-      }
-      if (surface.on_border(from) || !surface.can_collapse(k)) continue;
-      double before = 1, after = 1;
-      surface.around(from, [&](std::uint32_t e) {
-        const std::uint32_t on = piece[e / 3];
-        if (on == kNone || !label[to].pieces.has(on)) after = -3;
-        before = std::min(before, shape(surface[e / 3], on));
-        if (e == k || surface.previous(e) == surface.twin(k)) return;
-        const std::uint32_t p = surface.to(e), q = surface.apex(e);
-        if (p == to || q == to) return;
-        after = std::min(after, shape({to, p, q}, on));
-        if (norm(x[p] - x[to]) > kLongest * std::max(size[p], size[to])) after = -3;
-      });
-      if (after - before > best_gain) {
-        best_gain = after - before;
+    for (const std::uint32_t k : {h, g})
+      if (const double gain = collapse_gain(k); gain > best) {
+        best = gain;
         kind = Kind::kCollapse;
         chosen = k;
       }
-    }
   }
   if (kind == Kind::kFlip) {
     const std::uint32_t g = surface.twin(chosen);
@@ -125,7 +160,13 @@ bool CreaseZone::mend(std::uint32_t t) {
     piece[chosen / 3] = pieces[0];
     piece[g / 3] = pieces[1];
   } else if (kind == Kind::kCollapse) {
+    const std::uint32_t to = surface.to(chosen);
     surface.collapse(chosen);
+    surface.around(to, [&](std::uint32_t h) {
+      if (piece[h / 3] == kNone) piece[h / 3] = best_piece(surface[h / 3]);
+    });
+  } else if (kind == Kind::kRename) {
+    piece[t] = pieces[0];
   }
   return kind != Kind::kNothing;
 }
@@ -196,7 +237,7 @@ void CreaseZone::improve() {
     for (int again = 0; again < kMendPasses; ++again) {
       bool any = false;
       for (std::uint32_t t = 0; t < surface.triangles(); ++t)
-        if (surface.alive(t) && piece[t] != kNone && shape(surface[t], piece[t]) < kGood) any = mend(t) || any;
+        if (surface.alive(t) && penalty(surface[t], piece[t]) > 0) any = mend(t) || any;
       if (!any) break;
     }
     relax();

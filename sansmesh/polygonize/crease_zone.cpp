@@ -12,7 +12,7 @@ namespace {
 constexpr double kSnapCrease = 0.3, kSnapCorner = 0.5;
 constexpr double kForced = 0.8;    // a vertex that belongs to neither side of a crease may go farther to reach it
 constexpr double kOnPiece = 1e-4;  // on the surface; two pieces agree
-constexpr double kSplitReach = 0.8;
+constexpr double kSplitReach = 0.8, kSplitCorner = 1.2, kSplitMost = 3;
 constexpr double kApart = 1e-3;  // vertices closer than that are one
 constexpr int kSplitRounds = 6;
 constexpr int kBisections = 7;
@@ -31,6 +31,14 @@ std::uint8_t rank_of(const PieceLabel& l) {
         if (std::abs(dot(c, l.normal[k])) > kFlatCorner) return 3;
     }
   return rank;
+}
+
+/// How far from the middle of an edge the crease that it cuts short may be: the edge is the base of a triangle with the
+/// angle between the pieces at its apex.
+double crease_reach(const Meeting& m, double edge) {
+  const double cosine = std::clamp(dot(m.normal[0], m.normal[1]), -1.0, 1.0);
+  const double depth = 0.5 * edge * std::sqrt((1 - cosine) / std::max(1e-9, 1 + cosine));
+  return std::max(m.reach / kSplitMost * kSplitReach, 1.3 * depth + 0.3 * edge);
 }
 
 }  // namespace
@@ -326,7 +334,7 @@ std::size_t CreaseZone::split_crossing(int round) {
     c.first = meetings.size();
     const std::uint32_t u = c.from, v = c.to;
     const Vec3 start = x[u] + (x[v] - x[u]) * (0.5 * (c.low + c.high));
-    const double reach = kSplitReach * std::max({norm(x[v] - x[u]), size[u], size[v]});
+    const double local = std::max({norm(x[v] - x[u]), size[u], size[v]});
     PieceSet all = label[u].pieces;
     for (const std::uint32_t p : label[v].pieces) all.add(p);
     all.add(c.next);
@@ -334,12 +342,13 @@ std::size_t CreaseZone::split_crossing(int round) {
       for (std::size_t i = 0; i < all.count; ++i)
         for (std::size_t j = i + 1; j < all.count; ++j)
           for (std::size_t k = j + 1; k < all.count; ++k)
-            meetings.push_back({start, reach, {all.piece[i], all.piece[j], all.piece[k]}, 3, false, {}, {}});
+            meetings.push_back(
+                {start, kSplitCorner * local, {all.piece[i], all.piece[j], all.piece[k]}, 3, false, {}, {}});
     }
     for (const std::uint32_t p : label[u].pieces) {
-      meetings.push_back({start, reach, {p, c.next}, 2, false, {}, {}});
+      meetings.push_back({start, kSplitMost * local, {p, c.next}, 2, false, {}, {}});
       for (const std::uint32_t q : label[v].pieces)
-        if (q != c.next) meetings.push_back({start, reach, {p, q}, 2, false, {}, {}});
+        if (q != c.next) meetings.push_back({start, kSplitMost * local, {p, q}, 2, false, {}, {}});
     }
   }
   find_meetings(field, meetings);
@@ -354,9 +363,10 @@ std::size_t CreaseZone::split_crossing(int round) {
     for (std::size_t k = crossings[i].first; k < end; ++k) {
       const Meeting& m = meetings[k];
       if (!m.found || (best != nullptr && best->count > m.count)) continue;
+      if (m.count == 2 && norm(m.x - m.start) > crease_reach(m, norm(x[around[0]] - x[around[1]]))) continue;
       bool taken = false;
       for (const std::uint32_t v : around) taken = taken || norm(x[v] - m.x) < kApart * local;
-      if (m.count == 3)
+      if (m.count == 3 && round < kSplitRounds / 2)  // later one that exists may be made again: improve() merges them
         for (const std::uint32_t v : around) taken = taken || corner_near(v, m.x, 0.05 * local);
       if (taken) {
         wait = wait || m.count == 3;
@@ -400,7 +410,7 @@ std::size_t CreaseZone::split_triangles() {
     bool taken = false;
     double h = 0;
     for (const std::uint32_t v : surface[at[i]]) {
-      taken = taken || corner_near(v, meetings[i].x, 0.05 * size[v]) || norm(x[v] - meetings[i].x) < kApart * size[v];
+      taken = taken || norm(x[v] - meetings[i].x) < kApart * size[v];
       h += size[v] / 3;
     }
     if (taken) continue;

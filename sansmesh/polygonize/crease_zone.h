@@ -70,6 +70,10 @@ struct CreaseZone {
   std::size_t split_triangles();
   std::uint32_t add_vertex(const Vec3& p, double h, const Meeting& m);
   double least_around(std::uint32_t v) const;
+  double penalty(const Triangle& t, std::uint32_t on) const;  ///< 0: of good shape
+  std::uint32_t best_piece(const Triangle& t) const;          ///< of those shared
+  double flip_gain(std::uint32_t h, std::array<std::uint32_t, 2>& pieces) const;
+  double collapse_gain(std::uint32_t h) const;
   bool mend(std::uint32_t t);
   void relax();
 };

@@ -12,6 +12,7 @@ constexpr int kMostSteps = 12;
 constexpr double kConverged = 1e-10;  // last step, as a share of the reach
 constexpr double kResidual = 1e-4;    // distance from each piece, as a share of the reach: for fields that are noisy
 constexpr double kOffSurface = 1e-3;  // |F| as a share of the reach: then another piece cut the crease away
+constexpr double kStep = 0.01;        // how far from a point its surroundings are looked at, as a share of the reach
 constexpr double kFlatCorner = 0.02;
 
 /// The shortest d with g[i] · d = r[i] for i < n; false if the g are not independent.
@@ -39,6 +40,50 @@ bool independent(const std::array<Vec3, 3>& n, std::uint32_t count) {
   if (count == 2) return squared_norm(cross(n[0], n[1])) > kTangentSine * kTangentSine;
   if (count == 3) return std::abs(dot(n[0], cross(n[1], n[2]))) > kFlatCorner;
   return true;
+}
+
+/// Whether what was found is part of the zero set: the field vanishes there, and near a crease also a little farther
+/// along each of its two pieces, on one side; near a corner along creases that have all three pieces. (Where another
+/// piece cuts a crease away, or where a piece that takes no part happens to vanish, it does not.)
+void check_surface(const PiecewiseField& field, std::span<Meeting> all) {
+  std::vector<Vec3> x;
+  std::vector<double> step;
+  const auto ask = [&](const Vec3& p, double s) {
+    x.push_back(p);
+    step.push_back(s);
+  };
+  for (const Meeting& m : all) {
+    if (!m.found) continue;
+    ask(m.x, 0);
+    const double s = kStep * m.reach;
+    const auto both_ways = [&](const Vec3& d) {
+      ask(m.x + normalized(d) * s, s);
+      ask(m.x - normalized(d) * s, s);
+    };
+    if (m.count == 2) {
+      const Vec3 along = cross(m.normal[0], m.normal[1]);
+      both_ways(cross(m.normal[0], along));
+      both_ways(cross(m.normal[1], along));
+    } else if (m.count == 3) {
+      for (std::size_t k = 0; k < 3; ++k) both_ways(cross(m.normal[k], m.normal[(k + 1) % 3]));
+    }
+  }
+  std::vector<double> f(x.size());
+  field.evaluate(x, f);
+  std::size_t q = 0;
+  for (Meeting& m : all) {
+    if (!m.found) continue;
+    m.found = std::abs(f[q++]) <= kOffSurface * m.reach;
+    if (m.count == 1) continue;
+    std::array<bool, 3> there{};
+    for (std::size_t k = 0; k < (m.count == 2 ? 2u : 3u); ++k, q += 2) {
+      // A piece that leaves the surface does so at the angle between the pieces, at least.
+      const double angle = norm(cross(m.normal[k], m.normal[m.count == 2 ? 1 - k : (k + 1) % 3]));
+      const double most = (m.count == 2 ? 0.3 * angle : 0.02) * step[q];
+      there[k] = std::min(std::abs(f[q]), std::abs(f[q + 1])) <= most;
+    }
+    m.found = m.found && (m.count == 2 ? there[0] && there[1] : there[0] + there[1] + there[2] >= 2);
+  }
 }
 
 }  // namespace
@@ -124,17 +169,8 @@ void find_meetings(const PiecewiseField& field, std::span<Meeting> all) {
     }
     open.resize(kept);
   }
-  open.clear();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].found = all[i].found && norm(all[i].x - all[i].start) <= all[i].reach;
-    if (all[i].found) open.push_back(static_cast<std::uint32_t>(i));
-  }
-  std::vector<Vec3> x(open.size());
-  std::vector<double> f(open.size());
-  for (std::size_t i = 0; i < open.size(); ++i) x[i] = all[open[i]].x;
-  field.evaluate(x, f);
-  for (std::size_t i = 0; i < open.size(); ++i)
-    if (!(std::abs(f[i]) <= kOffSurface * all[open[i]].reach)) all[open[i]].found = false;
+  for (Meeting& m : all) m.found = m.found && norm(m.x - m.start) <= m.reach;
+  check_surface(field, all);
 }
 
 }  // namespace sansmesh
