@@ -1,0 +1,181 @@
+#include "sansmesh/measure/body_measures.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/measure/same_places.h"
+#include "sansmesh/polygonize/components.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kChunk = 8192;
+
+/// Integrals over surface and inside, relative to a middle.
+struct Sums {
+  double area = 0, volume = 0;
+  Vec3 surface, first;             ///< ∫ x over the surface, over the inside
+  std::array<double, 6> second{};  ///< ∫ xx, yy, zz, xy, yz, zx over the inside
+};
+
+Sums combine(Sums a, const Sums& b) {
+  a.area += b.area;
+  a.volume += b.volume;
+  a.surface += b.surface;
+  a.first += b.first;
+  for (std::size_t k = 0; k < 6; ++k) a.second[k] += b.second[k];
+  return a;
+}
+
+/// Adds a triangle, and the tetrahedron from the middle to it: over that with corners 0, a, b, c and s = a + b + c the
+/// integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
+void add(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
+  const double area = 0.5 * norm(cross(b - a, c - a)), det = dot(a, cross(b, c));
+  const Vec3 s = a + b + c;
+  sums.area += area;
+  sums.surface += s * (area / 3);
+  sums.volume += det / 6;
+  sums.first += s * (det / 24);
+  const std::size_t pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto [i, j] = pairs[k];
+    sums.second[k] += det / 120 * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]);
+  }
+}
+
+MassMeasures mass_of(const Sums& sums, const Vec3& middle) {
+  MassMeasures mass;
+  mass.volume = sums.volume;
+  if (sums.volume == 0) {
+    mass.center = middle + sums.surface / sums.area;
+    mass.axes = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+    return mass;
+  }
+  const Vec3 c = sums.first / sums.volume;
+  mass.center = middle + c;
+  const auto& q = sums.second;
+  Eigen::Matrix3d moments;
+  moments << q[0], q[3], q[5], q[3], q[1], q[4], q[5], q[4], q[2];
+  const Eigen::Vector3d shift(c.x, c.y, c.z);
+  moments -= sums.volume * shift * shift.transpose();
+  const Eigen::Matrix3d inertia = moments.trace() * Eigen::Matrix3d::Identity() - moments;
+  // Of the solid itself, whichever way its triangles face.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sums.volume < 0 ? Eigen::Matrix3d(-inertia) : inertia);
+  for (int k = 0; k < 3; ++k) {
+    mass.moments[static_cast<std::size_t>(k)] = std::max(0.0, solver.eigenvalues()[k]);
+    Eigen::Vector3d axis = solver.eigenvectors().col(k);
+    Eigen::Index largest = 0;
+    axis.cwiseAbs().maxCoeff(&largest);
+    if (axis[largest] < 0) axis = -axis;
+    mass.axes[static_cast<std::size_t>(k)] = {axis.x(), axis.y(), axis.z()};
+  }
+  mass.axes[2] = cross(mass.axes[0], mass.axes[1]);
+  return mass;
+}
+
+/// A mesh in which equal places are one vertex, without the triangles that cannot be measured.
+TriangleMesh joined_places(const TriangleMesh& mesh) {
+  TriangleMesh result;
+  result.origin = mesh.origin;
+  result.vertices = mesh.vertices;
+  const std::vector<std::uint32_t> same = first_at_place(mesh.vertices);
+  const std::size_t n = mesh.vertices.size();
+  result.triangles.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) {
+    if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
+    const Triangle s{same[t[0]], same[t[1]], same[t[2]]};
+    if (s[0] == s[1] || s[1] == s[2] || s[2] == s[0]) continue;
+    if (!is_finite(mesh.vertices[s[0]]) || !is_finite(mesh.vertices[s[1]]) || !is_finite(mesh.vertices[s[2]])) continue;
+    result.triangles.push_back(s);
+  }
+  return result;
+}
+
+/// Counts the edges that are not closed in each component.
+void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& component, SolidMeasures& result) {
+  // Key: the unordered pair; index: triangle and direction.
+  std::vector<KeyIndex> edges(3 * mesh.triangles.size());
+  parallel_for(0, mesh.triangles.size(), kChunk, [&](std::size_t i) {
+    const Triangle& t = mesh.triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      edges[3 * i + k] = {std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), static_cast<unsigned>(3 * i + k)};
+    }
+  });
+  parallel_sort(edges);
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i;
+    long balance = 0;
+    for (; end < edges.size() && edges[end].key == edges[i].key; ++end) {
+      const Triangle& t = mesh.triangles[edges[end].index / 3];
+      const std::size_t k = edges[end].index % 3;
+      balance += t[k] < t[(k + 1) % 3] ? 1 : -1;
+    }
+    for (BodyMeasures* body : {&result.whole, &result.components[component[edges[i].index / 3]]}) {
+      body->open_edges += balance != 0;
+      body->nonmanifold_edges += end - i > 2;
+    }
+    i = end;
+  }
+}
+
+}  // namespace
+
+SolidMeasures measure_solid(const TriangleMesh& mesh) {
+  const TriangleMesh clean = joined_places(mesh);
+  SolidMeasures result;
+  result.left_out = mesh.triangles.size() - clean.triangles.size();
+  const MeshComponents components = find_components(clean);
+  result.components.resize(components.size());
+  count_edges(clean, components.of_triangle, result);
+
+  // Triangles grouped by component, in order.
+  std::vector<std::size_t> first(components.size() + 1);
+  for (const std::uint32_t c : components.of_triangle) ++first[c + 1];
+  for (std::size_t c = 0; c < components.size(); ++c) first[c + 1] += first[c];
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  std::vector<std::uint32_t> grouped(clean.triangles.size());
+  for (std::size_t i = 0; i < grouped.size(); ++i)
+    grouped[next[components.of_triangle[i]]++] = static_cast<std::uint32_t>(i);
+
+  std::vector<Vec3f> corners;
+  const auto measure = [&](BodyMeasures& body, std::size_t begin, std::size_t end) {
+    body.triangles = end - begin;
+    Box3f box;
+    for (std::size_t i = begin; i < end; ++i)
+      for (const std::uint32_t v : clean.triangles[grouped[i]]) box.extend(clean.vertices[v]);
+    const Vec3 middle = box.empty() ? Vec3{} : (Vec3(box.lower) + Vec3(box.upper)) * 0.5;
+    const Sums sums = parallel_reduce(
+        end - begin, kChunk, Sums{},
+        [&](std::size_t from, std::size_t to) {
+          Sums part;
+          for (std::size_t i = begin + from; i < begin + to; ++i) {
+            const Triangle& t = clean.triangles[grouped[i]];
+            add(Vec3(clean.vertices[t[0]]) - middle, Vec3(clean.vertices[t[1]]) - middle,
+                Vec3(clean.vertices[t[2]]) - middle, part);
+          }
+          return part;
+        },
+        combine);
+    body.area = sums.area;
+    body.box = {clean.origin + Vec3(box.lower), clean.origin + Vec3(box.upper)};
+    body.surface_center = clean.origin + middle + (sums.area > 0 ? sums.surface / sums.area : Vec3{});
+    if (body.closed() && sums.area > 0) body.mass = mass_of(sums, clean.origin + middle);
+  };
+  measure(result.whole, 0, grouped.size());
+  if (!(result.whole.area > 0)) throw DataError("no triangles with an area to measure");
+  for (std::size_t c = 0; c < components.size(); ++c) measure(result.components[c], first[c], first[c + 1]);
+
+  std::vector<std::uint8_t> used(clean.vertices.size());
+  for (const Triangle& t : clean.triangles)
+    for (const std::uint32_t v : t)
+      if (!used[v]) used[v] = 1, corners.push_back(clean.vertices[v]);
+  result.smallest_box = smallest_box(corners);
+  result.smallest_box.center += clean.origin;
+  return result;
+}
+
+}  // namespace sansmesh

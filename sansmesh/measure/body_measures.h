@@ -1,0 +1,64 @@
+// What a solid amounts to: area, volume, centre of mass, moments of inertia, size.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
+struct MassMeasures {
+  double volume = 0;  ///< length³; negative if the triangles face inward
+  Vec3 center;        ///< of mass
+  /// Principal moments of inertia about the centre, ascending (length⁵), and their axes: orthonormal, right-handed.
+  /// Where moments are equal any axes do.
+  std::array<double, 3> moments{};
+  std::array<Vec3, 3> axes{};
+};
+
+struct BodyMeasures {
+  std::size_t triangles = 0;
+  std::size_t open_edges = 0;         ///< that more triangles run through in one direction than in the other
+  std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
+  double area = 0;                    ///< length²
+  Vec3 surface_center;                ///< mean of the surface's points
+  Box3 box;
+  /// Only if closed: there is no inside otherwise.
+  std::optional<MassMeasures> mass;
+
+  /// Every edge is run through as often in one direction as in the other: then the volume does not depend on where it
+  /// is measured from.
+  bool closed() const { return triangles > 0 && open_edges == 0; }
+};
+
+/// A box in any direction.
+struct OrientedBox {
+  std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
+  std::array<double, 3> sizes{};  ///< along the axes, descending
+  Vec3 center;
+};
+
+struct SolidMeasures {
+  BodyMeasures whole;
+  std::vector<BodyMeasures> components;  ///< sets of triangles that share places, largest area first
+  OrientedBox smallest_box;              ///< of least volume that was found
+  std::size_t left_out = 0;              ///< triangles with a corner that is not finite or missing, or without area
+};
+
+/// Vertices at the same place are one. Volume, centre and moments by the divergence theorem, exactly for the
+/// polyhedron: cavities (components that face inward) are subtracted, overlaps count twice. Deterministic for any
+/// number of threads. Throws DataError if there is no triangle with an area.
+SolidMeasures measure_solid(const TriangleMesh& mesh);
+
+/// A box around the points that no turn about one of its axes makes smaller, the smallest of those found from several
+/// beginnings: exact for boxes, elsewhere perhaps not the smallest of all. Points relative to an origin of the
+/// caller's. Throws DataError if there are no finite points.
+OrientedBox smallest_box(const std::vector<Vec3f>& points);
+
+}  // namespace sansmesh

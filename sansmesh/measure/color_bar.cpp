@@ -1,0 +1,123 @@
+#include "sansmesh/measure/color_bar.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/measure/distance_map.h"
+
+namespace sansmesh {
+namespace {
+
+using Pixel = std::array<std::uint8_t, 4>;
+
+constexpr Pixel kInk{32, 36, 43, 255};
+constexpr int kWide = 5, kHigh = 7;
+
+/// Rows from top to bottom, the highest of five bits on the left.
+struct Glyph {
+  char character;
+  std::array<std::uint8_t, kHigh> rows;
+};
+
+constexpr Glyph kGlyphs[] = {
+    {'0', {0b01110, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b01110}},
+    {'1', {0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110}},
+    {'2', {0b01110, 0b10001, 0b00001, 0b00110, 0b01000, 0b10000, 0b11111}},
+    {'3', {0b11110, 0b00001, 0b00001, 0b01110, 0b00001, 0b00001, 0b11110}},
+    {'4', {0b00010, 0b00110, 0b01010, 0b10010, 0b11111, 0b00010, 0b00010}},
+    {'5', {0b11111, 0b10000, 0b11110, 0b00001, 0b00001, 0b10001, 0b01110}},
+    {'6', {0b00110, 0b01000, 0b10000, 0b11110, 0b10001, 0b10001, 0b01110}},
+    {'7', {0b11111, 0b00001, 0b00010, 0b00100, 0b00100, 0b01000, 0b01000}},
+    {'8', {0b01110, 0b10001, 0b10001, 0b01110, 0b10001, 0b10001, 0b01110}},
+    {'9', {0b01110, 0b10001, 0b10001, 0b01111, 0b00001, 0b00010, 0b01100}},
+    {'+', {0b00000, 0b00100, 0b00100, 0b11111, 0b00100, 0b00100, 0b00000}},
+    {'-', {0b00000, 0b00000, 0b00000, 0b11111, 0b00000, 0b00000, 0b00000}},
+    {'.', {0b00000, 0b00000, 0b00000, 0b00000, 0b00000, 0b01100, 0b01100}},
+    {'e', {0b00000, 0b00000, 0b01110, 0b10001, 0b11111, 0b10000, 0b01110}},
+};
+
+/// Pixels [x0, x1) × [y0, y1), as far as they lie in the picture; `opacity` in 0..1 over what is there.
+void fill(Image& image, int x0, int y0, int x1, int y1, const Pixel& color, double opacity = 1) {
+  for (int y = std::max(0, y0); y < std::min(image.height, y1); ++y)
+    for (int x = std::max(0, x0); x < std::min(image.width, x1); ++x) {
+      Pixel& p = image.at(x, y);
+      const double old = (1 - opacity) * p[3] / 255, sum = opacity + old;
+      for (std::size_t k = 0; k < 3; ++k)
+        p[k] = static_cast<std::uint8_t>(std::lround((opacity * color[k] + old * p[k]) / sum));
+      p[3] = static_cast<std::uint8_t>(std::lround(255 * sum));
+    }
+}
+
+}  // namespace
+
+int text_width(const std::string& text, int dot) {
+  return text.empty() ? 0 : dot * (static_cast<int>(text.size()) * (kWide + 1) - 1);
+}
+
+void draw_text(Image& image, int x, int y, int dot, const std::string& text) {
+  for (const char c : text) {
+    for (const Glyph& glyph : kGlyphs) {
+      if (glyph.character != c) continue;
+      for (int j = 0; j < kHigh; ++j)
+        for (int i = 0; i < kWide; ++i)
+          if (glyph.rows[static_cast<std::size_t>(j)] >> (kWide - 1 - i) & 1)
+            fill(image, x + i * dot, y + j * dot, x + (i + 1) * dot, y + (j + 1) * dot, kInk);
+    }
+    x += (kWide + 1) * dot;
+  }
+}
+
+std::string scale_number(double value, bool with_sign) {
+  const std::string text = fmt::format("{:.4g}", value);
+  return with_sign && value > 0 ? "+" + text : text;
+}
+
+void draw_color_bar(Image& image, const ColorBar& bar) {
+  if (image.width < 80 || image.height < 100) return;
+  const int dot = std::max(1, static_cast<int>(std::lround(std::min(image.width / 640.0, image.height / 480.0))));
+  const int line = std::max(1, dot / 2), gap = 4 * dot;
+  const int thick = 12 * dot, high = static_cast<int>(0.6 * image.height) / 2 * 2 + 1;
+
+  struct Tick {
+    double where;  // 0 at the lower end, 1 at the upper
+    std::string label;
+  };
+  const double low = bar.both_sides ? -bar.range : 0;
+  std::vector<Tick> ticks;
+  for (int k = 0; k <= 4; ++k) {
+    const double where = 0.25 * k, value = low + where * (bar.range - low);
+    ticks.push_back({where, scale_number(value, bar.both_sides)});
+    if (!(bar.range > 0)) break;
+  }
+  int widest = 0;
+  for (const Tick& t : ticks) widest = std::max(widest, text_width(t.label, dot));
+
+  const int right = image.width - 6 * dot, x1 = right - widest - 2 * gap, x0 = x1 - thick;
+  const int y0 = (image.height - high) / 2, y1 = y0 + high;
+  fill(image, x0 - gap, y0 - 3 * gap, right + gap / 2, y1 + 3 * gap, {255, 255, 255, 255}, 0.75);
+  fill(image, x0 - line, y0 - line, x1 + line, y1 + line, kInk);
+  const auto row_of = [&](double where) { return y1 - 1 - static_cast<int>(std::lround(where * (high - 1))); };
+  for (int y = y0; y < y1; ++y) {
+    const double value = low + (y1 - 1 - y) / (high - 1.0) * (bar.range - low);
+    const auto [r, g, b] = distance_color(static_cast<float>(value), bar.range);
+    fill(image, x0, y, x1, y + 1, {r, g, b, 255});
+  }
+  for (const Tick& t : ticks) {
+    const int y = row_of(t.where);
+    fill(image, x1, y - line / 2, x1 + gap, y - line / 2 + line, kInk);
+    draw_text(image, right - text_width(t.label, dot), y - kHigh * dot / 2, dot, t.label);
+  }
+  if (!bar.tolerance || !(*bar.tolerance < bar.range)) return;
+  for (const double value : {-*bar.tolerance, *bar.tolerance}) {
+    if (value < low) continue;
+    const int y = row_of((value - low) / (bar.range - low));
+    fill(image, x0, y - line / 2, x1, y - line / 2 + line, kInk);
+  }
+}
+
+}  // namespace sansmesh
