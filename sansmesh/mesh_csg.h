@@ -1,0 +1,45 @@
+// Front door to meshes of solids: a field of pieces in, a closed mesh with its creases as edges out.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/piecewise_field.h"
+
+namespace sansmesh {
+
+struct CsgMeshOptions {
+  /// Edge of the blocks along the surface (length). Parts thinner than about two of them can be lost.
+  std::optional<double> cell = std::nullopt;
+  /// Instead: blocks along the longest side of the box, 4..4096. With neither, the box's diagonal has 256 blocks.
+  std::optional<int> resolution = std::nullopt;
+  /// The solid is cut off at this box. Needed if it has no end otherwise.
+  std::optional<Box3> box = std::nullopt;
+  /// Collapse edges while the quadric error stays below this (length): few triangles where the surface is flat. 0 =
+  /// off; by default a thousandth of a cell, which is felt only where the surface is flat or nearly so.
+  std::optional<double> simplify = std::nullopt;
+
+  /// Throws ArgumentError naming the option.
+  void validate() const;
+};
+
+struct CsgMeshReport {
+  Box3 box;  ///< in which the surface was looked for
+  double cell = 0;
+  int depth = 0;  ///< levels of the tree of blocks
+  std::size_t blocks = 0;
+  std::size_t components = 0;
+  bool closed = false;          ///< and manifold and oriented
+  double area = 0, volume = 0;  ///< of the mesh
+};
+
+/// The surface of a solid. `solid` is about a distance: blocks whose centre is farther from zero than half their
+/// diagonal (one and a half times that if the field's gradients are not known to be 1 at most) are not cut finer, below
+/// 32 blocks along the box. Its bounds() must be finite, or `options.box` given: else ArgumentError. Throws DataError
+/// if no surface is found. Deterministic for any number of threads.
+TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
+                      CsgMeshReport* report = nullptr);
+
+}  // namespace sansmesh
