@@ -12,6 +12,7 @@ constexpr double kBad = 0.1;          // below, nearly anything is better
 constexpr double kLeastCosine = 0.3;  // between a triangle and its piece; below it counts as nearly folded
 constexpr double kGain = 0.004;       // of the penalties, that makes a change worth it
 constexpr int kPasses = 4, kMendPasses = 4;
+constexpr double kLastResort = 0.05, kNever = -1e9;
 constexpr double kSameCorner = 0.05;
 constexpr double kLongest = 2.2;  // mean edges: no merge makes a longer one
 
@@ -98,14 +99,22 @@ double CreaseZone::flip_gain(std::uint32_t h, std::array<std::uint32_t, 2>& piec
 double CreaseZone::collapse_gain(std::uint32_t h) const {
   const std::uint32_t from = surface.from(h), to = surface.to(h);
   const PieceLabel &l = label[from], &kept = label[to];
-  if (l.rank == 0 || kept.rank < l.rank || surface.on_border(from)) return 0;
-  // Corners stay, but for one that was found twice.
-  if (l.rank == 3 && norm(x[from] - x[to]) > kSameCorner * size[to]) return 0;
-  if (common(l.pieces, kept.pieces).count != l.pieces.count || !surface.can_collapse(h)) return 0;
-  if (l.rank == 2) {
-    std::uint32_t creases = 0;
-    surface.around(from, [&](std::uint32_t e) { creases += crease_edge(e); });
-    if (creases != 0 && (creases % 2 != 0 || !crease_edge(h))) return 0;
+  if (l.rank == 0 || surface.on_border(from) || !surface.can_collapse(h)) return kNever;
+  // What the triangles around it use of its pieces: less than it lies on where a corner or a crease was found twice.
+  PieceSet used;
+  std::uint32_t creases = 0;
+  surface.around(from, [&](std::uint32_t e) {
+    if (piece[e / 3] == kNone)
+      for (const std::uint32_t p : l.pieces) used.add(p);
+    else
+      used.add(piece[e / 3]);
+    creases += crease_edge(e);
+  });
+  if (common(used, kept.pieces).count != used.count) return kNever;
+  if (l.rank == 3 && used.count > 2) {  // corners stay
+    if (kept.rank < 3 || norm(x[from] - x[to]) > kSameCorner * size[to]) return kNever;
+  } else if (l.rank > 1 && used.count > 1 && creases > 0) {  // creases only become straighter
+    if (creases % 2 != 0 || !crease_edge(h)) return kNever;
   }
   double gain = 0;
   bool possible = true;
@@ -119,7 +128,7 @@ double CreaseZone::collapse_gain(std::uint32_t h) const {
     gain -= penalty(moved, on == kNone ? best_piece(moved) : on);
     if (norm(x[p] - x[to]) > kLongest * std::max(size[p], size[to])) possible = false;
   });
-  return possible ? gain : 0;
+  return possible ? gain : kNever;
 }
 
 bool CreaseZone::mend(std::uint32_t t) {
@@ -128,6 +137,8 @@ bool CreaseZone::mend(std::uint32_t t) {
   std::uint32_t chosen = 0;
   std::array<std::uint32_t, 2> pieces{};
   double best = kGain;
+  // Several bad triangles side by side may need more than one merge before anything is gained.
+  const double bonus = penalty(surface[t], piece[t]) > 1 ? kLastResort : 0;
   const std::uint32_t other_piece = best_piece(surface[t]);
   if (other_piece != kNone && other_piece != piece[t]) {  // all corners on the same crease: it may be on either side
     const double gain = penalty(surface[t], piece[t]) - penalty(surface[t], other_piece);
@@ -148,7 +159,7 @@ bool CreaseZone::mend(std::uint32_t t) {
       pieces = flipped;
     }
     for (const std::uint32_t k : {h, g})
-      if (const double gain = collapse_gain(k); gain > best) {
+      if (const double gain = collapse_gain(k) + bonus; gain > best) {
         best = gain;
         kind = Kind::kCollapse;
         chosen = k;
@@ -234,6 +245,10 @@ void CreaseZone::relax() {
 
 void CreaseZone::improve() {
   for (int pass = 0; pass < kPasses; ++pass) {
+    std::vector<std::uint32_t> corners;  // those next to each other learn of each other's pieces
+    for (std::uint32_t v = 0; v < x.size(); ++v)
+      if (surface.used(v) && label[v].rank == 3) corners.push_back(v);
+    settle(corners, true);
     for (int again = 0; again < kMendPasses; ++again) {
       bool any = false;
       for (std::uint32_t t = 0; t < surface.triangles(); ++t)

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSnapCrease = 0.3, kSnapCorner = 0.5;
 constexpr double kForced = 0.8;    // a vertex that belongs to neither side of a crease may go farther to reach it
 constexpr double kOnPiece = 1e-4;  // on the surface; two pieces agree
-constexpr double kSplitReach = 0.8, kSplitCorner = 1.2, kSplitMost = 3;
+constexpr double kSplitReach = 0.8, kSplitCorner = 1.2, kSplitMost = 6;
 constexpr double kApart = 1e-3;  // vertices closer than that are one
 constexpr int kSplitRounds = 6;
 constexpr int kBisections = 7;
