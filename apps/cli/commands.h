@@ -84,6 +84,9 @@ void run_advise(const AdviseArguments& arguments, Console& console);
 Command add_fit(CLI::App& app);
 Command add_mesh(CLI::App& app);
 Command add_eval(CLI::App& app);
+Command add_section(CLI::App& app);
+Command add_compare(CLI::App& app);
+Command add_measure(CLI::App& app);
 
 /// Throws FileError early if no function file of that name can be written.
 void check_function_writable(const std::string& file);

@@ -1,0 +1,243 @@
+// sansmesh compare: the inspection map, how far every place of a part lies from where it should.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/measure/color_bar.h"
+#include "sansmesh/measure/distance_map.h"
+#include "surface_input.h"
+
+namespace sansmesh::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Edges longer than this part of the diagonal make a map of vertices a coarse one.
+constexpr double kCoarse = 0.02;
+
+struct CompareArguments {
+  std::string part, reference, output, preview, view, on = "part";
+  bool ascii = false, z_up = false, histogram = false;
+  std::optional<double> refine;
+  DistanceMapOptions options;
+};
+
+Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json to_json(const DistanceStatistics& s) {
+  return {{"mean", s.mean},
+          {"mean_absolute", s.mean_absolute},
+          {"rms", s.rms},
+          {"deviation", s.deviation},
+          {"p05", s.p05},
+          {"median", s.median},
+          {"p95", s.p95},
+          {"p95_absolute", s.p95_absolute},
+          {"lowest", {{"value", s.lowest}, {"at", to_json(s.lowest_at)}}},
+          {"highest", {{"value", s.highest}, {"at", to_json(s.highest_at)}}},
+          {"within_tolerance", s.within_tolerance ? Json(*s.within_tolerance) : Json()},
+          {"area", s.area}};
+}
+
+std::string place(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+void say_statistics(const DistanceMap& map, const std::optional<double>& tolerance, Console& console) {
+  const DistanceStatistics& s = map.statistics;
+  if (map.has_sides)
+    console.say(
+        fmt::format("{:<16}mean {:+.4g}, standard deviation {}, 5 % below {:+.4g}, half below {:+.4g}, "
+                    "95 % below {:+.4g}",
+                    "signed", s.mean, length(s.deviation), s.p05, s.median, s.p95));
+  console.say(fmt::format("{:<16}mean {}, rms {}, 95 % below {}", "absolute", length(s.mean_absolute), length(s.rms),
+                          length(s.p95_absolute)));
+  if (map.has_sides && s.lowest < 0)
+    console.say(fmt::format("{:<16}{:+.4g} at {}", "farthest inside", s.lowest, place(s.lowest_at)));
+  if (s.highest > 0)
+    console.say(
+        fmt::format("{:<16}{:+.4g} at {}", map.has_sides ? "and outside" : "farthest", s.highest, place(s.highest_at)));
+  if (s.within_tolerance)
+    console.say(fmt::format("{:<16}{:.3f} % within ±{}", "tolerance", 100 * *s.within_tolerance, length(*tolerance)));
+}
+
+void say_histogram(const DistanceMap& map, Console& console) {
+  const DistanceStatistics& s = map.statistics;
+  const double most = *std::max_element(s.histogram.begin(), s.histogram.end());
+  const double low = map.has_sides ? -s.range : 0, width = (s.range - low) / static_cast<double>(s.histogram.size());
+  const auto line = [&](const std::string& where, double share) {
+    const int bar = most > 0 ? static_cast<int>(std::lround(std::min(50.0, 50 * share / most))) : 0;
+    console.say(fmt::format("{:>23} {:8.3f} % {:#<{}}", where, 100 * share, "", bar));
+  };
+  if (map.has_sides) line(fmt::format("below {:.4g}", low), s.below_range);
+  for (std::size_t i = 0; i < s.histogram.size(); ++i)
+    line(
+        fmt::format("{:.4g} .. {:.4g}", low + width * static_cast<double>(i), low + width * static_cast<double>(i + 1)),
+        s.histogram[i]);
+  line(fmt::format("above {:.4g}", s.range), s.above_range);
+}
+
+/// A point cloud with the distances as an attribute and as colours.
+PointSet as_points(const TriangleMesh& mesh) {
+  PointSet points;
+  points.origin = mesh.origin;
+  points.positions = mesh.vertices;
+  points.normals = mesh.normals;
+  points.colors = mesh.colors;
+  points.attributes = {{"distance", mesh.quality}};
+  return points;
+}
+
+bool is_coarse(const TriangleMesh& mesh, double diagonal) {
+  double edges = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) edges += norm(Vec3(mesh.vertices[t[k]]) - Vec3(mesh.vertices[t[(k + 1) % 3]]));
+  return !mesh.triangles.empty() && edges / (3 * static_cast<double>(mesh.triangles.size())) > kCoarse * diagonal;
+}
+
+void run_compare(CompareArguments& a, Console& console) {
+  a.options.validate();
+  if (a.refine && !(*a.refine > 0 && std::isfinite(*a.refine))) throw ArgumentError("--refine must be positive");
+  if (!a.preview.empty()) check_writable(a.preview, "image");
+  if (!a.output.empty()) check_writable(a.output, "text");
+  RenderOptions picture;
+  if (!a.view.empty()) picture.view = named_view(a.view);
+  if (a.z_up) picture.up = UpAxis::z;
+
+  Progress& progress = console.progress();
+  SurfaceInput part(a.part, console), reference(a.reference, console);
+  const bool reversed = a.on == "reference";
+  SurfaceInput& mapped = reversed ? reference : part;
+  SurfaceInput& other = reversed ? part : reference;
+  TriangleMesh& mesh = mapped.mesh();
+  const bool points = mesh.triangles.empty();
+  if (!a.output.empty()) check_writable(a.output, points ? "points" : "mesh");
+  std::vector<std::string> warnings;
+  const double diagonal = reference.bounds().diagonal();
+  if (a.refine) {
+    progress.begin("refine");
+    if (!refine_edges(mesh, *a.refine))
+      warnings.push_back(fmt::format("edges stay longer than {}: more than 20 million triangles", length(*a.refine)));
+  } else if (is_coarse(mesh, diagonal)) {
+    warnings.push_back("has large triangles, and only their corners are compared: --refine LENGTH cuts them up");
+  }
+
+  progress.begin("prepare");
+  const std::unique_ptr<SignedDistance> distance = other.distance();
+  DistanceMapOptions options = a.options;
+  options.reversed = reversed;
+  if (!options.max_distance && diagonal > 0) options.max_distance = 0.1 * diagonal;
+  DistanceMap map;
+  try {
+    map = distance_map(mesh, *distance, options, progress);
+  } catch (const DataError& error) {
+    throw FileError(mapped.file(), error.what());
+  }
+  if (!map.has_sides) warnings.push_back("distances have no sign: " + other.file() + " is points without normals");
+  console.warn(mapped.file(), warnings);
+  const double range = map.statistics.range;
+  apply_map(mesh, map, range);
+  Image image;
+  if (!a.preview.empty()) {
+    image = render_mesh(mesh, picture, progress);
+    draw_color_bar(image, {.range = range, .both_sides = map.has_sides, .tolerance = options.tolerance});
+  }
+  if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
+  if (!a.output.empty()) {
+    if (points)
+      write_points(a.output, as_points(mesh), {.ascii = a.ascii});
+    else
+      write_mesh(a.output, mesh, {.ascii = a.ascii});
+  }
+  if (!a.preview.empty()) write_image(a.preview, image);
+  progress.finish();
+
+  console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.file(), grouped(map.measured),
+                          grouped(mesh.vertices.size()), points ? "points" : "vertices", other.file(), other.kind()));
+  if (map.measured > 0) say_statistics(map, options.tolerance, console);
+  if (map.beyond > 0)
+    console.say(
+        fmt::format("{:<16}{} farther off than {} (grey)", "left out", grouped(map.beyond), length(map.max_distance)));
+  if (map.at_border > 0)
+    console.say(fmt::format("{:<16}{} closest to the border of {}{}", "borders", grouped(map.at_border), other.file(),
+                            options.skip_border ? " (left out, grey)" : ": --skip-border leaves them out"));
+  if (map.not_finite > 0) console.say(fmt::format("{:<16}{} that no triangle uses", "unused", grouped(map.not_finite)));
+  if (a.histogram && map.measured > 0) say_histogram(map, console);
+  for (const std::string& file : {a.output, a.preview})
+    if (!file.empty())
+      console.say(fmt::format("{}: blue inside, red outside, full colour at ±{}", file, length(range)));
+
+  const DistanceStatistics& s = map.statistics;
+  Json json = {{"part", {{"file", a.part}, {"kind", part.kind()}}},
+               {"reference", {{"file", a.reference}, {"kind", reference.kind()}, {"diagonal", diagonal}}},
+               {"on", a.on},
+               {"signed", map.has_sides},
+               {"vertices", mesh.vertices.size()},
+               {"measured", map.measured},
+               {"beyond", map.beyond},
+               {"at_border", map.at_border},
+               {"not_finite", map.not_finite},
+               {"max_distance", map.max_distance},
+               {"tolerance", options.tolerance ? Json(*options.tolerance) : Json()},
+               {"distance", to_json(s)},
+               {"histogram",
+                {{"lower", map.has_sides ? -s.range : 0.0},
+                 {"upper", s.range},
+                 {"below", s.below_range},
+                 {"above", s.above_range},
+                 {"shares", s.histogram}}}};
+  if (!a.output.empty()) json["output"] = {{"file", a.output}};
+  if (!a.preview.empty()) json["preview"] = {{"file", a.preview}};
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_compare(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
+  auto a = std::make_shared<CompareArguments>();
+  DistanceMapOptions& o = a->options;
+  c->add_option("part", a->part, "What was made: mesh, points, or function (.smf)")->type_name("FILE")->required();
+  c->add_option("reference", a->reference, "What it should be: mesh, points, or function (.smf)")
+      ->type_name("FILE")
+      ->required();
+  c->add_option("-o,--output", a->output,
+                "The map to write, distance as quality and as colours: .ply (others: colours)")
+      ->type_name("FILE");
+  c->add_option("--preview", a->preview, "Also draw the map with a scale into this PNG")->type_name("FILE");
+  c->add_option("--tolerance", o.tolerance, "Tell the share within ±LENGTH")->type_name("LENGTH");
+  c->add_option("--range", o.range, "Distance that has the full colour [99 % are nearer]")->type_name("LENGTH");
+  c->add_option("--max-distance", o.max_distance,
+                "Leave out what is farther off [a tenth of the diagonal of the reference]")
+      ->type_name("LENGTH");
+  c->add_flag("--skip-border", o.skip_border, "Leave out what is closest to the border of an open surface");
+  c->add_option("--on", a->on, "Draw the map on the part or the reference; the sign stays the part's [part]")
+      ->type_name("CHOICE")
+      ->check(CLI::IsMember({"part", "reference"}).description(""));
+  c->add_option("--refine", a->refine, "First cut edges of the mapped mesh that are longer in half, again and again")
+      ->type_name("LENGTH");
+  c->add_flag("--histogram", a->histogram, "Print the distribution as well");
+  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  c->add_option("--view", a->view, "Of the picture: front, back, left, right, top, bottom or iso")->type_name("NAME");
+  c->add_flag("--z-up", a->z_up, "Of the picture: the z axis points up, not y");
+  c->footer(
+      "Positive distances lie outside of the reference. Statistics weigh by area. Nothing is moved: align "
+      "beforehand.\n\n"
+      "Examples:\n"
+      "  sansmesh compare made.ply design.stl --tolerance 0.05 -o map.ply --preview map.png\n"
+      "  sansmesh compare scan.ply design.stl --max-distance 2 --histogram\n"
+      "  sansmesh compare design.stl scan.smf --refine 0.5 --json");
+  return {c, [a](Console& console) { run_compare(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

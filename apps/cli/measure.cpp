@@ -1,0 +1,141 @@
+// sansmesh measure: area, volume, centre of mass, moments and size of a solid and of its parts.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/measure/body_measures.h"
+#include "surface_input.h"
+
+namespace sansmesh::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kPrinted = 20;   // components
+constexpr std::size_t kListed = 1000;  // components in JSON
+
+Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json to_json(const BodyMeasures& b) {
+  Json json = {{"triangles", b.triangles},
+               {"closed", b.closed()},
+               {"open_edges", b.open_edges},
+               {"nonmanifold_edges", b.nonmanifold_edges},
+               {"area", b.area},
+               {"surface_center", to_json(b.surface_center)},
+               {"box", {{"lower", to_json(b.box.lower)}, {"upper", to_json(b.box.upper)}}},
+               {"volume", b.mass ? Json(b.mass->volume) : Json()},
+               {"center_of_mass", b.mass ? to_json(b.mass->center) : Json()},
+               {"principal_moments", b.mass ? Json(b.mass->moments) : Json()},
+               {"principal_axes", Json()}};
+  if (b.mass) json["principal_axes"] = {to_json(b.mass->axes[0]), to_json(b.mass->axes[1]), to_json(b.mass->axes[2])};
+  return json;
+}
+
+std::string place(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+std::string sides(double a, double b, double c) { return fmt::format("{:.6g} × {:.6g} × {:.6g}", a, b, c); }
+
+std::vector<std::string> warnings_of(const SolidMeasures& m) {
+  std::vector<std::string> warnings;
+  if (!m.whole.closed())
+    warnings.push_back(fmt::format("not closed ({}): no volume, centre of mass and moments of the whole",
+                                   m.whole.open_edges == 1 ? "1 edge without a partner"
+                                                           : grouped(m.whole.open_edges) + " edges without a partner"));
+  std::size_t inward = 0;
+  for (const BodyMeasures& b : m.components) inward += b.mass && b.mass->volume < 0;
+  if (m.whole.mass && m.whole.mass->volume < 0)
+    warnings.push_back("the triangles face inward: the volume is negative");
+  else if (inward > 0)
+    warnings.push_back(fmt::format("{} inward: cavities, whose volume is subtracted",
+                                   inward == 1 ? "1 component faces" : grouped(inward) + " components face"));
+  if (m.whole.nonmanifold_edges > 0)
+    warnings.push_back(fmt::format("{} of more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
+  if (m.left_out > 0)
+    warnings.push_back(fmt::format("{} without area or with bad corners left out", counted(m.left_out, "triangle")));
+  return warnings;
+}
+
+void run_measure(const std::string& file, Console& console) {
+  Progress& progress = console.progress();
+  SurfaceInput surface(file, console);
+  if (surface.mesh().triangles.empty())
+    throw FileError(file, "has no faces to measure: sansmesh reconstruct makes a surface of points");
+  progress.begin("measure");
+  SolidMeasures m;
+  try {
+    m = measure_solid(surface.mesh());
+  } catch (const DataError& error) {
+    throw FileError(file, error.what());
+  }
+  progress.finish();
+  const std::vector<std::string> warnings = warnings_of(m);
+  console.warn(file, warnings);
+
+  const BodyMeasures& w = m.whole;
+  console.say(fmt::format("{}: {} in {}, {}", file, counted(w.triangles, "triangle"),
+                          counted(m.components.size(), "component"), w.closed() ? "closed" : "not closed"));
+  console.say(fmt::format("{:<18}{:.8g}", "area", w.area));
+  if (w.mass) {
+    const MassMeasures& mass = *w.mass;
+    console.say(fmt::format("{:<18}{:.8g}", "volume", mass.volume));
+    console.say(fmt::format("{:<18}{}", "centre of mass", place(mass.center)));
+    for (std::size_t k = 0; k < 3; ++k)
+      console.say(fmt::format("{:<18}{:.6g} about {}", k == 0 ? "principal moments" : "", mass.moments[k],
+                              place(mass.axes[k])));
+  } else {
+    console.say(fmt::format("{:<18}{}", "centre of surface", place(w.surface_center)));
+  }
+  const Vec3 size = w.box.size();
+  console.say(fmt::format("{:<18}{} from {} to {}", "box", sides(size.x, size.y, size.z), place(w.box.lower),
+                          place(w.box.upper)));
+  const auto& box = m.smallest_box;
+  console.say(fmt::format("{:<18}{} along {}, {}, {}", "smallest box", sides(box.sizes[0], box.sizes[1], box.sizes[2]),
+                          place(box.axes[0]), place(box.axes[1]), place(box.axes[2])));
+  if (m.components.size() > 1) {
+    console.say(fmt::format("{:<10} {:>12} {:>14} {:>14}  {}", "component", "triangles", "area", "volume", "centre"));
+    for (std::size_t i = 0; i < std::min(kPrinted, m.components.size()); ++i) {
+      const BodyMeasures& b = m.components[i];
+      console.say(fmt::format("{:<10} {:>12} {:>14.6g} {:>14}  {}", i, grouped(b.triangles), b.area,
+                              b.mass ? fmt::format("{:.6g}", b.mass->volume) : "not closed",
+                              place(b.mass ? b.mass->center : b.surface_center)));
+    }
+    if (m.components.size() > kPrinted) console.say(fmt::format("… {} more", grouped(m.components.size() - kPrinted)));
+  }
+  console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
+
+  Json json = {{"input", {{"file", file}, {"kind", surface.kind()}}}, {"warnings", warnings}, {"whole", to_json(w)}};
+  json["smallest_box"] = {{"sizes", box.sizes},
+                          {"axes", {to_json(box.axes[0]), to_json(box.axes[1]), to_json(box.axes[2])}},
+                          {"center", to_json(box.center)}};
+  json["left_out_triangles"] = m.left_out;
+  json["component_count"] = m.components.size();
+  json["components"] = Json::array();
+  for (std::size_t i = 0; i < std::min(kListed, m.components.size()); ++i)
+    json["components"].push_back(to_json(m.components[i]));
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_measure(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
+  auto file = std::make_shared<std::string>();
+  c->add_option("input", *file, "Mesh, or function (.smf: its mesh is measured)")->type_name("FILE")->required();
+  c->footer(
+      "Volumes need a closed surface. Vertices at the same place count as one. Components are listed with --json, up\n"
+      "to a thousand of them.\n\n"
+      "Examples:\n"
+      "  sansmesh measure part.ply\n"
+      "  sansmesh measure part.stl --json");
+  return {c, [file](Console& console) { run_measure(*file, console); }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,61 @@
+#include "surface_input.h"
+
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh_function.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+
+namespace sansmesh::cli {
+
+SurfaceInput::SurfaceInput(std::string file, Console& console) : file_(std::move(file)), console_(console) {
+  console.progress().begin("read");
+  if (is_function_file(file_)) {
+    function_.emplace(read_function(file_));
+    placed_.emplace(function_->field, function_->origin, function_->unit);
+    return;
+  }
+  ReadReport read;
+  mesh_ = to_mesh(read_points(file_, &read));
+  console.warn(file_, read.warnings);
+  made_ = true;
+}
+
+const char* SurfaceInput::kind() const { return function_ ? "function" : mesh_.triangles.empty() ? "points" : "mesh"; }
+
+TriangleMesh& SurfaceInput::mesh() {
+  if (made_) return mesh_;
+  try {
+    MeshReport report;
+    mesh_ = mesh_function(*function_, {}, console_.progress(), &report);
+    console_.warn(file_, report.warnings);
+  } catch (const DataError& error) {
+    throw FileError(file_, error.what());
+  }
+  made_ = true;
+  return mesh_;
+}
+
+Box3 SurfaceInput::bounds() const {
+  if (function_) {
+    const Box3f box = sansmesh::bounds(*function_->samples);
+    if (box.empty()) return placed_->bounds();
+    return {function_->to_input(Vec3(box.lower)), function_->to_input(Vec3(box.upper))};
+  }
+  Box3 box;
+  for (const Vec3f& p : mesh_.vertices)
+    if (is_finite(p)) box.extend(mesh_.origin + Vec3(p));
+  return box;
+}
+
+std::unique_ptr<SignedDistance> SurfaceInput::distance() {
+  if (placed_) return std::make_unique<FieldDistance>(*placed_);
+  try {
+    return signed_distance(mesh_);
+  } catch (const DataError& error) {
+    throw FileError(file_, error.what());
+  }
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,45 @@
+// A surface from a file, whatever says where it is: triangles, points, or a function.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "console.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/measure/placed_field.h"
+#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::cli {
+
+/// Errors of the data are thrown as FileError that name the file.
+class SurfaceInput {
+ public:
+  /// Reads the file; its warnings go to the console.
+  SurfaceInput(std::string file, Console& console);
+  SurfaceInput(const SurfaceInput&) = delete;
+  SurfaceInput& operator=(const SurfaceInput&) = delete;
+
+  const std::string& file() const { return file_; }
+  /// "mesh", "points" or "function".
+  const char* kind() const;
+  /// The function in the input's coordinates; null for meshes and points.
+  const ScalarField* field() const { return placed_ ? &*placed_ : nullptr; }
+  /// The mesh or the points as read; of a function the mesh, made at the first call.
+  TriangleMesh& mesh();
+  /// Around mesh, points or the samples of a function (its own box if it has none).
+  Box3 bounds() const;
+  /// From now on the mesh must stay as it is.
+  std::unique_ptr<SignedDistance> distance();
+
+ private:
+  std::string file_;
+  Console& console_;
+  TriangleMesh mesh_;
+  std::optional<SurfaceFunction> function_;
+  std::optional<PlacedField> placed_;
+  bool made_ = false;
+};
+
+}  // namespace sansmesh::cli
