@@ -7,6 +7,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/crease_zone.h"
 #include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/polygonize/piece_mesh.h"
 #include "sansmesh/polygonize/simplify.h"
 
 namespace sansmesh {
@@ -14,14 +15,6 @@ namespace {
 
 constexpr std::uint32_t kNone = CreaseZone::kNone;
 constexpr int kZoneRings = 3;
-
-/// A mesh in double precision whose triangles know their pieces.
-struct PieceMesh {
-  std::vector<Vec3> x;
-  std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> piece;  ///< of each triangle, or kNone
-  std::vector<std::uint8_t> rank;    ///< of each vertex: 0 not on the surface, 1 smooth, 2 crease, 3 corner
-};
 
 std::vector<Vec3> positions(const TriangleMesh& mesh) {
   std::vector<Vec3> x(mesh.vertices.size());
@@ -43,6 +36,14 @@ std::vector<std::uint8_t> find_zone(const std::vector<Triangle>& triangles, cons
       if (in[t]) near[triangles[t][0]] = near[triangles[t][1]] = near[triangles[t][2]] = 1;
   }
   return in;
+}
+
+MeshTopology zone_topology(const std::vector<Triangle>& triangles, const std::vector<Vec3>& x) {
+  TriangleMesh mesh;
+  mesh.triangles = triangles;
+  mesh.vertices.resize(x.size());
+  parallel_for(0, x.size(), 8192, [&](std::size_t v) { mesh.vertices[v] = Vec3f(x[v]); });
+  return measure_topology(mesh);
 }
 
 /// The mesh with creases resolved in its zone.
@@ -77,8 +78,25 @@ PieceMesh resolve_creases(const PiecewiseField& field, const std::vector<Vec3>& 
   mesh.rank.assign(x.size(), 1);
   if (zone_triangles.empty()) return mesh;
 
+  const MeshTopology before = zone_topology(zone_triangles, zone_x);
   CreaseZone zone(field, std::move(zone_triangles), std::move(zone_x));
   zone.resolve();
+  std::vector<Triangle> resolved;
+  for (std::size_t t = 0; t < zone.surface.triangles(); ++t)
+    if (zone.surface.alive(t)) resolved.push_back(zone.surface[t]);
+  const MeshTopology after = zone_topology(resolved, zone.x);
+  // (The zone may touch itself in a vertex of its border.)
+  if (after.nonmanifold_edges > 0 || after.nonmanifold_vertices != before.nonmanifold_vertices || !after.oriented() ||
+      after.euler != before.euler || after.boundary_edges != before.boundary_edges) {
+    // Cannot happen unless the field contradicts itself: the mesh as it was, which is at least closed.
+    mesh.triangles = triangles;
+    mesh.piece.resize(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const auto [a, b, c] = triangles[t];
+      mesh.piece[t] = active[a] == active[b] && active[b] == active[c] ? active[a] : kNone;
+    }
+    return mesh;
+  }
   for (std::uint32_t v = 0; v < zone.x.size(); ++v) {
     if (v >= global.size()) {
       global.push_back(static_cast<std::uint32_t>(mesh.x.size()));
@@ -112,36 +130,6 @@ PieceMesh resolve_creases(const PiecewiseField& field, const std::vector<Vec3>& 
   return mesh;
 }
 
-/// Gradients of the pieces around each vertex, weighted by the triangles' angles there.
-std::vector<Vec3f> piece_normals(const PiecewiseField& field, const PieceMesh& mesh) {
-  std::vector<PieceValue> queries;
-  std::vector<std::uint32_t> at;
-  std::vector<double> weight;
-  std::vector<Vec3> flat(mesh.x.size());
-  // Smooth vertices have one piece; only the others need one for each triangle.
-  std::vector<std::uint8_t> seen(mesh.x.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh.triangles[t][k];
-      const Vec3 a = mesh.x[mesh.triangles[t][(k + 1) % 3]] - mesh.x[v];
-      const Vec3 b = mesh.x[mesh.triangles[t][(k + 2) % 3]] - mesh.x[v];
-      const double angle = std::atan2(norm(cross(a, b)), dot(a, b));
-      if (mesh.piece[t] == kNone || mesh.rank[v] == 0) {
-        flat[v] += normalized(cross(a, b)) * angle;
-        continue;
-      }
-      if (mesh.rank[v] == 1 && std::exchange(seen[v], std::uint8_t{1})) continue;
-      queries.push_back({mesh.piece[t], mesh.x[v], 0, {}});
-      at.push_back(v);
-      weight.push_back(mesh.rank[v] == 1 ? 100 : angle);
-    }
-  evaluate_pieces(field, queries);
-  for (std::size_t i = 0; i < at.size(); ++i) flat[at[i]] += normalized(queries[i].gradient) * weight[i];
-  std::vector<Vec3f> normals(mesh.x.size());
-  parallel_for(0, normals.size(), 4096, [&](std::size_t v) { normals[v] = Vec3f(normalized(flat[v])); });
-  return normals;
-}
-
 }  // namespace
 
 TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree blocks, const Vec3& origin,
@@ -151,14 +139,34 @@ TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree bloc
   smooth.simplify = 0;
   smooth.triangles = 0;
   smooth.placement = nullptr;
+  const Box3 cube = blocks.bounds();
   TriangleMesh mesh = polygonize(field, std::move(blocks), origin, smooth, progress);
   progress.begin("creases");
-  const std::vector<Vec3> x = positions(mesh);
-  PieceMesh pieces = resolve_creases(field, x, mesh.triangles);
+  PieceMesh pieces = resolve_creases(field, positions(mesh), mesh.triangles);
+  const auto set_positions = [&] {
+    mesh.vertices.resize(pieces.x.size());
+    parallel_for(0, pieces.x.size(), 8192, [&](std::size_t v) {
+      for (std::size_t k = 0; k < 3; ++k) pieces.x[v][k] = std::clamp(pieces.x[v][k], cube.lower[k], cube.upper[k]);
+      mesh.vertices[v] = Vec3f(pieces.x[v] - origin);
+    });
+  };
+  if (options.simplify > 0) {
+    progress.begin("simplify");
+    mesh.normals.clear();
+    mesh.triangles = pieces.triangles;
+    set_positions();
+    SimplifyOptions simplify;
+    simplify.error = options.simplify;
+    simplify.triangles = options.triangles;
+    simplify.least_gain = options.least_gain;
+    const bool changed = simplify_mesh(mesh, simplify, progress);
+    progress.begin("place vertices again");
+    if (changed) pieces = recall_pieces(field, positions(mesh), std::move(mesh.triangles));
+  }
+  if (options.balance) balance_pieces(field, pieces);
   mesh.normals = piece_normals(field, pieces);
+  set_positions();
   mesh.triangles = std::move(pieces.triangles);
-  mesh.vertices.resize(pieces.x.size());
-  parallel_for(0, pieces.x.size(), 8192, [&](std::size_t v) { mesh.vertices[v] = Vec3f(pieces.x[v] - origin); });
   progress.finish();
   return mesh;
 }
