@@ -81,6 +81,7 @@ struct AdviseArguments {
 };
 void run_advise(const AdviseArguments& arguments, Console& console);
 
+Command add_csg(CLI::App& app);
 Command add_fit(CLI::App& app);
 Command add_mesh(CLI::App& app);
 Command add_eval(CLI::App& app);

@@ -1,0 +1,127 @@
+// sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh_csg.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct CsgArguments {
+  std::string expression, output, preview;
+  bool ascii = false;
+  std::vector<double> box;
+  CsgMeshOptions options;
+};
+
+/// A function file as a solid in the coordinates of its samples.
+Solid load_function(const std::string& file) {
+  if (!is_function_file(file)) throw FileError(file, "no function file (.smf): sansmesh fit makes one from a scan");
+  const auto function = std::make_shared<const SurfaceFunction>(read_function(file));
+  return csg::place(csg::leaf(std::shared_ptr<const ScalarField>(function, &function->field)), function->origin,
+                    function->unit);
+}
+
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+void run_csg(CsgArguments& a, Console& console) {
+  if (!a.box.empty()) a.options.box = Box3{{a.box[0], a.box[1], a.box[2]}, {a.box[3], a.box[4], a.box[5]}};
+  a.options.validate();
+  check_writable(a.output, "mesh");
+  if (!a.preview.empty()) check_writable(a.preview, "image");
+  Progress& progress = console.progress();
+  progress.begin("read");
+  std::vector<std::string> files;
+  const Solid solid = parse_csg(a.expression, [&](const std::string& name) {
+    files.push_back(name);
+    return load_function(name);
+  });
+  CsgMeshReport report;
+  const TriangleMesh mesh = mesh_csg(solid, a.options, progress, &report);
+  Image preview;
+  if (!a.preview.empty()) preview = render_mesh(mesh, {}, progress);
+  progress.begin("write");
+  write_mesh(a.output, mesh, {.ascii = a.ascii});
+  if (!a.preview.empty()) write_image(a.preview, preview);
+  progress.finish();
+
+  const Vec3 size = report.box.size();
+  console.say(fmt::format("{} × {} × {}, cells of {}, {}", length(size.x), length(size.y), length(size.z),
+                          length(report.cell), counted(report.blocks, "block")));
+  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output, counted(mesh.triangles.size(), "triangle"),
+                          grouped(mesh.vertices.size()), counted(report.components, "component"),
+                          report.closed ? ", closed" : ", not closed"));
+  console.say(fmt::format("area {}, volume {}", number(report.area), number(report.volume)));
+  const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
+  const nlohmann::ordered_json json = {
+      {"expression", a.expression},
+      {"files", files},
+      {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
+      {"cell", report.cell},
+      {"depth", report.depth},
+      {"blocks", report.blocks},
+      {"area", report.area},
+      {"volume", report.volume},
+      {"output",
+       {{"file", a.output},
+        {"vertices", mesh.vertices.size()},
+        {"triangles", mesh.triangles.size()},
+        {"components", report.components},
+        {"closed", report.closed}}}};
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_csg(CLI::App& app) {
+  CLI::App* c = app.add_subcommand("csg", "Functions and primitives, combined → triangle mesh with creases, closed");
+  auto a = std::make_shared<CsgArguments>();
+  c->add_option("expression", a->expression, "What to combine, in quotes: see below")
+      ->type_name("EXPRESSION")
+      ->required();
+  c->add_option("-o,--output", a->output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  c->add_option("--preview", a->preview, "Also draw the mesh into this PNG")->type_name("FILE");
+  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  c->add_option("--resolution", a->options.resolution,
+                "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256]")
+      ->type_name("COUNT");
+  c->add_option("--cell", a->options.cell, "Edge of the cells instead")->type_name("LENGTH");
+  c->add_option("--box", a->box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for solids without an end")
+      ->delimiter(',')
+      ->expected(6)
+      ->type_name("BOX");
+  c->add_option("--simplify", a->options.simplify,
+                "Few triangles where the surface is as flat as this, 0: nowhere [a thousandth of a cell]")
+      ->type_name("LENGTH");
+  c->footer(
+      "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"
+      "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
+      "  cylinder(r, h, axis, center)         without h it has no ends\n"
+      "  cone(r, h, top, axis, center)        torus(R, r, axis, center)\n"
+      "  capsule(r, from, to)                 plane(normal, offset) or plane(normal, through=)\n"
+      "Operators: a | b or a + b union, a & b intersection, a - b difference, ~a complement; & comes first.\n"
+      "Functions: union(a, b, …, r=) intersection difference: r rounds the crease; offset(a, d);\n"
+      "  shell(a, t, side=both|inside|outside); translate(a, x, y, z); rotate(a, angle=, axis=, center=);\n"
+      "  scale(a, factor, center=); mirror(a, normal=, offset=)\n"
+      "Vectors are (x, y, z), axes also x, y, z, -x, …; angles are in degrees.\n\n"
+      "Examples:\n"
+      "  sansmesh csg 'scan.smf - cylinder(axis=z, r=0.1)' -o drilled.ply\n"
+      "  sansmesh csg 'shell(scan.smf, 2, side=inside) & plane(z, offset=40)' -o half.stl --cell 0.5\n"
+      "  sansmesh csg 'difference(box(2), sphere(1.3), r=0.1)' -o part.glb --preview part.png\n"
+      "  sansmesh csg 'cylinder(1) - cylinder(0.8)' -o pipe.ply --box -1,-1,0,1,1,5");
+  return {c, [a](Console& console) { run_csg(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

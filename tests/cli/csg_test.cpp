@@ -1,0 +1,84 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "run_tool.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+using Json = nlohmann::json;
+
+using Csg = ToolTest;
+
+TEST_F(Csg, MeshesPrimitives) {
+  const Outcome outcome = run(
+      {"csg", "box(2) - cylinder(r=0.5)", "-o", "part.ply", "--preview", "part.png", "--resolution", "40", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_NEAR(json["volume"].get<double>(), 8 - std::numbers::pi / 2, 0.01);
+  EXPECT_NEAR(json["area"].get<double>(), 24 + 1.5 * std::numbers::pi, 0.01);
+  EXPECT_TRUE(json["output"]["closed"]);
+  EXPECT_EQ(json["output"]["components"], 1);
+  EXPECT_EQ(json["box"]["lower"], (std::vector<double>{-1, -1, -1}));
+  const MeshTopology topology = measure_topology(read_mesh(path("part.ply")));
+  EXPECT_TRUE(topology.closed());
+  EXPECT_EQ(topology.genus(), 1);
+  EXPECT_EQ(slurp(path("part.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(Csg, CutsOffAtABox) {
+  const Outcome endless = run({"csg", "cylinder(1) - cylinder(0.8)", "-o", "pipe.ply"});
+  EXPECT_EQ(endless.code, 2);
+  EXPECT_NE(endless.err.find("-z, +z"), std::string::npos) << endless.err;
+  const Outcome cut =
+      run({"csg", "cylinder(1) - cylinder(0.8)", "-o", "pipe.ply", "--box", "-1,-1,-1,1,1,1", "--cell", "0.05"});
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NE(cut.out.find("closed"), std::string::npos);
+}
+
+TEST_F(Csg, ErrorsAreOneLine) {
+  struct Case {
+    std::vector<std::string> arguments;
+    int code;
+    const char* part;
+  };
+  const Case cases[] = {
+      {{"csg", "sphere(1", "-o", "a.ply"}, 2, "expression at 9: expected ',' or ')'"},
+      {{"csg", "missing.smf - sphere(1)", "-o", "a.ply"}, 1, "missing.smf"},
+      {{"csg", "scan.ply - sphere(1)", "-o", "a.ply"}, 1, "scan.ply: no function file"},
+      {{"csg", "sphere(1)", "-o", "a.xyzw"}, 1, "a.xyzw"},
+      {{"csg", "sphere(1)", "-o", "a.ply", "--cell", "0.1", "--resolution", "9"}, 2, "not both"},
+      {{"csg", "sphere(1)", "-o", "a.ply", "--box", "0,0,0,1"}, 2, "--box"},
+      {{"csg", "sphere(1) - sphere(2)", "-o", "a.ply", "--resolution", "20"}, 1, "empty"},
+  };
+  for (const Case& c : cases) {
+    const Outcome outcome = run(c.arguments);
+    EXPECT_EQ(outcome.code, c.code) << outcome.err;
+    EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << outcome.err;
+  }
+  EXPECT_TRUE(listing().empty());
+}
+
+TEST_F(Csg, CutsFunctions) {
+  write_points(path("ball.ply"), sphere(5000));
+  ASSERT_EQ(run({"fit", "ball.ply", "-o", "my-ball.smf"}).code, 0);
+  const Outcome dashed = run({"csg", "my-ball.smf - cylinder(r=0.3)", "-o", "cut.ply"});
+  EXPECT_EQ(dashed.code, 2);
+  EXPECT_NE(dashed.err.find("quotes"), std::string::npos) << dashed.err;
+  const Outcome outcome =
+      run({"csg", "'my-ball.smf' - cylinder(r=0.3)", "-o", "cut.ply", "--resolution", "64", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_TRUE(json["output"]["closed"]);
+  EXPECT_EQ(json["output"]["components"], 1);
+  EXPECT_NEAR(json["volume"].get<double>(), 4 * std::numbers::pi / 3 * std::pow(1 - 0.09, 1.5), 0.02);
+  EXPECT_EQ(measure_topology(read_mesh(path("cut.ply"))).genus(), 1);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
