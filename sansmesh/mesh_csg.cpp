@@ -13,7 +13,6 @@
 #include "sansmesh/csg/solid_node.h"
 #include "sansmesh/polygonize/crease_mesh.h"
 #include "sansmesh/polygonize/mesh_topology.h"
-#include "sansmesh/polygonize/simplify.h"
 
 namespace sansmesh {
 namespace {
@@ -163,11 +162,11 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
   CsgMeshReport& r = report ? *report : local;
   r = {};
   r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
-  TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), {}, progress);
+  PolygonizeOptions polygonize;
+  polygonize.simplify = options.simplify.value_or(kSimplify * cell);
+  TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
   if (mesh.triangles.empty())
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));
-  const double error = options.simplify.value_or(kSimplify * cell);
-  if (error > 0) simplify_mesh(mesh, {.error = error, .least_shape = kLeastShape}, progress);
   measure(mesh, r);
   return mesh;
 }
