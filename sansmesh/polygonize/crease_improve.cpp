@@ -1,6 +1,7 @@
 // The second half of CreaseZone: triangles get their pieces, and a good shape.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sansmesh/polygonize/crease_zone.h"
 
@@ -167,6 +168,8 @@ bool CreaseZone::mend(std::uint32_t t) {
   }
   if (kind == Kind::kFlip) {
     const std::uint32_t g = surface.twin(chosen);
+    for (const std::uint32_t v : surface[chosen / 3]) look_again(v);
+    look_again(surface.apex(g));
     surface.flip(chosen);
     piece[chosen / 3] = pieces[0];
     piece[g / 3] = pieces[1];
@@ -174,10 +177,12 @@ bool CreaseZone::mend(std::uint32_t t) {
     const std::uint32_t to = surface.to(chosen);
     surface.collapse(chosen);
     surface.around(to, [&](std::uint32_t h) {
+      look_again(surface.to(h));
       if (piece[h / 3] == kNone) piece[h / 3] = best_piece(surface[h / 3]);
     });
   } else if (kind == Kind::kRename) {
     piece[t] = pieces[0];
+    for (const std::uint32_t v : surface[t]) look_again(v);
   }
   return kind != Kind::kNothing;
 }
@@ -188,7 +193,7 @@ void CreaseZone::relax() {
   for (std::uint32_t v = 0; v < x.size(); ++v) {
     if (!surface.used(v) || surface.on_border(v) || label[v].rank == 0 || label[v].rank == 3) continue;
     const double least = least_around(v);
-    if (least > 0.75 || least <= -3) continue;
+    if (least > (label[v].rank == 1 ? 0.65 : 0.75) || least <= -3) continue;
     const double reach = 0.5 * size[v];
     if (label[v].rank == 1) {
       Vec3 sum;
@@ -235,6 +240,7 @@ void CreaseZone::relax() {
         if (label[v].pieces.piece[j] == m.piece[k]) label[v].normal[j] = Vec3f(m.normal[k]);
     if (least_around(v) >= std::min(least, 0.6)) {
       moved.push_back(v);
+      look_again(v);
       continue;
     }
     x[v] = old;
@@ -243,7 +249,12 @@ void CreaseZone::relax() {
   settle(moved, false);
 }
 
+void CreaseZone::look_again(std::uint32_t v) {
+  surface.around(v, [&](std::uint32_t h) { look_[h / 3] = 1; });
+}
+
 void CreaseZone::improve() {
+  look_.assign(surface.triangles(), 1);
   for (int pass = 0; pass < kPasses; ++pass) {
     std::vector<std::uint32_t> corners;  // those next to each other learn of each other's pieces
     for (std::uint32_t v = 0; v < x.size(); ++v)
@@ -252,7 +263,8 @@ void CreaseZone::improve() {
     for (int again = 0; again < kMendPasses; ++again) {
       bool any = false;
       for (std::uint32_t t = 0; t < surface.triangles(); ++t)
-        if (surface.alive(t) && penalty(surface[t], piece[t]) > 0) any = mend(t) || any;
+        if (std::exchange(look_[t], std::uint8_t{0}) && surface.alive(t) && penalty(surface[t], piece[t]) > 0)
+          any = mend(t) || any;
       if (!any) break;
     }
     relax();

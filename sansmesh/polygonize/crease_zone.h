@@ -76,6 +76,9 @@ struct CreaseZone {
   double collapse_gain(std::uint32_t h) const;
   bool mend(std::uint32_t t);
   void relax();
+  void look_again(std::uint32_t v);
+
+  std::vector<std::uint8_t> look_;  ///< triangles that changed since mend() found nothing to do for them
 };
 
 }  // namespace sansmesh
