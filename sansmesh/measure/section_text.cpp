@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <vector>
 
 #include "sansmesh/core/error.h"
 
@@ -19,14 +20,24 @@ struct Extent {
   bool empty() const { return !(u0 <= u1); }
 };
 
-Extent extent(const Section& section) {
-  Extent e;
-  for (const SectionCurve& curve : section.curves)
-    for (const auto& [u, v] : curve.plane) {
-      e.u0 = std::min(e.u0, u), e.u1 = std::max(e.u1, u);
-      e.v0 = std::min(e.v0, v), e.v1 = std::max(e.v1, v);
-    }
-  return e;
+/// Of each section. Those across the same direction share one, so that they can be laid over each other.
+std::vector<Extent> frames_of(std::span<const Section> sections) {
+  std::vector<Extent> frames(sections.size());
+  std::vector<std::size_t> first(sections.size());
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const auto same = [&](const Section& s) {
+      return s.plane.u == sections[i].plane.u && s.plane.v == sections[i].plane.v;
+    };
+    first[i] = static_cast<std::size_t>(std::find_if(sections.begin(), sections.end(), same) - sections.begin());
+    Extent& e = frames[first[i]];
+    for (const SectionCurve& curve : sections[i].curves)
+      for (const auto& [u, v] : curve.plane) {
+        e.u0 = std::min(e.u0, u), e.u1 = std::max(e.u1, u);
+        e.v0 = std::min(e.v0, v), e.v1 = std::max(e.v1, v);
+      }
+  }
+  for (std::size_t i = 0; i < sections.size(); ++i) frames[i] = frames[first[i]];
+  return frames;
 }
 
 /// Lengths of the sheet that have the size of a pixel of 1/96 inch; for drawings that are not true to scale 1.
@@ -64,10 +75,11 @@ double round_length(double length) {
 
 std::string section_svg(std::span<const Section> sections, const SectionSvgOptions& options) {
   options.validate();
+  const std::vector<Extent> frames = frames_of(sections);
   // All drawings get the space of the largest.
   double width = 0, height = 0;
-  for (const Section& s : sections)
-    if (const Extent e = extent(s); !e.empty()) {
+  for (const Extent& e : frames)
+    if (!e.empty()) {
       width = std::max(width, e.u1 - e.u0);
       height = std::max(height, e.v1 - e.v0);
     }
@@ -101,8 +113,7 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& section = sections[i];
     const double x = cell_width * static_cast<double>(i % columns), y = cell_height * static_cast<double>(i / columns);
-    Extent e = extent(section);
-    if (e.empty()) e = {0, 0, 0, 0};
+    const Extent e = frames[i].empty() ? Extent{0, 0, 0, 0} : frames[i];
     const double cu = 0.5 * (e.u0 + e.u1), cv = 0.5 * (e.v0 + e.v1);
     // Viewers compute in single precision.
     const double size = std::max(width, height), step = std::pow(10.0, std::ceil(std::log10(size)));

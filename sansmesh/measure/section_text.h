@@ -18,8 +18,9 @@ struct SectionSvgOptions {
 };
 
 /// A sheet with one drawing a plane, side by side, all at the same scale: the solid filled by the even-odd rule,
-/// outlines as hairlines. Each drawing has its own viewBox in the unit of lengths, u to the right and v up (y = −v).
-/// Where coordinates are much larger than the drawing, they are relative to a place that the group's data-origin tells.
+/// outlines as hairlines. Each drawing has a viewBox in the unit of lengths, u to the right and v up (y = −v); those
+/// of planes across the same direction have the same. Where coordinates are much larger than the drawing, they are
+/// relative to a place that the group's data-origin tells.
 std::string section_svg(std::span<const Section> sections, const SectionSvgOptions& options = {});
 
 /// One row a vertex: plane,curve,closed,vertex,x,y,z,u,v; planes, curves and vertices are counted from 0, lengths have

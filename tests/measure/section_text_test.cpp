@@ -57,6 +57,9 @@ TEST(SectionText, SvgHasOneGroupAPlane) {
   EXPECT_NE(svg.find("z = -0.5"), std::string::npos);
   EXPECT_NE(svg.find("area "), std::string::npos);
   for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos) << bad;
+  // All show the same part of the plane.
+  const std::size_t box = svg.find("viewBox=", svg.find("<g "));
+  EXPECT_EQ(count_of(svg, svg.substr(box, svg.find(" fill-rule", box) - box)), 11u);
   // The planes that miss the torus have no path but their own drawing; the others one path each with all of its curves.
   EXPECT_EQ(count_of(svg, "<path fill=\"#c9d5e3\""), 7u);
   EXPECT_EQ(count_of(svg, "Z\n"), 14u);

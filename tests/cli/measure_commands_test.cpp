@@ -1,0 +1,166 @@
+// The commands that measure: section, compare, measure.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "polygonize/mesh_shapes.h"
+#include "run_tool.h"
+#include "sansmesh/io/io.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+using Json = nlohmann::json;
+using std::numbers::pi;
+
+class MeasureCommands : public ToolTest {
+ protected:
+  void write_sphere(const std::string& name, float radius, int levels = 4) const {
+    TriangleMesh mesh = octasphere(levels);
+    for (Vec3f& v : mesh.vertices) v *= radius;
+    write_mesh(path(name), mesh);
+  }
+  Json json_of(std::vector<std::string> arguments) const {
+    arguments.push_back("--json");
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.code == 0 ? Json::parse(outcome.out) : Json();
+  }
+  void expect_failure(const std::vector<std::string>& arguments, int code, const std::string& words) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  }
+};
+
+TEST_F(MeasureCommands, SectionOfAMesh) {
+  write_sphere("ball.ply", 2);
+  const Json middle = json_of({"section", "ball.ply"});
+  ASSERT_EQ(middle["planes"].size(), 3u);
+  for (const Json& plane : middle["planes"]) {
+    EXPECT_NEAR(plane["area"].get<double>(), 4 * pi, 0.1);
+    EXPECT_NEAR(plane["length"].get<double>(), 4 * pi, 0.1);
+    EXPECT_EQ(plane["curves"], 1);
+    EXPECT_EQ(plane["open_curves"], 0);
+  }
+  const Json slices = json_of({"section", "ball.ply", "--axis", "z", "--count", "10", "-o", "slices.svg"});
+  EXPECT_EQ(slices["planes"].size(), 10u);
+  EXPECT_NE(slurp(path("slices.svg")).find("<g id=\"plane9\""), std::string::npos);
+  const Json steps = json_of({"section", "ball.ply", "--axis", "y", "--step", "0.5"});
+  EXPECT_EQ(steps["planes"].size(), 8u);
+  const Json cuts = json_of({"section", "ball.ply", "--plane", "z=0.5", "--plane", "3,0,4,5", "-o", "cuts.csv"});
+  ASSERT_EQ(cuts["planes"].size(), 2u);
+  EXPECT_NEAR(cuts["planes"][1]["area"].get<double>(), 3 * pi, 0.1);
+  EXPECT_EQ(cuts["planes"][1]["equation"], "0.6 x + 0.8 z = 1");
+  EXPECT_EQ(slurp(path("cuts.csv")).substr(0, 36), "plane,curve,closed,vertex,x,y,z,u,v\n");
+  const Outcome words = run({"section", "ball.ply", "--plane", "z=9"});
+  EXPECT_NE(words.out.find("nothing there"), std::string::npos);
+}
+
+TEST_F(MeasureCommands, SectionComplaints) {
+  write_sphere("ball.ply", 1);
+  PointSet cloud = sphere(200);
+  write_points(path("cloud.ply"), cloud);
+  expect_failure({"section", "ball.ply", "--plane", "w=1"}, 2, "w=1");
+  expect_failure({"section", "ball.ply", "--count", "3"}, 2, "--axis");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--step", "0"}, 2, "--step");
+  expect_failure({"section", "ball.ply", "--axis", "q"}, 2, "--axis");
+  expect_failure({"section", "ball.ply", "-o", "x.png"}, 1, "x.png");
+  expect_failure({"section", "ball.ply", "-o", "none/x.svg"}, 1, "none/x.svg");
+  expect_failure({"section", "ball.ply", "-o", "x.csv", "--unit", "mm"}, 2, "--unit");
+  expect_failure({"section", "ball.ply", "--resolution", "100"}, 2, "--resolution");
+  expect_failure({"section", "cloud.ply"}, 1, "no faces");
+  expect_failure({"section", "none.ply"}, 1, "none.ply");
+  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "cloud.ply"}));
+}
+
+TEST_F(MeasureCommands, Measure) {
+  write_sphere("ball.ply", 2, 5);
+  const Json ball = json_of({"measure", "ball.ply"});
+  EXPECT_NEAR(ball["whole"]["volume"].get<double>(), 32 * pi / 3, 0.1);
+  EXPECT_NEAR(ball["whole"]["area"].get<double>(), 16 * pi, 0.1);
+  EXPECT_TRUE(ball["whole"]["closed"].get<bool>());
+  EXPECT_EQ(ball["component_count"], 1);
+  EXPECT_NEAR(ball["smallest_box"]["sizes"][0].get<double>(), 4, 0.01);
+  TriangleMesh two = joined(octasphere(2), octasphere(3), {5, 0, 0});
+  two.triangles.pop_back();
+  write_mesh(path("two.off"), two);
+  const Json open = json_of({"measure", "two.off"});
+  EXPECT_TRUE(open["whole"]["volume"].is_null());
+  EXPECT_EQ(open["components"].size(), 2u);
+  EXPECT_FALSE(open["components"][0]["closed"].get<bool>());
+  EXPECT_GT(open["components"][1]["volume"].get<double>(), 3);
+  const Outcome words = run({"measure", "two.off"});
+  EXPECT_EQ(words.code, 0);
+  EXPECT_NE(words.err.find("not closed"), std::string::npos);
+  EXPECT_NE(words.out.find("component"), std::string::npos);
+  write_points(path("cloud.ply"), sphere(200));
+  expect_failure({"measure", "cloud.ply"}, 1, "no faces");
+}
+
+TEST_F(MeasureCommands, Compare) {
+  write_sphere("small.ply", 1);
+  write_sphere("large.ply", 1.01f, 6);
+  const Json json = json_of({"compare", "small.ply", "large.ply", "-o", "map.ply", "--preview", "map.png",
+                             "--tolerance", "0.02", "--view", "front"});
+  EXPECT_NEAR(json["distance"]["mean"].get<double>(), -0.01, 2e-4);
+  EXPECT_EQ(json["distance"]["within_tolerance"], 1.0);
+  EXPECT_EQ(json["measured"], json["vertices"]);
+  EXPECT_EQ(json["histogram"]["shares"].size(), 41u);
+  EXPECT_EQ(slurp(path("map.png")).substr(1, 3), "PNG");
+  const PointSet map = read_points(path("map.ply"));
+  ASSERT_EQ(map.colors.size(), map.size());
+  EXPECT_GT(map.colors[0][2], map.colors[0][0] + 60);
+  EXPECT_NE(slurp(path("map.ply")).find("property float quality"), std::string::npos);
+
+  // The same seen on the reference; the sign stays that of the part.
+  const Json reversed = json_of({"compare", "small.ply", "large.ply", "--on", "reference"});
+  EXPECT_NEAR(reversed["distance"]["mean"].get<double>(), -0.012, 2e-3);
+  const Outcome words = run({"compare", "large.ply", "small.ply", "--histogram", "--tolerance", "0.001"});
+  EXPECT_EQ(words.code, 0) << words.err;
+  EXPECT_NE(words.out.find("within ±0.001"), std::string::npos) << words.out;
+  EXPECT_NE(words.out.find("####"), std::string::npos);
+
+  // Points, with normals and without.
+  PointSet cloud = sphere(3000);
+  write_points(path("cloud.ply"), cloud);
+  const Json points = json_of({"compare", "cloud.ply", "large.ply", "-o", "points.csv"});
+  EXPECT_NEAR(points["distance"]["mean"].get<double>(), -0.01, 5e-4);
+  EXPECT_NE(slurp(path("points.csv")).find("distance"), std::string::npos);
+  const Json onto = json_of({"compare", "large.ply", "cloud.ply"});
+  EXPECT_NEAR(onto["distance"]["mean"].get<double>(), 0.01, 2e-3);
+}
+
+TEST_F(MeasureCommands, CompareComplaints) {
+  write_sphere("ball.ply", 1);
+  write("empty.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n");
+  expect_failure({"compare", "ball.ply"}, 2, "reference");
+  expect_failure({"compare", "ball.ply", "empty.ply"}, 1, "empty.ply");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--range", "-1"}, 2, "range");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--tolerance", "-1"}, 2, "tolerance");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--refine", "0"}, 2, "--refine");
+  expect_failure({"compare", "ball.ply", "ball.ply", "-o", "map.txt"}, 1, "map.txt");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.jpg"}, 1, "map.jpg");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--view", "within"}, 2, "within");
+  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "empty.ply"}));
+}
+
+TEST_F(MeasureCommands, Functions) {
+  write_points(path("cloud.ply"), sphere(4000));
+  ASSERT_EQ(run({"fit", "cloud.ply", "-o", "ball.smf"}).code, 0);
+  write_sphere("mesh.ply", 1.02f, 5);
+  const Json cut = json_of({"section", "ball.smf", "--plane", "z=0.6", "-o", "cut.svg"});
+  EXPECT_NEAR(cut["planes"][0]["area"].get<double>(), 0.64 * pi, 2e-3);
+  EXPECT_EQ(cut["planes"][0]["open_curves"], 0);
+  EXPECT_EQ(cut["input"]["kind"], "function");
+  const Json coarse = json_of({"section", "ball.smf", "--plane", "z=0.6", "--resolution", "32"});
+  EXPECT_LT(coarse["planes"][0]["vertices"], cut["planes"][0]["vertices"]);
+  EXPECT_NEAR(json_of({"compare", "mesh.ply", "ball.smf"})["distance"]["mean"].get<double>(), 0.02, 1e-3);
+  EXPECT_NEAR(json_of({"compare", "ball.smf", "mesh.ply"})["distance"]["mean"].get<double>(), -0.02, 2e-3);
+  EXPECT_NEAR(json_of({"measure", "ball.smf"})["whole"]["volume"].get<double>(), 4 * pi / 3, 0.02);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
