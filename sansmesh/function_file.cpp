@@ -1,6 +1,9 @@
 // Function files: sections and the description in JSON (docs/formats/smf.md).
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -12,20 +15,53 @@
 namespace sansmesh {
 namespace {
 
+/// Written in a fixed order, but read into maps: these find the fields of a hostile description quickly.
 using Json = nlohmann::ordered_json;
+using ReadJson = nlohmann::json;
 using Color = std::array<std::uint8_t, 3>;
 
 constexpr const char* kKind = "partition of unity";
 constexpr std::size_t kMostLevels = 22;
+/// Limits of the description: bytes, and arrays within arrays.
+constexpr std::size_t kMostText = std::size_t{16} << 20;
+constexpr int kMostNested = 8;
 
 template <class T>
 Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
+/// A number as it was written; the conversions of the parser would wrap and overflow without a word.
+double number(const ReadJson& json) {
+  if (!json.is_number()) throw DataError("a number is missing in its description");
+  return json.get<double>();
+}
+
 template <class T>
-std::optional<T> optional_value(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional<T>(json.get<T>());
+T whole(const ReadJson& json) {
+  if (!json.is_number_unsigned() ||
+      json.get<std::uint64_t>() > static_cast<std::uint64_t>(std::numeric_limits<T>::max()))
+    throw DataError("a number in its description is not whole, negative or far too large");
+  return static_cast<T>(json.get<std::uint64_t>());
+}
+
+float single(const ReadJson& json) {
+  const double x = number(json);
+  if (!(std::abs(x) <= 1e30)) throw DataError("a number in its description is far too large");
+  return static_cast<float>(x);
+}
+
+template <class T, class Get>
+std::optional<T> unless_null(const ReadJson& json, Get&& get) {
+  return json.is_null() ? std::nullopt : std::optional<T>(get(json));
+}
+
+ReadJson parsed(std::string_view text) {
+  if (text.size() > kMostText) throw DataError("its description is longer than any that is written");
+  return ReadJson::parse(text, [](int depth, ReadJson::parse_event_t, ReadJson&) {
+    if (depth > kMostNested) throw DataError("its description is nested too deeply");
+    return true;
+  });
 }
 
 template <class T>
@@ -33,10 +69,7 @@ Json to_json(const VecT<T>& v) {
   return {v.x, v.y, v.z};
 }
 
-template <class T>
-VecT<T> vector_of(const Json& json) {
-  return {json.at(0).get<T>(), json.at(1).get<T>(), json.at(2).get<T>()};
-}
+Vec3 vector_of(const ReadJson& json) { return {number(json.at(0)), number(json.at(1)), number(json.at(2))}; }
 
 Json to_json(const PartitionOptions& o) {
   return {{"max_depth", optional_json(o.max_depth)},
@@ -50,16 +83,16 @@ Json to_json(const PartitionOptions& o) {
           {"sharp", o.sharp}};
 }
 
-PartitionOptions options_of(const Json& json) {
+PartitionOptions options_of(const ReadJson& json) {
   PartitionOptions o;
-  o.max_depth = optional_value<int>(json.at("max_depth"));
-  o.error = optional_value<double>(json.at("error"));
-  o.support = optional_value<double>(json.at("support"));
-  json.at("max_degree").get_to(o.max_degree);
-  json.at("min_samples").get_to(o.min_samples);
-  json.at("max_samples").get_to(o.max_samples);
-  json.at("coverage").get_to(o.coverage);
-  json.at("max_eccentricity").get_to(o.max_eccentricity);
+  o.max_depth = unless_null<int>(json.at("max_depth"), whole<int>);
+  o.error = unless_null<double>(json.at("error"), number);
+  o.support = unless_null<double>(json.at("support"), number);
+  o.max_degree = whole<int>(json.at("max_degree"));
+  o.min_samples = whole<int>(json.at("min_samples"));
+  o.max_samples = whole<int>(json.at("max_samples"));
+  for (std::size_t d = 0; d < o.coverage.size(); ++d) o.coverage[d] = number(json.at("coverage").at(d));
+  o.max_eccentricity = number(json.at("max_eccentricity"));
   json.at("sharp").get_to(o.sharp);
   return o;
 }
@@ -72,17 +105,18 @@ Json to_json(const PartitionReport& r) {
           {"creased", r.creased}};
 }
 
-PartitionReport report_of(const Json& json) {
+PartitionReport report_of(const ReadJson& json) {
   PartitionReport r;
-  json.at("noise").get_to(r.noise);
-  json.at("error").get_to(r.error);
-  json.at("accuracy").get_to(r.accuracy);
-  json.at("area").get_to(r.area);
-  json.at("spacing").get_to(r.spacing);
-  json.at("depth").get_to(r.depth);
-  json.at("functions").get_to(r.functions);
-  json.at("functions_of_degree").get_to(r.functions_of_degree);
-  json.at("creased").get_to(r.creased);
+  r.noise = number(json.at("noise"));
+  r.error = number(json.at("error"));
+  r.accuracy = number(json.at("accuracy"));
+  r.area = number(json.at("area"));
+  r.spacing = number(json.at("spacing"));
+  r.depth = whole<int>(json.at("depth"));
+  r.functions = whole<std::size_t>(json.at("functions"));
+  for (std::size_t d = 0; d < r.functions_of_degree.size(); ++d)
+    r.functions_of_degree[d] = whole<std::size_t>(json.at("functions_of_degree").at(d));
+  r.creased = whole<std::size_t>(json.at("creased"));
   return r;
 }
 
@@ -91,15 +125,24 @@ Json to_json(const ScaleBasis& b) {
           {"variance", b.variance},     {"accepted", b.accepted}, {"support", b.support}};
 }
 
-ScaleBasis basis_of(const Json& json) {
+ScaleBasis basis_of(const ReadJson& json) {
   ScaleBasis b;
-  json.at("sort_depth").get_to(b.sort_depth);
-  json.at("tried").get_to(b.tried);
-  json.at("finest").get_to(b.finest);
-  json.at("variance").get_to(b.variance);
-  json.at("accepted").get_to(b.accepted);
-  json.at("support").get_to(b.support);
+  b.sort_depth = whole<int>(json.at("sort_depth"));
+  b.tried = whole<int>(json.at("tried"));
+  b.finest = whole<int>(json.at("finest"));
+  b.variance = number(json.at("variance"));
+  b.accepted = number(json.at("accepted"));
+  b.support = number(json.at("support"));
   return b;
+}
+
+/// What will be printed is one line.
+std::vector<std::string> history_of(const ReadJson& json) {
+  auto lines = json.get<std::vector<std::string>>();
+  for (std::string& line : lines)
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  return lines;
 }
 
 /// One array for all levels.
@@ -130,8 +173,9 @@ class Cutter {
   std::size_t at_ = 0;
 };
 
-void read_flatness(const SectionFile& file, const Json& json, PartitionData& data) {
-  const auto sizes = json.at("levels").get<std::vector<std::size_t>>();
+void read_flatness(const SectionFile& file, const ReadJson& json, PartitionData& data) {
+  std::vector<std::size_t> sizes;
+  for (const ReadJson& size : json.at("levels")) sizes.push_back(whole<std::size_t>(size));
   if (sizes.empty() || sizes.size() > kMostLevels) throw DataError("its tree has an impossible number of levels");
   Cutter<std::uint64_t> code(file.array<std::uint64_t>("LEVCODE"));
   Cutter<float> gap(file.array<float>("LEVGAP"));
@@ -155,17 +199,19 @@ void read_samples(const SectionFile& file, const char* name, std::size_t n, std:
   values = stored.copy();
 }
 
-PointSet read_samples(const SectionFile& file) {
+PointSet read_samples(const SectionFile& file, const PartitionData& data) {
   PointSet samples;
+  samples.origin = data.origin;
   if (!file.has("POSITION")) return samples;
   samples.positions = file.array<Vec3f>("POSITION").copy();
   const std::size_t n = samples.size();
   read_samples(file, "NORMAL", n, samples.normals);
   read_samples(file, "COLOR", n, samples.colors);
-  for (const std::vector<Vec3f>* vectors : {&samples.positions, &samples.normals})
-    for (const Vec3f& v : *vectors)
-      if (!is_finite(v)) throw DataError("its samples are not all finite");
   if (samples.normals.size() != n) throw DataError("its samples have no normals");
+  for (const Vec3f& p : samples.positions)
+    if (!(norm(p - data.lower) <= 8 * data.edge)) throw DataError("its samples are not where its functions are");
+  for (const Vec3f& v : samples.normals)
+    if (!(squared_norm(v) <= 1.01f)) throw DataError("the normals of its samples make no sense");
   return samples;
 }
 
@@ -178,6 +224,12 @@ bool is_function_file(const std::string& file) {
 
 void write_function(const std::string& file, const SurfaceFunction& function, bool with_samples) {
   const PartitionData& data = function.field.data();
+  // Nothing is written that could not be read again.
+  try {
+    data.validate();
+  } catch (const Error& error) {
+    throw FileError(file, fmt::format("cannot hold this function: {}", error.what()));
+  }
   Json levels = Json::array();
   for (const PartitionData::Flatness& f : data.flatness) levels.push_back(f.code.size());
   const Json json = {{"kind", kKind},
@@ -190,7 +242,7 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
                      {"basis", to_json(data.basis)},
                      {"levels", levels},
                      {"history", function.history}};
-  const std::string text = json.dump(1);
+  const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   const auto code = joined<std::uint64_t>(
       data, [](const auto& f) -> const auto& { return f.code; });
   const auto gap = joined<float>(
@@ -212,16 +264,18 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
   write_sections(file, sections);
 }
 
-SurfaceFunction read_function(const std::string& name) {
-  const SectionFile file(name);
+SurfaceFunction read_function(const std::string& file) { return read_function(SectionFile(file)); }
+
+SurfaceFunction read_function(const SectionFile& file) {
   try {
-    const Json json = Json::parse(file.text("META"));
+    const ReadJson json = parsed(file.text("META"));
     if (json.at("kind").get<std::string>() != kKind)
-      throw DataError(fmt::format("holds a {}, not a {}", json.at("kind").get<std::string>().substr(0, 40), kKind));
+      throw FileError(file.file(), fmt::format("holds another kind of function than a {}", kKind));
     PartitionData data;
-    data.origin = vector_of<double>(json.at("field_origin"));
-    data.lower = vector_of<float>(json.at("cube").at("lower"));
-    json.at("cube").at("edge").get_to(data.edge);
+    data.origin = vector_of(json.at("field_origin"));
+    const ReadJson& cube = json.at("cube");
+    for (std::size_t k = 0; k < 3; ++k) data.lower[k] = single(cube.at("lower").at(k));
+    data.edge = single(cube.at("edge"));
     data.options = options_of(json.at("options"));
     data.report = report_of(json.at("report"));
     data.basis = basis_of(json.at("basis"));
@@ -229,23 +283,19 @@ SurfaceFunction read_function(const std::string& name) {
     data.supports = file.array<Support>("SUPPORT");
     read_flatness(file, json, data);
     data.validate();
-    auto samples = std::make_shared<PointSet>(read_samples(file));
-    samples->origin = data.origin;
-    const Vec3 origin = vector_of<double>(json.at("origin"));
-    const double unit = json.at("unit").get<double>();
-    if (!is_finite(origin) || !(unit > 1e-60 && unit < 1e60)) throw DataError("its place in the input makes no sense");
-    return {PartitionOfUnity(std::move(data)),
-            origin,
-            unit,
-            std::move(samples),
-            json.at("history").get<std::vector<std::string>>(),
-            {}};
+    auto samples = std::make_shared<const PointSet>(read_samples(file, data));
+    const Vec3 origin = vector_of(json.at("origin"));
+    const double unit = number(json.at("unit"));
+    if (!(norm(origin) <= 1e30 && unit > 1e-60 && unit < 1e30))
+      throw DataError("its place in the input makes no sense");
+    std::vector<std::string> history = history_of(json.at("history"));
+    return {PartitionOfUnity(std::move(data)), origin, unit, std::move(samples), std::move(history), {}};
   } catch (const nlohmann::json::exception&) {
-    throw FileError(name, "damaged: its description (section META) makes no sense");
+    throw FileError(file.file(), "damaged: its description (section META) makes no sense");
   } catch (const ArgumentError& error) {
-    throw FileError(name, fmt::format("damaged: {}", error.what()));
+    throw FileError(file.file(), fmt::format("damaged: {}", error.what()));
   } catch (const DataError& error) {
-    throw FileError(name, fmt::format("damaged: {}", error.what()));
+    throw FileError(file.file(), fmt::format("damaged: {}", error.what()));
   }
 }
 

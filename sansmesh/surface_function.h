@@ -13,6 +13,8 @@
 
 namespace sansmesh {
 
+class SectionFile;
+
 /// How samples become a function. All optional lengths are in the unit of the input; where absent they are derived from
 /// the data.
 struct FitOptions {
@@ -59,6 +61,8 @@ bool is_function_file(const std::string& file);
 /// Reads a function file (docs/formats/smf.md). The larger arrays stay in the file, mapped into memory. Throws
 /// FileError where it is missing, not a function file, truncated, damaged or from a newer version.
 SurfaceFunction read_function(const std::string& file);
+/// The same of a file that is open already, or lies in memory.
+SurfaceFunction read_function(const SectionFile& file);
 
 /// Writes one, atomically. Throws FileError. `with_samples` = false leaves the samples out: smaller, but such a
 /// function cannot be refitted.

@@ -101,8 +101,19 @@ void write_sections(const std::string& file, const std::vector<Section>& section
 
 SectionFile::SectionFile(const std::string& file) : file_(file) {
   auto content = std::make_shared<const io::FileContent>(file);
-  const std::string_view bytes = content->bytes();
-  const auto fail = [&](const std::string& cause) { throw FileError(file, cause); };
+  open(content->bytes());
+  owner_ = std::move(content);
+}
+
+SectionFile::SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes)
+    : file_(name), owner_(std::move(owner)) {
+  if (reinterpret_cast<std::uintptr_t>(bytes.data()) % 16 != 0)
+    throw ArgumentError("the bytes of a file of sections must be aligned to 16");
+  open(bytes);
+}
+
+void SectionFile::open(std::string_view bytes) {
+  const auto fail = [&](const std::string& cause) { throw FileError(file_, cause); };
 
   Header header;
   if (bytes.size() < sizeof kMagic || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
@@ -137,7 +148,6 @@ SectionFile::SectionFile(const std::string& file) : file_(file) {
                [&](std::size_t i) { right[i] = checksum_of(sections_[i].bytes) == table[i].checksum; });
   for (std::size_t i = 0; i < right.size(); ++i)
     if (!right[i]) fail(fmt::format("damaged: the checksum of section {} is wrong", sections_[i].name));
-  owner_ = std::move(content);
 }
 
 const Section* SectionFile::find(std::string_view name) const {

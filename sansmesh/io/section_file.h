@@ -36,6 +36,9 @@ class SectionFile {
  public:
   /// Throws FileError where the file is missing, not of this kind, of a newer version, truncated or damaged.
   explicit SectionFile(const std::string& file);
+  /// The same of bytes in memory, aligned to 16, that stay as they are as long as `owner` lives; `name` is for
+  /// messages.
+  SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes);
 
   const std::string& file() const { return file_; }
   bool has(std::string_view name) const { return find(name) != nullptr; }
@@ -52,6 +55,7 @@ class SectionFile {
   std::string_view text(std::string_view name) const { return bytes_of(name, 1); }
 
  private:
+  void open(std::string_view bytes);
   const Section* find(std::string_view name) const;
   std::string_view bytes_of(std::string_view name, std::size_t element_size) const;
 

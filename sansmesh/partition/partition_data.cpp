@@ -5,30 +5,71 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/sample_tree.h"
+#include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
 namespace {
 
-/// No coefficient, scale or distance of a function of samples that are about 1 large comes near this.
+/// No coefficient or distance of a function of samples that are about 1 large comes near this.
 constexpr float kHuge = 1e9f;
+/// Root cubes outside of this leave no room for the precision of their blocks.
+constexpr float kLeastEdge = 1e-9f, kMostEdge = 1e9f;
+/// The blocks of meshes go one level deeper than the fits.
+constexpr int kDeepest = BlockTree::kMaxLevel - 1;
 
 bool sensible(float x) { return std::abs(x) <= kHuge; }  // false for NaN
 bool sensible(const Vec3f& v) { return sensible(v.x) && sensible(v.y) && sensible(v.z); }
 bool at_most_unit(const Vec3f& v) { return squared_norm(v) <= 1.01f; }
 
-/// `i`: its own place; pieces of creases stand behind the functions of the supports, in rising order, so that following
-/// them ends.
-bool sensible(const LocalFunction& f, std::size_t i, std::size_t supports, std::size_t functions) {
-  const auto next = static_cast<std::size_t>(f.next);
-  return sensible(f.center) && f.radius >= 0 && sensible(f.radius) && f.scale > 0 && sensible(f.scale) &&
-         at_most_unit(f.xi) && at_most_unit(f.eta) && at_most_unit(f.nu) && f.degree >= 0 && f.degree <= kMaxDegree &&
-         f.next >= 0 && (f.next == 0 || (next > supports && next - 1 > i && next <= functions)) && f.convex <= 1 &&
+/// A polynomial that stays far from the limits of float within a ball of this radius around its support's centre.
+bool is_sensible_piece(const LocalFunction& f, const Vec3f& center, float radius) {
+  return sensible(f.center) && norm(f.center - center) <= 2 * radius && f.radius >= 0 && sensible(f.radius) &&
+         f.scale > 0 && sensible(f.scale) && (f.is_constant() || f.scale >= 0.25f * radius) && at_most_unit(f.xi) &&
+         at_most_unit(f.eta) && at_most_unit(f.nu) && f.degree >= 0 && f.degree <= kMaxDegree && f.convex <= 1 &&
          std::all_of(f.coefficient.begin(), f.coefficient.end(), [](float c) { return sensible(c); });
 }
 
-bool sensible(const Support& s, std::size_t levels) {
-  return s.level < levels && s.code >> (3 * s.level) == 0 && sensible(s.foot) && s.area >= 0 && sensible(s.area) &&
-         sensible(s.error) && sensible(s.coverage) && s.state <= Support::constant && s.creased <= 1;
+bool is_sensible_support(const PartitionData& data, std::size_t i) {
+  const Support& s = data.supports[i];
+  const LocalFunction& f = data.functions[i];
+  if (s.level >= data.flatness.size() || s.code >> (3 * s.level) != 0) return false;
+  const float h = data.edge / static_cast<float>(1u << s.level);
+  const std::array<std::uint32_t, 3> cell = morton_cell(s.code);
+  // A ball much larger than its block would be met by far too many points.
+  const float reach = 0.8660254f * h;
+  bool ok = f.radius >= 0.9f * reach && f.radius <= 4.1f * reach && is_sensible_piece(f, f.center, f.radius);
+  for (std::size_t k = 0; k < 3; ++k)
+    ok &= std::abs(f.center[k] - (data.lower[k] + (static_cast<float>(cell[k]) + 0.5f) * h)) <= 0.5f * h;
+  return ok && s.area >= 0 && s.area <= 4 * h * h && sensible(s.foot) &&
+         (s.area == 0 || norm(s.foot - f.center) <= 2 * h) && sensible(s.error) && sensible(s.coverage) &&
+         s.state <= Support::constant && s.creased <= 1;
+}
+
+/// Along the Morton curve, each block after the end of the one before it.
+bool in_order(const Support& a, const Support& b) {
+  const auto place = [](int level, std::uint64_t code) { return code << (3 * (kDeepest - level)); };
+  return place(a.level, a.code + 1) <= place(b.level, b.code);
+}
+
+/// Further pieces stand behind the functions of the supports, those of each support together and in its order, so that
+/// following them ends, and no piece belongs to two.
+bool is_chained(const PartitionData& data) {
+  const auto& functions = data.functions;
+  const auto next = [&](std::size_t i) { return static_cast<std::int64_t>(functions[i].next); };
+  std::size_t at = data.supports.size();
+  for (std::size_t i = 0; i < data.supports.size(); ++i) {
+    if (next(i) == 0) continue;
+    if (next(i) != static_cast<std::int64_t>(at) + 1) return false;
+    for (;; ++at) {
+      if (at >= functions.size() || !is_sensible_piece(functions[at], functions[i].center, functions[i].radius))
+        return false;
+      if (next(at) == 0) break;
+      if (next(at) != static_cast<std::int64_t>(at) + 2) return false;
+    }
+    ++at;
+  }
+  return at == functions.size();
 }
 
 template <class Check>
@@ -51,7 +92,7 @@ bool is_tree(const std::vector<PartitionData::Flatness>& levels) {
     const std::size_t n = level.code.size();
     if (level.gap.size() != n) return false;
     if (!all_of_range(
-            n, [&](std::size_t c) { return !(level.gap[c] < 0) && (c == 0 || level.code[c - 1] < level.code[c]); }))
+            n, [&](std::size_t c) { return level.gap[c] >= 0 && (c == 0 || level.code[c - 1] < level.code[c]); }))
       return false;
     if (l + 1 == levels.size()) return level.child.empty();
     const auto& below = levels[l + 1].code;
@@ -74,22 +115,27 @@ void PartitionData::validate() const {
     if (!ok) throw DataError(what);
   };
   options.validate();
-  check(is_finite(origin) && sensible(lower) && edge > 0 && sensible(edge), "its cube makes no sense");
+  check(edge >= kLeastEdge && edge <= kMostEdge && sensible(lower) && norm(origin) <= kHuge &&
+            norm(Vec3(lower)) <= 1e3 * static_cast<double>(edge),
+        "its cube makes no sense");
   check(!supports.empty() && functions.size() >= supports.size(), "it has no functions");
-  check(report.noise >= 0 && report.accuracy >= 0 && report.spacing >= 0 && std::isfinite(report.noise) &&
-            std::isfinite(report.accuracy) && std::isfinite(report.spacing),
+  check(functions.size() < (std::size_t{1} << 31), "it has more functions than can be counted");
+  const auto is_size = [](double x) { return x >= 0 && x <= static_cast<double>(kHuge); };
+  check(is_size(report.noise) && is_size(report.error) && is_size(report.accuracy) && is_size(report.area) &&
+            is_size(report.spacing) && report.depth >= 0 && report.depth <= kDeepest,
         "its report makes no sense");
   check(basis.sort_depth >= 0 && basis.sort_depth <= 20 && basis.tried >= 0 && basis.tried <= basis.sort_depth &&
-            basis.finest >= 0 && basis.finest <= basis.tried && basis.variance >= 0 && basis.accepted >= 0 &&
-            basis.support >= 1 && basis.support <= 4,
+            basis.finest >= 0 && basis.finest <= basis.tried && basis.finest <= kDeepest && is_size(basis.variance) &&
+            is_size(basis.accepted) && basis.support >= 1 && basis.support <= 4,
         "its scales make no sense");
   check(flatness.size() == static_cast<std::size_t>(basis.finest) + 1 && is_tree(flatness), "its tree makes no sense");
-  const std::size_t n = supports.size(), m = functions.size();
-  check(all_of_range(m, [&](std::size_t i) { return sensible(functions[i], i, n, m); }),
-        "a local function makes no sense");
-  check(
-      all_of_range(n, [&](std::size_t i) { return functions[i].radius > 0 && sensible(supports[i], flatness.size()); }),
-      "a support makes no sense");
+  const std::size_t n = supports.size();
+  check(all_of_range(n,
+                     [&](std::size_t i) {
+                       return is_sensible_support(*this, i) && (i == 0 || in_order(supports[i - 1], supports[i]));
+                     }),
+        "a support makes no sense");
+  check(is_chained(*this), "the pieces of its creases make no sense");
 }
 
 }  // namespace sansmesh
