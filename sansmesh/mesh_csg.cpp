@@ -49,6 +49,31 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
   return box;
 }
 
+/// The box less what the surface is known not to reach: boxes of fields hold more than their surfaces, and differences
+/// are smaller than what they begin with.
+Box3 tightened(const ScalarField& field, const Box3& box, double slope) {
+  constexpr std::size_t n = std::size_t{1} << kBaseLevel;
+  const Vec3 step = box.size() * (1.0 / n);
+  std::vector<Vec3> centers(n * n * n);
+  std::vector<double> values(centers.size());
+  for (std::size_t i = 0; i < centers.size(); ++i)
+    for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= n)
+      centers[i][k] = box.lower[k] + (static_cast<double>(rest % n) + 0.5) * step[k];
+  field.evaluate(centers, values);
+  Box3 reached;
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    if (std::abs(values[i]) > slope * norm(step) / 2) continue;
+    reached.extend(centers[i] - step * 0.5);
+    reached.extend(centers[i] + step * 0.5);
+  }
+  if (reached.empty()) throw DataError("the solid is empty");
+  for (std::size_t k = 0; k < 3; ++k) {  // without rounding, where nothing could be left out
+    reached.lower[k] = std::max(reached.lower[k], box.lower[k]);
+    reached.upper[k] = std::min(reached.upper[k], box.upper[k]);
+  }
+  return reached;
+}
+
 double cell_of(const Box3& box, const CsgMeshOptions& options) {
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
@@ -145,8 +170,7 @@ void CsgMeshOptions::validate() const {
 TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report) {
   options.validate();
-  const Box3 box = box_of(solid, options);
-  const double cell = cell_of(box, options);
+  const Box3 whole_box = box_of(solid, options);
   // A solid is cut off by intersection, so that the faces of the cut have edges as all others.
   const auto* whole = dynamic_cast<const Solid*>(&solid);
   const double slope = whole && whole->node()->lipschitz() ? 1.0001 : 1.5;
@@ -156,6 +180,8 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
     cut = csg::intersect(whole ? *whole : csg::leaf(borrowed), csg::box(options.box->lower, options.box->upper));
   }
   const PiecewiseField& field = cut ? *cut : solid;
+  const Box3 box = tightened(field, whole_box, slope);
+  const double cell = cell_of(box, options);
   BlockTree tree = blocks_around(field, box, cell, slope, progress);
 
   CsgMeshReport local;

@@ -26,7 +26,7 @@ struct CsgMeshOptions {
 };
 
 struct CsgMeshReport {
-  Box3 box;  ///< in which the surface was looked for
+  Box3 box;  ///< in which the surface lies: tight to a thirty-second of the solid’s bounds()
   double cell = 0;
   int depth = 0;  ///< levels of the tree of blocks
   std::size_t blocks = 0;

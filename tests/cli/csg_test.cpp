@@ -24,6 +24,7 @@ TEST_F(Csg, MeshesPrimitives) {
   EXPECT_TRUE(json["output"]["closed"]);
   EXPECT_EQ(json["output"]["components"], 1);
   EXPECT_EQ(json["box"]["lower"], (std::vector<double>{-1, -1, -1}));
+  EXPECT_EQ(json["box"]["upper"], (std::vector<double>{1, 1, 1}));
   const MeshTopology topology = measure_topology(read_mesh(path("part.ply")));
   EXPECT_TRUE(topology.closed());
   EXPECT_EQ(topology.genus(), 1);

@@ -87,6 +87,15 @@ TEST(MeshCsg, FlatSolidsAreExact) {
   }
 }
 
+TEST(MeshCsg, CellsFollowTheSolidThatIsLeft) {
+  CsgMeshReport report;
+  meshed(parsed("box(10) - box(from=(-6,-6,-6), to=(4,6,6)) - plane(z, offset=4)"), {.resolution = 32}, report);
+  EXPECT_NEAR(report.cell, 10.0 / 32, 1e-9);
+  meshed(parsed("box(from=(0,0,0), to=(10,1,1)) - box(from=(1,-1,-1), to=(11,2,2))"), {}, report);
+  EXPECT_LT(report.cell, 2.2 / 256);
+  EXPECT_NEAR(report.volume, 1, 1e-5);
+}
+
 TEST(MeshCsg, FinerIsBetter) {
   double before = 1;
   for (const int resolution : {16, 32, 64}) {
