@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -99,6 +100,8 @@ struct Case {
   double volume;  ///< 0: not compared
   double gap;     ///< largest distance of a triangle from the surface: chords of what is curved
 };
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 Solid pyramid(int sides) {
   std::vector<Solid> parts;
