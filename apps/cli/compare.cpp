@@ -31,6 +31,7 @@ struct CompareArguments {
   bool ascii = false, z_up = false, histogram = false;
   std::optional<double> refine;
   DistanceMapOptions options;
+  RenderOptions picture;
 };
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -109,7 +110,12 @@ void run_compare(CompareArguments& a, Console& console) {
   if (a.refine && !(*a.refine > 0 && std::isfinite(*a.refine))) throw ArgumentError("--refine must be positive");
   if (!a.preview.empty()) check_writable(a.preview, "image");
   if (!a.output.empty()) check_writable(a.output, "text");
-  RenderOptions picture;
+  // Colours are to be read: no shadows, and a background that is not taken for white.
+  RenderOptions& picture = a.picture;
+  picture.background = RenderOptions::Background::solid;
+  picture.background_color = {0.93f, 0.94f, 0.95f};
+  picture.shadows = picture.ground = false;
+  picture.validate();
   if (!a.view.empty()) picture.view = named_view(a.view);
   if (a.z_up) picture.up = UpAxis::z;
 
@@ -148,8 +154,9 @@ void run_compare(CompareArguments& a, Console& console) {
   apply_map(mesh, map, range);
   Image image;
   if (!a.preview.empty()) {
-    image = render_mesh(mesh, picture, progress);
-    draw_color_bar(image, {.range = range, .both_sides = map.has_sides, .tolerance = options.tolerance});
+    const ColorBar bar{.range = range, .both_sides = map.has_sides, .tolerance = options.tolerance};
+    picture.width = std::max(1, picture.width - color_bar_width(picture.height, bar));
+    image = beside_color_bar(render_mesh(mesh, picture, progress), bar);
   }
   if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
   if (!a.output.empty()) {
@@ -228,6 +235,9 @@ Command add_compare(CLI::App& app) {
       ->type_name("LENGTH");
   c->add_flag("--histogram", a->histogram, "Print the distribution as well");
   c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  c->add_option("--width", a->picture.width, "Of the picture with its scale: pixels, 1..16384 [1280]")
+      ->type_name("PIXELS");
+  c->add_option("--height", a->picture.height, "Of the picture: pixels, 1..16384 [960]")->type_name("PIXELS");
   c->add_option("--view", a->view, "Of the picture: front, back, left, right, top, bottom or iso")->type_name("NAME");
   c->add_flag("--z-up", a->z_up, "Of the picture: the z axis points up, not y");
   c->footer(

@@ -16,7 +16,8 @@ namespace {
 using Pixel = std::array<std::uint8_t, 4>;
 
 constexpr Pixel kInk{32, 36, 43, 255};
-constexpr int kWide = 5, kHigh = 7;
+constexpr int kWide = 5, kHigh = 7;  // of a glyph
+constexpr int kLowest = 100;         // picture that gets a bar
 
 /// Rows from top to bottom, the highest of five bits on the left.
 struct Glyph {
@@ -41,16 +42,37 @@ constexpr Glyph kGlyphs[] = {
     {'e', {0b00000, 0b00000, 0b01110, 0b10001, 0b11111, 0b10000, 0b01110}},
 };
 
-/// Pixels [x0, x1) × [y0, y1), as far as they lie in the picture; `opacity` in 0..1 over what is there.
-void fill(Image& image, int x0, int y0, int x1, int y1, const Pixel& color, double opacity = 1) {
-  for (int y = std::max(0, y0); y < std::min(image.height, y1); ++y)
-    for (int x = std::max(0, x0); x < std::min(image.width, x1); ++x) {
-      Pixel& p = image.at(x, y);
-      const double old = (1 - opacity) * p[3] / 255, sum = opacity + old;
-      for (std::size_t k = 0; k < 3; ++k)
-        p[k] = static_cast<std::uint8_t>(std::lround((opacity * color[k] + old * p[k]) / sum));
-      p[3] = static_cast<std::uint8_t>(std::lround(255 * sum));
+struct Tick {
+  double where;  ///< 0 at the lower end, 1 at the upper
+  std::string label;
+};
+
+/// Sizes in pixels for a picture of some height.
+struct Layout {
+  int dot, line, gap, thick, high, widest = 0;
+  double low;
+  std::vector<Tick> ticks;
+
+  Layout(int height, const ColorBar& bar)
+      : dot(std::max(1, static_cast<int>(std::lround(height / 480.0)))),
+        line(std::max(1, dot / 2)),
+        gap(4 * dot),
+        thick(12 * dot),
+        high(static_cast<int>(0.6 * height) / 2 * 2 + 1),
+        low(bar.both_sides ? -bar.range : 0) {
+    for (int k = 0; k <= 4; ++k) {
+      const double where = 0.25 * k, value = low + where * (bar.range - low);
+      ticks.push_back({where, scale_number(value, bar.both_sides)});
+      widest = std::max(widest, text_width(ticks.back().label, dot));
+      if (!(bar.range > 0)) break;
     }
+  }
+};
+
+/// Pixels [x0, x1) × [y0, y1), as far as they lie in the picture.
+void fill(Image& image, int x0, int y0, int x1, int y1, const Pixel& color) {
+  for (int y = std::max(0, y0); y < std::min(image.height, y1); ++y)
+    for (int x = std::max(0, x0); x < std::min(image.width, x1); ++x) image.at(x, y) = color;
 }
 
 }  // namespace
@@ -77,29 +99,22 @@ std::string scale_number(double value, bool with_sign) {
   return with_sign && value > 0 ? "+" + text : text;
 }
 
-void draw_color_bar(Image& image, const ColorBar& bar) {
-  if (image.width < 80 || image.height < 100) return;
-  const int dot = std::max(1, static_cast<int>(std::lround(std::min(image.width / 640.0, image.height / 480.0))));
-  const int line = std::max(1, dot / 2), gap = 4 * dot;
-  const int thick = 12 * dot, high = static_cast<int>(0.6 * image.height) / 2 * 2 + 1;
+int color_bar_width(int height, const ColorBar& bar) {
+  if (height < kLowest) return 0;
+  const Layout layout(height, bar);
+  return layout.thick + layout.widest + 5 * layout.gap;
+}
 
-  struct Tick {
-    double where;  // 0 at the lower end, 1 at the upper
-    std::string label;
-  };
-  const double low = bar.both_sides ? -bar.range : 0;
-  std::vector<Tick> ticks;
-  for (int k = 0; k <= 4; ++k) {
-    const double where = 0.25 * k, value = low + where * (bar.range - low);
-    ticks.push_back({where, scale_number(value, bar.both_sides)});
-    if (!(bar.range > 0)) break;
-  }
-  int widest = 0;
-  for (const Tick& t : ticks) widest = std::max(widest, text_width(t.label, dot));
+Image beside_color_bar(const Image& picture, const ColorBar& bar) {
+  if (picture.height < kLowest || picture.width < 1) return picture;
+  Image image(picture.width + color_bar_width(picture.height, bar), picture.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) image.at(x, y) = picture.at(std::min(x, picture.width - 1), y);
 
-  const int right = image.width - 6 * dot, x1 = right - widest - 2 * gap, x0 = x1 - thick;
+  const Layout layout(picture.height, bar);
+  const auto& [dot, line, gap, thick, high, widest, low, ticks] = layout;
+  const int x0 = picture.width + gap, x1 = x0 + thick, right = x1 + 2 * gap + widest;
   const int y0 = (image.height - high) / 2, y1 = y0 + high;
-  fill(image, x0 - gap, y0 - 3 * gap, right + gap / 2, y1 + 3 * gap, {255, 255, 255, 255}, 0.75);
   fill(image, x0 - line, y0 - line, x1 + line, y1 + line, kInk);
   const auto row_of = [&](double where) { return y1 - 1 - static_cast<int>(std::lround(where * (high - 1))); };
   for (int y = y0; y < y1; ++y) {
@@ -112,12 +127,13 @@ void draw_color_bar(Image& image, const ColorBar& bar) {
     fill(image, x1, y - line / 2, x1 + gap, y - line / 2 + line, kInk);
     draw_text(image, right - text_width(t.label, dot), y - kHigh * dot / 2, dot, t.label);
   }
-  if (!bar.tolerance || !(*bar.tolerance < bar.range)) return;
+  if (!bar.tolerance || !(*bar.tolerance < bar.range)) return image;
   for (const double value : {-*bar.tolerance, *bar.tolerance}) {
     if (value < low) continue;
     const int y = row_of((value - low) / (bar.range - low));
     fill(image, x0, y - line / 2, x1, y - line / 2 + line, kInk);
   }
+  return image;
 }
 
 }  // namespace sansmesh

@@ -14,9 +14,13 @@ struct ColorBar {
   std::optional<double> tolerance = {};  ///< marked on the bar, if within the range
 };
 
-/// Draws the colours of distance_color as a vertical bar at the right edge, with numbers beside it. Its size follows
-/// the picture's; pictures too small for it (less than 80 × 100 pixels) stay as they are.
-void draw_color_bar(Image& image, const ColorBar& bar);
+/// The picture with the colours of distance_color as a vertical bar and numbers to its right: wider by
+/// color_bar_width(), so that nothing is covered. The last column of pixels goes on behind it. Pictures lower than 100
+/// pixels stay as they are.
+Image beside_color_bar(const Image& image, const ColorBar& bar);
+
+/// Pixels that a bar adds to a picture of this height.
+int color_bar_width(int height, const ColorBar& bar);
 
 /// Draws text in a font of 5 × 7 dots, each `dot` pixels large, with its upper left corner at (x, y): digits, + − . e
 /// and spaces; other characters leave a gap. Beyond the picture nothing is drawn.

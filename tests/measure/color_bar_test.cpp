@@ -44,8 +44,10 @@ TEST(DrawText, StaysInThePicture) {
 }
 
 TEST(ColorBar, ShowsTheColoursFromLowToHigh) {
-  Image image = white(640, 480);
-  draw_color_bar(image, {.range = 0.25, .tolerance = 0.05});
+  const ColorBar bar{.range = 0.25, .tolerance = 0.05};
+  const Image image = beside_color_bar(white(640, 480), bar);
+  EXPECT_EQ(image.width, 640 + color_bar_width(480, bar));
+  EXPECT_EQ(image.height, 480);
   std::size_t blue = 0, red = 0;
   int lowest_red = 0, highest_blue = image.height;
   for (int y = 0; y < image.height; ++y)
@@ -58,18 +60,14 @@ TEST(ColorBar, ShowsTheColoursFromLowToHigh) {
   EXPECT_GT(blue, 500u);
   EXPECT_LT(lowest_red, highest_blue);
   EXPECT_GT(dark(image), 500u);
-  // Only the right edge is touched.
-  for (int y = 0; y < image.height; ++y) ASSERT_EQ(image.at(400, y)[0], 255);
+  // Nothing of the picture is covered.
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < 640; ++x) ASSERT_EQ(image.at(x, y)[0], 255);
 
-  Image one_side = white(640, 480);
-  draw_color_bar(one_side, {.range = 2, .both_sides = false});
+  const Image one_side = beside_color_bar(white(640, 480), {.range = 2, .both_sides = false});
   for (const auto& p : one_side.pixels) ASSERT_LE(p[2], p[0] + 60);
-  Image tiny = white(50, 50);
-  draw_color_bar(tiny, {});
-  EXPECT_EQ(dark(tiny), 0u);
-  Image flat = white(640, 480);
-  draw_color_bar(flat, {.range = 0});
-  EXPECT_GT(dark(flat), 100u);
+  EXPECT_EQ(beside_color_bar(white(50, 50), {}).width, 50);
+  EXPECT_GT(dark(beside_color_bar(white(640, 480), {.range = 0})), 100u);
 }
 
 TEST(ColorBar, Numbers) {
