@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -51,7 +53,10 @@ std::vector<std::string> warnings_of(const SolidMeasures& m) {
                                                            : grouped(m.whole.open_edges) + " edges without a partner"));
   std::size_t inward = 0;
   for (const BodyMeasures& b : m.components) inward += b.mass && b.mass->volume < 0;
-  if (m.whole.mass && m.whole.mass->volume < 0)
+  // Against the sphere with that area, which holds area^1.5 / 10.6.
+  if (m.whole.mass && std::abs(m.whole.mass->volume) < 1e-9 * std::pow(m.whole.area, 1.5))
+    warnings.push_back("encloses nothing: faces of both sides lie on each other and cancel out");
+  else if (m.whole.mass && m.whole.mass->volume < 0)
     warnings.push_back("the triangles face inward: the volume is negative");
   else if (inward > 0)
     warnings.push_back(fmt::format("{} inward: cavities, whose volume is subtracted",

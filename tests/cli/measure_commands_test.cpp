@@ -96,6 +96,11 @@ TEST_F(MeasureCommands, Measure) {
   EXPECT_EQ(words.code, 0);
   EXPECT_NE(words.err.find("not closed"), std::string::npos);
   EXPECT_NE(words.out.find("component"), std::string::npos);
+  TriangleMesh sheet = octasphere(2);
+  const std::vector<Triangle> front = sheet.triangles;
+  for (const Triangle& t : front) sheet.triangles.push_back({t[0], t[2], t[1]});
+  write_mesh(path("sheet.ply"), sheet);
+  EXPECT_NE(run({"measure", "sheet.ply"}).err.find("cancel out"), std::string::npos);
   write_points(path("cloud.ply"), sphere(200));
   expect_failure({"measure", "cloud.ply"}, 1, "no faces");
 }
