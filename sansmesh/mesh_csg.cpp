@@ -21,9 +21,6 @@ constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
 /// Blocks are cut down to this level wherever the solid may be: fields are distances only near their surfaces.
 constexpr int kBaseLevel = 5;
-/// Accepted error of simplification over the cell, and the least shape of its triangles: along an edge of the solid
-/// they may be a little longer than elsewhere.
-constexpr double kSimplify = 1.0 / 1000, kLeastShape = 0.3;
 /// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
 /// share of a block.
 constexpr Vec3 kShift{0.3819, 0.2361, 0.4271};
@@ -157,8 +154,8 @@ void CsgMeshOptions::validate() const {
     throw ArgumentError(fmt::format("cell {}: must be a positive length", *cell));
   if (resolution && (*resolution < 4 || *resolution > kMostCells))
     throw ArgumentError(fmt::format("resolution {}: must lie in 4..{}", *resolution, kMostCells));
-  if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
-    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", *simplify));
+  if (!(simplify >= 0 && std::isfinite(simplify)))
+    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", simplify));
   if (!box) return;
   if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("box: corners must be finite");
   for (std::size_t k = 0; k < 3; ++k)
@@ -189,7 +186,7 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
   r = {};
   r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
   PolygonizeOptions polygonize;
-  polygonize.simplify = options.simplify.value_or(kSimplify * cell);
+  polygonize.simplify = options.simplify;
   TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
   if (mesh.triangles.empty())
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));

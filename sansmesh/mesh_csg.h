@@ -18,8 +18,8 @@ struct CsgMeshOptions {
   /// The solid is cut off at this box. Needed if it has no end otherwise.
   std::optional<Box3> box = std::nullopt;
   /// Collapse edges while the quadric error stays below this (length): few triangles where the surface is flat. 0 =
-  /// off; by default a thousandth of a cell, which is felt only where the surface is flat or nearly so.
-  std::optional<double> simplify = std::nullopt;
+  /// off.
+  double simplify = 0;
 
   /// Throws ArgumentError naming the option.
   void validate() const;

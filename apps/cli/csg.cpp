@@ -102,8 +102,7 @@ Command add_csg(CLI::App& app) {
       ->delimiter(',')
       ->expected(6)
       ->type_name("BOX");
-  c->add_option("--simplify", a->options.simplify,
-                "Few triangles where the surface is as flat as this, 0: nowhere [a thousandth of a cell]")
+  c->add_option("--simplify", a->options.simplify, "Few triangles where the surface is as flat as this [0: nowhere]")
       ->type_name("LENGTH");
   c->footer(
       "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"
