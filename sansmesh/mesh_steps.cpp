@@ -46,8 +46,8 @@ std::vector<double> supported_area(const TriangleMesh& mesh, const MeshComponent
   return area;
 }
 
-/// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
-/// counts is the area that samples stand for; automatically, components go that have little of it.
+}  // namespace
+
 void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
                        MeshReport& report) {
   const MeshComponents components = find_components(mesh);
@@ -83,7 +83,6 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
                               " too small or too far from the samples left out (--components all keeps them)");
 }
 
-/// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples) {
   mesh.colors.resize(mesh.vertices.size());
   parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
@@ -92,8 +91,6 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
       mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(color[c] + 0.5, 0.0, 255.0));
   });
 }
-
-}  // namespace
 
 std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit) {
   std::vector<std::uint8_t> near(mesh.vertices.size());

@@ -23,6 +23,14 @@ std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& s
 /// Cuts the surface where vertices are not `near`.
 void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near);
 
+/// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
+/// counts is the area that samples stand for; automatically, components go that have little of it.
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
+                       MeshReport& report);
+
+/// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
+void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples);
+
 /// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options, MeshReport& r);
 

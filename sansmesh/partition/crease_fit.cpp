@@ -11,15 +11,6 @@ constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30°
 constexpr std::uint8_t kTooFew = 255;
 constexpr float kCornerSine = 0.5f;  // a normal that leaves the plane of the two sheets' normals by more makes a corner
 
-double value_at(const LocalFunction& f, const Vec3f& x) {
-  const Vec3f d = (x - f.center) / f.scale;
-  const double u = dot(d, f.xi), v = dot(d, f.eta), w = dot(d, f.nu);
-  const auto& c = f.coefficient;
-  double g = c[0] + u * c[1] + v * c[2];
-  if (f.degree >= 2) g += u * u * c[3] + u * v * c[4] + v * v * c[5];
-  return (w - g) * f.scale;
-}
-
 /// Representative normals of the sheets: the two farthest apart, and a third if one stands out of their plane.
 std::vector<Vec3f> seed_sheets(std::span<const Vec3f> normals) {
   Vec3f mean;
@@ -89,15 +80,15 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     f.nu = sheet[s];
     tangent_frame(f.nu, f.xi, f.eta);
     samples.clear();
-    double spread = 0, count = 0;
+    double spread = 0, members = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (of[i] != s) continue;
       const Vec3f d = (positions[i] - center) / scale;
       samples.add(dot(d, f.xi), dot(d, f.eta), dot(d, f.nu), std::max(weights[i], 0.05f));
-      spread += 1 - dot(normals[i], f.nu), count += 1;
+      spread += 1 - dot(normals[i], f.nu), members += 1;
     }
     // Within a sheet the normals must agree (mean deviation below about 20°): noise is not a crease.
-    if (spread > 0.06 * count) return result;
+    if (spread > 0.06 * members) return result;
     const DegreeFits fits = fit_all_degrees(samples, std::min(max_degree, 2));
     if (fits.highest < 0) return result;
     // A sheet's samples fill only part of the ball: bend it only where a plane is clearly not enough. Few samples give
@@ -113,7 +104,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
   const auto side = [&](std::size_t a, std::size_t b) {
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i)
-      if (of[i] == b) sum += value_at(piece[a], positions[i]);
+      if (of[i] == b) sum += static_cast<double>(local_value(piece[a], positions[i]));
     return sum < 0;
   };
   const auto relation = [&](std::size_t a, std::size_t b) {  // 1 convex, 0 concave, -1 neither

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/global_sign.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -127,7 +128,7 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
   for (;;) {
     std::vector<Octet> octets((items.size() + 7) / 8);
     std::vector<Item> above(octets.size());
-    for (std::size_t o = 0; o < octets.size(); ++o) {
+    parallel_for(0, octets.size(), 1024, [&](std::size_t o) {
       Octet& octet = octets[o];
       Item& group = above[o];
       Vec3f mean;
@@ -149,28 +150,50 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
                        corner & 4 ? group.box.lower.z : group.box.upper.z};
         group.radius = std::max(group.radius, norm(at - group.position));
       }
-    }
+    });
     levels_.push_back(std::move(octets));
     if (above.size() == 1) break;
     items = std::move(above);
   }
 }
 
+namespace {
+
+/// So many units away the sums of 1/r⁶ come near the smallest floats.
+constexpr double kFar = 1e5;
+
+/// The place in the same direction that is at most kFar away. `ratio`: how much farther x is.
+Vec3f pulled_in(const Vec3f& x, float& ratio) {
+  ratio = 1;
+  const auto limited = [](float v) { return std::clamp(static_cast<double>(v), -1e25, 1e25); };
+  const Vec3 p{limited(x.x), limited(x.y), limited(x.z)};
+  const double distance = norm(p);
+  if (!(distance > kFar)) return x;
+  ratio = static_cast<float>(distance / kFar);
+  return Vec3f(p * (kFar / distance));
+}
+
+}  // namespace
+
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
-    float dipole = 0, nearness = 0;
-    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i] / unit_, &dipole, &nearness);
+    float dipole = 0, nearness = 0, ratio = 1;
+    const Vec3f p = pulled_in(x[i] / unit_, ratio);
+    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, p, &dipole, &nearness);
     values[i] = dipole / (4 * std::numbers::pi_v<float>);
   }
 }
 
 void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
-    float dipole = 0, nearness = 0;
-    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, x[i] / unit_, &dipole, &nearness);
-    // ∫ dA / r⁶ over a plane at distance d is π / (2 d⁴).
+    float dipole = 0, nearness = 0, ratio = 1;
+    const Vec3f p = pulled_in(x[i] / unit_, ratio);
+    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, p, &dipole, &nearness);
+    // ∫ dA / r⁶ over a plane at distance d is π / (2 d⁴). Far from everything that grows with r^{3/2}.
     const float distance = nearness > 0 ? std::sqrt(std::sqrt(0.5f * std::numbers::pi_v<float> / nearness)) : 0;
-    values[i] = std::clamp(1 - dipole / (2 * std::numbers::pi_v<float>), -1.0f, 1.0f) * distance * unit_;
+    const float far = ratio > 1 ? ratio * std::sqrt(ratio) : 1;
+    values[i] =
+        std::clamp(1 - dipole / (2 * std::numbers::pi_v<float>), -1.0f, 1.0f) * std::min(distance * far * unit_, 1e37f);
   }
 }
 

@@ -83,13 +83,21 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   return result;
 }
 
-void assemble_leaves(std::vector<FittedLeaf>& leaves, std::size_t samples, PartitionData& data) {
+LeafRef ref_of(const PartitionData& data, std::size_t support) {
+  return {&data.functions[support], &data.supports[support], data.functions.data(), nullptr};
+}
+
+LeafRef ref_of(const FittedLeaf& leaf) { return {&leaf.function, &leaf.support, nullptr, &leaf.more}; }
+
+void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
   const std::size_t n = leaves.size();
-  std::size_t pieces = 0;
-  for (const FittedLeaf& leaf : leaves) pieces += leaf.more.size();
-  std::vector<LocalFunction> functions;
-  functions.reserve(n + pieces);
+  std::vector<LocalFunction> functions(n);
   std::vector<Support> supports(n);
+  parallel_for(0, n, 4096, [&](std::size_t i) {
+    functions[i] = *leaves[i].function;
+    functions[i].next = 0;
+    supports[i] = *leaves[i].support;
+  });
   PartitionReport& report = data.report;
   report.functions = n;
   report.depth = 0;
@@ -97,40 +105,28 @@ void assemble_leaves(std::vector<FittedLeaf>& leaves, std::size_t samples, Parti
   report.area = 0;
   report.functions_of_degree = {};
   for (std::size_t i = 0; i < n; ++i) {
-    const FittedLeaf& leaf = leaves[i];
-    functions.push_back(leaf.function);
-    functions.back().next = 0;
-    supports[i] = leaf.support;
-    report.depth = std::max<int>(report.depth, leaf.support.level);
-    report.creased += leaf.support.creased;
-    ++report.functions_of_degree[static_cast<std::size_t>(leaf.function.degree)];
+    const LeafRef& leaf = leaves[i];
+    report.depth = std::max<int>(report.depth, supports[i].level);
+    report.creased += supports[i].creased;
+    ++report.functions_of_degree[static_cast<std::size_t>(functions[i].degree)];
     // Summed as the far field does it, in the precision of its patches.
-    report.area += norm(leaf.function.nu * leaf.support.area);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
+    report.area += norm(functions[i].nu * supports[i].area);
     std::size_t tail = i;
-    for (const LocalFunction& piece : leaves[i].more) {
+    const auto add = [&](const LocalFunction& piece) {
       functions.push_back(piece);
       functions.back().next = 0;
       functions[tail].next = static_cast<std::int32_t>(functions.size());
       tail = functions.size() - 1;
+    };
+    if (leaf.more) {
+      for (const LocalFunction& piece : *leaf.more) add(piece);
+    } else {
+      for (std::int32_t next = leaf.function->next; next != 0; next = leaf.chain[next - 1].next)
+        add(leaf.chain[next - 1]);
     }
   }
-  report.spacing = std::sqrt(report.area / static_cast<double>(samples));
   data.functions = std::move(functions);
   data.supports = std::move(supports);
-}
-
-std::vector<FittedLeaf> take_apart(const PartitionData& data) {
-  std::vector<FittedLeaf> leaves(data.supports.size());
-  parallel_for(0, leaves.size(), 4096, [&](std::size_t i) {
-    leaves[i].function = data.functions[i];
-    leaves[i].support = data.supports[i];
-    for (std::int32_t next = data.functions[i].next; next != 0;
-         next = data.functions[static_cast<std::size_t>(next) - 1].next)
-      leaves[i].more.push_back(data.functions[static_cast<std::size_t>(next) - 1]);
-  });
-  return leaves;
 }
 
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell) {

@@ -2,6 +2,7 @@
 // partition/.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "sansmesh/partition/scale_choice.h"
@@ -30,11 +31,19 @@ void place_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support
 /// Place of a block along the Morton curve, with those of all levels.
 inline std::uint64_t curve_position(int level, std::uint64_t code) { return code << (3 * (20 - level)); }
 
-/// All leaves as the arrays of `data`, and their sums in its report.
-void assemble_leaves(std::vector<FittedLeaf>& leaves, std::size_t samples, PartitionData& data);
+/// A support of old or new: its function, further pieces (those of old data are chained by `next` through `chain`,
+/// those of a fitted leaf are in `more`).
+struct LeafRef {
+  const LocalFunction* function;
+  const Support* support;
+  const LocalFunction* chain;
+  const std::vector<LocalFunction>* more;
+};
+LeafRef ref_of(const PartitionData& data, std::size_t support);
+LeafRef ref_of(const FittedLeaf& leaf);
 
-/// The leaves of `data` again: what assemble_leaves was given.
-std::vector<FittedLeaf> take_apart(const PartitionData& data);
+/// Supports in the order of the Morton curve as the arrays of `data`, and their sums in its report.
+void assemble(std::span<const LeafRef> leaves, PartitionData& data);
 
 /// Gap that linear triangles of half a block's edge would leave on the surface in a cell of the tree (length).
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell);

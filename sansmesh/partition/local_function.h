@@ -30,6 +30,9 @@ struct LocalFunction {
 
   bool is_constant() const { return nu == Vec3f{}; }
 };
+/// f(x) of one piece, by itself.
+float local_value(const LocalFunction& f, const Vec3f& x);
+
 static_assert(sizeof(LocalFunction) == 128 && alignof(LocalFunction) == 4);
 
 }  // namespace sansmesh

@@ -302,7 +302,7 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
   std::vector<std::uint32_t> order;
   const auto code = [&](std::size_t i) {
     const Vec3f p = (local(i) - data.lower) * (1024.0f / data.edge);
-    const auto clamp = [](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1023.0f)); };
+    const auto clamp = [](float v) { return static_cast<std::uint32_t>(v > 0 ? std::min(v, 1023.0f) : 0); };
     return morton_code(clamp(p.x), clamp(p.y), clamp(p.z));
   };
   if (n > kTile) {
@@ -342,7 +342,7 @@ std::vector<Vec3> PartitionOfUnity::seeds() const {
   return result;
 }
 
-BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {
+BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
   const PartitionData& s = state_->data;
   BlockTree tree(s.origin + Vec3(s.lower), s.edge);
   struct Item {
@@ -356,7 +356,7 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error) const {
     const Item item = stack.back();
     stack.pop_back();
     const PartitionData::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
-    if (here.gap[item.cell] <= mesh_error) continue;
+    if (here.gap[item.cell] <= mesh_error || item.level >= deepest) continue;
     const std::size_t first = tree.subdivide(item.block);
     if (item.level == last) continue;  // the samples say nothing about finer scales
     const PartitionData::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];

@@ -55,18 +55,6 @@ double estimated_accuracy(const ScaleChoice& choice, double diagonal) {
 
 }  // namespace
 
-void PartitionOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(std::string("partition of unity: ") + what);
-  };
-  check(!max_depth || (*max_depth >= 2 && *max_depth <= 14), "max_depth must lie in 2..14");
-  check(!error || *error > 0, "error must be positive");
-  check(!support || (*support >= 1.1 && *support <= 2), "support must lie in 1.1..2");
-  check(max_degree >= 1 && max_degree <= kMaxDegree, "max_degree must lie in 1..4");
-  check(min_samples >= 3 && min_samples <= 1000, "min_samples must lie in 3..1000");
-  check(max_samples >= 50, "max_samples must be at least 50");
-}
-
 PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, Progress& progress,
                                         std::vector<std::uint32_t>* order) {
   options.validate();
@@ -99,7 +87,11 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   const BlockFitter fitter{tree, options, choice.support, choice.finest};
   std::vector<FittedLeaf> leaves = fit_leaves(fitter, choice, progress);
   data.flatness = record_flatness(fitter, choice, leaves);
-  assemble_leaves(leaves, points.size(), data);
+  std::vector<LeafRef> refs;
+  refs.reserve(leaves.size());
+  for (const FittedLeaf& leaf : leaves) refs.push_back(ref_of(leaf));
+  assemble(refs, data);
+  data.report.spacing = std::sqrt(data.report.area / static_cast<double>(points.size()));
   data.report.noise = std::sqrt(choice.variance);
   data.report.error = choice.accepted;
   data.report.accuracy = estimated_accuracy(choice, box.diagonal());

@@ -31,8 +31,9 @@ class PartitionOfUnity : public ScalarField {
   const PartitionReport& report() const { return data().report; }
 
   /// A tree of blocks for polygonisation: fine enough that linear interpolation over its simplices stays within about
-  /// `mesh_error` (length) of the surface in the mean, and fine at creases and where sheets come close.
-  BlockTree mesh_blocks(double mesh_error) const;
+  /// `mesh_error` (length) of the surface in the mean, and fine at creases and where sheets come close; no finer than
+  /// level `deepest`.
+  BlockTree mesh_blocks(double mesh_error, int deepest = BlockTree::kMaxLevel) const;
 
   /// A point on or near the surface in every support: where a walk along the surface may start.
   std::vector<Vec3> seeds() const;

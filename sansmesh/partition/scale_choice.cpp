@@ -138,7 +138,7 @@ void find_neighbours(const SampleTree& tree, ScaleChoice& choice) {
 }
 
 /// From the finest level up, so that each block knows what its children found.
-void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress) {
+void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress, int coarsest = 0) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;
   std::size_t work = 0;
   for (const auto& cells : choice.neighbours) work += cells.size();
@@ -147,6 +147,7 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
   for (std::size_t l = levels; l-- > 0;) {
     const int level = static_cast<int>(l);
     choice.trials[l].resize(choice.neighbours[l].size());
+    if (level < coarsest) continue;
     parallel_ranges(0, choice.trials[l].size(), 128, [&](std::size_t first, std::size_t last) {
       Workspace ws;
       for (std::size_t c = first; c < last; ++c) {
@@ -181,16 +182,40 @@ void refit_finest(BlockFitter& fitter, ScaleChoice& choice) {
   });
 }
 
+/// Local noise on the finest level.
+void pool_noise(const BlockFitter& fitter, ScaleChoice& choice) {
+  const auto l = static_cast<std::size_t>(choice.finest);
+  std::vector<Trial>& trials = choice.trials[l];
+  parallel_for(0, trials.size(), 1024, [&](std::size_t c) {
+    trials[c].noise = pooled_noise(trials, choice.neighbours[l][c], fitter.options.max_degree);
+  });
+}
+
+/// Local noise on the levels above the finest.
+void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
+  for (int level = choice.finest - 1; level >= 0; --level) {
+    const auto l = static_cast<std::size_t>(level);
+    const auto& child = fitter.tree.level(level).child;
+    const auto& begin = fitter.tree.level(level + 1).begin;
+    const std::vector<Trial>& below = choice.trials[l + 1];
+    parallel_for(0, choice.trials[l].size(), 1024, [&](std::size_t c) {
+      double sum = 0, n = 0;
+      for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
+        const double m = begin[k + 1] - begin[k];
+        if (below[k].noise >= 0) sum += m * below[k].noise, n += m;
+      }
+      choice.trials[l][c].noise = n > 0 ? static_cast<float>(sum / n) : -1;
+    });
+  }
+}
+
 /// Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
 /// that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood; finer levels
 /// are given up.
 void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   for (;; --choice.finest) {
-    const auto l = static_cast<std::size_t>(choice.finest);
-    std::vector<Trial>& trials = choice.trials[l];
-    parallel_for(0, trials.size(), 1024, [&](std::size_t c) {
-      trials[c].noise = pooled_noise(trials, choice.neighbours[l][c], fitter.options.max_degree);
-    });
+    pool_noise(fitter, choice);
+    const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
     const auto& begin = fitter.tree.level(choice.finest).begin;
     std::vector<float> noises;
     double known = 0;
@@ -208,20 +233,7 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
     }
     if (choice.finest <= 2) break;
   }
-  for (int level = choice.finest - 1; level >= 0; --level) {
-    const auto l = static_cast<std::size_t>(level);
-    const auto& child = fitter.tree.level(level).child;
-    const auto& begin = fitter.tree.level(level + 1).begin;
-    const std::vector<Trial>& below = choice.trials[l + 1];
-    parallel_for(0, choice.trials[l].size(), 1024, [&](std::size_t c) {
-      double sum = 0, n = 0;
-      for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
-        const double m = begin[k + 1] - begin[k];
-        if (below[k].noise >= 0) sum += m * below[k].noise, n += m;
-      }
-      choice.trials[l][c].noise = n > 0 ? static_cast<float>(sum / n) : -1;
-    });
-  }
+  spread_noise(fitter, choice);
 }
 
 using Risks = std::array<float, kMaxDegree + 1>;
@@ -287,8 +299,8 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
 }
 
 /// Leaves from the top; blocks that no fit could serve inherit nothing: their neighbours' supports or the far field do.
-void collect_leaves(const SampleTree& tree, ScaleChoice& choice) {
-  std::vector<std::pair<int, std::uint32_t>> stack{{0, 0}};
+void collect_leaves(const SampleTree& tree, ScaleChoice& choice, int root_level = 0, std::uint32_t root = 0) {
+  std::vector<std::pair<int, std::uint32_t>> stack{{root_level, root}};
   while (!stack.empty()) {
     const auto [l, c] = stack.back();
     stack.pop_back();
@@ -300,7 +312,6 @@ void collect_leaves(const SampleTree& tree, ScaleChoice& choice) {
     const auto& child = tree.level(l).child;
     for (std::uint32_t k = child[c + 1]; k-- > child[c];) stack.emplace_back(l + 1, k);
   }
-  if (choice.leaves.empty()) throw DataError("partition of unity: too few samples for any local fit");
 }
 
 /// Spacing of the samples, from the number that the finest level's balls hold.
@@ -342,6 +353,32 @@ ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& option
   choice.accepted = options.error.value_or(std::max(0.1 * std::sqrt(choice.variance), 2e-6 * diagonal));
   choose_cuts(fitter, choice);
   collect_leaves(tree, choice);
+  if (choice.leaves.empty()) throw DataError("partition of unity: too few samples for any local fit");
+  return choice;
+}
+
+ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& options, const ScaleBasis& basis,
+                                std::span<const BlockKey> roots, Progress& progress) {
+  ScaleChoice choice;
+  choice.tried = choice.finest = basis.tried;
+  choice.variance = basis.variance;
+  choice.accepted = basis.accepted;
+  choice.support = static_cast<float>(basis.support);
+  find_neighbours(tree, choice);
+  BlockFitter fitter{tree, options, choice.support, basis.tried};
+  int coarsest = choice.finest, deepest = 0;
+  for (const BlockKey& root : roots) coarsest = std::min(coarsest, root.level), deepest = std::max(deepest, root.level);
+  try_blocks(fitter, choice, progress, coarsest);
+  choice.finest = basis.finest;
+  pool_noise(fitter, choice);
+  spread_noise(fitter, choice);
+  if (options.max_depth) choice.finest = std::clamp(*options.max_depth, deepest, choice.finest);
+  refit_finest(fitter, choice);
+  choose_cuts(fitter, choice);
+  for (const BlockKey& root : roots) {
+    const std::int64_t cell = tree.find(root.level, root.code);
+    if (cell >= 0) collect_leaves(tree, choice, root.level, static_cast<std::uint32_t>(cell));
+  }
   return choice;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "sansmesh/core/progress.h"
@@ -50,5 +51,17 @@ struct ScaleChoice {
 
 /// `diagonal`: of the samples' bounding box. Throws DataError where no block can be fitted.
 ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress);
+
+/// A block of a tree: level and Morton code there.
+struct BlockKey {
+  int level;
+  std::uint64_t code;
+};
+
+/// The same for what lies below some blocks (which do not overlap), with noise and supports as the whole cloud has them
+/// according to `basis`. The tree has the cells of the whole cloud's; it need not hold samples farther than a few edges
+/// from those blocks. With the options of the whole fit and all samples: its leaves below those blocks again.
+ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& options, const ScaleBasis& basis,
+                                std::span<const BlockKey> roots, Progress& progress);
 
 }  // namespace sansmesh

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -14,6 +15,9 @@
 
 namespace sansmesh {
 namespace {
+
+/// Layers of blocks around a region within which it shows that the mesh ends there.
+constexpr int kLayers = 4;
 
 /// A block whose simplices may cross the surface.
 struct ActiveBlock {
@@ -32,6 +36,7 @@ struct Extraction {
   std::vector<std::uint32_t> numbers;
   std::vector<float> values;     ///< field at each lattice vertex; positive on the cube's faces, which closes the mesh
   std::vector<Vec3f> positions;  ///< of each lattice vertex, relative to origin (moved by the displacement, if any)
+  std::optional<Box3> region;    ///< only blocks that meet it, and kLayers around them
 
   Vec3 world(const LatticePoint& p) const {
     const double unit = tree.edge() / static_cast<double>(2u << tree.depth());
@@ -87,14 +92,31 @@ struct Extraction {
         const std::int64_t at =
             tree.find(tree.depth(), static_cast<std::int64_t>(std::floor(p.x)),
                       static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z)));
-        if (at < 0 || is_active[static_cast<std::size_t>(at)]) continue;
+        if (at < 0 || is_active[static_cast<std::size_t>(at)] || !in_region(static_cast<std::size_t>(at))) continue;
         is_active[static_cast<std::size_t>(at)] = true;
         add_block(static_cast<std::uint32_t>(at));
       }
     } else {
       look_everywhere(is_active);
     }
-    follow(is_active);
+    std::vector<std::uint32_t> beyond;
+    follow(is_active, 0, beyond);
+    for (int layer = 0; region && layer < kLayers; ++layer) {
+      const std::size_t first = active.size();
+      for (const std::uint32_t b : std::exchange(beyond, {}))
+        if (!is_active[b]) is_active[b] = true, add_block(b);
+      follow(is_active, first, beyond);
+    }
+  }
+
+  bool in_region(std::size_t block) const {
+    if (!region) return true;
+    const double e = tree.block_edge(block);
+    const Vec3 half = Vec3{e, e, e} * 0.5, center = tree.block_center(block), lower = center - half,
+               upper = center + half;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (lower[k] > region->upper[k] || upper[k] < region->lower[k]) return false;
+    return true;
   }
 
   void look_everywhere(std::vector<bool>& is_active) {
@@ -104,14 +126,15 @@ struct Extraction {
     parallel_for(0, leaves.size(), 8192, [&](std::size_t i) { centres[i] = tree.block_center(leaves[i]); });
     field.evaluate(centres, at_centre);
     for (std::size_t i = 0; i < leaves.size(); ++i) {
+      if (!in_region(leaves[i])) continue;
       if (std::abs(at_centre[i]) > tree.block_edge(leaves[i])) continue;
       is_active[leaves[i]] = true;
       add_block(leaves[i]);
     }
   }
 
-  void follow(std::vector<bool>& is_active) {
-    std::size_t done = 0;
+  /// From the active blocks from `done` on; those outside of the region that come next are only noted.
+  void follow(std::vector<bool>& is_active, std::size_t done, std::vector<std::uint32_t>& beyond) {
     while (done < active.size()) {
       evaluate_new();
       const std::size_t until = active.size();
@@ -124,13 +147,14 @@ struct Extraction {
         for (std::size_t f = 0; f < 6; ++f) {
           any_in = any_out = false;
           for (const std::uint8_t s : a.pattern->face[f]) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
-          if (any_in && any_out) cross_face(a.block, f, is_active);
+          if (any_in && any_out) cross_face(a.block, f, is_active, beyond);
         }
       }
     }
   }
 
-  void cross_face(std::uint32_t block, std::size_t face, std::vector<bool>& is_active) {
+  void cross_face(std::uint32_t block, std::size_t face, std::vector<bool>& is_active,
+                  std::vector<std::uint32_t>& beyond) {
     const BlockTree::Block b = tree[block];
     std::array<std::int64_t, 3> cell{b.cell[0], b.cell[1], b.cell[2]};
     const std::size_t axis = face / 2;
@@ -139,6 +163,10 @@ struct Extraction {
     if (at < 0) return;
     const auto activate_one = [&](std::uint32_t n) {
       if (is_active[n]) return;
+      if (!in_region(n)) {
+        beyond.push_back(n);
+        return;
+      }
       is_active[n] = true;
       add_block(n);
     };
@@ -293,7 +321,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   progress.begin("balance blocks");
   blocks.balance();
   const ScalarField& place = options.placement ? *options.placement : field;
-  Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}};
+  Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}, options.region};
   progress.begin("evaluate lattice");
   e.activate(options.seeds);
   if (options.displacement > 0) e.displace(options.displacement);

@@ -2,6 +2,7 @@
 // points clustered at lattice vertices so that triangles are few and well shaped.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sansmesh/core/progress.h"
@@ -41,6 +42,9 @@ struct PolygonizeOptions {
   /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so
   /// seeds at the samples keep sheets far from any sample out. Empty: every block is looked at.
   std::vector<Vec3> seeds;
+  /// Only the surface in this box: the mesh is as that of the whole there, and ends a few blocks beyond in a border
+  /// around which its vertices are not quite where they would be.
+  std::optional<Box3> region;
 };
 
 /// The zero set of `field` inside the tree's cube, as a closed 2-manifold: where it leaves the cube, it is closed just

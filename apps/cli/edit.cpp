@@ -1,0 +1,138 @@
+// sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "commands.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/edit_function.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct EditArguments {
+  std::string input, script, output, mesh, mesh_output;
+};
+
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  if (!stream) throw FileError(file, "cannot be read");
+  return text.str();
+}
+
+nlohmann::ordered_json box_json(const Box3& box) {
+  if (box.empty()) return nullptr;
+  return {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}};
+}
+
+void run_edit(const EditArguments& a, Console& console) {
+  if (a.output.empty() && a.mesh_output.empty())
+    throw ArgumentError("nothing to write: give -o FUNCTION, --mesh-output MESH or both");
+  if (!a.output.empty()) check_function_writable(a.output);
+  if (!a.mesh_output.empty()) check_writable(a.mesh_output, "mesh");
+  if (!a.mesh.empty() && a.mesh_output.empty()) throw ArgumentError("--mesh needs --mesh-output");
+  Progress& progress = console.progress();
+  progress.begin("read");
+  std::vector<Edit> edits;
+  try {
+    edits = parse_edit_script(read_text(a.script));
+  } catch (const ArgumentError& error) {
+    throw FileError(a.script, error.what());
+  }
+  FunctionEditor editor(read_function(a.input));
+  TriangleMesh mesh;
+  if (!a.mesh.empty()) {
+    ReadReport read;
+    mesh = to_mesh(read_points(a.mesh, &read));
+    console.warn(a.mesh, read.warnings);
+    if (mesh.triangles.empty()) throw FileError(a.mesh, "has no triangles");
+  }
+
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    EditReport report;
+    try {
+      report = editor.apply(edits[i], progress);
+    } catch (const ArgumentError& error) {
+      throw FileError(a.script, fmt::format("step {}: {}", i + 1, error.what()));
+    } catch (const DataError& error) {
+      throw FileError(a.input, fmt::format("step {}: {}", i + 1, error.what()));
+    }
+    const Vec3 size = report.changed.empty() ? Vec3{} : report.changed.size();
+    console.say(fmt::format(
+        "step {}: {}{}", i + 1, report.what,
+        report.changed.empty() ? std::string()
+                               : fmt::format(", within {} × {} × {}", length(size.x), length(size.y), length(size.z))));
+    steps.push_back({{"what", report.what},
+                     {"selected", report.chosen},
+                     {"supports", report.supports},
+                     {"changed", box_json(report.changed)}});
+  }
+
+  MeshUpdate update;
+  if (!a.mesh_output.empty())
+    mesh = a.mesh.empty() ? mesh_function(editor.function(), {}, progress)
+                          : update_mesh(editor.function(), std::move(mesh), editor.changed(), {}, progress, &update);
+  progress.begin("write");
+  nlohmann::ordered_json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
+  if (!a.output.empty()) {
+    write_function(a.output, editor.function());
+    const PartitionReport& r = editor.function().field.report();
+    console.say(fmt::format("{}: {}", a.output, counted(r.functions, "local fit")));
+    json["output"] = {{"file", a.output}, {"fits", r.functions}};
+  }
+  if (!a.mesh_output.empty()) {
+    write_mesh(a.mesh_output, mesh);
+    console.say(fmt::format(
+        "{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
+        update.local ? fmt::format(", of which {} are new", grouped(update.added))
+                     : std::string(a.mesh.empty() ? "" : ", all made anew: the old mesh does not fit the function")));
+    json["mesh"] = {{"file", a.mesh_output},
+                    {"triangles", mesh.triangles.size()},
+                    {"local", update.local},
+                    {"removed", update.removed},
+                    {"added", update.added}};
+  }
+  progress.finish();
+  console.say_json(json.dump(2));
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_edit(CLI::App& app) {
+  CLI::App* c =
+      app.add_subcommand("edit", "Function file → function file, with parts fitted anew, smoothed or removed");
+  auto a = std::make_shared<EditArguments>();
+  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
+  c->add_option("--script", a->script, "What to do: JSON, see below")->type_name("FILE")->required();
+  c->add_option("-o,--output", a->output, "Function to write: .smf")->type_name("FILE");
+  c->add_option("--mesh", a->mesh,
+                "The function's mesh before, by `sansmesh mesh` without options: only parts are made anew")
+      ->type_name("FILE");
+  c->add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE");
+  c->footer(
+      "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what becomes of them:\n"
+      "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"
+      "  {\"select\": {\"error_above\": 0.01}, \"refit\": {\"error\": 0.001, \"max_degree\": 4, \"sharp\": false}}\n"
+      "  {\"select\": {\"sheets\": \"spurious\"}, \"remove\": true}\n"
+      "  {\"select\": {\"sheet_at\": [1, 2, 3]}, \"constant\": \"outside\"}\n"
+      "  {\"undo\": 1}\n"
+      "Further selections: box, half_space, coverage_below, samples_below, level_from, level_to; all that is said "
+      "must\n"
+      "hold, {} is everything. `sansmesh diagnose` writes such scripts.\n\n"
+      "Examples:\n"
+      "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
+      "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
+  return {c, [a](Console& console) { run_edit(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

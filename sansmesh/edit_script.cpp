@@ -1,0 +1,224 @@
+// Edit scripts: JSON in and out (docs/formats/edit-script.md).
+#include <fmt/core.h>
+
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/edit_function.h"
+
+namespace sansmesh {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+
+/// An object of the script; every field must be known.
+class Fields {
+ public:
+  Fields(const Json& json, std::string where, std::initializer_list<std::string_view> known)
+      : json_(json), where_(std::move(where)) {
+    if (!json.is_object()) fail("must be an object");
+    for (const auto& [key, value] : json.items())
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        std::string all;
+        for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
+        fail(fmt::format("unknown field '{}'; known: {}", key.substr(0, 40), all));
+      }
+  }
+  [[noreturn]] void fail(const std::string& cause) const { throw ArgumentError(where_ + ": " + cause); }
+  bool has(const char* key) const { return json_.contains(key); }
+  const Json& operator[](const char* key) const { return json_.at(key); }
+
+  double number(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_number()) fail(fmt::format("'{}' must be a number", key));
+    return v.get<double>();
+  }
+  int integer(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_number_integer() || v.get<double>() < -1e9 || v.get<double>() > 1e9)
+      fail(fmt::format("'{}' must be a whole number", key));
+    return v.get<int>();
+  }
+  bool boolean(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_boolean()) fail(fmt::format("'{}' must be true or false", key));
+    return v.get<bool>();
+  }
+  Vec3 vector(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_array() || v.size() != 3 || !v[0].is_number() || !v[1].is_number() || !v[2].is_number())
+      fail(fmt::format("'{}' must be three numbers", key));
+    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
+  }
+  template <class T, class Get>
+  void get(const char* key, std::optional<T>& value, Get&& how) const {
+    if (has(key)) value = (this->*how)(key);
+  }
+
+ private:
+  const Json& at(const char* key) const {
+    if (!has(key)) fail(fmt::format("'{}' is missing", key));
+    return json_.at(key);
+  }
+  const Json& json_;
+  std::string where_;
+};
+
+EditSelection selection_of(const Json& json, const std::string& where) {
+  const Fields f(json, where,
+                 {"ball", "box", "half_space", "coverage_below", "error_above", "samples_below", "level_from",
+                  "level_to", "sheet_at", "sheets"});
+  EditSelection s;
+  if (f.has("ball")) {
+    const Fields b(f["ball"], where + ".ball", {"center", "radius"});
+    s.ball = {b.vector("center"), b.number("radius")};
+  }
+  if (f.has("box")) {
+    const Fields b(f["box"], where + ".box", {"lower", "upper"});
+    s.box = Box3{b.vector("lower"), b.vector("upper")};
+  }
+  if (f.has("half_space")) {
+    const Fields b(f["half_space"], where + ".half_space", {"point", "normal"});
+    s.half_space = {b.vector("point"), b.vector("normal")};
+  }
+  f.get("coverage_below", s.coverage_below, &Fields::number);
+  f.get("error_above", s.error_above, &Fields::number);
+  f.get("samples_below", s.samples_below, &Fields::integer);
+  f.get("level_from", s.level_from, &Fields::integer);
+  f.get("level_to", s.level_to, &Fields::integer);
+  f.get("sheet_at", s.sheet_at, &Fields::vector);
+  if (f.has("sheets")) {
+    const Json& v = f["sheets"];
+    s.spurious_sheets = v == "spurious";
+    s.all_but_largest = v == "all but largest";
+    if (!s.spurious_sheets && !s.all_but_largest) f.fail("'sheets' must be \"spurious\" or \"all but largest\"");
+  }
+  try {
+    s.validate();
+  } catch (const ArgumentError& error) {
+    f.fail(error.what());
+  }
+  return s;
+}
+
+Refit refit_of(const Json& json, const std::string& where) {
+  const Fields f(json, where, {"max_degree", "max_depth", "error", "support", "sharp"});
+  Refit r;
+  f.get("max_degree", r.max_degree, &Fields::integer);
+  f.get("max_depth", r.max_depth, &Fields::integer);
+  f.get("error", r.error, &Fields::number);
+  f.get("support", r.support, &Fields::number);
+  f.get("sharp", r.sharp, &Fields::boolean);
+  return r;
+}
+
+Edit edit_of(const Json& json, const std::string& where) {
+  const Fields f(json, where, {"select", "degree", "refit", "constant", "remove", "undo", "note"});
+  Edit edit;
+  int actions = 0;
+  const auto is = [&](const char* key) { return f.has(key) && ++actions; };
+  if (is("degree")) {
+    const int degree = f.integer("degree");
+    if (degree < 0 || degree > 4) f.fail("'degree' must lie in 0..4");
+    edit.action = SetDegree{degree};
+  }
+  if (is("refit")) edit.action = refit_of(f["refit"], where + ".refit");
+  if (is("constant")) {
+    const Json& v = f["constant"];
+    if (v == "outside")
+      edit.action = SetConstant{1};
+    else if (v == "inside")
+      edit.action = SetConstant{-1};
+    else if (v.is_number())
+      edit.action = SetConstant{v.get<double>()};
+    else
+      f.fail("'constant' must be \"outside\", \"inside\" or a number (in radii of the supports)");
+  }
+  if (is("remove")) {
+    if (!f.boolean("remove")) f.fail("'remove' can only be true");
+    edit.action = RemoveSupports{};
+  }
+  if (is("undo")) edit.action = Undo{f.integer("undo")};
+  if (actions != 1) f.fail("needs one of degree, refit, constant, remove, undo");
+  const bool undo = std::holds_alternative<Undo>(edit.action);
+  if (undo == f.has("select"))
+    f.fail(undo ? "'undo' takes no 'select'" : "'select' is missing ({} selects everything)");
+  if (!undo) edit.select = selection_of(f["select"], where + ".select");
+  return edit;
+}
+
+Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json to_json(const EditSelection& s) {
+  Json json = Json::object();
+  if (s.ball) json["ball"] = {{"center", to_json(s.ball->center)}, {"radius", s.ball->radius}};
+  if (s.box) json["box"] = {{"lower", to_json(s.box->lower)}, {"upper", to_json(s.box->upper)}};
+  if (s.half_space)
+    json["half_space"] = {{"point", to_json(s.half_space->point)}, {"normal", to_json(s.half_space->normal)}};
+  const auto put = [&](const char* key, const auto& value) {
+    if (value) json[key] = *value;
+  };
+  put("coverage_below", s.coverage_below);
+  put("error_above", s.error_above);
+  put("samples_below", s.samples_below);
+  put("level_from", s.level_from);
+  put("level_to", s.level_to);
+  if (s.sheet_at) json["sheet_at"] = to_json(*s.sheet_at);
+  if (s.spurious_sheets) json["sheets"] = "spurious";
+  if (s.all_but_largest) json["sheets"] = "all but largest";
+  return json;
+}
+
+Json to_json(const Refit& r) {
+  Json json = Json::object();
+  const auto put = [&](const char* key, const auto& value) {
+    if (value) json[key] = *value;
+  };
+  put("max_degree", r.max_degree);
+  put("max_depth", r.max_depth);
+  put("error", r.error);
+  put("support", r.support);
+  put("sharp", r.sharp);
+  return json;
+}
+
+}  // namespace
+
+std::vector<Edit> parse_edit_script(const std::string& text) {
+  Json json;
+  try {
+    json = Json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    // The library's own words name its classes; the place is what helps.
+    throw ArgumentError(fmt::format("is not JSON: something is wrong at or before byte {}", error.byte));
+  }
+  const Fields f(json, "the script", {"version", "steps", "function", "note"});
+  if (f.integer("version") != kVersion)
+    f.fail(fmt::format("version {} is not known, only {}", f.integer("version"), kVersion));
+  if (!f.has("steps") || !f["steps"].is_array()) f.fail("'steps' must be a list");
+  std::vector<Edit> edits;
+  int number = 0;
+  for (const Json& step : f["steps"]) edits.push_back(edit_of(step, fmt::format("step {}", ++number)));
+  return edits;
+}
+
+std::string edit_script(const std::vector<Edit>& edits) {
+  Json steps = Json::array();
+  for (const Edit& edit : edits) {
+    Json step = Json::object();
+    if (!std::holds_alternative<Undo>(edit.action)) step["select"] = to_json(edit.select);
+    if (const auto* a = std::get_if<SetDegree>(&edit.action)) step["degree"] = a->degree;
+    if (const auto* a = std::get_if<Refit>(&edit.action)) step["refit"] = to_json(*a);
+    if (const auto* a = std::get_if<SetConstant>(&edit.action)) step["constant"] = a->value;
+    if (std::holds_alternative<RemoveSupports>(edit.action)) step["remove"] = true;
+    if (const auto* a = std::get_if<Undo>(&edit.action)) step["undo"] = a->steps;
+    steps.push_back(std::move(step));
+  }
+  return Json{{"version", kVersion}, {"steps", steps}}.dump(2) + "\n";
+}
+
+}  // namespace sansmesh

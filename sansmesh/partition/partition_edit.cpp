@@ -1,0 +1,324 @@
+#include "sansmesh/partition/partition_edit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/leaf_fit.h"
+
+namespace sansmesh {
+namespace {
+
+/// Samples this far from a block (in its edges) take part in the fits below it: balls, those of twice the size that
+/// poor supports borrow, and the neighbours that noise is pooled over.
+constexpr float kMargin = 6;
+/// Levels of the grid on which the neighbourhood of an edit is marked.
+constexpr int kGridLevel = 6;
+
+struct Cube {
+  Vec3f lower;
+  float edge;
+};
+
+Cube cube_of(const PartitionData& data, int level, std::uint64_t code) {
+  const auto cell = morton_cell(code);
+  const float h = data.edge / static_cast<float>(1u << level);
+  return {data.lower +
+              Vec3f{static_cast<float>(cell[0]) * h, static_cast<float>(cell[1]) * h, static_cast<float>(cell[2]) * h},
+          h};
+}
+
+float squared_distance_to(const Cube& c, const Vec3f& p) {
+  float sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float d = std::max({c.lower[k] - p[k], p[k] - (c.lower[k] + c.edge), 0.0f});
+    sum += d * d;
+  }
+  return sum;
+}
+
+bool meets(const Cube& c, const Box3f& b) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (b.upper[k] < c.lower[k] || b.lower[k] > c.lower[k] + c.edge) return false;
+  return true;
+}
+
+bool chosen_by(const SupportQuery& q, const PartitionData& data, std::size_t i) {
+  const Support& s = data.supports[i];
+  if (q.flags && !(*q.flags)[i]) return false;
+  if (q.coverage_below && !(s.coverage < *q.coverage_below)) return false;
+  if (q.error_above && !(s.error > *q.error_above)) return false;
+  if (q.samples_below && !(s.samples < *q.samples_below)) return false;
+  if ((q.level_from && s.level < *q.level_from) || (q.level_to && s.level > *q.level_to)) return false;
+  const Cube c = cube_of(data, s.level, s.code);
+  if (q.ball && squared_distance_to(c, q.ball->center) > q.ball->radius * q.ball->radius) return false;
+  if (q.box && !meets(c, *q.box)) return false;
+  if (q.half_space) {
+    const Vec3f center = c.lower + Vec3f{0.5f, 0.5f, 0.5f} * c.edge;
+    if (dot(center - q.half_space->point, q.half_space->normal) <= 0) return false;
+  }
+  return true;
+}
+
+Box3f ball_box(const LocalFunction& f) {
+  const Vec3f r{f.radius, f.radius, f.radius};
+  return {f.center - r, f.center + r};
+}
+
+Box3f ball_boxes(const PartitionData& data, const Selection& chosen) {
+  Box3f box;
+  for (const std::uint32_t i : chosen) box.extend(ball_box(data.functions[i]));
+  return box;
+}
+
+/// Data with other leaves in place of the chosen supports.
+EditResult replaced(const PartitionData& data, const Selection& chosen, std::vector<FittedLeaf> leaves) {
+  EditResult result{data, ball_boxes(data, chosen), chosen.size(), leaves.size()};
+  for (const FittedLeaf& leaf : leaves) result.changed.extend(ball_box(leaf.function));
+  const auto position = [](const Support& s) { return curve_position(s.level, s.code); };
+  std::stable_sort(leaves.begin(), leaves.end(),
+                   [&](const FittedLeaf& a, const FittedLeaf& b) { return position(a.support) < position(b.support); });
+  std::vector<LeafRef> all;
+  all.reserve(data.supports.size() + leaves.size());
+  std::size_t next = 0, gone = 0;
+  for (std::size_t i = 0; i < data.supports.size(); ++i) {
+    if (gone < chosen.size() && chosen[gone] == i) {
+      ++gone;
+      continue;
+    }
+    while (next < leaves.size() && position(leaves[next].support) < position(data.supports[i]))
+      all.push_back(ref_of(leaves[next++]));
+    all.push_back(ref_of(data, i));
+  }
+  while (next < leaves.size()) all.push_back(ref_of(leaves[next++]));
+  if (all.empty()) throw DataError("no supports would be left");
+  assemble(all, result.data);
+  return result;
+}
+
+/// The largest blocks whose supports are all chosen.
+std::vector<BlockKey> filled_blocks(const PartitionData& data, const Selection& chosen) {
+  const std::size_t n = data.supports.size();
+  std::vector<std::uint32_t> before(n + 1, 0);  // chosen ones among the first i
+  for (const std::uint32_t i : chosen) before[i + 1] = 1;
+  for (std::size_t i = 0; i < n; ++i) before[i + 1] += before[i];
+  const auto first_from = [&](std::uint64_t position) {
+    std::size_t low = 0, high = n;
+    while (low < high) {
+      const std::size_t middle = (low + high) / 2;
+      const Support& s = data.supports[middle];
+      if (curve_position(s.level, s.code) < position)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    return low;
+  };
+  std::vector<BlockKey> result, stack{{0, 0}};
+  while (!stack.empty()) {
+    const BlockKey b = stack.back();
+    stack.pop_back();
+    const std::size_t first = first_from(curve_position(b.level, b.code)),
+                      last = first_from(curve_position(b.level, b.code + 1));
+    const std::uint32_t taken = before[last] - before[first];
+    if (taken == 0) continue;
+    if (taken == last - first) {
+      result.push_back(b);
+    } else if (b.level < 20) {
+      for (std::uint64_t k = 0; k < 8; ++k) stack.push_back({b.level + 1, b.code << 3 | k});
+    }
+  }
+  return result;
+}
+
+/// The samples within kMargin edges of some blocks, as a tree with the cells of the whole cloud's.
+SampleTree tree_around(const PartitionData& data, std::span<const BlockKey> blocks, const EditSamples& samples) {
+  if (samples.positions.empty()) throw DataError("its samples were not kept: it cannot be fitted again");
+  constexpr int kCells = 1 << kGridLevel;
+  std::vector<std::uint8_t> marked(static_cast<std::size_t>(kCells) * kCells * kCells, 0);
+  const float scale = static_cast<float>(kCells) / data.edge;
+  const auto cell = [&](float x) { return std::clamp(static_cast<int>(x * scale), 0, kCells - 1); };
+  for (const BlockKey& b : blocks) {
+    const Cube c = cube_of(data, b.level, b.code);
+    const Vec3f low = c.lower - data.lower - Vec3f{1, 1, 1} * (kMargin * c.edge);
+    const float size = (1 + 2 * kMargin) * c.edge;
+    for (int z = cell(low.z); z <= cell(low.z + size); ++z)
+      for (int y = cell(low.y); y <= cell(low.y + size); ++y)
+        for (int x = cell(low.x); x <= cell(low.x + size); ++x)
+          marked[static_cast<std::size_t>((z * kCells + y) * kCells + x)] = 1;
+  }
+  const std::size_t n = samples.positions.size(), chunk = 1 << 16, chunks = (n + chunk - 1) / chunk;
+  std::vector<std::vector<std::uint32_t>> found(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t k) {
+    for (std::size_t i = k * chunk; i < std::min(n, (k + 1) * chunk); ++i) {
+      const Vec3f p = samples.positions[i] - data.lower;
+      if (marked[static_cast<std::size_t>((cell(p.z) * kCells + cell(p.y)) * kCells + cell(p.x))])
+        found[k].push_back(static_cast<std::uint32_t>(i));
+    }
+  });
+  std::vector<Vec3f> positions, normals;
+  for (const auto& part : found)
+    for (const std::uint32_t i : part) positions.push_back(samples.positions[i]), normals.push_back(samples.normals[i]);
+  if (positions.empty()) throw DataError("there are no samples around the chosen supports");
+  return {positions, normals, data.lower, data.edge, data.basis.sort_depth};
+}
+
+/// Cells around a block that holds samples, and around its parent.
+struct Surroundings {
+  std::uint32_t cell = 0;
+  SampleTree::Neighbours own, parents;
+};
+Surroundings surroundings(const SampleTree& tree, int level, std::uint64_t code) {
+  Surroundings s;
+  s.own = s.parents = tree.root_neighbours();
+  for (int l = 1; l <= level; ++l) {
+    const std::int64_t c = tree.find(l, code >> (3 * (level - l)));
+    if (c < 0) throw DataError("its samples do not belong to its supports");
+    s.parents = s.own;
+    s.cell = static_cast<std::uint32_t>(c);
+    s.own = tree.child_neighbours(l - 1, s.parents, s.cell);
+  }
+  return s;
+}
+
+std::vector<BlockKey> blocks_of(const PartitionData& data, const Selection& chosen) {
+  std::vector<BlockKey> blocks;
+  blocks.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) blocks.push_back({data.supports[i].level, data.supports[i].code});
+  return blocks;
+}
+
+/// New gaps for the cells below the blocks that were fitted again.
+std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data, const BlockFitter& fitter,
+                                                      const ScaleChoice& choice, std::span<const BlockKey> roots,
+                                                      std::span<const FittedLeaf> leaves) {
+  std::vector<PartitionData::Flatness> result = data.flatness;
+  const std::size_t levels = std::min(result.size(), choice.trials.size());
+  std::vector<std::vector<std::uint64_t>> code(levels);
+  std::vector<std::vector<float>> gap(levels);
+  for (std::size_t l = 0; l < levels; ++l) {
+    code[l] = result[l].code.copy();
+    gap[l] = result[l].gap.copy();
+    for (const BlockKey& root : roots) {
+      const auto level = static_cast<std::size_t>(root.level);
+      if (l < level) continue;
+      const std::uint64_t low = root.code << (3 * (l - level)), high = (root.code + 1) << (3 * (l - level));
+      const auto& cells = fitter.tree.level(static_cast<int>(l)).code;
+      auto here = std::lower_bound(code[l].begin(), code[l].end(), low);
+      for (auto it = std::lower_bound(cells.begin(), cells.end(), low); it != cells.end() && *it < high; ++it) {
+        while (here != code[l].end() && *here < *it) ++here;
+        if (here == code[l].end()) break;
+        if (*here != *it) continue;
+        gap[l][static_cast<std::size_t>(here - code[l].begin())] =
+            flatness_gap(fitter, choice, static_cast<int>(l), static_cast<std::uint32_t>(it - cells.begin()));
+      }
+    }
+  }
+  for (const FittedLeaf& leaf : leaves)
+    if (leaf.support.creased) mark_crease(code, gap, data.edge, leaf.support.level, leaf.support.code);
+  for (std::size_t l = 0; l < levels; ++l) result[l].gap = std::move(gap[l]);
+  return result;
+}
+
+}  // namespace
+
+Selection select_supports(const PartitionData& data, const SupportQuery& query) {
+  if (query.flags && query.flags->size() != data.supports.size())
+    throw ArgumentError("select: one flag a support is needed");
+  Selection chosen;
+  for (std::size_t i = 0; i < data.supports.size(); ++i)
+    if (chosen_by(query, data, i)) chosen.push_back(static_cast<std::uint32_t>(i));
+  return chosen;
+}
+
+EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
+                      Progress& progress) {
+  if (degree < 0 || degree > kMaxDegree) throw ArgumentError("the degree must lie in 0..4");
+  const SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
+  const BlockFitter fitter{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest};
+  progress.begin("fit again", chosen.size());
+  std::vector<FittedLeaf> leaves(chosen.size());
+  parallel_ranges(0, chosen.size(), 64, [&](std::size_t first, std::size_t last) {
+    Workspace ws;
+    for (std::size_t i = first; i < last; ++i) {
+      const Support& s = data.supports[chosen[i]];
+      const Surroundings around = surroundings(tree, s.level, s.code);
+      const float reach = gather_enough(fitter, s.level, around.cell, around.own, around.parents, ws.ids);
+      const Cube c = cube_of(data, s.level, s.code);
+      const Vec3f center = fitter.center(s.level, around.cell);
+      FittedLeaf& leaf = leaves[i];
+      leaf.support = s;
+      leaf.function = data.functions[chosen[i]];
+      if (reach > 0) {
+        const float radius = leaf.function.radius;
+        const DegreeFits fits =
+            fit_local(tree, center, reach * fitter.support_radius(s.level), degree, ws, leaf.function);
+        if (fits.highest >= 0) {
+          leaf.function.radius = radius;
+          leaf.function.next = 0;
+          leaf.function.degree = std::min(degree, fits.highest);
+          leaf.function.coefficient = monomial_coefficients(fits, leaf.function.degree);
+          leaf.support.state = Support::fitted;
+          leaf.support.creased = 0;
+          leaf.support.samples = static_cast<std::uint32_t>(ws.samples.size());
+          leaf.support.coverage = static_cast<float>(coverage(ws.samples));
+          leaf.support.error =
+              leaf.function.scale *
+              std::sqrt(static_cast<float>(fits.mean_square[static_cast<std::size_t>(leaf.function.degree)]));
+        }
+      }
+      place_patch(leaf.function, c.lower, c.edge, leaf.support);
+    }
+    progress.advance(last - first);
+  });
+  return replaced(data, chosen, std::move(leaves));
+}
+
+EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
+                 const EditSamples& samples, Progress& progress) {
+  options.validate();
+  const std::vector<BlockKey> roots = filled_blocks(data, chosen);
+  const SampleTree tree = tree_around(data, roots, samples);
+  ScaleBasis basis = data.basis;
+  if (options.error) basis.accepted = *options.error;
+  if (options.support) basis.support = *options.support;
+  const ScaleChoice choice = choose_scales_below(tree, options, basis, roots, progress);
+  if (choice.leaves.empty()) throw DataError("the samples around the chosen supports are too few for any fit");
+  const BlockFitter fitter{tree, options, choice.support, choice.finest};
+  progress.begin("fit again", choice.leaves.size());
+  std::vector<FittedLeaf> leaves(choice.leaves.size());
+  parallel_ranges(0, leaves.size(), 64, [&](std::size_t first, std::size_t last) {
+    FitWorkspace ws;
+    for (std::size_t i = first; i < last; ++i) leaves[i] = fit_leaf(fitter, choice, choice.leaves[i], ws);
+    progress.advance(last - first);
+  });
+  std::vector<PartitionData::Flatness> flatness = updated_flatness(data, fitter, choice, roots, leaves);
+  EditResult result = replaced(data, chosen, std::move(leaves));
+  result.data.flatness = std::move(flatness);
+  return result;
+}
+
+EditResult set_constant(const PartitionData& data, const Selection& chosen, float value) {
+  if (!(std::abs(value) > 1e-3f && std::abs(value) < 1e3f))
+    throw ArgumentError("a constant must lie between 0.001 and 1000 radii of its support, positive or negative");
+  std::vector<FittedLeaf> leaves(chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const LocalFunction& old = data.functions[chosen[i]];
+    LocalFunction& f = leaves[i].function;
+    f.center = old.center;
+    f.radius = old.radius;
+    f.coefficient[0] = -value * old.radius;
+    leaves[i].support = data.supports[chosen[i]];
+    leaves[i].support.state = Support::constant;
+    leaves[i].support.creased = 0;
+    leaves[i].support.foot = f.center;
+    leaves[i].support.area = 0;
+  }
+  return replaced(data, chosen, std::move(leaves));
+}
+
+EditResult remove_supports(const PartitionData& data, const Selection& chosen) { return replaced(data, chosen, {}); }
+
+}  // namespace sansmesh

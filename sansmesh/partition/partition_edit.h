@@ -1,0 +1,84 @@
+// Editing of a fitted function (METHODS §3.4; tejada2008, section 4): choose supports, and replace what they hold.
+// Everything is in the function's own coordinates, relative to its origin; every edit returns new data that share the
+// arrays that it left alone.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/partition/partition_data.h"
+
+namespace sansmesh {
+
+/// Supports by their number, ascending.
+using Selection = std::vector<std::uint32_t>;
+
+/// What a support must be like to be chosen: all that is said must hold.
+struct SupportQuery {
+  struct Ball {
+    Vec3f center;
+    float radius;
+  };
+  struct HalfSpace {
+    Vec3f point, normal;
+  };
+  std::optional<Ball> ball;             ///< its block meets the ball
+  std::optional<Box3f> box;             ///< its block meets the box
+  std::optional<HalfSpace> half_space;  ///< its block's centre lies on the side that the normal points to
+  std::optional<float> coverage_below;  ///< of the support by its samples (METHODS §3.1)
+  std::optional<float> error_above;     ///< rms distance of its samples from its zero set (length)
+  std::optional<std::uint32_t> samples_below;
+  std::optional<int> level_from, level_to;
+  std::optional<std::vector<std::uint8_t>> flags;  ///< 1 where it may be chosen, of every support
+};
+Selection select_supports(const PartitionData& data, const SupportQuery& query);
+
+/// Connected sheets: supports whose blocks touch and whose functions agree on where the surface runs.
+struct Sheets {
+  std::vector<std::uint32_t> of_support;  ///< 0 has the largest area, and so on; kNone: constants
+  std::vector<double> area;               ///< length²
+  /// Samples in the supports' blocks times the area that each stands for, over the area: about 1 for a sheet that was
+  /// sampled, far less for one that was made of strays or of nothing.
+  std::vector<double> evidence;
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::size_t size() const { return area.size(); }
+};
+/// `samples`: along the Morton curve; empty: no evidence (0).
+Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples);
+
+/// The samples of a function, along the Morton curve of its root cube, relative to its origin.
+struct EditSamples {
+  std::span<const Vec3f> positions, normals;
+};
+
+struct EditResult {
+  PartitionData data;
+  Box3f changed;             ///< holds all places where the function may have changed (but for its far field)
+  std::size_t changes = 0;   ///< supports that are not as before
+  std::size_t supports = 0;  ///< that took the place of those chosen
+};
+
+/// Polynomials of this degree (0..4), or of the highest below it that the samples of a support determine. Creases in
+/// the supports go. Throws DataError without samples.
+EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
+                      Progress& progress);
+
+/// Fits anew below the largest blocks that the selection fills, with other options; noise and accepted error stay those
+/// of the whole fit unless `options.error` says otherwise. Supports of other sizes may take the place of the chosen
+/// ones. Throws DataError without samples, ArgumentError for bad options.
+EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
+                 const EditSamples& samples, Progress& progress);
+
+/// Constants in place of the functions, positive: outside (erases a sheet), negative: inside (fills); in units of each
+/// support's radius.
+EditResult set_constant(const PartitionData& data, const Selection& chosen, float value);
+
+/// Takes the supports away: neighbours and the far field decide what is there.
+EditResult remove_supports(const PartitionData& data, const Selection& chosen);
+
+}  // namespace sansmesh

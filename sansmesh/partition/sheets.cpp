@@ -1,0 +1,122 @@
+// Connected sheets of a partition of unity, from its supports alone: no mesh is made.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/union_find.h"
+#include "sansmesh/partition/leaf_fit.h"
+#include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/search/ball_tree.h"
+
+namespace sansmesh {
+namespace {
+
+/// How far off its zero set, in edges of the smaller block, the foot of a neighbour on the same sheet may be.
+constexpr float kAgreement = 0.35f;
+
+/// The value of a support at x, its crease included.
+float support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) {
+  const LocalFunction* f = &data.functions[i];
+  float value = local_value(*f, x);
+  while (f->next != 0) {
+    const bool convex = f->convex != 0;
+    f = &data.functions[static_cast<std::size_t>(f->next) - 1];
+    const float other = local_value(*f, x);
+    value = convex ? std::max(value, other) : std::min(value, other);
+  }
+  return value;
+}
+
+bool same_sheet(const PartitionData& data, std::uint32_t i, std::uint32_t j) {
+  const Support &a = data.supports[i], &b = data.supports[j];
+  const float edge = data.edge / static_cast<float>(1u << std::max(a.level, b.level));
+  if (!a.creased && !b.creased && dot(data.functions[i].nu, data.functions[j].nu) <= 0) return false;
+  return std::abs(support_value(data, i, b.foot)) <= kAgreement * edge &&
+         std::abs(support_value(data, j, a.foot)) <= kAgreement * edge;
+}
+
+/// Samples in the block of each support.
+std::vector<std::uint32_t> count_samples(const PartitionData& data, std::span<const Vec3f> samples) {
+  const int depth = data.basis.sort_depth;
+  std::vector<std::uint64_t> code(samples.size());
+  const float scale = static_cast<float>(1u << depth) / data.edge, most = static_cast<float>((1u << depth) - 1);
+  parallel_for(0, code.size(), 16384, [&](std::size_t i) {
+    const Vec3f p = (samples[i] - data.lower) * scale;
+    const auto cell = [&](float x) { return static_cast<std::uint32_t>(std::clamp(x, 0.0f, most)); };
+    code[i] = morton_code(cell(p.x), cell(p.y), cell(p.z));
+  });
+  // Rounding of the cells may differ in the last bit from that of the order.
+  if (!std::is_sorted(code.begin(), code.end())) std::sort(code.begin(), code.end());
+  std::vector<std::uint32_t> count(data.supports.size());
+  parallel_for(0, count.size(), 2048, [&](std::size_t i) {
+    const Support& s = data.supports[i];
+    const int shift = 3 * (depth - std::min<int>(s.level, depth));
+    const auto first = std::lower_bound(code.begin(), code.end(), s.code << shift);
+    count[i] = static_cast<std::uint32_t>(std::lower_bound(first, code.end(), (s.code + 1) << shift) - first);
+  });
+  return count;
+}
+
+}  // namespace
+
+Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
+  const std::size_t n = data.supports.size();
+  // Blocks that touch have feet at most about two of the larger one's diagonals apart.
+  std::vector<Vec3f> feet(n);
+  std::vector<float> reach(n);
+  parallel_for(0, n, 8192, [&](std::size_t i) {
+    feet[i] = data.supports[i].foot;
+    reach[i] = data.edge / static_cast<float>(1u << data.supports[i].level) * 1.8f;
+  });
+  const BallTree tree(feet, reach);
+  const std::size_t chunk = 1024, chunks = (n + chunk - 1) / chunk;
+  std::vector<std::vector<std::array<std::uint32_t, 2>>> links(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    std::vector<std::uint32_t> near;
+    for (std::size_t i = c * chunk; i < std::min(n, (c + 1) * chunk); ++i) {
+      if (data.supports[i].state == Support::constant) continue;
+      tree.touching({feet[i], feet[i]}, near);
+      for (const std::uint32_t j : near)
+        if (j != i && data.supports[j].state != Support::constant && same_sheet(data, static_cast<std::uint32_t>(i), j))
+          links[c].push_back({static_cast<std::uint32_t>(i), j});
+    }
+  });
+  UnionFind sets(n);
+  for (const auto& part : links)
+    for (const auto& link : part) sets.join(link[0], link[1]);
+
+  Sheets sheets;
+  sheets.of_support.assign(n, Sheets::kNone);
+  std::vector<std::uint32_t> number(n, Sheets::kNone);
+  std::vector<double> area, found;
+  const std::vector<std::uint32_t> count =
+      samples.empty() ? std::vector<std::uint32_t>(n, 0) : count_samples(data, samples);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (data.supports[i].state == Support::constant) continue;
+    std::uint32_t& k = number[sets.find(static_cast<std::uint32_t>(i))];
+    if (k == Sheets::kNone) {
+      k = static_cast<std::uint32_t>(area.size());
+      area.push_back(0), found.push_back(0);
+    }
+    sheets.of_support[i] = k;
+    area[k] += static_cast<double>(data.supports[i].area);
+    found[k] += count[i];
+  }
+  std::vector<std::uint32_t> order(area.size()), rank(area.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return area[a] > area[b]; });
+  const double one = data.report.spacing * data.report.spacing;
+  for (std::size_t r = 0; r < order.size(); ++r) {
+    const std::uint32_t k = order[r];
+    rank[k] = static_cast<std::uint32_t>(r);
+    sheets.area.push_back(area[k]);
+    sheets.evidence.push_back(area[k] > 0 ? found[k] * one / area[k] : 0);
+  }
+  for (std::uint32_t& k : sheets.of_support)
+    if (k != Sheets::kNone) k = rank[k];
+  return sheets;
+}
+
+}  // namespace sansmesh
