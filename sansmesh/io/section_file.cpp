@@ -75,6 +75,9 @@ void write_sections(const std::string& file, const std::vector<Section>& section
   std::size_t at = head.size();
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& s = sections[i];
+    const bool twice = std::any_of(sections.begin(), sections.begin() + static_cast<std::ptrdiff_t>(i),
+                                   [&](const Section& other) { return other.name == s.name; });
+    if (twice) throw ArgumentError(fmt::format("there are two sections of the name {}", s.name));
     if (!is_name(s.name) || s.element_size == 0 || s.bytes.size() % s.element_size != 0)
       throw ArgumentError(fmt::format("'{}' cannot be the name of a section of elements of {} bytes each, {} in all",
                                       s.name, s.element_size, s.bytes.size()));
@@ -117,8 +120,8 @@ void SectionFile::open(std::string_view bytes) {
 
   Header header;
   if (bytes.size() < sizeof kMagic || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
-    fail(bytes.size() > 4 && bytes.substr(1, 3) == "SMF" ? "damaged: the ends of lines in it were changed"
-                                                         : "is not a function file (.smf)");
+    fail(bytes.size() >= sizeof kMagic && bytes.substr(1, 3) == "SMF" ? "damaged: the ends of lines in it were changed"
+                                                                      : "is not a function file (.smf)");
   if (bytes.size() < sizeof header) fail(fmt::format("truncated: it ends after {} bytes", bytes.size()));
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.major > kMajor)
