@@ -1,0 +1,88 @@
+// Times a function file: fitting the function, writing it, reading it again (with and without samples, mapped and
+// gzipped), the first evaluation and the mesh.
+//
+//   benchmark_function_file [CLOUD] [FOLDER=.] [THREADS=all]
+//
+// CLOUD: any file of points; without one, 400,000 samples of a ball are used. The files written are removed again. The
+// system holds what it has just written in memory: a file that comes from a disk takes as much longer as the disk
+// needs.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh_function.h"
+#include "sansmesh/surface_function.h"
+
+using namespace sansmesh;
+
+namespace {
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The quickest of five: what the work takes, not what else the machine does.
+double best_of(const std::function<void()>& work) {
+  double best = seconds_of(work);
+  for (int i = 1; i < 5; ++i) best = std::min(best, seconds_of(work));
+  return best;
+}
+
+PointSet ball(std::size_t n) {
+  PointSet points;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double z = 1 - 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(n), r = std::sqrt(1 - z * z);
+    const double phi = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5.0));
+    const Vec3 d{r * std::cos(phi), r * std::sin(phi), z};
+    points.positions.emplace_back(d * (1 + 0.05 * std::sin(9 * d.x) * std::sin(9 * d.y)));
+  }
+  return points;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  set_thread_count(argc > 3 ? std::atoi(argv[3]) : 0);
+  const std::filesystem::path folder = argc > 2 ? argv[2] : ".";
+  PointSet points;
+  const double load = seconds_of([&] { points = argc > 1 ? read_points(argv[1]) : ball(400000); });
+  const std::size_t samples = points.size();
+  Progress progress;
+  std::optional<SurfaceFunction> function;
+  const double fit = seconds_of([&] { function.emplace(fit_surface_function(std::move(points), {}, progress)); });
+  std::printf("| what | seconds | bytes | fit / this |\n|---|---:|---:|---:|\n");
+  const auto row = [&](const char* what, double seconds, unsigned long long bytes = 0) {
+    if (bytes > 0) {
+      std::printf("| %s | %.4f | %llu | %.1f |\n", what, seconds, bytes, fit / seconds);
+    } else {
+      std::printf("| %s | %.4f | | %.1f |\n", what, seconds, fit / seconds);
+    }
+  };
+  std::printf("| read the cloud, %zu points | %.4f | | |\n", samples, load);
+  row("fit", fit);
+  struct Kind {
+    const char *written, *read, *ending;
+    bool with_samples;
+  };
+  for (const Kind& kind : {Kind{"write", "read", ".smf", true}, Kind{"write without samples", "read it", ".smf", false},
+                           Kind{"write gzipped", "read it", ".smf.gz", true}}) {
+    const std::string file = (folder / (std::string("benchmark_function_file") + kind.ending)).string();
+    const double write = seconds_of([&] { write_function(file, *function, kind.with_samples); });
+    const auto bytes = std::filesystem::file_size(file);
+    row(kind.written, write, bytes);
+    row(kind.read, best_of([&] { read_function(file); }), bytes);
+    std::filesystem::remove(file);
+  }
+  row("mesh", seconds_of([&] { mesh_function(*function, {}, progress); }));
+}
