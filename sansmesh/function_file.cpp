@@ -249,12 +249,12 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
       data, [](const auto& f) -> const auto& { return f.gap; });
   const auto child = joined<std::uint32_t>(
       data, [](const auto& f) -> const auto& { return f.child; });
-  std::vector<Section> sections{{"META", 1, text},
-                                section_of("FUNCTION", data.functions.view()),
-                                section_of("SUPPORT", data.supports.view()),
-                                section_of("LEVCODE", std::span(code)),
-                                section_of("LEVGAP", std::span(gap)),
-                                section_of("LEVCHILD", std::span(child))};
+  std::vector<FileSection> sections{{"META", 1, text},
+                                    section_of("FUNCTION", data.functions.view()),
+                                    section_of("SUPPORT", data.supports.view()),
+                                    section_of("LEVCODE", std::span(code)),
+                                    section_of("LEVGAP", std::span(gap)),
+                                    section_of("LEVCHILD", std::span(child))};
   const PointSet& samples = *function.samples;
   if (with_samples && samples.size() > 0) {
     sections.push_back(section_of("POSITION", std::span(samples.positions)));

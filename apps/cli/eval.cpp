@@ -34,6 +34,7 @@ PointSet points_of(const EvalArguments& a, Console& console) {
     console.warn(a.points, read.warnings);
     return points;
   }
+  if (!is_finite(Vec3{a.at[0], a.at[1], a.at[2]})) throw ArgumentError("--at needs three finite numbers");
   PointSet points;
   points.origin = {a.at[0], a.at[1], a.at[2]};
   points.positions = {{0, 0, 0}};
@@ -76,7 +77,8 @@ void run_eval(const EvalArguments& a, Console& console) {
   progress.finish();
 
   std::vector<double> size(n);
-  double inside = 0, steepest = 0;
+  std::size_t inside = 0;
+  double steepest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     size[i] = std::abs(found[i].value);
     inside += found[i].value < 0;
@@ -85,8 +87,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   std::sort(size.begin(), size.end());
   double mean = 0;
   for (const double s : size) mean += s / static_cast<double>(n);
-  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"),
-                          grouped(static_cast<unsigned long long>(inside))));
+  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"), grouped(inside)));
   if (n <= kPrinted) {
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 p = points.origin + Vec3(points.positions[i]);

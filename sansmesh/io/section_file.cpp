@@ -64,7 +64,7 @@ bool is_name(std::string_view name) {
 
 }  // namespace
 
-void write_sections(const std::string& file, const std::vector<Section>& sections) {
+void write_sections(const std::string& file, const std::vector<FileSection>& sections) {
   if (sections.size() > kMostSections) throw ArgumentError("too many sections for one file");
   std::string head(aligned(sizeof(Header) + sections.size() * sizeof(Entry)), '\0');
   Header header{};
@@ -74,9 +74,9 @@ void write_sections(const std::string& file, const std::vector<Section>& section
   std::vector<Entry> table(sections.size());
   std::size_t at = head.size();
   for (std::size_t i = 0; i < sections.size(); ++i) {
-    const Section& s = sections[i];
+    const FileSection& s = sections[i];
     const bool twice = std::any_of(sections.begin(), sections.begin() + static_cast<std::ptrdiff_t>(i),
-                                   [&](const Section& other) { return other.name == s.name; });
+                                   [&](const FileSection& other) { return other.name == s.name; });
     if (twice) throw ArgumentError(fmt::format("there are two sections of the name {}", s.name));
     if (!is_name(s.name) || s.element_size == 0 || s.bytes.size() % s.element_size != 0)
       throw ArgumentError(fmt::format("'{}' cannot be the name of a section of elements of {} bytes each, {} in all",
@@ -95,7 +95,7 @@ void write_sections(const std::string& file, const std::vector<Section>& section
 
   static constexpr std::array<char, kAlignment> zeros{};
   std::vector<std::string_view> parts{head};
-  for (const Section& s : sections) {
+  for (const FileSection& s : sections) {
     parts.push_back(s.bytes);
     parts.emplace_back(zeros.data(), aligned(s.bytes.size()) - s.bytes.size());
   }
@@ -153,14 +153,14 @@ void SectionFile::open(std::string_view bytes) {
     if (!right[i]) fail(fmt::format("damaged: the checksum of section {} is wrong", sections_[i].name));
 }
 
-const Section* SectionFile::find(std::string_view name) const {
-  for (const Section& s : sections_)
+const FileSection* SectionFile::find(std::string_view name) const {
+  for (const FileSection& s : sections_)
     if (s.name == name) return &s;
   return nullptr;
 }
 
 std::string_view SectionFile::bytes_of(std::string_view name, std::size_t element_size) const {
-  const Section* section = find(name);
+  const FileSection* section = find(name);
   if (!section) throw FileError(file_, fmt::format("has no section {}", name));
   if (section->element_size != element_size)
     throw FileError(

@@ -15,20 +15,20 @@
 namespace sansmesh {
 
 /// One array of a file. Names have 1 to 8 characters of A–Z, 0–9 and _.
-struct Section {
+struct FileSection {
   std::string name;
   std::uint32_t element_size = 1;  ///< bytes
   std::string_view bytes;          ///< a multiple of element_size
 };
 
 template <class T>
-Section section_of(const std::string& name, std::span<const T> values) {
+FileSection section_of(const std::string& name, std::span<const T> values) {
   static_assert(std::is_trivially_copyable_v<T>);
   return {name, sizeof(T), {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
 }
 
 /// Writes them atomically, each with a checksum, aligned to 64 bytes. Throws FileError.
-void write_sections(const std::string& file, const std::vector<Section>& sections);
+void write_sections(const std::string& file, const std::vector<FileSection>& sections);
 
 /// A file of sections, mapped into memory (unpacked if it is gzipped) and checked: every byte that is handed out
 /// belongs to a section whose checksum is right.
@@ -56,12 +56,12 @@ class SectionFile {
 
  private:
   void open(std::string_view bytes);
-  const Section* find(std::string_view name) const;
+  const FileSection* find(std::string_view name) const;
   std::string_view bytes_of(std::string_view name, std::size_t element_size) const;
 
   std::string file_;
   std::shared_ptr<const void> owner_;
-  std::vector<Section> sections_;
+  std::vector<FileSection> sections_;
 };
 
 }  // namespace sansmesh

@@ -15,14 +15,14 @@ using namespace test;
 const std::vector<double> kNumbers{1.5, -2, 1e300};
 const std::vector<std::uint8_t> kOdd{1, 2, 3, 4, 5, 6, 7};
 
-std::vector<Section> some_sections() {
+std::vector<FileSection> some_sections() {
   return {section_of("NUMBERS", std::span<const double>(kNumbers)),
           {"EMPTY", 12, {}},
           section_of("ODD_7", std::span<const std::uint8_t>(kOdd)),
           {"TEXT", 1, "a line"}};
 }
 
-std::string written(const Folder& folder, const std::vector<Section>& sections) {
+std::string written(const Folder& folder, const std::vector<FileSection>& sections) {
   write_sections(folder / "made.smf", sections);
   return slurp(folder / "made.smf");
 }
@@ -60,7 +60,7 @@ TEST_F(SectionFiles, RoundTrip) {
   expect_some_sections(SectionFile(folder_ / "made.smf"));
   // The independent description of the format agrees to the byte.
   std::vector<RawSection> raw;
-  for (const Section& s : some_sections()) raw.push_back({s.name, s.element_size, std::string(s.bytes)});
+  for (const FileSection& s : some_sections()) raw.push_back({s.name, s.element_size, std::string(s.bytes)});
   EXPECT_EQ(packed(raw), bytes);
   ASSERT_EQ(unpacked(bytes).size(), 4u);
   EXPECT_EQ(unpacked(bytes)[3].bytes, "a line");
@@ -177,7 +177,7 @@ TEST_F(SectionFiles, Versions) {
   expect_bad(edited([](std::string& b) { put_number<std::uint32_t>(b, kMajorAt, 2); }), "newer version of sansmesh");
   expect_bad(edited([](std::string& b) { put_number<std::uint32_t>(b, kMajorAt, 0); }), "damaged");
   // A later minor version adds sections: those that are known stay what they are.
-  std::vector<Section> sections = some_sections();
+  std::vector<FileSection> sections = some_sections();
   sections.push_back({"LATER", 5, "fives"});
   std::string later = written(folder_, sections);
   put_number<std::uint32_t>(later, kMinorAt, 7);
@@ -233,14 +233,15 @@ TEST_F(SectionFiles, WritesOnlyWhatCanBeRead) {
   EXPECT_THROW(write_sections(folder_ / "x.smf", {{"TWICE", 1, "a"}, {"TWICE", 1, "b"}}), ArgumentError);
   EXPECT_THROW(write_sections(folder_ / "x.smf", {{"ODD", 2, "abc"}}), ArgumentError);
   EXPECT_THROW(write_sections(folder_ / "x.smf", {{"ZERO", 0, "abc"}}), ArgumentError);
-  EXPECT_THROW(write_sections(folder_ / "x.smf", std::vector<Section>(257, Section{"A", 1, ""})), ArgumentError);
+  EXPECT_THROW(write_sections(folder_ / "x.smf", std::vector<FileSection>(257, FileSection{"A", 1, ""})),
+               ArgumentError);
   EXPECT_THROW(write_sections(folder_ / "absent/x.smf", some_sections()), FileError);
   EXPECT_EQ(folder_.entries(), 0u);
 }
 
 TEST_F(SectionFiles, SameBytesWhateverTheThreads) {
   std::vector<std::vector<float>> arrays(20, std::vector<float>(5000));
-  std::vector<Section> sections;
+  std::vector<FileSection> sections;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     std::fill(arrays[i].begin(), arrays[i].end(), static_cast<float>(i));
     sections.push_back(section_of(std::string("A").append(std::to_string(i)), std::span<const float>(arrays[i])));

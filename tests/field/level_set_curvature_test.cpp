@@ -1,0 +1,160 @@
+#include "sansmesh/field/level_set_curvature.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/partition_of_unity.h"
+#include "support/clouds.h"
+
+namespace sansmesh {
+namespace {
+
+/// A function given by a formula for its value and its gradient.
+class Formula final : public ScalarField {
+ public:
+  explicit Formula(std::function<double(const Vec3&, Vec3&)> formula) : formula_(std::move(formula)) {}
+  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      Vec3 gradient;
+      values[i] = formula_(x[i], gradient);
+      if (!gradients.empty()) gradients[i] = gradient;
+    }
+  }
+
+ private:
+  std::function<double(const Vec3&, Vec3&)> formula_;
+};
+
+const Formula kSphere([](const Vec3& p, Vec3& gradient) {
+  gradient = normalized(p);
+  return norm(p) - 1;
+});
+
+/// Torus around z with radii 1 and 0.35.
+const Formula kTorus([](const Vec3& p, Vec3& gradient) {
+  const double q = std::hypot(p.x, p.y), w = std::hypot(q - 1, p.z);
+  gradient = {(q - 1) / w * p.x / q, (q - 1) / w * p.y / q, p.z / w};
+  return w - 0.35;
+});
+
+std::vector<Vec3> directions(std::size_t n) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> gauss;
+  std::vector<Vec3> result(n);
+  for (Vec3& d : result) d = normalized(Vec3{gauss(random), gauss(random), gauss(random)});
+  return result;
+}
+
+std::vector<LevelSetPoint> points_of(const ScalarField& field, const std::vector<Vec3>& x, double step) {
+  std::vector<LevelSetPoint> result(x.size());
+  level_set_points(field, x, step, result);
+  return result;
+}
+
+TEST(LevelSetCurvature, Spheres) {
+  for (const double radius : {0.3, 1.0, 1.7}) {  // the level set through x is the sphere through x
+    std::vector<Vec3> x = directions(200);
+    for (Vec3& p : x) p = p * radius;
+    for (const LevelSetPoint& p : points_of(kSphere, x, 1e-3)) {
+      ASSERT_NEAR(p.value, radius - 1, 1e-12);
+      ASSERT_NEAR(p.k1, 1 / radius, 1e-4);
+      ASSERT_NEAR(p.k2, 1 / radius, 1e-4);
+      ASSERT_GE(p.k1, p.k2);
+    }
+  }
+}
+
+TEST(LevelSetCurvature, TorusHasBothSigns) {
+  std::vector<Vec3> x;
+  std::vector<std::array<double, 2>> expected;
+  for (int i = 0; i < 60; ++i) {
+    const double u = 0.1 + 0.9 * i, v = 0.05 + 0.37 * i, r = 0.2 + 0.005 * i, q = 1 + r * std::cos(v);
+    x.push_back({q * std::cos(u), q * std::sin(u), r * std::sin(v)});
+    expected.push_back({1 / r, std::cos(v) / q});
+  }
+  const std::vector<LevelSetPoint> found = points_of(kTorus, x, 1e-3);
+  bool saddle = false;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_NEAR(found[i].k1, std::max(expected[i][0], expected[i][1]), 1e-3);
+    ASSERT_NEAR(found[i].k2, std::min(expected[i][0], expected[i][1]), 1e-3);
+    ASSERT_NEAR(found[i].mean_curvature(), 0.5 * (expected[i][0] + expected[i][1]), 1e-3);
+    ASSERT_NEAR(found[i].gaussian_curvature(), expected[i][0] * expected[i][1], 1e-2);
+    saddle = saddle || found[i].gaussian_curvature() < -0.1;
+  }
+  EXPECT_TRUE(saddle);
+}
+
+TEST(LevelSetCurvature, OfTheSetNotOfTheFunction) {
+  // The same level sets of a steeper function; the other side of the surface is concave.
+  const Formula steep([](const Vec3& p, Vec3& gradient) {
+    gradient = p * (3 * norm(p));
+    return std::pow(norm(p), 3) - 1;
+  });
+  const Formula turned([](const Vec3& p, Vec3& gradient) {
+    gradient = -normalized(p);
+    return 1 - norm(p);
+  });
+  const std::vector<Vec3> x = directions(50);
+  for (const LevelSetPoint& p : points_of(steep, x, 1e-3)) {
+    ASSERT_NEAR(p.k1, 1, 1e-4);
+    ASSERT_NEAR(p.k2, 1, 1e-4);
+  }
+  for (const LevelSetPoint& p : points_of(turned, x, 1e-3)) {
+    ASSERT_NEAR(p.k1, -1, 1e-4);
+    ASSERT_NEAR(p.k2, -1, 1e-4);
+  }
+}
+
+TEST(LevelSetCurvature, NoneWhereTheGradientVanishes) {
+  const Formula flat([](const Vec3& p, Vec3& gradient) {
+    gradient = p * 2.0;
+    return squared_norm(p);
+  });
+  const LevelSetPoint p = points_of(flat, {{0, 0, 0}}, 1e-3)[0];
+  EXPECT_EQ(p.k1, 0);
+  EXPECT_EQ(p.k2, 0);
+}
+
+TEST(LevelSetCurvature, OfAFittedSphereAtAQuarterOfTheSpacing) {
+  Progress progress;
+  const PartitionOfUnity field = fit_partition_of_unity(test::sphere(8000), {}, progress);
+  double mean = 0, worst = 0;
+  const std::vector<Vec3> x = directions(2000);
+  for (const LevelSetPoint& p : points_of(field, x, 0.25 * field.report().spacing)) {
+    for (const double k : {p.k1, p.k2}) {
+      mean += std::abs(k - 1) / static_cast<double>(2 * x.size());
+      worst = std::max(worst, std::abs(k - 1));
+    }
+  }
+  EXPECT_LT(mean, 0.02);
+  EXPECT_LT(worst, 0.2);
+}
+
+TEST(LevelSetCurvature, ManyPointsAndAnyNumberOfThreads) {
+  // More than one batch.
+  std::vector<Vec3> x = directions((1 << 17) + 100);
+  std::vector<LevelSetPoint> one;
+  for (const int threads : {1, 4}) {
+    set_thread_count(threads);
+    const std::vector<LevelSetPoint> found = points_of(kSphere, x, 1e-3);
+    if (threads == 1) one = found;
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(found[i].k1, one[i].k1);
+  }
+  set_thread_count(0);
+  EXPECT_NEAR(one.back().k2, 1, 1e-4);
+}
+
+TEST(LevelSetCurvature, StepsMustBePositive) {
+  for (const double step : {0.0, -1.0, std::nan("")})
+    EXPECT_THROW(points_of(kSphere, {{1, 0, 0}}, step), ArgumentError);
+}
+
+}  // namespace
+}  // namespace sansmesh
