@@ -86,6 +86,7 @@ Command add_fit(CLI::App& app);
 Command add_mesh(CLI::App& app);
 Command add_eval(CLI::App& app);
 Command add_edit(CLI::App& app);
+Command add_diagnose(CLI::App& app);
 Command add_section(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_measure(CLI::App& app);

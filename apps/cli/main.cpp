@@ -380,8 +380,9 @@ int main(int argc, char** argv) {
   add_project(app, line);
   add_curvature(app, line);
   add_advise(app, line);
-  const std::vector<Command> commands = {add_fit(app),     add_mesh(app),    add_eval(app),    add_edit(app),
-                                         add_section(app), add_compare(app), add_measure(app), add_csg(app)};
+  const std::vector<Command> commands = {add_fit(app),     add_mesh(app),     add_eval(app),
+                                         add_edit(app),    add_diagnose(app), add_section(app),
+                                         add_compare(app), add_measure(app),  add_csg(app)};
   for (const Command& command : commands) add_common(*command.app, line);
   try {
     app.parse(argc, argv);
