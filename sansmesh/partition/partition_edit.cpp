@@ -236,8 +236,9 @@ Selection select_supports(const PartitionData& data, const SupportQuery& query) 
 EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
                       Progress& progress) {
   if (degree < 0 || degree > kMaxDegree) throw ArgumentError("the degree must lie in 0..4");
+  if (chosen.empty()) return {data, {}, 0, 0};
   const SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
-  const BlockFitter fitter{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest};
+  const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest};
   progress.begin("fit again", chosen.size());
   std::vector<FittedLeaf> leaves(chosen.size());
   parallel_ranges(0, chosen.size(), 64, [&](std::size_t first, std::size_t last) {
@@ -245,31 +246,38 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
     for (std::size_t i = first; i < last; ++i) {
       const Support& s = data.supports[chosen[i]];
       const Surroundings around = surroundings(tree, s.level, s.code);
+      BlockFitter fitter = whole;
+      // A refit may have given it another radius than the fit would.
+      if (const float r = data.functions[chosen[i]].radius; r != whole.support_radius(s.level))
+        fitter.support *= r / whole.support_radius(s.level);
       const float reach = gather_enough(fitter, s.level, around.cell, around.own, around.parents, ws.ids);
       const Cube c = cube_of(data, s.level, s.code);
       const Vec3f center = fitter.center(s.level, around.cell);
+      const LocalFunction& old = data.functions[chosen[i]];
       FittedLeaf& leaf = leaves[i];
       leaf.support = s;
-      leaf.function = data.functions[chosen[i]];
       if (reach > 0) {
-        const float radius = leaf.function.radius;
         const DegreeFits fits =
             fit_local(tree, center, reach * fitter.support_radius(s.level), degree, ws, leaf.function);
         if (fits.highest >= 0) {
-          leaf.function.radius = radius;
-          leaf.function.next = 0;
-          leaf.function.degree = std::min(degree, fits.highest);
-          leaf.function.coefficient = monomial_coefficients(fits, leaf.function.degree);
+          LocalFunction& f = leaf.function;
+          f.radius = old.radius;
+          f.degree = std::min(degree, fits.highest);
+          f.coefficient = monomial_coefficients(fits, f.degree);
           leaf.support.state = Support::fitted;
           leaf.support.creased = 0;
           leaf.support.samples = static_cast<std::uint32_t>(ws.samples.size());
           leaf.support.coverage = static_cast<float>(coverage(ws.samples));
           leaf.support.error =
-              leaf.function.scale *
-              std::sqrt(static_cast<float>(fits.mean_square[static_cast<std::size_t>(leaf.function.degree)]));
+              f.scale * std::sqrt(static_cast<float>(fits.mean_square[static_cast<std::size_t>(f.degree)]));
+          place_patch(f, c.lower, c.edge, leaf.support);
+          continue;
         }
       }
-      place_patch(leaf.function, c.lower, c.edge, leaf.support);
+      // Too few samples for anything: it stays as it was.
+      leaf.function = old;
+      for (std::int32_t next = old.next; next != 0; next = leaf.more.back().next)
+        leaf.more.push_back(data.functions[static_cast<std::size_t>(next) - 1]);
     }
     progress.advance(last - first);
   });
@@ -279,6 +287,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
 EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
                  const EditSamples& samples, Progress& progress) {
   options.validate();
+  if (chosen.empty()) return {data, {}, 0, 0};
   const std::vector<BlockKey> roots = filled_blocks(data, chosen);
   const SampleTree tree = tree_around(data, roots, samples);
   ScaleBasis basis = data.basis;

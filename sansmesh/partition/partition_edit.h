@@ -64,7 +64,7 @@ struct EditResult {
 };
 
 /// Polynomials of this degree (0..4), or of the highest below it that the samples of a support determine. Creases in
-/// the supports go. Throws DataError without samples.
+/// the supports go. A support without samples enough for any stays as it was. Throws DataError without samples.
 EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
                       Progress& progress);
 

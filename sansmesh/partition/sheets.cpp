@@ -15,6 +15,8 @@ namespace {
 
 /// How far off its zero set, in edges of the smaller block, the foot of a neighbour on the same sheet may be.
 constexpr float kAgreement = 0.35f;
+/// Steps from piece to piece that lead onto a crease.
+constexpr int kSteps = 8;
 
 /// The value of a support at x, its crease included.
 float support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) {
@@ -29,12 +31,35 @@ float support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) 
   return value;
 }
 
-bool same_sheet(const PartitionData& data, std::uint32_t i, std::uint32_t j) {
+/// Where a support says that the surface is. The foot of one with a crease lies on its first piece, but may lie beyond
+/// the crease, off the surface.
+Vec3f place_on_surface(const PartitionData& data, std::uint32_t i) {
+  const Support& s = data.supports[i];
+  if (!s.creased) return s.foot;
+  Vec3f x = data.functions[i].center;
+  for (int step = 0; step < kSteps; ++step) {
+    const LocalFunction* f = &data.functions[i];
+    const LocalFunction* taken = f;
+    float value = local_value(*f, x);
+    while (f->next != 0) {
+      const bool convex = f->convex != 0;
+      f = &data.functions[static_cast<std::size_t>(f->next) - 1];
+      const float other = local_value(*f, x);
+      if (convex ? other > value : other < value) value = other, taken = f;
+    }
+    x -= taken->nu * value;
+  }
+  return x;
+}
+
+bool same_sheet(const PartitionData& data, std::span<const Vec3f> places, std::uint32_t i, std::uint32_t j) {
   const Support &a = data.supports[i], &b = data.supports[j];
   const float edge = data.edge / static_cast<float>(1u << std::max(a.level, b.level));
   if (!a.creased && !b.creased && dot(data.functions[i].nu, data.functions[j].nu) <= 0) return false;
-  return std::abs(support_value(data, i, b.foot)) <= kAgreement * edge &&
-         std::abs(support_value(data, j, a.foot)) <= kAgreement * edge;
+  const bool there = std::abs(support_value(data, i, places[j])) <= kAgreement * edge;
+  const bool back = std::abs(support_value(data, j, places[i])) <= kAgreement * edge;
+  // One that saw next to nothing beyond a crease continues a face past it, where no neighbour agrees.
+  return a.creased || b.creased ? there || back : there && back;
 }
 
 /// Samples in the block of each support.
@@ -67,7 +92,7 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
   std::vector<Vec3f> feet(n);
   std::vector<float> reach(n);
   parallel_for(0, n, 8192, [&](std::size_t i) {
-    feet[i] = data.supports[i].foot;
+    feet[i] = place_on_surface(data, static_cast<std::uint32_t>(i));
     reach[i] = data.edge / static_cast<float>(1u << data.supports[i].level) * 1.8f;
   });
   const BallTree tree(feet, reach);
@@ -79,7 +104,8 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
       if (data.supports[i].state == Support::constant) continue;
       tree.touching({feet[i], feet[i]}, near);
       for (const std::uint32_t j : near)
-        if (j != i && data.supports[j].state != Support::constant && same_sheet(data, static_cast<std::uint32_t>(i), j))
+        if (j != i && data.supports[j].state != Support::constant &&
+            same_sheet(data, feet, static_cast<std::uint32_t>(i), j))
           links[c].push_back({static_cast<std::uint32_t>(i), j});
     }
   });

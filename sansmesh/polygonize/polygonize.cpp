@@ -37,6 +37,7 @@ struct Extraction {
   std::vector<float> values;     ///< field at each lattice vertex; positive on the cube's faces, which closes the mesh
   std::vector<Vec3f> positions;  ///< of each lattice vertex, relative to origin (moved by the displacement, if any)
   std::optional<Box3> region;    ///< only blocks that meet it, and kLayers around them
+  std::vector<std::uint8_t> caps = {};  ///< lattice vertices on the cube's faces where the field is negative
 
   Vec3 world(const LatticePoint& p) const {
     const double unit = tree.edge() / static_cast<double>(2u << tree.depth());
@@ -68,8 +69,10 @@ struct Extraction {
     });
     field.evaluate(x, f);
     values.resize(n);
+    caps.resize(n);
     parallel_for(old, n, 8192, [&](std::size_t i) {
-      values[i] = static_cast<float>(on_border(static_cast<std::uint32_t>(i)) ? std::abs(f[i - old]) : f[i - old]);
+      caps[i] = on_border(static_cast<std::uint32_t>(i)) && f[i - old] < 0;
+      values[i] = static_cast<float>(caps[i] ? -f[i - old] : f[i - old]);
     });
   }
 
@@ -342,7 +345,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   std::vector<std::uint8_t> on_cap(n);  // closes the mesh at a face of the cube: there is no surface to move it to
   parallel_for(0, n, 4096, [&](std::size_t i) {
     const ChainVertex v = chain.vertices[i];
-    on_cap[i] = e.on_border(v.a) || e.on_border(v.b);
+    on_cap[i] = e.caps[v.a] || e.caps[v.b];
     if (v.a == v.b) {
       start[i] = e.positions[v.a];
     } else {
