@@ -97,13 +97,15 @@ void EditSelection::validate() const {
         "ball: needs a finite centre and a positive radius");
   check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
         "box: needs a finite lower corner below the upper one");
-  check(!half_space || (is_finite(half_space->point) && is_finite(half_space->normal) && norm(half_space->normal) > 0),
+  check(!half_space ||
+            (is_finite(half_space->point) && norm(half_space->normal) > 0 && std::isfinite(norm(half_space->normal))),
         "half_space: needs a finite point and a normal that is not zero");
   check(!coverage_below || (*coverage_below > 0 && *coverage_below <= 2), "coverage_below must lie in (0, 2]");
   check(!error_above || (*error_above >= 0 && std::isfinite(*error_above)), "error_above must be a length");
   check(!samples_below || *samples_below >= 0, "samples_below must be at least 0");
   check(!level_from || (*level_from >= 0 && *level_from <= 20), "level_from must lie in 0..20");
   check(!level_to || (*level_to >= 0 && *level_to <= 20), "level_to must lie in 0..20");
+  check(!level_from || !level_to || *level_from <= *level_to, "level_from must not exceed level_to");
   check(!sheet_at || is_finite(*sheet_at), "sheet_at must be finite");
 }
 
@@ -163,11 +165,12 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
                  edit.action);
   report.supports = result.supports;
   report.changed = to_input(function_, result.changed);
+  progress.begin("assemble");
+  PartitionOfUnity field(std::move(result.data));
   before_.push_back({data, changed_});
   function_.history.push_back(report.what);
   changed_.extend(report.changed);
-  progress.begin("assemble");
-  function_.field = PartitionOfUnity(std::move(result.data));
+  function_.field = std::move(field);
   return report;
 }
 

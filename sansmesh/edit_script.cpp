@@ -1,6 +1,8 @@
 // Edit scripts: JSON in and out (docs/formats/edit-script.md).
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -14,6 +16,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
+constexpr double kLeastConstant = 1e-3, kMostConstant = 1e3;  // as set_constant takes them
+
+/// What a script calls a field, fit for a line of an error.
+std::string printable(std::string name) {
+  name.resize(std::min<std::size_t>(name.size(), 40));
+  for (char& c : name)
+    if (c < ' ' || c > '~') c = '?';
+  return name;
+}
 
 /// An object of the script; every field must be known.
 class Fields {
@@ -25,7 +36,7 @@ class Fields {
       if (std::find(known.begin(), known.end(), key) == known.end()) {
         std::string all;
         for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
-        fail(fmt::format("unknown field '{}'; known: {}", key.substr(0, 40), all));
+        fail(fmt::format("unknown field '{}'; known: {}", printable(key), all));
       }
   }
   [[noreturn]] void fail(const std::string& cause) const { throw ArgumentError(where_ + ": " + cause); }
@@ -113,6 +124,14 @@ Refit refit_of(const Json& json, const std::string& where) {
   f.get("error", r.error, &Fields::number);
   f.get("support", r.support, &Fields::number);
   f.get("sharp", r.sharp, &Fields::boolean);
+  PartitionOptions o;
+  o.max_depth = r.max_depth, o.error = r.error, o.support = r.support;
+  if (r.max_degree) o.max_degree = *r.max_degree;
+  try {
+    o.validate();
+  } catch (const ArgumentError& error) {
+    f.fail(error.what());
+  }
   return r;
 }
 
@@ -137,12 +156,18 @@ Edit edit_of(const Json& json, const std::string& where) {
       edit.action = SetConstant{v.get<double>()};
     else
       f.fail("'constant' must be \"outside\", \"inside\" or a number (in radii of the supports)");
+    const double value = std::abs(std::get<SetConstant>(edit.action).value);
+    if (!(value > kLeastConstant && value < kMostConstant))
+      f.fail("'constant' must lie between 0.001 and 1000 radii of a support, positive or negative");
   }
   if (is("remove")) {
     if (!f.boolean("remove")) f.fail("'remove' can only be true");
     edit.action = RemoveSupports{};
   }
-  if (is("undo")) edit.action = Undo{f.integer("undo")};
+  if (is("undo")) {
+    edit.action = Undo{f.integer("undo")};
+    if (std::get<Undo>(edit.action).steps < 1) f.fail("'undo' must be at least 1");
+  }
   if (actions != 1) f.fail("needs one of degree, refit, constant, remove, undo");
   const bool undo = std::holds_alternative<Undo>(edit.action);
   if (undo == f.has("select"))
@@ -168,8 +193,11 @@ Json to_json(const EditSelection& s) {
   put("level_from", s.level_from);
   put("level_to", s.level_to);
   if (s.sheet_at) json["sheet_at"] = to_json(*s.sheet_at);
-  if (s.spurious_sheets) json["sheets"] = "spurious";
-  if (s.all_but_largest) json["sheets"] = "all but largest";
+  // The largest sheet is never spurious.
+  if (s.spurious_sheets)
+    json["sheets"] = "spurious";
+  else if (s.all_but_largest)
+    json["sheets"] = "all but largest";
   return json;
 }
 
@@ -195,6 +223,8 @@ std::vector<Edit> parse_edit_script(const std::string& text) {
   } catch (const nlohmann::json::parse_error& error) {
     // The library's own words name its classes; the place is what helps.
     throw ArgumentError(fmt::format("is not JSON: something is wrong at or before byte {}", error.byte));
+  } catch (const nlohmann::json::exception&) {
+    throw ArgumentError("holds a number that is too large");
   }
   const Fields f(json, "the script", {"version", "steps", "function", "note"});
   if (f.integer("version") != kVersion)

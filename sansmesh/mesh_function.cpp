@@ -16,6 +16,8 @@ constexpr double kCoarseBlocks = 0.5;
 /// What is made anew around a change, in edges of the largest block of the surface there: at first, and at most where
 /// that was not enough.
 constexpr double kMargin = 3, kMostMargin = 60;
+/// Share of the surface beyond which making all of it anew is less work.
+constexpr double kMostWork = 0.5;
 /// Vertices of old and new mesh are the same within this share of a triangle's edge.
 constexpr double kSame = 2e-3;
 /// Share of the triangles off the change that must agree; else the patch was not made as the mesh was.
@@ -70,6 +72,20 @@ double largest_block(const Cut& cut, const Box3& box) {
   return largest;
 }
 
+/// A box that holds the feet of all supports that reach into a box: the surface in it is followed from these.
+Box3 with_seeds(const PartitionData& data, const Box3& box) {
+  const Box3f near{Vec3f(box.lower - data.origin), Vec3f(box.upper - data.origin)};
+  Box3 all = box;
+  for (std::size_t i = 0; i < data.supports.size(); ++i) {
+    const LocalFunction& f = data.functions[i];
+    bool reaches = true;
+    for (std::size_t k = 0; k < 3; ++k)
+      reaches = reaches && f.center[k] + f.radius >= near.lower[k] && f.center[k] - f.radius <= near.upper[k];
+    if (reaches) all.extend(data.origin + Vec3(data.supports[i].foot));
+  }
+  return all;
+}
+
 double mean_edge(const TriangleMesh& mesh) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) sum += norm(Vec3(mesh.vertices[t[0]] - mesh.vertices[t[1]]));
@@ -87,15 +103,20 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const 
   moved.origin = {};
   const Box3 change{function.from_input(changed.lower), function.from_input(changed.upper)};
   Cut cut = prepare_cut(function, options);
+  // Whether the mesh was simplified, where that is not known beforehand: which of the two agrees with it.
+  std::vector<bool> ways{cut.meshing.simplify > 0};
+  if (ways[0] && detail::may_skip_simplification(cut.blocks.leaves().size(), options)) ways = {false, true};
   cut.blocks.balance();
   MeshReport report;
   const double edge = largest_block(cut, change);
   for (double margin = kMargin; margin <= kMostMargin; margin *= 3) {
     const Vec3 wide = Vec3{1, 1, 1} * (margin * edge);
     const Box3 region{change.lower - wide, change.upper + wide};
+    const auto in_region = static_cast<std::size_t>(std::count_if(
+        cut.meshing.seeds.begin(), cut.meshing.seeds.end(), [&](const Vec3& seed) { return region.contains(seed); }));
+    if (static_cast<double>(in_region) > kMostWork * static_cast<double>(cut.meshing.seeds.size())) break;
     cut.meshing.region = region;
-    for (const bool simplify : {false, true}) {
-      if (simplify && !(cut.meshing.simplify > 0)) break;
+    for (const bool simplify : ways) {
       PolygonizeOptions meshing = cut.meshing;
       if (!simplify) meshing.simplify = 0;
       TriangleMesh patch = polygonize(function.field, cut.blocks, {}, meshing, progress);
@@ -106,7 +127,9 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const 
           replace_region(moved, patch, {Vec3f(region.lower), Vec3f(region.upper)},
                          {Vec3f(change.lower), Vec3f(change.upper)}, static_cast<float>(kSame * mean_edge(patch)));
       if (r.agreement < kAgreement) continue;
+      ways = {simplify};
       if (!r.done) break;  // a wider patch is needed
+      if (moved.triangles.empty()) return false;
       u = {true, r.removed, r.added};
       detail::choose_components(moved, options.components, *function.samples, function.field.report().spacing, report);
       detail::to_input(moved, function.origin, unit);
@@ -148,8 +171,10 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   r.mesh_error = cut.mesh_error * unit;
   r.depth = cut.blocks.depth();
   std::optional<Box3> box;
-  if (options.box) box = {function.from_input(options.box->lower), function.from_input(options.box->upper)};
-  cut.meshing.region = box;
+  if (options.box) {
+    box = {function.from_input(options.box->lower), function.from_input(options.box->upper)};
+    cut.meshing.region = with_seeds(field.data(), *box);
+  }
   TriangleMesh mesh = detail::cut_out(field, cut.blocks, options, cut.meshing, progress, r);
 
   progress.begin("finish mesh");
@@ -163,6 +188,7 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   MeshOptions finish = options;
   if (box) {
     clip_mesh(mesh, {Vec3f(box->lower), Vec3f(box->upper)});
+    if (mesh.triangles.empty()) throw DataError("there is no surface in the box");
     // What the box cuts off says nothing about what a piece belongs to.
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }

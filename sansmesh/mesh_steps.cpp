@@ -128,10 +128,14 @@ PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error,
   return meshing;
 }
 
+bool may_skip_simplification(std::size_t blocks, const MeshOptions& options) {
+  return blocks > kManyBlocks && !options.mesh_error && !options.triangles;
+}
+
 TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
                      PolygonizeOptions meshing, Progress& progress, MeshReport& r) {
   r.blocks = blocks.leaves().size();
-  if (r.blocks > kManyBlocks && !options.mesh_error && !options.triangles) meshing.least_gain = kLeastGain;
+  if (may_skip_simplification(r.blocks, options)) meshing.least_gain = kLeastGain;
   if (options.measure_quality) {
     PolygonizeOptions plain = meshing;
     plain.cluster = false;

@@ -13,6 +13,9 @@ namespace sansmesh::detail {
 /// How to cut a mesh out that is `mesh_error` (length of the field) off in the mean.
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases);
 
+/// Whether cut_out leaves a mesh of so many blocks alone that simplification would gain little for.
+bool may_skip_simplification(std::size_t blocks, const MeshOptions& options);
+
 /// Cuts it out; fills in the number of blocks and, if asked for, the quality before enhancement.
 TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
                      PolygonizeOptions meshing, Progress& progress, MeshReport& r);

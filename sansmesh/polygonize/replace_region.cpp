@@ -54,9 +54,17 @@ std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const Triangl
   std::vector<std::uint32_t> same(patch.vertices.size(), kNone);
   if (near.empty()) return same;
   const KdTree tree(near);
+  // One to one: where triangles are smaller than the tolerance the nearest pair wins.
+  std::vector<std::uint32_t> taken(near.size(), kNone);
+  std::vector<float> distance(near.size(), std::numeric_limits<float>::infinity());
   for (std::size_t v = 0; v < same.size(); ++v) {
     const auto found = tree.nearest(patch.vertices[v]);
-    if (found && found->squared_distance <= tolerance * tolerance) same[v] = number[found->index];
+    if (!found || found->squared_distance > tolerance * tolerance || found->squared_distance >= distance[found->index])
+      continue;
+    if (taken[found->index] != kNone) same[taken[found->index]] = kNone;
+    taken[found->index] = static_cast<std::uint32_t>(v);
+    distance[found->index] = found->squared_distance;
+    same[v] = number[found->index];
   }
   return same;
 }
@@ -135,6 +143,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     if (touches(of, of.triangles[s.triangle], changed)) wanted[piece] = 1;
     if (s.of_patch) {
       if (!inside(patch, patch.triangles[s.triangle], sound)) spoiled[piece] = 1;
+      for (const std::uint32_t v : patch.triangles[s.triangle]) spoiled[piece] |= same[v] != kNone && rim[same[v]];
     } else {
       for (const std::uint32_t v : mesh.triangles[s.triangle]) spoiled[piece] |= rim[v];
     }

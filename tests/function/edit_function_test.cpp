@@ -1,0 +1,481 @@
+// Editing functions in the coordinates of their input, scripts of edits, and meshes brought up to date.
+#include "sansmesh/edit_function.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "function/edit_shapes.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/partition_edit.h"
+
+namespace sansmesh {
+namespace {
+
+using namespace test;
+
+/// Survey coordinates: far from zero, in a unit that is not that of the field.
+const Vec3 kFar{431234.5, 5812345.25, 812};
+constexpr float kScale = 250;
+PointSet surveyed(PointSet cloud) {
+  cloud.origin = kFar;
+  for (Vec3f& p : cloud.positions) p *= kScale;
+  return cloud;
+}
+
+template <class T>
+bool same_bytes(const SharedArray<T>& a, const SharedArray<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+bool same_function(const SurfaceFunction& a, const SurfaceFunction& b) {
+  const PartitionData &p = a.field.data(), &q = b.field.data();
+  bool same = same_bytes(p.functions, q.functions) && same_bytes(p.supports, q.supports) && a.history == b.history &&
+              p.flatness.size() == q.flatness.size() && p.report.area == q.report.area &&
+              p.report.functions == q.report.functions;
+  for (std::size_t l = 0; same && l < p.flatness.size(); ++l) same = same_bytes(p.flatness[l].gap, q.flatness[l].gap);
+  return same;
+}
+SurfaceFunction copy_of(const SurfaceFunction& f) {
+  return {PartitionOfUnity(f.field.data()), f.origin, f.unit, f.samples, f.history, f.warnings};
+}
+
+double value_at(const SurfaceFunction& f, const Vec3& x) {
+  const Vec3 p = f.from_input(x);
+  double v = 0;
+  f.field.evaluate(std::span<const Vec3>(&p, 1), std::span<double>(&v, 1));
+  return v * f.unit;
+}
+
+/// Places within a spacing or so of the samples, all around them (input coordinates), in blocks that have a support:
+/// there no far field takes part.
+std::vector<Vec3> near_surface(const SurfaceFunction& f, std::size_t n) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> gauss;
+  std::vector<Vec3> places;
+  const auto& samples = f.samples->positions;
+  const PartitionData& data = f.field.data();
+  while (places.size() < n) {
+    const Vec3f p(Vec3(samples[random() % samples.size()]) +
+                  Vec3{gauss(random), gauss(random), gauss(random)} * (0.5 * f.field.report().spacing));
+    for (std::size_t i = 0; i < data.supports.size(); ++i) {
+      const Vec3f d = p - data.functions[i].center;
+      const float half = 0.49f * data.edge / static_cast<float>(1 << data.supports[i].level);
+      if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) > half) continue;
+      places.push_back(f.to_input(data.origin + Vec3(p)));
+      break;
+    }
+  }
+  return places;
+}
+
+const std::vector<decltype(Edit::action)>& actions() {
+  static const std::vector<decltype(Edit::action)> all{
+      SetDegree{0},   SetDegree{1},      SetDegree{3},    Refit{}, Refit{2, 4, {}, 2.0, false},
+      SetConstant{1}, SetConstant{-0.5}, RemoveSupports{}};
+  return all;
+}
+
+TEST(FunctionEditor, TakesCoordinatesOfTheInput) {
+  FunctionEditor editor(fitted(surveyed(sphere(6000))));
+  ASSERT_NE(editor.function().unit, 1);
+  Progress progress;
+  const Vec3 pole = kFar + Vec3{0, 0, kScale};
+  EXPECT_NEAR(value_at(editor.function(), pole), 0, 0.1);
+  const EditReport report = editor.apply(edit_in_ball(pole, 0.2 * kScale, SetConstant{1}), progress);
+  EXPECT_GT(report.chosen, 3u);
+  EXPECT_LT(report.chosen, editor.function().field.report().functions / 4);
+  EXPECT_EQ(report.supports, report.chosen);
+  EXPECT_TRUE(report.changed.contains(pole));
+  EXPECT_LT(norm(report.changed.center() - pole), 0.3 * kScale);
+  EXPECT_GT(report.changed.diagonal(), 0.4 * kScale);
+  EXPECT_LT(report.changed.diagonal(), 3 * kScale);
+  EXPECT_GT(value_at(editor.function(), pole), 0.05 * kScale);
+  EXPECT_NEAR(value_at(editor.function(), kFar - Vec3{0, 0, kScale}), 0, 0.1);
+  EXPECT_EQ(editor.edits(), 1u);
+  EXPECT_EQ(editor.function().history.back(), report.what);
+  EXPECT_NE(report.what.find("outside"), std::string::npos) << report.what;
+}
+
+TEST(FunctionEditor, SelectionsInTheUnitOfTheInput) {
+  // The same selections of the same shape, here and there: as many supports.
+  const SurfaceFunction here = fitted(bumpy(6000)), there = fitted(surveyed(bumpy(6000)));
+  ASSERT_EQ(here.field.report().functions, there.field.report().functions);
+  Progress progress;
+  const auto at = [](const Vec3& x) { return kFar + x * kScale; };
+  std::vector<std::pair<EditSelection, EditSelection>> pairs(8);
+  pairs[0].first.ball = {{0, 0, 1}, 0.4}, pairs[0].second.ball = {at({0, 0, 1}), 0.4 * kScale};
+  pairs[1].first.box = Box3{{0.1, -2, -2}, {0.4, 2, 0.3}},
+  pairs[1].second.box = Box3{at({0.1, -2, -2}), at({0.4, 2, 0.3})};
+  pairs[2].first.half_space = {{0, 0.123, 0}, {0, 5, 1}}, pairs[2].second.half_space = {at({0, 0.123, 0}), {0, 5, 1}};
+  const double error = 0.9 * here.field.data().supports[7].error * here.unit;
+  pairs[3].first.error_above = error, pairs[3].second.error_above = error * kScale;
+  pairs[4].first.coverage_below = pairs[4].second.coverage_below = 1;
+  pairs[5].first.samples_below = pairs[5].second.samples_below = 60;
+  pairs[6].first.level_from = pairs[6].second.level_from = here.field.report().depth;
+  pairs[7].first.sheet_at = Vec3{0, 0, 1}, pairs[7].second.sheet_at = at({0, 0, 1});
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    FunctionEditor a(copy_of(here)), b(copy_of(there));
+    const std::size_t n = a.apply({pairs[k].first, SetConstant{1}}, progress).chosen,
+                      m = b.apply({pairs[k].second, SetConstant{1}}, progress).chosen;
+    EXPECT_GT(n, 0u) << k;
+    EXPECT_NEAR(static_cast<double>(n), static_cast<double>(m), 0.03 * static_cast<double>(n)) << k;
+  }
+}
+
+TEST(FunctionEditor, Sheets) {
+  PointSet cloud = two_spheres();
+  std::mt19937 random(2);
+  std::normal_distribution<float> gauss;
+  for (int i = 0; i < 25; ++i) {  // strays
+    cloud.positions.push_back(Vec3f{0, 3, 0} + Vec3f{gauss(random), gauss(random), gauss(random)} * 0.1f);
+    cloud.normals.push_back(normalized(Vec3f{gauss(random), gauss(random), gauss(random)}));
+  }
+  FitOptions options;
+  options.normals = NormalUse::as_given;
+  const SurfaceFunction function = fitted(cloud, options);
+  Progress progress;
+  const auto left = [&](const EditSelection& select) {
+    FunctionEditor editor(copy_of(function));
+    editor.apply({select, RemoveSupports{}}, progress);
+    bool big = false, small = false, strays = false;
+    for (const Support& s : editor.function().field.data().supports) {
+      const Vec3 p = function.to_input(function.field.data().origin + Vec3(s.foot));
+      big |= norm(p) < 1.4, small |= norm(p - Vec3{2, 0, 0}) < 0.6, strays |= norm(p - Vec3{0, 3, 0}) < 0.7;
+    }
+    return std::string(big ? "big " : "") + (small ? "small " : "") + (strays ? "strays " : "");
+  };
+  EditSelection select;
+  select.spurious_sheets = true;
+  EXPECT_EQ(left(select), "big small ");
+  select = {};
+  select.all_but_largest = true;
+  EXPECT_EQ(left(select), "big ");
+  select = {};
+  select.sheet_at = Vec3{2.3, 0.4, 0};
+  EXPECT_EQ(left(select), "big strays ");
+  select.sheet_at = Vec3{-30, 0, 0};
+  EXPECT_EQ(left(select), "small strays ");
+}
+
+TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
+  for (const PointSet& cloud : {surveyed(bumpy(5000)), cube(6000)}) {
+    const SurfaceFunction before = fitted(cloud);
+    const double size = before.field.bounds().diagonal();
+    const std::vector<Vec3> places = near_surface(before, 6000);
+    std::vector<Vec3> inner;
+    for (const Vec3& p : places) inner.push_back(before.from_input(p));
+    std::vector<double> old(places.size()), now(places.size());
+    before.field.evaluate(inner, old);
+    Progress progress;
+    for (const auto& action : actions()) {
+      FunctionEditor editor(copy_of(before));
+      const Vec3 center = places[17];
+      const EditReport report =
+          editor.apply(edit_in_ball(center, 0.15 * static_cast<double>(norm(cloud.positions[0])), action), progress);
+      editor.function().field.evaluate(inner, now);
+      std::size_t differ = 0, outside = 0;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const bool in = report.changed.contains(places[i]);
+        outside += !in;
+        differ += in && old[i] != now[i];
+        if (!in) {
+          ASSERT_NEAR(old[i], now[i], 1e-6 * size) << report.what;
+        }
+      }
+      EXPECT_GT(outside, places.size() / 3) << size;
+      const Refit* refit = std::get_if<Refit>(&action);
+      if (!refit || refit->support) {
+        EXPECT_GT(differ, 20u) << report.what;
+      }
+    }
+  }
+}
+
+TEST(FunctionEditor, UndoBringsBackEveryBit) {
+  const SurfaceFunction function = fitted(cube(6000));
+  FunctionEditor editor(copy_of(function));
+  Progress progress;
+  std::vector<SurfaceFunction> stages;
+  std::vector<Box3> changed;
+  stages.push_back(copy_of(function)), changed.push_back({});
+  for (std::size_t i = 0; i < actions().size(); ++i) {
+    const Vec3 at = Vec3{1, 1, -1 + 0.25 * static_cast<double>(i)};
+    editor.apply(edit_in_ball(at, 0.2, actions()[i]), progress);
+    stages.push_back(copy_of(editor.function())), changed.push_back(editor.changed());
+    EXPECT_FALSE(same_function(stages[i], stages[i + 1])) << i;
+  }
+  const auto expect_stage = [&](std::size_t i) {
+    EXPECT_TRUE(same_function(editor.function(), stages[i])) << i;
+    EXPECT_EQ(editor.edits(), i);
+    EXPECT_EQ(editor.changed().empty(), changed[i].empty());
+    if (!changed[i].empty()) {
+      EXPECT_EQ(editor.changed().lower, changed[i].lower);
+    }
+  };
+  const std::size_t n = actions().size();
+  EXPECT_EQ(editor.edits(), n);
+  EXPECT_THROW(editor.apply({{}, Undo{static_cast<int>(n) + 1}}, progress), ArgumentError);
+  expect_stage(n);
+  EXPECT_THROW(editor.apply({{}, Undo{0}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({{}, Undo{-3}}, progress), ArgumentError);
+  expect_stage(n);
+  const EditReport report = editor.apply({{}, Undo{}}, progress);
+  EXPECT_FALSE(report.changed.empty());
+  expect_stage(n - 1);
+  editor.apply({{}, Undo{3}}, progress);
+  expect_stage(n - 4);
+  // Other edits may follow, and go again.
+  editor.apply(edit_in_ball({-1, -1, -1}, 0.3, SetDegree{1}), progress);
+  EXPECT_EQ(editor.edits(), n - 3);
+  editor.apply({{}, Undo{static_cast<int>(n) - 3}}, progress);
+  expect_stage(0);
+  EXPECT_THROW(editor.apply({{}, Undo{}}, progress), ArgumentError);
+}
+
+TEST(FunctionEditor, NothingSelectedIsAnEditThatDoesNothing) {
+  const SurfaceFunction function = fitted(sphere(2000));
+  FunctionEditor editor(copy_of(function));
+  Progress progress;
+  for (const auto& action : actions()) {
+    const EditReport report = editor.apply(edit_in_ball({100, 0, 0}, 1, action), progress);
+    EXPECT_EQ(report.chosen, 0u);
+    EXPECT_TRUE(report.changed.empty());
+    EXPECT_TRUE(same_bytes(editor.function().field.data().functions, function.field.data().functions));
+  }
+  EXPECT_TRUE(editor.changed().empty());
+  EXPECT_EQ(editor.edits(), actions().size());
+  editor.apply({{}, Undo{static_cast<int>(actions().size())}}, progress);
+  EXPECT_TRUE(same_function(editor.function(), function));
+}
+
+TEST(FunctionEditor, FailuresLeaveTheFunctionAsItWas) {
+  SurfaceFunction bare = fitted(sphere(2000));
+  FunctionEditor editor(copy_of(bare));
+  bare.samples = std::make_shared<PointSet>();
+  FunctionEditor without(copy_of(bare));
+  Progress progress;
+  const SurfaceFunction first = copy_of(editor.function());
+  EditSelection some;
+  some.ball = {{0, 0, 1}, 0.3};
+  EXPECT_THROW(editor.apply({some, SetDegree{7}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({some, SetDegree{-1}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({some, SetConstant{0}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({some, SetConstant{std::nan("")}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({some, Refit{9, {}, {}, {}, {}}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({some, Refit{{}, {}, -1.0, {}, {}}}, progress), ArgumentError);
+  EXPECT_THROW(editor.apply({{}, RemoveSupports{}}, progress), DataError);
+  EditSelection bad = some;
+  bad.ball->radius = 0;
+  EXPECT_THROW(editor.apply({bad, SetDegree{1}}, progress), ArgumentError);
+  for (const auto& action : {decltype(Edit::action)(SetDegree{1}), decltype(Edit::action)(Refit{})}) {
+    try {
+      without.apply({some, action}, progress);
+      ADD_FAILURE();
+    } catch (const DataError& error) {
+      EXPECT_NE(std::string(error.what()).find("samples were not kept"), std::string::npos) << error.what();
+    }
+  }
+  bad = {};
+  bad.spurious_sheets = true;
+  EXPECT_THROW(without.apply({bad, RemoveSupports{}}, progress), DataError);
+  progress.cancel();
+  EXPECT_THROW(editor.apply({some, SetDegree{1}}, progress), Cancelled);
+  EXPECT_TRUE(same_function(editor.function(), first));
+  EXPECT_EQ(editor.edits(), 0u);
+  EXPECT_EQ(without.edits(), 0u);
+  EXPECT_TRUE(editor.changed().empty());
+  // What needs no samples goes without.
+  Progress fresh;
+  EXPECT_NO_THROW(without.apply({some, SetConstant{1}}, fresh));
+  EXPECT_NO_THROW(without.apply({some, RemoveSupports{}}, fresh));
+}
+
+// Scripts
+
+TEST(EditScript, EveryFieldThereAndBack) {
+  std::vector<Edit> edits;
+  const auto add = [&](const decltype(Edit::action)& action) -> EditSelection& {
+    edits.push_back({{}, action});
+    return edits.back().select;
+  };
+  add(SetDegree{0}).ball = {{1.5, -2.25, 1e-7}, 0.1};
+  add(SetDegree{4}).box = Box3{{-1, -2, -3}, {4, 5, 6e10}};
+  add(Refit{}).half_space = {{1, 2, 3}, {0, 0.1, -0.7}};
+  add(Refit{3, 9, 0.001, 1.75, true}).coverage_below = 0.4;
+  add(Refit{{}, {}, {}, {}, false}).error_above = 0.0123456789012345;
+  add(SetConstant{1}).samples_below = 12;
+  add(SetConstant{-0.25}).level_from = 3;
+  add(RemoveSupports{}).level_to = 7;
+  add(RemoveSupports{}).sheet_at = Vec3{431234.5, 5812345.25, 812};
+  add(RemoveSupports{}).spurious_sheets = true;
+  add(RemoveSupports{}).all_but_largest = true;
+  add(Undo{3});
+  EditSelection& all = add(SetDegree{2});
+  all.ball = {{0, 0, 0}, 1}, all.box = Box3{{0, 0, 0}, {1, 1, 1}}, all.half_space = {{0, 0, 0}, {1, 0, 0}};
+  all.coverage_below = 1, all.error_above = 0, all.samples_below = 0, all.level_from = 0, all.level_to = 20;
+  all.sheet_at = Vec3{}, all.spurious_sheets = true;
+  const std::string script = edit_script(edits);
+  const std::vector<Edit> read = parse_edit_script(script);
+  ASSERT_EQ(read.size(), edits.size());
+  EXPECT_EQ(edit_script(read), script);
+  EXPECT_EQ(read[0].select.ball->center, edits[0].select.ball->center);
+  EXPECT_EQ(read[1].select.box->upper, edits[1].select.box->upper);
+  EXPECT_EQ(read[2].select.half_space->normal, edits[2].select.half_space->normal);
+  EXPECT_EQ(read[3].select.coverage_below, 0.4);
+  EXPECT_EQ(std::get<Refit>(read[3].action).max_depth, 9);
+  EXPECT_EQ(std::get<Refit>(read[3].action).sharp, true);
+  EXPECT_EQ(std::get<Refit>(read[2].action).sharp, std::nullopt);
+  EXPECT_EQ(read[4].select.error_above, 0.0123456789012345);
+  EXPECT_EQ(read[5].select.samples_below, 12);
+  EXPECT_EQ(std::get<SetConstant>(read[6].action).value, -0.25);
+  EXPECT_EQ(read[6].select.level_from, 3);
+  EXPECT_EQ(read[7].select.level_to, 7);
+  EXPECT_EQ(read[8].select.sheet_at, edits[8].select.sheet_at);
+  EXPECT_TRUE(read[9].select.spurious_sheets && !read[9].select.all_but_largest);
+  EXPECT_TRUE(read[10].select.all_but_largest && !read[10].select.spurious_sheets);
+  EXPECT_EQ(std::get<Undo>(read[11].action).steps, 3);
+  EXPECT_EQ(read[12].select.level_to, 20);
+  EXPECT_EQ(read[12].select.samples_below, 0);
+  // Spurious sheets are among those that are not the largest.
+  edits.resize(1);
+  edits[0].select.spurious_sheets = edits[0].select.all_but_largest = true;
+  EXPECT_TRUE(parse_edit_script(edit_script(edits))[0].select.spurious_sheets);
+}
+
+TEST(EditScript, WordsNotesAndNoSteps) {
+  const auto edits = parse_edit_script(R"({"version": 1, "function": "scan.smf", "note": "by hand", "steps": [
+    {"select": {}, "constant": "outside", "note": "all of it"}, {"select": {}, "constant": "inside"}, {"undo": 2}]})");
+  ASSERT_EQ(edits.size(), 3u);
+  EXPECT_EQ(std::get<SetConstant>(edits[0].action).value, 1);
+  EXPECT_EQ(std::get<SetConstant>(edits[1].action).value, -1);
+  EXPECT_TRUE(parse_edit_script(R"({"version": 1, "steps": []})").empty());
+  EXPECT_TRUE(parse_edit_script(edit_script({})).empty());
+}
+
+TEST(EditScript, WhatIsWrongIsNamed) {
+  struct Case {
+    std::string script;
+    const char *where, *what;
+  };
+  const auto step = [](const std::string& text) {
+    return R"({"version":1,"steps":[{"select":{},"degree":1},)" + text + "]}";
+  };
+  const auto select = [&](const std::string& text) { return step(R"({"degree":1,"select":{)" + text + "}}"); };
+  const Case cases[] = {
+      {"", "not JSON", "byte"},
+      {"{", "not JSON", "byte"},
+      {"version 1", "not JSON", "byte 1"},
+      {std::string(1 << 20, '['), "not JSON", "byte"},
+      {std::string(100000, '[') + std::string(100000, ']'), "the script", "object"},
+      {"null", "the script", "object"},
+      {"[]", "the script", "object"},
+      {"{}", "the script", "version"},
+      {R"({"version":1})", "the script", "steps"},
+      {R"({"version":2,"steps":[]})", "the script", "version 2"},
+      {R"({"version":"1","steps":[]})", "the script", "version"},
+      {R"({"version":1.5,"steps":[]})", "the script", "version"},
+      {R"({"version":99999999999999999999,"steps":[]})", "the script", "version"},
+      {R"({"version":1,"steps":{}})", "the script", "steps"},
+      {R"({"version":1,"steps":[],"stesp":[]})", "the script", "stesp"},
+      {R"({"version":1,"steps":[],"a\nb\u00e4":[]})", "the script", "a?b??"},
+      {step("1"), "step 2", "object"},
+      {step("{}"), "step 2", "needs one of"},
+      {step(R"({"select":{}})"), "step 2", "needs one of"},
+      {step(R"({"degree":1})"), "step 2", "'select' is missing"},
+      {step(R"({"undo":1,"select":{}})"), "step 2", "'undo' takes no 'select'"},
+      {step(R"({"degree":1,"remove":true,"select":{}})"), "step 2", "needs one of"},
+      {step(R"({"degree":1,"select":{},"colour":3})"), "step 2", "colour"},
+      {step(R"({"degree":7,"select":{}})"), "step 2", "'degree'"},
+      {step(R"({"degree":-1,"select":{}})"), "step 2", "'degree'"},
+      {step(R"({"degree":1.0,"select":{}})"), "step 2", "'degree'"},
+      {step(R"({"degree":"1","select":{}})"), "step 2", "'degree'"},
+      {step(R"({"degree":NaN,"select":{}})"), "not JSON", "byte"},
+      {step(R"({"degree":1e999,"select":{}})"), "number", "too large"},
+      {step(R"({"degree":18446744073709551615,"select":{}})"), "step 2", "'degree'"},
+      {step(R"({"undo":0})"), "step 2", "'undo'"},
+      {step(R"({"undo":-1})"), "step 2", "'undo'"},
+      {step(R"({"undo":true})"), "step 2", "'undo'"},
+      {step(R"({"remove":false,"select":{}})"), "step 2", "'remove'"},
+      {step(R"({"remove":1,"select":{}})"), "step 2", "'remove'"},
+      {step(R"({"constant":"left","select":{}})"), "step 2", "'constant'"},
+      {step(R"({"constant":0,"select":{}})"), "step 2", "'constant'"},
+      {step(R"({"constant":1e30,"select":{}})"), "step 2", "'constant'"},
+      {step(R"({"constant":null,"select":{}})"), "step 2", "'constant'"},
+      {step(R"({"refit":true,"select":{}})"), "step 2.refit", "object"},
+      {step(R"({"refit":{"depth":3},"select":{}})"), "step 2.refit", "'depth'"},
+      {step(R"({"refit":{"max_degree":5},"select":{}})"), "step 2.refit", "max_degree"},
+      {step(R"({"refit":{"max_depth":1},"select":{}})"), "step 2.refit", "max_depth"},
+      {step(R"({"refit":{"error":0},"select":{}})"), "step 2.refit", "error"},
+      {step(R"({"refit":{"support":3},"select":{}})"), "step 2.refit", "support"},
+      {step(R"({"refit":{"sharp":1},"select":{}})"), "step 2.refit", "'sharp'"},
+      {step(R"({"degree":1,"select":[]})"), "step 2.select", "object"},
+      {select(R"("sphere":1)"), "step 2.select", "'sphere'"},
+      {select(R"("ball":1)"), "step 2.select.ball", "object"},
+      {select(R"("ball":{"center":[0,0,0]})"), "step 2.select.ball", "'radius'"},
+      {select(R"("ball":{"radius":1})"), "step 2.select.ball", "'center'"},
+      {select(R"("ball":{"center":[0,0],"radius":1})"), "step 2.select.ball", "'center'"},
+      {select(R"("ball":{"center":[0,0,"0"],"radius":1})"), "step 2.select.ball", "'center'"},
+      {select(R"("ball":{"center":{"x":0},"radius":1})"), "step 2.select.ball", "'center'"},
+      {select(R"("ball":{"center":[0,0,0],"radius":0})"), "step 2.select", "ball"},
+      {select(R"("ball":{"center":[0,0,0],"radius":-1})"), "step 2.select", "ball"},
+      {select(R"("ball":{"center":[0,0,0],"radius":1,"diameter":2})"), "step 2.select.ball", "'diameter'"},
+      {select(R"("box":{"lower":[0,0,0]})"), "step 2.select.box", "'upper'"},
+      {select(R"("box":{"lower":[0,0,0],"upper":[1,-1,1]})"), "step 2.select", "box"},
+      {select(R"("half_space":{"point":[0,0,0]})"), "step 2.select.half_space", "'normal'"},
+      {select(R"("half_space":{"point":[0,0,0],"normal":[0,0,0]})"), "step 2.select", "half_space"},
+      {select(R"("half_space":{"point":[0,0,0],"normal":[1e300,1e300,0]})"), "step 2.select", "half_space"},
+      {select(R"("coverage_below":0)"), "step 2.select", "coverage_below"},
+      {select(R"("coverage_below":"0.4")"), "step 2.select", "coverage_below"},
+      {select(R"("error_above":-1)"), "step 2.select", "error_above"},
+      {select(R"("samples_below":2.5)"), "step 2.select", "samples_below"},
+      {select(R"("samples_below":-1)"), "step 2.select", "samples_below"},
+      {select(R"("level_from":21)"), "step 2.select", "level_from"},
+      {select(R"("level_to":-1)"), "step 2.select", "level_to"},
+      {select(R"("level_from":5,"level_to":4)"), "step 2.select", "level_from"},
+      {select(R"("sheet_at":[1,2])"), "step 2.select", "'sheet_at'"},
+      {select(R"("sheets":"small")"), "step 2.select", "'sheets'"},
+      {select(R"("sheets":true)"), "step 2.select", "'sheets'"},
+  };
+  for (const Case& c : cases) {
+    const std::string shown = c.script.substr(0, 120);
+    try {
+      parse_edit_script(c.script);
+      ADD_FAILURE() << shown;
+    } catch (const ArgumentError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find(c.where), std::string::npos) << shown << ": " << text;
+      EXPECT_NE(text.find(c.what), std::string::npos) << shown << ": " << text;
+      EXPECT_EQ(text.find('\n'), std::string::npos) << shown;
+      EXPECT_LT(text.size(), 300u);
+    }
+  }
+}
+
+TEST(EditScript, DamagedTextEndsInAnErrorOrAScript) {
+  const std::string good = R"({"version":1,"steps":[{"select":{"ball":{"center":[0,0,1],"radius":0.2}},"degree":1},)"
+                           R"({"select":{"sheets":"spurious","level_to":5},"refit":{"error":0.1}},{"undo":1}]})";
+  ASSERT_EQ(parse_edit_script(good).size(), 3u);
+  std::mt19937 random(1);
+  for (int round = 0; round < 5000; ++round) {
+    std::string text = good;
+    for (unsigned k = random() % 3 + 1; k-- > 0;) {
+      const std::size_t at = random() % text.size();
+      if (random() % 2)
+        text[at] = static_cast<char>(random());
+      else
+        text.erase(at, random() % 8);
+    }
+    try {
+      edit_script(parse_edit_script(text));
+    } catch (const ArgumentError&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh
