@@ -172,8 +172,7 @@ void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, st
     const auto found = tree.nearest(Vec3f(function.from_input(on) - data.origin));
     const std::uint32_t sheet = found ? sheets.of_support[found->index] : Sheets::kNone;
     // Only a sheet of its own can be taken away without harm to others.
-    if (sheet != Sheets::kNone && sheet != 0 && sheets.evidence[sheet] < 1 &&
-        sheets.area[sheet] < 0.5 * sheets.area[0]) {
+    if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0]) {
       for (const std::uint32_t k : sheets.of_support) p.supports += k == sheet;
       Edit edit;
       edit.select.sheet_at = function.to_input(data.origin + Vec3(data.supports[found->index].foot));

@@ -168,7 +168,7 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     const std::size_t first = c * kChunk, count = std::min(kChunk, order.size() - first);
     std::vector<Vec3> x(count);
-    std::vector<SurfacePoint> found(count);
+    std::vector<MeasuredPoint> found(count);
     for (std::size_t k = 0; k < count; ++k) x[k] = part.origin + Vec3(part.vertices[order[first + k]]);
     reference.measure(x, map.max_distance, found);
     for (std::size_t k = 0; k < count; ++k) {

@@ -44,7 +44,7 @@ class Evaluation {
 
 }  // namespace
 
-void FieldDistance::measure(std::span<const Vec3> x, double farthest, std::span<SurfacePoint> found) const {
+void FieldDistance::measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const {
   const std::size_t n = x.size();
   const double tolerance = kOnSurface * field_.bounds().diagonal();
   // Steps are short enough that a nearly flat place does not throw a point across the surface and away, and the way may

@@ -122,7 +122,7 @@ Vec3 MeshDistance::pseudo_normal(std::uint32_t triangle, TrianglePart part, bool
   return face_normal(triangle);
 }
 
-void MeshDistance::measure(std::span<const Vec3> x, double, std::span<SurfacePoint> found) const {
+void MeshDistance::measure(std::span<const Vec3> x, double, std::span<MeasuredPoint> found) const {
   ClosestTriangle::Hit hit;
   for (std::size_t i = 0; i < x.size(); ++i) {
     found[i] = {};

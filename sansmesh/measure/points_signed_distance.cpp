@@ -23,7 +23,7 @@ PointsDistance::PointsDistance(const TriangleMesh& points) : points_(points), tr
   });
 }
 
-void PointsDistance::measure(std::span<const Vec3> x, double, std::span<SurfacePoint> found) const {
+void PointsDistance::measure(std::span<const Vec3> x, double, std::span<MeasuredPoint> found) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
     found[i] = {};
     const Vec3 query = x[i] - points_.origin;

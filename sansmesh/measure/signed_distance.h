@@ -16,7 +16,7 @@
 
 namespace sansmesh {
 
-struct SurfacePoint {
+struct MeasuredPoint {
   /// Positive outside; NaN where the surface could not be found.
   double distance = std::numeric_limits<double>::quiet_NaN();
   Vec3 point;           ///< closest of the surface, or nearly so; world coordinates
@@ -34,7 +34,7 @@ class SignedDistance {
   virtual bool has_sides() const { return true; }
   /// Distances at all of x, one call a batch; neighbours in neighbouring slots go fastest. Sizes must agree. What lies
   /// farther than `farthest` may be NaN. Points that are not finite are. Safe from several threads.
-  virtual void measure(std::span<const Vec3> x, double farthest, std::span<SurfacePoint> found) const = 0;
+  virtual void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const = 0;
 };
 
 /// Exact distance to the triangles, the sign from the pseudo-normal of what the closest point lies on: the face, the
@@ -47,7 +47,7 @@ class MeshDistance : public SignedDistance {
   explicit MeshDistance(const TriangleMesh& mesh);
 
   Box3 bounds() const override { return bounds_; }
-  void measure(std::span<const Vec3> x, double farthest, std::span<SurfacePoint> found) const override;
+  void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const override;
 
   /// Of what `part` of a triangle stands for; zero where it cancels out. `border` becomes true if a face ends there.
   Vec3 pseudo_normal(std::uint32_t triangle, TrianglePart part, bool& border) const;
@@ -79,7 +79,7 @@ class PointsDistance : public SignedDistance {
 
   Box3 bounds() const override { return bounds_; }
   bool has_sides() const override { return !points_.normals.empty(); }
-  void measure(std::span<const Vec3> x, double farthest, std::span<SurfacePoint> found) const override;
+  void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const override;
 
  private:
   const TriangleMesh& points_;
@@ -99,7 +99,7 @@ class FieldDistance : public SignedDistance {
   explicit FieldDistance(const ScalarField& field) : field_(field) {}
 
   Box3 bounds() const override { return field_.bounds(); }
-  void measure(std::span<const Vec3> x, double farthest, std::span<SurfacePoint> found) const override;
+  void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const override;
 
  private:
   const ScalarField& field_;

@@ -192,7 +192,7 @@ bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uin
   return true;
 }
 
-PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_unique<State>()) {
+PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
   state_->data = std::move(data);
   const PartitionData& d = state_->data;
   state_->tree.build(d.functions.view().first(d.supports.size()));
@@ -204,9 +204,6 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_unique
   });
   state_->sign = GlobalSign(patches, d.edge);
 }
-PartitionOfUnity::~PartitionOfUnity() = default;
-PartitionOfUnity::PartitionOfUnity(PartitionOfUnity&&) noexcept = default;
-PartitionOfUnity& PartitionOfUnity::operator=(PartitionOfUnity&&) noexcept = default;
 
 Box3 PartitionOfUnity::bounds() const {
   const Vec3 lower = state_->data.origin + Vec3(state_->data.lower);

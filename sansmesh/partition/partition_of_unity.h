@@ -17,9 +17,6 @@ class PartitionOfUnity : public ScalarField {
  public:
   /// The function that the data describe. They are taken as they are: `PartitionData::validate` checks those of a file.
   explicit PartitionOfUnity(PartitionData data);
-  ~PartitionOfUnity() override;
-  PartitionOfUnity(PartitionOfUnity&&) noexcept;
-  PartitionOfUnity& operator=(PartitionOfUnity&&) noexcept;
 
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
@@ -41,7 +38,7 @@ class PartitionOfUnity : public ScalarField {
   struct State;  ///< internal
 
  private:
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;  // built once; copies share it
 };
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,

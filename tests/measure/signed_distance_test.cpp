@@ -10,8 +10,8 @@
 namespace sansmesh {
 namespace {
 
-SurfacePoint ask(const SignedDistance& surface, const Vec3& x, double farthest = 100) {
-  SurfacePoint found;
+MeasuredPoint ask(const SignedDistance& surface, const Vec3& x, double farthest = 100) {
+  MeasuredPoint found;
   surface.measure({&x, 1}, farthest, {&found, 1});
   return found;
 }
@@ -34,7 +34,7 @@ TEST(MeshDistance, BoxIsRightEverywhereEdgesAndCornersIncluded) {
   for (int i = 0; i < 20000; ++i) {
     const Vec3 p{wide(random), wide(random), wide(random)};
     const double truth = box_distance(p, {-1, -1, -1}, {1, 2, 3});
-    const SurfacePoint found = ask(surface, p);
+    const MeasuredPoint found = ask(surface, p);
     ASSERT_NEAR(found.distance, truth, 1e-12) << p.x << ' ' << p.y << ' ' << p.z;
     ASSERT_NEAR(norm(found.point - p), std::abs(truth), 1e-12);
     ASSERT_FALSE(found.border);
@@ -93,7 +93,7 @@ TEST(MeshDistance, SoupsAreJoinedByPosition) {
   std::uniform_real_distribution<double> wide(-0.7, 1.7);
   for (int i = 0; i < 5000; ++i) {
     const Vec3 p{wide(random), wide(random), wide(random)};
-    const SurfacePoint found = ask(surface, p);
+    const MeasuredPoint found = ask(surface, p);
     ASSERT_NEAR(found.distance, box_distance(p, {0, 0, 0}, {1, 1, 1}), 1e-12);
     ASSERT_FALSE(found.border);
   }
@@ -210,7 +210,7 @@ TEST(FieldDistance, ScaledValuesGiveTrueDistances) {
   for (int i = 0; i < 3000; ++i) {
     const double u = angle(random), v = angle(random), r = radius(random), q = 1 + r * std::cos(v);
     const Vec3 p{q * std::cos(u), q * std::sin(u), r * std::sin(v)};
-    const SurfacePoint found = ask(surface, p);
+    const MeasuredPoint found = ask(surface, p);
     ASSERT_NEAR(found.distance, r - 0.35, 1e-7) << r;
     double value = 0;
     torus.evaluate({&found.point, 1}, {&value, 1});

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/diagnose_function.h"
+#include "sansmesh/polygonize/components.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+SurfaceFunction fit(const PointSet& cloud, const FitOptions& options = {}) {
+  Progress progress;
+  return fit_surface_function(cloud, options, progress);
+}
+
+Diagnosis diagnose(const SurfaceFunction& function, const DiagnoseOptions& options = {}) {
+  Progress progress;
+  return diagnose_function(function, options, progress);
+}
+
+std::vector<SuspiciousPlace> of_kind(const Diagnosis& d, Suspicion kind) {
+  std::vector<SuspiciousPlace> places;
+  for (const SuspiciousPlace& p : d.places)
+    if (p.kind == kind) places.push_back(p);
+  return places;
+}
+
+TEST(Diagnose, NothingIsWrongWithASphere) {
+  const Diagnosis d = diagnose(fit(sphere(5000)));
+  EXPECT_TRUE(d.places.empty());
+  EXPECT_EQ(d.found, (std::array<std::size_t, kSuspicions>{}));
+  EXPECT_TRUE(d.edits().empty());
+  EXPECT_GT(d.largest_gradient, 0.95);
+  EXPECT_LT(d.largest_gradient, 1.6);
+  EXPECT_TRUE(measure_topology(d.mesh).closed());
+  for (const auto& color : d.mesh.colors) EXPECT_EQ(color, d.mesh.colors[0]);
+}
+
+TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
+  PointSet cloud = sphere(5000);
+  const PointSet small = sphere(60);
+  for (std::size_t i = 0; i < small.size(); ++i) {
+    cloud.positions.push_back(small.positions[i] * 0.09f + Vec3f{1.5f, 0.2f, 0});
+    cloud.normals.push_back(small.normals[i]);
+  }
+  const SurfaceFunction function = fit(cloud);
+  const Diagnosis d = diagnose(function);
+  const auto extra = of_kind(d, Suspicion::extra_sheet);
+  ASSERT_EQ(extra.size(), 1u);
+  EXPECT_LT(norm(extra[0].position - Vec3{1.5, 0.2, 0}), 0.05);
+  EXPECT_LT(extra[0].radius, 0.25);
+  ASSERT_TRUE(extra[0].edit);
+  // Coloured where it is, and only there.
+  std::size_t colored = 0;
+  for (std::size_t v = 0; v < d.mesh.vertices.size(); ++v) {
+    const bool strays = d.mesh.origin.x + static_cast<double>(d.mesh.vertices[v].x) > 1.3;
+    if (!strays) continue;
+    ++colored;
+    EXPECT_EQ(d.mesh.colors[v], (std::array<std::uint8_t, 3>{205, 32, 44}));
+  }
+  EXPECT_GT(colored, 0u);
+
+  FunctionEditor editor(function);
+  Progress progress;
+  editor.apply(*extra[0].edit, progress);
+  const Diagnosis after = diagnose(editor.function());
+  EXPECT_TRUE(of_kind(after, Suspicion::extra_sheet).empty());
+  EXPECT_EQ(find_components(after.mesh).size(), 1u);
+}
+
+TEST(Diagnose, AShiftedPatchHasHighErrorsAlongItsRim) {
+  // Two scans of a sphere, one of which sees a cap a spacing too high.
+  PointSet cloud = sphere(8000);
+  const std::size_t n = cloud.size();
+  for (std::size_t i = 0; i < n; i += 2)
+    if (cloud.positions[i].z > 0.6f) cloud.positions[i] *= 1.05f;
+  FitOptions given;
+  given.normals = NormalUse::as_given;
+  const Diagnosis d = diagnose(fit(cloud, given));
+  const auto errors = of_kind(d, Suspicion::high_error);
+  ASSERT_FALSE(errors.empty());
+  for (const SuspiciousPlace& p : errors) {
+    EXPECT_GT(p.position.z, 0.3);
+    EXPECT_GT(p.worst, d.error_above);
+  }
+  // Sorted, and none where only the sound scan is.
+  for (std::size_t i = 1; i < errors.size(); ++i) EXPECT_LE(errors[i].supports, errors[i - 1].supports);
+}
+
+TEST(Diagnose, AHoleHasLowCoverageAroundIt) {
+  const PointSet whole = sphere(6000);
+  PointSet cloud;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (whole.positions[i].z > 0.8f) continue;
+    cloud.positions.push_back(whole.positions[i]);
+    cloud.normals.push_back(whole.normals[i]);
+  }
+  DiagnoseOptions options;
+  options.coverage_below = 0.7;
+  const Diagnosis d = diagnose(fit(cloud), options);
+  const auto low = of_kind(d, Suspicion::low_coverage);
+  ASSERT_FALSE(low.empty());
+  for (const SuspiciousPlace& p : low) {
+    EXPECT_GT(p.position.z + p.radius, 0.6);
+    EXPECT_LT(p.worst, 0.7);
+    ASSERT_TRUE(p.edit);
+    EXPECT_EQ(std::get<SetDegree>(p.edit->action).degree, 1);
+  }
+}
+
+TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
+  const SurfaceFunction function = fit(torus(6000));
+  DiagnoseOptions options;
+  options.gradient_above = 1.001;
+  options.places = 3;
+  const Diagnosis d = diagnose(function, options);
+  EXPECT_LE(of_kind(d, Suspicion::steep).size(), 3u);
+  EXPECT_GE(d.found[static_cast<std::size_t>(Suspicion::steep)], 1u);
+  EXPECT_EQ(d.edits().size(), d.places.size());
+  EXPECT_EQ(parse_edit_script(edit_script(d.edits())).size(), d.edits().size());
+  const auto rejects = [&](auto change) {
+    DiagnoseOptions bad;
+    change(bad);
+    EXPECT_THROW(diagnose(function, bad), ArgumentError);
+  };
+  rejects([](DiagnoseOptions& o) { o.coverage_below = 2; });
+  rejects([](DiagnoseOptions& o) { o.error_above = -1; });
+  rejects([](DiagnoseOptions& o) { o.gradient_above = 0.5; });
+}
+
+TEST(Diagnose, FunctionsWithoutSamples) {
+  SurfaceFunction function = fit(sphere(2000));
+  function.samples = std::make_shared<const PointSet>();
+  EXPECT_TRUE(diagnose(function).places.empty());
+}
+
+}  // namespace
+}  // namespace sansmesh::test
