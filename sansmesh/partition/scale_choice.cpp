@@ -137,8 +137,35 @@ void find_neighbours(const SampleTree& tree, ScaleChoice& choice) {
   }
 }
 
+/// 1 for the cells of each level that must be tried for what lies below some blocks: those blocks, the blocks around
+/// them on their level, whose risks they average over, all below these, and around that the finest cells that noise is
+/// pooled over.
+using Wanted = std::vector<std::vector<std::uint8_t>>;
+Wanted wanted_below(const SampleTree& tree, const ScaleChoice& choice, std::span<const BlockKey> roots, int finest) {
+  const auto levels = choice.neighbours.size();
+  Wanted wanted(levels);
+  for (std::size_t l = 0; l < levels; ++l) wanted[l].resize(choice.neighbours[l].size());
+  for (const BlockKey& root : roots) {
+    const auto l = static_cast<std::size_t>(root.level);
+    const std::int64_t cell = tree.find(root.level, root.code);
+    if (cell < 0 || l >= levels) continue;
+    for (const std::int32_t n : choice.neighbours[l][static_cast<std::size_t>(cell)])
+      if (n >= 0) wanted[l][static_cast<std::size_t>(n)] = 1;
+  }
+  for (std::size_t l = 0; l < levels; ++l) {
+    if (l > 0)
+      for (std::size_t c = 0; c < wanted[l].size(); ++c) wanted[l][c] |= wanted[l - 1][choice.parent[l][c]];
+    if (l != static_cast<std::size_t>(finest)) continue;
+    const std::vector<std::uint8_t> inner = wanted[l];
+    for (std::size_t c = 0; c < inner.size(); ++c)
+      for (const std::int32_t n : choice.neighbours[l][c])
+        if (inner[c] && n >= 0) wanted[l][static_cast<std::size_t>(n)] = 1;
+  }
+  return wanted;
+}
+
 /// From the finest level up, so that each block knows what its children found.
-void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress, int coarsest = 0) {
+void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress, const Wanted* wanted = nullptr) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;
   std::size_t work = 0;
   for (const auto& cells : choice.neighbours) work += cells.size();
@@ -147,10 +174,10 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
   for (std::size_t l = levels; l-- > 0;) {
     const int level = static_cast<int>(l);
     choice.trials[l].resize(choice.neighbours[l].size());
-    if (level < coarsest) continue;
     parallel_ranges(0, choice.trials[l].size(), 128, [&](std::size_t first, std::size_t last) {
       Workspace ws;
       for (std::size_t c = first; c < last; ++c) {
+        if (wanted && !(*wanted)[l][c]) continue;
         std::span<const Trial> children;
         if (level < choice.finest) {
           const auto& child = fitter.tree.level(level).child;
@@ -165,7 +192,7 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
 }
 
 /// Once finer levels are given up, the blocks of the finest one are fitted however many samples they have.
-void refit_finest(BlockFitter& fitter, ScaleChoice& choice) {
+void refit_finest(BlockFitter& fitter, ScaleChoice& choice, const Wanted* wanted = nullptr) {
   if (choice.finest == fitter.deepest) return;
   fitter.deepest = choice.finest;
   const auto l = static_cast<std::size_t>(choice.finest);
@@ -173,7 +200,7 @@ void refit_finest(BlockFitter& fitter, ScaleChoice& choice) {
     Workspace ws;
     for (std::size_t c = first; c < last; ++c) {
       Trial& t = choice.trials[l][c];
-      if (t.highest >= 0 || t.reach == 0) continue;
+      if (t.highest >= 0 || t.reach == 0 || (wanted && !(*wanted)[l][c])) continue;
       const float noise = t.noise;
       t = try_block(fitter, choice.finest, static_cast<std::uint32_t>(c), choice.neighbours[l][c],
                     choice.neighbours[l > 0 ? l - 1 : 0][choice.parent[l][c]], {}, ws);
@@ -366,14 +393,15 @@ ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& 
   choice.support = static_cast<float>(basis.support);
   find_neighbours(tree, choice);
   BlockFitter fitter{tree, options, choice.support, basis.tried};
-  int coarsest = choice.finest, deepest = 0;
-  for (const BlockKey& root : roots) coarsest = std::min(coarsest, root.level), deepest = std::max(deepest, root.level);
-  try_blocks(fitter, choice, progress, coarsest);
+  int deepest = 0;
+  for (const BlockKey& root : roots) deepest = std::max(deepest, root.level);
+  const Wanted wanted = wanted_below(tree, choice, roots, basis.finest);
+  try_blocks(fitter, choice, progress, &wanted);
   choice.finest = basis.finest;
   pool_noise(fitter, choice);
   spread_noise(fitter, choice);
   if (options.max_depth) choice.finest = std::clamp(*options.max_depth, deepest, choice.finest);
-  refit_finest(fitter, choice);
+  refit_finest(fitter, choice, &wanted);
   choose_cuts(fitter, choice);
   for (const BlockKey& root : roots) {
     const std::int64_t cell = tree.find(root.level, root.code);
