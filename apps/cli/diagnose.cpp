@@ -110,6 +110,8 @@ Command add_diagnose(CLI::App& app) {
       ->type_name("FILE");
   c->add_option("--view", a->view, "front, back, left, right, top, bottom or iso")->type_name("NAME");
   c->add_flag("--z-up", a->z_up, "The z axis points up, not y");
+  c->add_option("--width", a->picture.width, "Pixels, 1..16384 [1280]")->type_name("PIXELS");
+  c->add_option("--height", a->picture.height, "Pixels, 1..16384 [960]")->type_name("PIXELS");
   c->add_option("--coverage", a->options.coverage_below,
                 "Suspicious below: share of a fit that samples cover, 0..1 [0.3]")
       ->type_name("SHARE");

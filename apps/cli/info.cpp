@@ -1,5 +1,5 @@
 // sansmesh info: what is in a file?
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
@@ -31,9 +31,48 @@ const char* shape_word(CloudShape shape) {
   return "";
 }
 
+void run_function_info(const std::string& file, Console& console) {
+  Progress& progress = console.progress();
+  progress.begin("read");
+  const SurfaceFunction function = read_function(file);
+  progress.finish();
+  const PartitionReport& r = function.field.report();
+  const PointSet& samples = *function.samples;
+  const double unit = function.unit;
+  const Box3 cube = function.field.bounds();
+  const Vec3 lower = function.to_input(cube.lower), upper = function.to_input(cube.upper);
+  console.say(fmt::format("{}: function, partition of unity", file));
+  console.say(fmt::format("{:<12}{} down to depth {}; of degree 0 to 4: {}", "fits", grouped(r.functions), r.depth,
+                          fmt::join(r.functions_of_degree, ", ")));
+  console.say(fmt::format("{:<12}{}", "creases", counted(r.creased, "fit")));
+  console.say(fmt::format("{:<12}{}{}", "samples",
+                          samples.size() == 0 ? std::string("not kept") : grouped(samples.size()),
+                          samples.has_colors() ? ", with colours" : ""));
+  console.say(fmt::format("{:<12}from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "cube", lower.x,
+                          lower.y, lower.z, upper.x, upper.y, upper.z));
+  console.say(fmt::format("{:<12}{}", "spacing", length(r.spacing * unit)));
+  console.say(fmt::format("{:<12}{}", "noise", length(r.noise * unit)));
+  console.say(fmt::format("{:<12}{} (expected error of the surface)", "accuracy", length(r.accuracy * unit)));
+  for (const std::string& line : function.history) console.say(fmt::format("{:<12}{}", "edited", line));
+  const nlohmann::ordered_json json = {{"file", file},
+                                       {"format", "function"},
+                                       {"fits", r.functions},
+                                       {"fits_of_degree", r.functions_of_degree},
+                                       {"creased", r.creased},
+                                       {"depth", r.depth},
+                                       {"samples", samples.size()},
+                                       {"spacing", r.spacing * unit},
+                                       {"noise", r.noise * unit},
+                                       {"accuracy", r.accuracy * unit},
+                                       {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
+                                       {"history", function.history}};
+  console.say_json(json.dump(2));
+}
+
 }  // namespace
 
 void run_info(const InfoArguments& arguments, Console& console) {
+  if (is_function_file(arguments.input)) return run_function_info(arguments.input, console);
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;

@@ -170,7 +170,7 @@ CLI::App& add_evaluate(CLI::App& app, CommandLine& line) {
 
 CLI::App& add_info(CLI::App& app, CommandLine& line) {
   CLI::App& c = add_command(app, "info", "File → what is in it: points, box, spacing, noise, normals, faces", line);
-  c.add_option("input", line.info.input, "Points or mesh")->type_name("FILE")->required();
+  c.add_option("input", line.info.input, "Points, mesh or function (.smf)")->type_name("FILE")->required();
   return c;
 }
 
