@@ -19,6 +19,11 @@ namespace {
 
 constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
+/// Default quadric error, in cells: a tenth of what curved parts are off anyway.
+constexpr double kSimplify = 1e-3;
+/// By default nothing is simplified where a smaller share of the vertices could go: then the rest takes its time in
+/// vain.
+constexpr double kLeastGain = 0.05;
 /// Blocks are cut down to this level wherever the solid may be: fields are distances only near their surfaces.
 constexpr int kBaseLevel = 5;
 /// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
@@ -154,8 +159,8 @@ void CsgMeshOptions::validate() const {
     throw ArgumentError(fmt::format("cell {}: must be a positive length", *cell));
   if (resolution && (*resolution < 4 || *resolution > kMostCells))
     throw ArgumentError(fmt::format("resolution {}: must lie in 4..{}", *resolution, kMostCells));
-  if (!(simplify >= 0 && std::isfinite(simplify)))
-    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", simplify));
+  if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
+    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", *simplify));
   if (!box) return;
   if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("box: corners must be finite");
   for (std::size_t k = 0; k < 3; ++k)
@@ -186,7 +191,8 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
   r = {};
   r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
   PolygonizeOptions polygonize;
-  polygonize.simplify = options.simplify;
+  polygonize.simplify = options.simplify.value_or(kSimplify * cell);
+  polygonize.least_gain = options.simplify ? 0 : kLeastGain;
   TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
   if (mesh.triangles.empty())
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));

@@ -17,9 +17,9 @@ struct CsgMeshOptions {
   std::optional<int> resolution = std::nullopt;
   /// The solid is cut off at this box. Needed if it has no end otherwise.
   std::optional<Box3> box = std::nullopt;
-  /// Collapse edges while the quadric error stays below this (length): few triangles where the surface is flat. 0 =
-  /// off.
-  double simplify = 0;
+  /// Collapse edges while the quadric error stays below this (length): few triangles where the surface is flat, and no
+  /// difference where it is exactly so. 0 = off; by default a thousandth of a cell.
+  std::optional<double> simplify = std::nullopt;
 
   /// Throws ArgumentError naming the option.
   void validate() const;

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,6 +12,7 @@
 #include "commands.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/function_distance.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh_csg.h"
 #include "sansmesh/surface_function.h"
@@ -25,10 +27,15 @@ struct CsgArguments {
   CsgMeshOptions options;
 };
 
-/// A function file as a solid in the coordinates of its samples.
-Solid load_function(const std::string& file) {
+using FunctionPtr = std::shared_ptr<const SurfaceFunction>;
+
+FunctionPtr load_function(const std::string& file) {
   if (!is_function_file(file)) throw FileError(file, "no function file (.smf): sansmesh fit makes one from a scan");
-  const auto function = std::make_shared<const SurfaceFunction>(read_function(file));
+  return std::make_shared<const SurfaceFunction>(read_function(file));
+}
+
+/// A function as a solid in the coordinates of its samples.
+Solid solid_of(const FunctionPtr& function) {
   return csg::place(csg::leaf(std::shared_ptr<const ScalarField>(function, &function->field)), function->origin,
                     function->unit);
 }
@@ -43,10 +50,18 @@ void run_csg(CsgArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   std::vector<std::string> files;
-  const Solid solid = parse_csg(a.expression, [&](const std::string& name) {
-    files.push_back(name);
-    return load_function(name);
-  });
+  std::map<std::string, FunctionPtr> functions;
+  const auto load = [&](const std::string& name) {
+    FunctionPtr& function = functions[name];
+    if (!function) {
+      function = load_function(name);
+      files.push_back(name);
+    }
+    return function;
+  };
+  const Solid solid = parse_csg(
+      a.expression, [&](const std::string& name) { return solid_of(load(name)); },
+      [&](const std::string& name) { return csg::leaf(std::make_shared<FunctionDistance>(load(name), progress)); });
   CsgMeshReport report;
   const TriangleMesh mesh = mesh_csg(solid, a.options, progress, &report);
   Image preview;
@@ -102,7 +117,8 @@ Command add_csg(CLI::App& app) {
       ->delimiter(',')
       ->expected(6)
       ->type_name("BOX");
-  c->add_option("--simplify", a->options.simplify, "Few triangles where the surface is as flat as this [0: nowhere]")
+  c->add_option("--simplify", a->options.simplify,
+                "Fewer triangles where the surface is as flat as this; 0: nowhere [a thousandth of a cell]")
       ->type_name("LENGTH");
   c->footer(
       "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"

@@ -38,6 +38,7 @@ struct CsgFunction {
   std::size_t least_solids, most_solids;  ///< they come before the parameters
   std::vector<CsgParameter> parameters;   ///< in the order in which they are written without names
   Solid (*make)(const CsgArguments&);     ///< throws ArgumentError
+  bool distances = false;                 ///< its solids' values must be distances far from their surfaces, too
 };
 
 /// One call of a function.

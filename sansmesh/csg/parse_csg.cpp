@@ -26,7 +26,8 @@ std::string shown(const Token& t) {
 
 class Parser {
  public:
-  Parser(const std::string& text, const SolidLoader& loader) : tokens_(csg_tokens(text)), loader_(loader) {}
+  Parser(const std::string& text, const SolidLoader& loader, const SolidLoader& distance_loader)
+      : tokens_(csg_tokens(text)), loader_(loader), distance_loader_(distance_loader) {}
 
   Solid run() {
     if (token().kind == Token::Kind::end) throw ArgumentError("expression: empty");
@@ -109,11 +110,13 @@ class Parser {
   }
 
   Solid load(const Token& t) {
-    if (const auto known = loaded_.find(t.text); known != loaded_.end()) return known->second;
+    const bool far = distances_ > 0 && distance_loader_;
+    std::map<std::string, Solid>& loaded = far ? loaded_distances_ : loaded_;
+    if (const auto known = loaded.find(t.text); known != loaded.end()) return known->second;
     if (t.kind == Token::Kind::name)
       for (const CsgFunction& f : csg_functions())
         if (t.text == f.name) csg_error(t.at, fmt::format("expected '(' after {}", t.text));
-    return loaded_.emplace(t.text, loader_(t.text)).first->second;
+    return loaded.emplace(t.text, (far ? distance_loader_ : loader_)(t.text)).first->second;
   }
 
   // ---- calls -------------------------------------------------------------------------------------------------------
@@ -130,6 +133,7 @@ class Parser {
     descend(name);
     next_ += 2;
     CsgArguments arguments(*function);
+    distances_ += function->distances;
     bool named = false;
     for (std::size_t i = 0, positional = 0; !accept(')'); ++i) {
       if (i > 0 && !accept(','))
@@ -149,6 +153,7 @@ class Parser {
       }
     }
     check(*function, name, arguments);
+    distances_ -= function->distances;
     --depth_;
     return made(name.at, [&] { return function->make(arguments); });
   }
@@ -288,14 +293,17 @@ class Parser {
   }
 
   std::vector<Token> tokens_;
-  const SolidLoader& loader_;
-  std::map<std::string, Solid> loaded_;
+  const SolidLoader &loader_, &distance_loader_;
+  std::map<std::string, Solid> loaded_, loaded_distances_;
   std::size_t next_ = 0;
   int depth_ = 0;
+  int distances_ = 0;  ///< calls around that need them
 };
 
 }  // namespace
 
-Solid parse_csg(const std::string& text, const SolidLoader& loader) { return Parser(text, loader).run(); }
+Solid parse_csg(const std::string& text, const SolidLoader& loader, const SolidLoader& distance_loader) {
+  return Parser(text, loader, distance_loader).run();
+}
 
 }  // namespace sansmesh

@@ -15,6 +15,7 @@ constexpr double kGain = 0.004;       // of the penalties, that makes a change w
 constexpr int kPasses = 4, kMendPasses = 4;
 constexpr double kLastResort = 0.05, kNever = -1e9;
 constexpr double kSameCorner = 0.05;
+constexpr double kInARow = 1e-3;  // a shape
 constexpr double kLongest = 2.2;  // mean edges: no merge makes a longer one
 
 }  // namespace
@@ -97,6 +98,12 @@ double CreaseZone::flip_gain(std::uint32_t h, std::array<std::uint32_t, 2>& piec
          penalty(two, pieces[1]);
 }
 
+bool CreaseZone::in_a_row(std::uint32_t t) const {
+  const PieceSet on = shared(surface[t]);
+  return on.count > 1 && std::abs(shape(surface[t], on.piece[0])) < kInARow &&
+         std::abs(shape(surface[t], on.piece[1])) < kInARow;
+}
+
 double CreaseZone::collapse_gain(std::uint32_t h) const {
   const std::uint32_t from = surface.from(h), to = surface.to(h);
   const PieceLabel &l = label[from], &kept = label[to];
@@ -115,7 +122,8 @@ double CreaseZone::collapse_gain(std::uint32_t h) const {
   if (l.rank == 3 && used.count > 2) {  // corners stay
     if (kept.rank < 3 || norm(x[from] - x[to]) > kSameCorner * size[to]) return kNever;
   } else if (l.rank > 1 && used.count > 1 && creases > 0) {  // creases only become straighter
-    if (creases % 2 != 0 || !crease_edge(h)) return kNever;
+    // …or lose a strip of triangles that all have their corners in a row on them.
+    if ((creases % 2 != 0 || !crease_edge(h)) && !(in_a_row(h / 3) && in_a_row(surface.twin(h) / 3))) return kNever;
   }
   double gain = 0;
   bool possible = true;

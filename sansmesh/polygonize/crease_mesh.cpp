@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::uint32_t kNone = CreaseZone::kNone;
 constexpr int kZoneRings = 3;
+/// Long triangles are welcome where they follow flat faces and cylinders: what is measured here is the surface.
+constexpr double kLeastShape = 0.25;
 
 std::vector<Vec3> positions(const TriangleMesh& mesh) {
   std::vector<Vec3> x(mesh.vertices.size());
@@ -159,6 +161,7 @@ TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree bloc
     simplify.error = options.simplify;
     simplify.triangles = options.triangles;
     simplify.least_gain = options.least_gain;
+    simplify.least_shape = kLeastShape;
     const bool changed = simplify_mesh(mesh, simplify, progress);
     progress.begin("place vertices again");
     if (changed) pieces = recall_pieces(field, positions(mesh), std::move(mesh.triangles));

@@ -73,6 +73,7 @@ struct CreaseZone {
   double penalty(const Triangle& t, std::uint32_t on) const;  ///< 0: of good shape
   std::uint32_t best_piece(const Triangle& t) const;          ///< of those shared
   double flip_gain(std::uint32_t h, std::array<std::uint32_t, 2>& pieces) const;
+  bool in_a_row(std::uint32_t t) const;  ///< its corners, on the same crease: it has no area
   double collapse_gain(std::uint32_t h) const;
   bool mend(std::uint32_t t);
   void relax();

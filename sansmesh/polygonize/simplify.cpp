@@ -20,6 +20,7 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr double kTurn = 0.5;          // least cosine between a triangle's normals before and after
 constexpr double kTether = 1e-3;       // share of the quadric's trace that ties the optimum to the edge's centroid
+constexpr double kNoArea = 1e-6;       // twice the area / Σ l²: below, rounding decides where the normal points
 constexpr std::size_t kMostRing = 24;  // triangles around a vertex
 constexpr int kMostRounds = 200;
 constexpr double kFirstStage = 16;  // the errors of the stages double from this part of what is accepted
@@ -115,7 +116,8 @@ struct Simplifier {
   }
 
   /// The quadric of a vertex; and vertices whose triangles are not one closed fan stay: boundaries, and what is not
-  /// manifold.
+  /// manifold. So do those of a triangle without area: it has no plane to hold them, and no normal by which to see that
+  /// it turns over, so a strip of such triangles along a crease would open like a fan.
   void prepare(std::uint32_t v) {
     fixed[v] = !closed_fan(v);
     quadric[v] = {};
@@ -123,7 +125,12 @@ struct Simplifier {
       const Triangle& t = triangles[i];
       const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
       const double size = norm(area);
-      if (!(size > 0)) continue;
+      const double edges =
+          squared_norm(x[t[1]] - x[t[0]]) + squared_norm(x[t[2]] - x[t[0]]) + squared_norm(x[t[2]] - x[t[1]]);
+      if (!(size > kNoArea * edges)) {
+        fixed[v] = 1;
+        continue;
+      }
       const Vec3 n = area / size;
       quadric[v].add_plane(n, dot(n, x[t[0]]), size);
     }
