@@ -15,62 +15,126 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/global_sign.h"
 
+#ifndef SANSMESH_GLOBAL_SIGN_ONCE
+#define SANSMESH_GLOBAL_SIGN_ONCE
+namespace sansmesh {
+/// Points and the sums over all patches at each: of dipoles, of area / r⁴, of area / r⁶; and the gradients of those.
+struct FarBatch {
+  static constexpr std::size_t kBatch = 16;
+  alignas(64) float x[3][kBatch], sum[3][kBatch], slope[3][3][kBatch];
+};
+/// Squared distance from a group in squares of its radius: below the first its members count, beyond the second it
+/// counts as one.
+constexpr float kOpen = 1.2f, kClosed = 2.4f;
+}  // namespace sansmesh
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Dipole sum Σ ⟨p − x, a⟩ / r³ and Σ area / r⁶ over the tree. A group counts as one where it is farther than √2 times
-/// its radius.
-void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, const Vec3f& p, float* dipole,
-                float* nearness) {
-  const hn::CappedTag<float, 8> d;
-  const std::size_t lanes = hn::Lanes(d);
+/// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³, Σ area / r⁴, Σ area / r⁶ (and their gradients if
+/// kGradient). A group counts as one where it is farther than about √2 times its radius; in between it hands over to
+/// its members smoothly, so that the sums do not jump. All points walk down the tree together, each with its own share
+/// in every group, so that what is found at one does not depend on the others.
+template <bool kGradient>
+void SumSourcesT(const std::vector<std::vector<GlobalSign::Octet>>& levels, FarBatch& batch, std::size_t first) {
+  constexpr std::size_t kLanes = 16, kStack = 256;
+  const hn::CappedTag<float, kLanes> d;
+  using V = hn::Vec<decltype(d)>;
   struct Item {
     std::uint32_t level, octet;
   };
-  Item stack[256];
-  std::size_t top = 0;
-  stack[top++] = {static_cast<std::uint32_t>(levels.size() - 1), 0};
-  auto sum = hn::Zero(d), near = hn::Zero(d);
-  const auto px = hn::Set(d, p.x), py = hn::Set(d, p.y), pz = hn::Set(d, p.z);
+  Item stack[kStack];
+  // Of each item on the stack: the points' shares in it and, if kGradient, the gradients of those.
+  HWY_ALIGN float shares[kStack][kLanes];
+  HWY_ALIGN float slopes[kGradient ? kStack : 1][3][kLanes];
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const V p[3] = {hn::LoadU(d, batch.x[0] + first), hn::LoadU(d, batch.x[1] + first), hn::LoadU(d, batch.x[2] + first)};
+  V sum[3] = {zero, zero, zero};
+  V slope[3][3] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
+  std::size_t top = 1;
+  stack[0] = {static_cast<std::uint32_t>(levels.size() - 1), 0};
+  hn::Store(one, d, shares[0]);
+  if (kGradient)
+    for (float* lane : slopes[0]) hn::Store(zero, d, lane);
   while (top > 0) {
     const Item item = stack[--top];
     const GlobalSign::Octet& o = levels[item.level][item.octet];
-    for (std::size_t i = 0; i < 8; i += lanes) {
-      const auto dx = hn::Sub(hn::LoadU(d, o.x + i), px), dy = hn::Sub(hn::LoadU(d, o.y + i), py),
-                 dz = hn::Sub(hn::LoadU(d, o.z + i), pz);
-      const auto area = hn::LoadU(d, o.area + i), radius = hn::LoadU(d, o.radius + i);
-      auto r2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-      auto count = hn::Ge(radius, hn::Zero(d));
+    const V whole = hn::Load(d, shares[top]);
+    V whole_slope[3] = {zero, zero, zero};
+    if (kGradient)
+      for (std::size_t a = 0; a < 3; ++a) whole_slope[a] = hn::Load(d, slopes[top][a]);
+    for (std::uint32_t k = 0; k < 8; ++k) {
+      if (o.radius[k] < 0) continue;
+      const V step[3] = {hn::Sub(hn::Set(d, o.x[k]), p[0]), hn::Sub(hn::Set(d, o.y[k]), p[1]),
+                         hn::Sub(hn::Set(d, o.z[k]), p[2])};
+      V r2 = hn::MulAdd(step[0], step[0], hn::MulAdd(step[1], step[1], hn::Mul(step[2], step[2])));
+      V share = whole, share_slope[3] = {whole_slope[0], whole_slope[1], whole_slope[2]};
       if (item.level > 0) {
-        const auto far = hn::Gt(r2, hn::Mul(hn::Set(d, 2.0f), hn::Mul(radius, radius)));
-        const auto open = hn::AndNot(far, count);
+        const float inverse = 1 / (std::max(o.radius[k] * o.radius[k], 1e-20f) * (kClosed - kOpen));
+        const V t = hn::MulAdd(r2, hn::Set(d, inverse), hn::Set(d, -kOpen / (kClosed - kOpen)));
+        const auto open = hn::And(hn::Lt(t, one), hn::Gt(whole, zero));
         if (!hn::AllFalse(d, open)) {
-          std::uint8_t bits[8] = {};
-          hn::StoreMaskBits(d, open, bits);
-          for (unsigned b = bits[0]; b != 0; b &= b - 1)
-            stack[top++] = {item.level - 1, item.octet * 8 + static_cast<std::uint32_t>(i) +
-                                                static_cast<std::uint32_t>(std::countr_zero(b))};
+          // The group's own part grows from 0 to 1 with t; the rest is its members'.
+          const V u = hn::Min(hn::Max(t, zero), one);
+          const V part = hn::Mul(hn::Mul(u, u), hn::NegMulAdd(hn::Set(d, 2.0f), u, hn::Set(d, 3.0f)));
+          share = hn::Mul(whole, part);
+          stack[top] = {item.level - 1, item.octet * 8 + k};
+          hn::Store(hn::Sub(whole, share), d, shares[top]);
+          if (kGradient) {
+            const V turn = hn::Mul(hn::Mul(whole, hn::Mul(u, hn::Sub(one, u))), hn::Set(d, -12 * inverse));
+            for (std::size_t a = 0; a < 3; ++a) {
+              share_slope[a] = hn::MulAdd(turn, step[a], hn::Mul(whole_slope[a], part));
+              hn::Store(hn::Sub(whole_slope[a], share_slope[a]), d, slopes[top][a]);
+            }
+          }
+          ++top;
+          if (hn::AllTrue(d, hn::Le(share, zero))) continue;
         }
-        count = hn::And(count, far);
       } else {
         // A patch is a disc, not a point: soften within its radius.
-        r2 = hn::MulAdd(area, hn::Set(d, 0.25f), r2);
+        r2 = hn::Add(r2, hn::Set(d, 0.25f * o.area[k]));
       }
-      r2 = hn::IfThenElse(count, hn::Max(r2, hn::Set(d, 1e-12f)), hn::Set(d, 1.0f));
-      const auto dot = hn::MulAdd(dx, hn::LoadU(d, o.ax + i),
-                                  hn::MulAdd(dy, hn::LoadU(d, o.ay + i), hn::Mul(dz, hn::LoadU(d, o.az + i))));
+      r2 = hn::IfThenElse(hn::Gt(share, zero), hn::Max(r2, hn::Set(d, 1e-12f)), one);
+      const V normal[3] = {hn::Set(d, o.ax[k]), hn::Set(d, o.ay[k]), hn::Set(d, o.az[k])};
+      const V dot = hn::MulAdd(step[0], normal[0], hn::MulAdd(step[1], normal[1], hn::Mul(step[2], normal[2])));
+      const V area = hn::Set(d, o.area[k]);
       // One Newton step makes the quick reciprocal root good to about 22 bits.
-      auto root = hn::ApproximateReciprocalSqrt(r2);
+      V root = hn::ApproximateReciprocalSqrt(r2);
       root = hn::Mul(root, hn::NegMulAdd(hn::Mul(hn::Set(d, 0.5f), r2), hn::Mul(root, root), hn::Set(d, 1.5f)));
-      const auto cube = hn::Mul(root, hn::Mul(root, root));
-      sum = hn::Add(sum, hn::IfThenElseZero(count, hn::Mul(dot, cube)));
-      near = hn::Add(near, hn::IfThenElseZero(count, hn::Mul(area, hn::Mul(cube, cube))));
+      const V square = hn::Mul(root, root), cube = hn::Mul(root, square);
+      const V term[3] = {hn::Mul(dot, cube), hn::Mul(area, hn::Mul(square, square)),
+                         hn::Mul(area, hn::Mul(cube, cube))};
+      for (std::size_t m = 0; m < 3; ++m) sum[m] = hn::MulAdd(share, term[m], sum[m]);
+      if (kGradient) {
+        constexpr float kPower[3] = {3, 4, 6};  // ∇ 1/rⁿ = n/rⁿ⁺² (p − x)
+        for (std::size_t m = 0; m < 3; ++m) {
+          const V pull = hn::Mul(hn::Mul(hn::Set(d, kPower[m]), hn::Mul(share, square)), term[m]);
+          for (std::size_t a = 0; a < 3; ++a)
+            slope[m][a] = hn::MulAdd(share_slope[a], term[m], hn::MulAdd(pull, step[a], slope[m][a]));
+        }
+        for (std::size_t a = 0; a < 3; ++a) slope[0][a] = hn::NegMulAdd(hn::Mul(share, cube), normal[a], slope[0][a]);
+      }
     }
   }
-  *dipole = hn::GetLane(hn::SumOfLanes(d, sum));
-  *nearness = hn::GetLane(hn::SumOfLanes(d, near));
+  for (std::size_t m = 0; m < 3; ++m) hn::StoreU(sum[m], d, batch.sum[m] + first);
+  if (kGradient)
+    for (std::size_t m = 0; m < 3; ++m)
+      for (std::size_t a = 0; a < 3; ++a) hn::StoreU(slope[m][a], d, batch.slope[m][a] + first);
+}
+
+void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, bool gradient, std::size_t count,
+                FarBatch& batch) {
+  const std::size_t lanes = hn::Lanes(hn::CappedTag<float, 16>());
+  for (std::size_t i = 0; i < count; i += lanes) {
+    if (gradient) {
+      SumSourcesT<true>(levels, batch, i);
+    } else {
+      SumSourcesT<false>(levels, batch, i);
+    }
+  }
 }
 
 }  // namespace HWY_NAMESPACE
@@ -159,8 +223,8 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
 
 namespace {
 
-/// So many units away the sums of 1/r⁶ come near the smallest floats.
-constexpr double kFar = 1e5;
+/// From so many units away all patches are one point, and the sums of 1/r⁶ are still far from the smallest floats.
+constexpr double kFar = 1000;
 
 /// The place in the same direction that is at most kFar away. `ratio`: how much farther x is.
 Vec3f pulled_in(const Vec3f& x, float& ratio) {
@@ -175,25 +239,63 @@ Vec3f pulled_in(const Vec3f& x, float& ratio) {
 
 }  // namespace
 
+namespace {
+
+/// The sums at some of the points, brought within kFar.
+void sum_batch(const std::vector<std::vector<GlobalSign::Octet>>& levels, std::span<const Vec3f> x, float unit,
+               bool gradient, float* ratio, FarBatch& batch) {
+  for (std::size_t i = 0; i < FarBatch::kBatch; ++i) {
+    const std::size_t k = std::min(i, x.size() - 1);
+    const Vec3f p = pulled_in(x[k] / unit, ratio[k]);
+    for (std::size_t a = 0; a < 3; ++a) batch.x[a][i] = p[a];
+  }
+  HWY_DYNAMIC_DISPATCH(SumSources)(levels, gradient, x.size(), batch);
+}
+
+}  // namespace
+
 void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> values) const {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    float dipole = 0, nearness = 0, ratio = 1;
-    const Vec3f p = pulled_in(x[i] / unit_, ratio);
-    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, p, &dipole, &nearness);
-    values[i] = dipole / (4 * std::numbers::pi_v<float>);
+  FarBatch batch;
+  float ratio[FarBatch::kBatch];
+  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
+    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
+    if (!empty()) sum_batch(levels_, x.subspan(first, n), unit_, false, ratio, batch);
+    for (std::size_t i = 0; i < n; ++i)
+      values[first + i] = empty() ? 0 : batch.sum[0][i] / (4 * std::numbers::pi_v<float>);
   }
 }
 
-void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values) const {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    float dipole = 0, nearness = 0, ratio = 1;
-    const Vec3f p = pulled_in(x[i] / unit_, ratio);
-    if (!empty()) HWY_DYNAMIC_DISPATCH(SumSources)(levels_, p, &dipole, &nearness);
-    // ∫ dA / r⁶ over a plane at distance d is π / (2 d⁴). Far from everything that grows with r^{3/2}.
-    const float distance = nearness > 0 ? std::sqrt(std::sqrt(0.5f * std::numbers::pi_v<float> / nearness)) : 0;
-    const float far = ratio > 1 ? ratio * std::sqrt(ratio) : 1;
-    values[i] =
-        std::clamp(1 - dipole / (2 * std::numbers::pi_v<float>), -1.0f, 1.0f) * std::min(distance * far * unit_, 1e37f);
+void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients) const {
+  if (empty()) {
+    std::fill(values.begin(), values.end(), 0.0f);
+    std::fill(gradients.begin(), gradients.end(), Vec3f{});
+    return;
+  }
+  FarBatch batch;
+  float ratio[FarBatch::kBatch];
+  for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
+    const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
+    sum_batch(levels_, x.subspan(first, n), unit_, !gradients.empty(), ratio, batch);
+    for (std::size_t i = 0; i < n; ++i) {
+      const float dipole = batch.sum[0][i], fourth = batch.sum[1][i], sixth = batch.sum[2][i];
+      // Over a plane at distance d, ∫ dA / r⁴ is π / d² and ∫ dA / r⁶ is π / (2 d⁴): their ratio is the square of a
+      // mean distance that grows no faster than r, however far away.
+      const float distance = sixth > 0 ? std::sqrt(0.5f * fourth / sixth) : 0;
+      const float inside = 1 - dipole / (2 * std::numbers::pi_v<float>), sign = std::clamp(inside, -1.0f, 1.0f);
+      values[first + i] = sign * std::min(distance * ratio[i] * unit_, 1e37f);
+      if (gradients.empty()) continue;
+      Vec3f g;
+      if (distance > 0)
+        for (std::size_t a = 0; a < 3; ++a) {
+          g[a] = (batch.slope[1][a][i] / fourth - batch.slope[2][a][i] / sixth) * (0.5f * distance * sign);
+          if (sign == inside) g[a] -= batch.slope[0][a][i] * (distance / (2 * std::numbers::pi_v<float>));
+        }
+      if (ratio[i] > 1) {  // out there the values grow in proportion along the ray
+        const Vec3f p{batch.x[0][i], batch.x[1][i], batch.x[2][i]}, ray = normalized(p);
+        g += ray * (sign * distance / norm(p) - dot(ray, g));
+      }
+      gradients[first + i] = g;
+    }
   }
 }
 

@@ -31,8 +31,8 @@ class GlobalSign {
   bool empty() const { return levels_.empty(); }
 
   /// (1 − 2 w) · d: negative inside; d is a smooth estimate of the distance to the nearest patches (exact for a plane).
-  /// Finite everywhere, continuous up to the error of the grouping (about 1 %).
-  void signed_distance(std::span<const Vec3f> x, std::span<float> values) const;
+  /// Finite everywhere, with a continuous gradient but where w passes 0 or 1, and no steeper than a distance by far.
+  void signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients = {}) const;
 
   /// The winding number alone.
   void winding_number(std::span<const Vec3f> x, std::span<float> values) const;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_state.h"
@@ -32,9 +33,12 @@ namespace sansmesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Value of one local function (and gradient if kGradient) at offsets d from its centre.
-template <bool kGradient, class D, class V = hn::Vec<D>>
-HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V& gx, V& gy, V& gz) {
+// Value of one local function (and gradient if kGradient) at offsets d from its centre. If kSteep it is divided by the
+// length √(1 + |∇g|²) of its gradient: a distance to first order however steep the polynomial; `trust` is then
+// 1 / (1 + |∇g|²), and (tx, ty, tz) its gradient.
+template <bool kGradient, bool kSteep, class D, class V = hn::Vec<D>>
+HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V& gx, V& gy, V& gz, V& trust, V& tx,
+                      V& ty, V& tz) {
   const auto inv = hn::Set(d, 1.0f / f.scale);
   dx = hn::Mul(dx, inv), dy = hn::Mul(dy, inv), dz = hn::Mul(dz, inv);
   const auto along = [&](const Vec3f& a) HWY_ATTR {
@@ -43,36 +47,61 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   const V u = along(f.xi), v = along(f.eta), w = along(f.nu);
   const float* c = f.coefficient.data();
   const auto K = [&](int i) HWY_ATTR { return hn::Set(d, c[i]); };
-  // g = a0(v) + u (a1(v) + u (a2(v) + …)): Horner in u of Horners in v.
-  V g, gu = hn::Zero(d), gv = hn::Zero(d);
+  const auto N = [&](float n, int i) HWY_ATTR { return hn::Set(d, n * c[i]); };
+  // g = a0(v) + u (a1(v) + u (a2(v) + …)): Horner in u of Horners in v; b are the derivatives of a, e those of b.
+  V g, gu = hn::Zero(d), gv = hn::Zero(d), guu = hn::Zero(d), guv = hn::Zero(d), gvv = hn::Zero(d);
   const auto mad = [](V a, V b, V e) HWY_ATTR { return hn::MulAdd(a, b, e); };
   if (f.degree <= 2) {
     const V a0 = mad(v, mad(v, K(5), K(2)), K(0));
     const V a1 = mad(v, K(4), K(1));
     g = mad(u, mad(u, K(3), a1), a0);
-    if (kGradient) {
-      gu = mad(u, hn::Set(d, 2 * c[3]), a1);
-      gv = mad(u, K(4), mad(v, hn::Set(d, 2 * c[5]), K(2)));
+    if (kGradient || kSteep) {
+      gu = mad(u, N(2, 3), a1);
+      gv = mad(u, K(4), mad(v, N(2, 5), K(2)));
     }
+    if (kGradient && kSteep) guu = N(2, 3), guv = K(4), gvv = N(2, 5);
   } else {
     const V a0 = mad(v, mad(v, mad(v, mad(v, K(14), K(9)), K(5)), K(2)), K(0));
     const V a1 = mad(v, mad(v, mad(v, K(13), K(8)), K(4)), K(1));
     const V a2 = mad(v, mad(v, K(12), K(7)), K(3));
     const V a3 = mad(v, K(11), K(6));
     g = mad(u, mad(u, mad(u, mad(u, K(10), a3), a2), a1), a0);
-    if (kGradient) {
+    if (kGradient || kSteep) {
       const auto two = hn::Set(d, 2.0f), three = hn::Set(d, 3.0f);
-      gu = mad(u, mad(u, mad(u, hn::Set(d, 4 * c[10]), hn::Mul(three, a3)), hn::Mul(two, a2)), a1);
-      const V b0 = mad(v, mad(v, mad(v, hn::Set(d, 4 * c[14]), hn::Set(d, 3 * c[9])), hn::Set(d, 2 * c[5])), K(2));
-      const V b1 = mad(v, mad(v, hn::Set(d, 3 * c[13]), hn::Set(d, 2 * c[8])), K(4));
-      const V b2 = mad(v, hn::Set(d, 2 * c[12]), K(7));
+      gu = mad(u, mad(u, mad(u, N(4, 10), hn::Mul(three, a3)), hn::Mul(two, a2)), a1);
+      const V b0 = mad(v, mad(v, mad(v, N(4, 14), N(3, 9)), N(2, 5)), K(2));
+      const V b1 = mad(v, mad(v, N(3, 13), N(2, 8)), K(4));
+      const V b2 = mad(v, N(2, 12), K(7));
       gv = mad(u, mad(u, mad(u, K(11), b2), b1), b0);
+      if (kGradient && kSteep) {
+        guu = mad(u, mad(u, N(12, 10), hn::Mul(hn::Set(d, 6.0f), a3)), hn::Mul(two, a2));
+        guv = mad(u, mad(u, N(3, 11), hn::Mul(two, b2)), b1);
+        const V e0 = mad(v, mad(v, N(12, 14), N(6, 9)), N(2, 5));
+        const V e1 = mad(v, N(6, 13), N(2, 8));
+        gvv = mad(u, mad(u, N(2, 12), e1), e0);
+      }
     }
   }
-  value = hn::Mul(hn::Sub(w, g), hn::Set(d, f.scale));
+  V height = hn::Sub(w, g), gw = hn::Set(d, 1.0f);
+  if (kSteep) {
+    const V shrink = hn::Div(gw, hn::Sqrt(mad(gu, gu, mad(gv, gv, gw))));
+    height = hn::Mul(height, shrink);
+    trust = hn::Mul(shrink, shrink);
+    if (kGradient) {
+      const V bend = hn::Mul(height, trust);
+      const V hu = mad(gu, guu, hn::Mul(gv, guv)), hv = mad(gu, guv, hn::Mul(gv, gvv));
+      const V fall = hn::Mul(hn::Mul(trust, trust), hn::Set(d, -2.0f / f.scale));
+      const V tu = hn::Mul(fall, hu), tv = hn::Mul(fall, hv);
+      tx = mad(tu, hn::Set(d, f.xi.x), hn::Mul(tv, hn::Set(d, f.eta.x)));
+      ty = mad(tu, hn::Set(d, f.xi.y), hn::Mul(tv, hn::Set(d, f.eta.y)));
+      tz = mad(tu, hn::Set(d, f.xi.z), hn::Mul(tv, hn::Set(d, f.eta.z)));
+      gu = mad(bend, hu, hn::Mul(gu, shrink)), gv = mad(bend, hv, hn::Mul(gv, shrink)), gw = shrink;
+    }
+  }
+  value = hn::Mul(height, hn::Set(d, f.scale));
   if (kGradient) {
     const auto back = [&](float n, float x, float e) HWY_ATTR {
-      return hn::NegMulAdd(gu, hn::Set(d, x), hn::NegMulAdd(gv, hn::Set(d, e), hn::Set(d, n)));
+      return hn::NegMulAdd(gu, hn::Set(d, x), hn::NegMulAdd(gv, hn::Set(d, e), hn::Mul(gw, hn::Set(d, n))));
     };
     gx = back(f.nu.x, f.xi.x, f.eta.x);
     gy = back(f.nu.y, f.xi.y, f.eta.y);
@@ -81,8 +110,8 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
 }
 
 template <bool kGradient>
-void SumSupportsT(const LocalFunction* functions, const std::uint32_t* list, std::size_t count, std::size_t n,
-                  EvaluationTile& tile) {
+void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, const std::uint32_t* list,
+                  std::size_t count, std::size_t n, EvaluationTile& tile) {
   const hn::ScalableTag<float> d;
   using V = hn::Vec<decltype(d)>;
   const std::size_t lanes = hn::Lanes(d);
@@ -100,25 +129,62 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* list, std
       if (hn::AllFalse(d, in)) continue;
       const V q = hn::IfThenElseZero(in, hn::Sub(one, t));
       const V q2 = hn::Mul(q, q);
-      const V theta = hn::Mul(q2, q2);
+      V theta = hn::Mul(q2, q2);
+      V tx = zero, ty = zero, tz = zero;
+      if (kGradient) {
+        // ∇θ = −8 (1 − t)³ d / R²
+        const V slope = hn::Mul(hn::Mul(q2, q), hn::Set(d, -8.0f * inverse));
+        tx = hn::Mul(slope, dx), ty = hn::Mul(slope, dy), tz = hn::Mul(slope, dz);
+      }
       V fv, fx = zero, fy = zero, fz = zero;
-      Local<kGradient>(d, *f, dx, dy, dz, fv, fx, fy, fz);
+      if (steep[list[s]] != 0) {
+        V trust, ux = zero, uy = zero, uz = zero;
+        Local<kGradient, true>(d, *f, dx, dy, dz, fv, fx, fy, fz, trust, ux, uy, uz);
+        if (f->next == 0) {
+          if (kGradient) {
+            tx = hn::MulAdd(tx, trust, hn::Mul(theta, ux));
+            ty = hn::MulAdd(ty, trust, hn::Mul(theta, uy));
+            tz = hn::MulAdd(tz, trust, hn::Mul(theta, uz));
+          }
+          theta = hn::Mul(theta, trust);
+        }
+      } else {
+        V none = zero;
+        Local<kGradient, false>(d, *f, dx, dy, dz, fv, fx, fy, fz, none, none, none, none);
+      }
       for (const LocalFunction* g = f; g->next != 0;) {
         const bool convex = g->convex != 0;
         g = functions + (g->next - 1);
-        V hv, hx = zero, hy = zero, hz = zero;
-        Local<kGradient>(d, *g, dx, dy, dz, hv, hx, hy, hz);
+        V hv, hx = zero, hy = zero, hz = zero, none = zero;
+        if (steep[g - functions] != 0) {
+          Local<kGradient, true>(d, *g, dx, dy, dz, hv, hx, hy, hz, none, none, none, none);
+        } else {
+          Local<kGradient, false>(d, *g, dx, dy, dz, hv, hx, hy, hz, none, none, none, none);
+        }
         const auto take = convex ? hn::Gt(hv, fv) : hn::Lt(hv, fv);
         fv = hn::IfThenElse(take, hv, fv);
         if (kGradient)
           fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
       }
+      if (!f->is_constant()) {
+        // Weights fall with (1 − f²/R²)²: what is far from its zero set in the ball says little about what is there.
+        const float reach = inverse * f->radius;
+        const V far = hn::Mul(fv, hn::Set(d, reach));
+        const V near = hn::Max(hn::NegMulAdd(far, far, one), zero), near2 = hn::Mul(near, near);
+        fv = hn::IfThenElseZero(hn::Gt(near, zero), fv);
+        if (kGradient) {
+          const V slope = hn::Mul(hn::Mul(theta, hn::Mul(far, near)), hn::Set(d, -4 * reach));
+          tx = hn::MulAdd(tx, near2, hn::Mul(slope, fx));
+          ty = hn::MulAdd(ty, near2, hn::Mul(slope, fy));
+          tz = hn::MulAdd(tz, near2, hn::Mul(slope, fz));
+        }
+        theta = hn::Mul(theta, near2);
+      } else {
+        fv = hn::Min(hn::Max(fv, hn::Set(d, -f->radius)), hn::Set(d, f->radius));
+      }
       weight = hn::Add(weight, theta);
       value = hn::MulAdd(theta, fv, value);
       if (kGradient) {
-        // ∇θ = −8 (1 − t)³ d / R²
-        const V slope = hn::Mul(hn::Mul(q2, q), hn::Set(d, -8.0f * inverse));
-        const V tx = hn::Mul(slope, dx), ty = hn::Mul(slope, dy), tz = hn::Mul(slope, dz);
         wx = hn::Add(wx, tx), wy = hn::Add(wy, ty), wz = hn::Add(wz, tz);
         gx = hn::MulAdd(theta, fx, hn::MulAdd(fv, tx, gx));
         gy = hn::MulAdd(theta, fy, hn::MulAdd(fv, ty, gy));
@@ -133,12 +199,12 @@ void SumSupportsT(const LocalFunction* functions, const std::uint32_t* list, std
   }
 }
 
-void SumSupports(const LocalFunction* functions, const std::uint32_t* list, std::size_t count, std::size_t n,
-                 bool gradient, EvaluationTile& tile) {
+void SumSupports(const LocalFunction* functions, const std::uint8_t* steep, const std::uint32_t* list,
+                 std::size_t count, std::size_t n, bool gradient, EvaluationTile& tile) {
   if (gradient) {
-    SumSupportsT<true>(functions, list, count, n, tile);
+    SumSupportsT<true>(functions, steep, list, count, n, tile);
   } else {
-    SumSupportsT<false>(functions, list, count, n, tile);
+    SumSupportsT<false>(functions, steep, list, count, n, tile);
   }
 }
 
@@ -192,10 +258,39 @@ bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uin
   return true;
 }
 
+namespace {
+
+constexpr float kSteep = 1;
+
+/// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
+bool is_steep(const LocalFunction& f) {
+  const auto& c = f.coefficient;
+  for (const float ring : {0.5f, 0.9f})
+    for (int k = 0; k < 8; ++k) {
+      const float angle = static_cast<float>(k) * std::numbers::pi_v<float> / 4, r = ring * f.radius / f.scale;
+      const float u = r * std::cos(angle), v = r * std::sin(angle);
+      float gu = 0, gv = 0;
+      if (f.degree >= 1) gu = c[1], gv = c[2];
+      if (f.degree >= 2) gu += 2 * u * c[3] + v * c[4], gv += u * c[4] + 2 * v * c[5];
+      if (f.degree >= 3)
+        gu += 3 * u * u * c[6] + 2 * u * v * c[7] + v * v * c[8],
+            gv += u * u * c[7] + 2 * u * v * c[8] + 3 * v * v * c[9];
+      if (f.degree >= 4)
+        gu += 4 * u * u * u * c[10] + 3 * u * u * v * c[11] + 2 * u * v * v * c[12] + v * v * v * c[13],
+            gv += u * u * u * c[11] + 2 * u * u * v * c[12] + 3 * u * v * v * c[13] + 4 * v * v * v * c[14];
+      if (gu * gu + gv * gv > kSteep * kSteep) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
 PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
   state_->data = std::move(data);
   const PartitionData& d = state_->data;
   state_->tree.build(d.functions.view().first(d.supports.size()));
+  state_->steep.resize(d.functions.size());
+  parallel_for(0, state_->steep.size(), 8192, [&](std::size_t i) { state_->steep[i] = is_steep(d.functions[i]); });
   // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
   // where no support reaches.
   std::vector<OrientedPatch> patches(d.supports.size());
@@ -214,8 +309,11 @@ const PartitionData& PartitionOfUnity::data() const { return state_->data; }
 
 namespace {
 
-// Where the supports' weights fade below this, the far field takes over, smoothly.
-constexpr float kFade = 0.05f;
+// Where the fourth root of the supports' weights fades below this, the far field takes over. That root falls about
+// linearly towards a rim, so that the hand-over is spread over half of the support.
+constexpr float kFade = 0.85f;
+
+constexpr float kNoWeight = 1e-24f;  // rounding of the weights' sums is all that is left below
 
 void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<float> values,
                    std::span<Vec3f> gradients, std::vector<std::uint32_t>& list, EvaluationTile& tile) {
@@ -237,12 +335,14 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
     tile.x[i] = p.x, tile.y[i] = p.y, tile.z[i] = p.z;
   }
   HWY_DYNAMIC_DISPATCH(SumSupports)
-  (s.data.functions.data(), list.data(), list.size(), n, !gradients.empty(), tile);
+  (s.data.functions.data(), s.steep.data(), list.data(), list.size(), n, !gradients.empty(), tile);
 
   Vec3f far_x[EvaluationTile::kTile];
   std::size_t far_i[EvaluationTile::kTile], far_count = 0;
+  const float fade = kFade * kFade * kFade * kFade;
   for (std::size_t i = 0; i < n; ++i) {
-    const float w = tile.weight[i];
+    float& w = tile.weight[i];
+    if (w < kNoWeight) w = 0;
     if (w > 0) {
       values[i] = tile.value[i] / w;
       if (!gradients.empty()) {
@@ -251,37 +351,29 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
                        (1 / w);
       }
     }
-    if (w < kFade) {
+    if (w < fade) {
       far_x[far_count] = x[i];
       far_i[far_count++] = i;
     }
   }
   if (far_count == 0) return;
   float far_values[EvaluationTile::kTile];
-  const float step = 1e-4f * s.data.edge;
-  s.sign.signed_distance(std::span<const Vec3f>(far_x, far_count), std::span<float>(far_values, far_count));
-  float stepped[3][EvaluationTile::kTile];
-  if (!gradients.empty()) {
-    for (int k = 0; k < 3; ++k) {
-      Vec3f moved[EvaluationTile::kTile];
-      for (std::size_t j = 0; j < far_count; ++j) moved[j] = far_x[j], moved[j][static_cast<std::size_t>(k)] += step;
-      s.sign.signed_distance(std::span<const Vec3f>(moved, far_count), std::span<float>(stepped[k], far_count));
-    }
-  }
+  Vec3f far_gradients[EvaluationTile::kTile];
+  s.sign.signed_distance(std::span<const Vec3f>(far_x, far_count), std::span<float>(far_values, far_count),
+                         std::span<Vec3f>(far_gradients, gradients.empty() ? 0 : far_count));
   for (std::size_t j = 0; j < far_count; ++j) {
     const std::size_t i = far_i[j];
     const float w = tile.weight[i];
-    const float t = w / kFade, a = t * t * (3 - 2 * t);
+    const float root = std::sqrt(std::sqrt(w)), t = root / kFade, a = t * t * (3 - 2 * t);
     const float near = w > 0 ? values[i] : far_values[j];
     values[i] = far_values[j] + a * (near - far_values[j]);
     if (gradients.empty()) continue;
-    const Vec3f far_gradient{(stepped[0][j] - far_values[j]) / step, (stepped[1][j] - far_values[j]) / step,
-                             (stepped[2][j] - far_values[j]) / step};
     if (w > 0) {
-      const Vec3f slope = Vec3f{tile.wx[i], tile.wy[i], tile.wz[i]} * (6 * t * (1 - t) / kFade);
-      gradients[i] = far_gradient + (gradients[i] - far_gradient) * a + slope * (near - far_values[j]);
+      // ∇a = a′(t) ∇w / (4 w^¾)
+      const Vec3f slope = Vec3f{tile.wx[i], tile.wy[i], tile.wz[i]} * (1.5f * t * (1 - t) * root / (kFade * w));
+      gradients[i] = far_gradients[j] + (gradients[i] - far_gradients[j]) * a + slope * (near - far_values[j]);
     } else {
-      gradients[i] = far_gradient;
+      gradients[i] = far_gradients[j];
     }
   }
 }

@@ -23,7 +23,8 @@ struct SupportTree {
 struct PartitionOfUnity::State {
   PartitionData data;
   SupportTree tree;
-  GlobalSign sign;  ///< the far field
+  std::vector<std::uint8_t> steep;  ///< which functions are evaluated divided by the length of their gradient
+  GlobalSign sign;                  ///< the far field
 };
 
 }  // namespace sansmesh

@@ -1,0 +1,148 @@
+// The fitted function stays about a distance on thin shapes of high genus: its gradient is bounded wherever supports
+// reach.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh_function.h"
+#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/surface_function.h"
+#include "support/thin_shapes.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kPoints = 200000;
+
+SurfaceFunction fit(PointSet cloud) {
+  Progress progress;
+  return fit_surface_function(std::move(cloud), {}, progress);
+}
+
+/// Points in the balls of the supports: the domain of definition.
+std::vector<Vec3> in_domain(const SurfaceFunction& s, std::size_t count) {
+  const PartitionData& data = s.field.data();
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> gauss;
+  std::vector<Vec3> x(count);
+  for (Vec3& p : x) {
+    const LocalFunction& f = data.functions[random() % data.supports.size()];
+    const Vec3 d = normalized(Vec3{gauss(random), gauss(random), gauss(random)});
+    p = data.origin + Vec3(f.center) + d * (f.radius * std::cbrt(unit(random)));
+  }
+  return x;
+}
+
+/// The largest length of a gradient; `usual`: below which 999 of 1000 stay.
+double steepest(const SurfaceFunction& s, double& usual) {
+  const std::vector<Vec3> x = in_domain(s, kPoints);
+  std::vector<double> values(x.size()), size(x.size());
+  std::vector<Vec3> gradients(x.size());
+  s.field.evaluate(x, values, gradients);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_TRUE(std::isfinite(values[i]));
+    size[i] = norm(gradients[i]);
+  }
+  std::sort(size.begin(), size.end());
+  usual = size[size.size() * 999 / 1000];
+  return size.back();
+}
+
+/// Analytic gradients are those of the values, but for a few next to creases.
+void expect_gradients_of_values(const SurfaceFunction& s) {
+  const std::vector<Vec3> x = in_domain(s, 4000);
+  float least = 1e30f;
+  for (std::size_t i = 0; i < s.field.data().supports.size(); ++i)
+    least = std::min(least, s.field.data().functions[i].radius);
+  const double step = 0.02 * static_cast<double>(least);  // values are of single precision
+  std::vector<double> values(x.size()), around(6 * x.size());
+  std::vector<Vec3> gradients(x.size()), moved;
+  s.field.evaluate(x, values, gradients);
+  for (const Vec3& p : x)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const double side : {-step, step}) {
+        moved.push_back(p);
+        moved.back()[k] += side;
+      }
+  s.field.evaluate(moved, around);
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double* f = &around[6 * i];
+    const Vec3 g = Vec3{f[1] - f[0], f[3] - f[2], f[5] - f[4]} / (2 * step);
+    off += norm(g - gradients[i]) > 0.05;
+  }
+  EXPECT_LT(off, x.size() / 200);
+}
+
+MeshTopology topology(const SurfaceFunction& s) {
+  Progress progress;
+  return measure_topology(mesh_function(s, {}, progress));
+}
+
+TEST(GradientBound, PerforatedPlate) {
+  const SurfaceFunction s = fit(test::even_samples(test::perforated_plate(0.08, 4, false), 0.02));
+  double usual = 0;
+  EXPECT_LT(steepest(s, usual), 3);
+  EXPECT_LT(usual, 2.2);
+  expect_gradients_of_values(s);
+  const MeshTopology t = topology(s);
+  EXPECT_TRUE(t.closed());
+  EXPECT_EQ(t.components, 1u);
+  EXPECT_EQ(t.genus(), 16);
+}
+
+TEST(GradientBound, LinkedTori) {
+  const SurfaceFunction s = fit(test::even_samples(test::linked_tori(5, 0.09), 0.03));
+  double usual = 0;
+  EXPECT_LT(steepest(s, usual), 3);
+  EXPECT_LT(usual, 2.2);
+  expect_gradients_of_values(s);
+  const MeshTopology t = topology(s);
+  EXPECT_TRUE(t.closed());
+  EXPECT_EQ(t.components, 5u);
+  EXPECT_EQ(t.genus(), 5);
+}
+
+TEST(GradientBound, GyroidShell) {
+  const test::ThinShape shape = test::gyroid_shell(0.2, 0.8);
+  const SurfaceFunction s = fit(test::even_samples(shape, 0.03));
+  double usual = 0;
+  // The rim is as thin as a support is wide: single supports disagree with the far field there.
+  EXPECT_LT(steepest(s, usual), 5);
+  EXPECT_LT(usual, 2.6);
+  expect_gradients_of_values(s);
+  const MeshTopology t = topology(s);
+  EXPECT_TRUE(t.closed());
+  // The truth, cut out of the shape itself.
+  BlockTree blocks(shape.box.lower, shape.box.size().x);
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    if (blocks[i].level < 6) blocks.subdivide(i);
+  Progress progress;
+  const MeshTopology truth = measure_topology(polygonize(shape, blocks, {}, {}, progress));
+  EXPECT_TRUE(truth.closed());
+  EXPECT_EQ(t.components, truth.components);
+  EXPECT_EQ(t.euler, truth.euler);
+}
+
+TEST(GradientBound, FertilityReduced) {
+  const std::string file = SANSMESH_SOURCE_DIR "/../shared/data/points/fertility_4k.off";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
+  const SurfaceFunction s = fit(sample_faces(read_points(file), 60000));
+  double usual = 0;
+  EXPECT_LT(steepest(s, usual), 3);
+  EXPECT_LT(usual, 2.2);
+  expect_gradients_of_values(s);
+  const MeshTopology t = topology(s);
+  EXPECT_TRUE(t.closed());
+  EXPECT_EQ(t.genus(), 4);
+}
+
+}  // namespace
+}  // namespace sansmesh
