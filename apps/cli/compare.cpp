@@ -174,6 +174,8 @@ void run_compare(CompareArguments& a, Console& console) {
   if (map.beyond > 0)
     console.say(
         fmt::format("{:<16}{} farther off than {} (grey)", "left out", grouped(map.beyond), length(map.max_distance)));
+  if (map.not_found > 0)
+    console.say(fmt::format("{:<16}{} from where no surface was found (grey)", "not found", grouped(map.not_found)));
   if (map.at_border > 0)
     console.say(fmt::format("{:<16}{} closest to the border of {}{}", "borders", grouped(map.at_border), other.file(),
                             options.skip_border ? " (left out, grey)" : ": --skip-border leaves them out"));
@@ -191,6 +193,7 @@ void run_compare(CompareArguments& a, Console& console) {
                {"vertices", mesh.vertices.size()},
                {"measured", map.measured},
                {"beyond", map.beyond},
+               {"not_found", map.not_found},
                {"at_border", map.at_border},
                {"not_finite", map.not_finite},
                {"max_distance", map.max_distance},

@@ -62,7 +62,7 @@ double percentile(const std::vector<Sample>& sorted, double total, double share,
 }
 
 DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh& part,
-                                 const DistanceMapOptions& options, bool has_sides) {
+                                 const DistanceMapOptions& options, bool has_sides, double smallest_range) {
   DistanceStatistics s;
   s.histogram.assign(kHistogramBins, 0);
   if (options.range) s.range = *options.range;
@@ -101,7 +101,11 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
   });
   const auto size = [](const Sample& x) { return std::abs(x.distance); };
   s.p95_absolute = percentile(samples, total, 0.95, size);
-  if (!options.range) s.range = rounded_up(percentile(samples, total, kInRange, size));
+  if (!options.range) {
+    const double range = percentile(samples, total, kInRange, size);
+    s.smallest_range = range < smallest_range;
+    s.range = rounded_up(std::max(range, smallest_range));
+  }
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
   });
@@ -133,12 +137,12 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
 void DistanceMapOptions::validate() const {
   const auto positive = [](const std::optional<double>& value, const char* name) {
     if (value && !(*value > 0 && std::isfinite(*value)))
-      throw ArgumentError(std::string("DistanceMapOptions::") + name + " must be positive");
+      throw ArgumentError(std::string("the ") + name + " must be a positive length");
   };
-  positive(max_distance, "max_distance");
-  positive(range, "range");
+  positive(max_distance, "maximum distance");
+  positive(range, "range of the colours");
   if (tolerance && !(*tolerance >= 0 && std::isfinite(*tolerance)))
-    throw ArgumentError("DistanceMapOptions::tolerance must not be negative");
+    throw ArgumentError("the tolerance must be a length, 0 or larger");
 }
 
 DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,
@@ -160,7 +164,7 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   if (order.empty()) throw DataError("no finite points to compare");
 
   // NaN keeps its reason here until all are counted.
-  enum class Left : std::uint8_t { no, beyond, border };
+  enum class Left : std::uint8_t { no, beyond, lost, border };
   std::vector<Left> left(n, Left::no);
   std::vector<std::uint8_t> border(n);
   const std::size_t chunks = (order.size() + kChunk - 1) / kChunk;
@@ -174,7 +178,9 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
     for (std::size_t k = 0; k < count; ++k) {
       const std::uint32_t i = order[first + k];
       border[i] = found[k].border;
-      if (!(std::abs(found[k].distance) <= map.max_distance))
+      if (found[k].lost)
+        left[i] = Left::lost;
+      else if (!(std::abs(found[k].distance) <= map.max_distance))
         left[i] = Left::beyond;
       else if (found[k].border && options.skip_border)
         left[i] = Left::border;
@@ -188,13 +194,15 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < n; ++i) {
     map.beyond += left[i] == Left::beyond;
+    map.not_found += left[i] == Left::lost;
     map.at_border += border[i] && left[i] != Left::beyond;
     if (std::isnan(map.distance[i])) continue;
     samples.push_back({static_cast<double>(map.distance[i]), weight[i], static_cast<std::uint32_t>(i)});
   }
   map.measured = samples.size();
   progress.begin("statistics");
-  map.statistics = statistics_of(std::move(samples), part, options, map.has_sides);
+  map.statistics =
+      statistics_of(std::move(samples), part, options, map.has_sides, kSmallestRange * reference.bounds().diagonal());
   return map;
 }
 

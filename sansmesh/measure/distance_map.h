@@ -21,11 +21,11 @@ struct DistanceMapOptions {
   std::optional<double> max_distance = {};
   std::optional<double> tolerance = {};  ///< of which the statistics tell the share that keeps it (>= 0)
   /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area keep, rounded up to
-  /// two digits.
+  /// two digits, but at least kSmallestRange.
   std::optional<double> range = {};
   bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
   bool reversed = false;     ///< the map lies on the reference, distances are to the part: their sign is turned round
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError saying which.
   void validate() const;
 };
 
@@ -43,6 +43,7 @@ struct DistanceStatistics {
   std::vector<double> histogram;
   double below_range = 0, above_range = 0;
   double range = 0;
+  bool smallest_range = false;  ///< it is the smallest, since nearly everything lies nearer
 };
 
 struct DistanceMap {
@@ -50,13 +51,17 @@ struct DistanceMap {
   bool has_sides = true;        ///< false: only absolute values are known
   double max_distance = 0;      ///< as used
   std::size_t measured = 0;     ///< vertices with a distance
-  std::size_t beyond = 0;       ///< left out: farther than max_distance or no surface found
+  std::size_t beyond = 0;       ///< left out: farther than max_distance
+  std::size_t not_found = 0;    ///< left out: no surface could be found from there (MeasuredPoint::lost)
   std::size_t at_border = 0;    ///< whose closest point lies on a border; left out only with skip_border
   std::size_t not_finite = 0;   ///< left out: vertices that are not finite, or that no triangle uses
   DistanceStatistics statistics;
 };
 
 inline constexpr std::size_t kHistogramBins = 41;  ///< odd: one bin lies around 0
+
+/// Least range that is chosen by itself, of the diagonal of the reference's box: below it lies rounding.
+inline constexpr double kSmallestRange = 1e-6;
 
 /// Distances at the vertices of a mesh that triangles use, or at all points if there are no triangles. Parallel, the
 /// same for any number of threads. Throws DataError if there are no finite points, ArgumentError for bad options.

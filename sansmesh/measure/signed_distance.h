@@ -17,10 +17,11 @@
 namespace sansmesh {
 
 struct MeasuredPoint {
-  /// Positive outside; NaN where the surface could not be found.
+  /// Positive outside; NaN where the surface is farther than asked or could not be found.
   double distance = std::numeric_limits<double>::quiet_NaN();
   Vec3 point;           ///< closest of the surface, or nearly so; world coordinates
   bool border = false;  ///< the closest point lies on the border of an open mesh: the surface ends there
+  bool lost = false;    ///< no surface was found though nothing says that it is far
 };
 
 /// A surface to measure from. Coordinates are those of the world.
@@ -89,10 +90,11 @@ class PointsDistance : public SignedDistance {
 };
 
 /// Distance to the zero set of a function, negative inside, that need not be a distance itself: Newton steps along the
-/// gradient onto the zero set, then steps within its tangent planes until the line to the point is normal to it (so the
-/// foot is a point of the zero set to 1e-9 of the box, and closest among its neighbours, though another part may be
-/// closer still). The sign is the function's. Points whose steps lead farther than `farthest`, out of the domain or
-/// nowhere are NaN.
+/// gradient onto the zero set, halving between its two sides where they do not shrink, then steps within its tangent
+/// planes until the line to the point is normal to it. So the foot is a point of the zero set, to 1e-9 of the box's
+/// diagonal or as well as the function's noise allows if that is below 1e-6 of it, and closest among its neighbours,
+/// though another part may be closer still. The sign is the function's. NaN are points whose steps lead farther than
+/// `farthest`, and lost those whose steps lead out of the domain or nowhere.
 class FieldDistance : public SignedDistance {
  public:
   /// Keeps a reference to the field.

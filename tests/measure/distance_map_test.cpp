@@ -129,6 +129,17 @@ TEST(DistanceMap, WhatIsLeftOutIsCounted) {
   EXPECT_THROW(compare(sphere, {}), DataError);
 }
 
+TEST(DistanceMap, WhereNothingIsFoundCountsApartFromFar) {
+  TriangleMesh part;
+  part.vertices = {{0, 0, 0}, {1.01f, 0, 0}, {3, 0, 0}};
+  const test::SphereField sphere(1);
+  Progress progress;
+  const DistanceMap map = distance_map(part, FieldDistance(sphere), {.max_distance = 1.5}, progress);
+  EXPECT_EQ(map.measured, 1u);
+  EXPECT_EQ(map.beyond, 1u);
+  EXPECT_EQ(map.not_found, 1u);  // no direction leads out of the centre
+}
+
 TEST(DistanceMap, BordersCanBeLeftOut) {
   TriangleMesh half = test::octasphere(4);
   std::erase_if(half.triangles, [&](const Triangle& t) {
@@ -175,7 +186,11 @@ TEST(DistanceMap, DoesNotDependOnTheNumberOfThreads) {
 TEST(DistanceMap, IdenticalSurfacesAreAtZero) {
   const DistanceMap map = compare(test::octasphere(4), test::octasphere(4));
   EXPECT_EQ(map.statistics.mean_absolute, 0);
-  EXPECT_EQ(map.statistics.range, 0);
+  // What no other range follows from: a millionth of the diagonal, not 0.
+  EXPECT_TRUE(map.statistics.smallest_range);
+  EXPECT_NEAR(map.statistics.range, kSmallestRange * 2 * std::sqrt(3.0), 1e-7);
+  EXPECT_FALSE(compare(test::octasphere(4), test::octasphere(3)).statistics.smallest_range);
+  EXPECT_FALSE(compare(test::octasphere(4), test::octasphere(4), {.range = 1e-9}).statistics.smallest_range);
   EXPECT_NEAR(map.statistics.histogram[kHistogramBins / 2], 1, 1e-9);
   EXPECT_EQ(distance_color(0, 0), distance_color(0, 1));
 }

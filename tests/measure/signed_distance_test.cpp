@@ -6,6 +6,10 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/measure/placed_field.h"
+#include "sansmesh/mesh_function.h"
+#include "sansmesh/surface_function.h"
+#include "support/clouds.h"
 
 namespace sansmesh {
 namespace {
@@ -243,6 +247,142 @@ TEST(FieldDistance, FarPointsAreNotFollowed) {
   EXPECT_TRUE(std::isnan(ask(kept, {3, 0, 0}, 0.5).distance));
   EXPECT_NEAR(ask(kept, {3, 0, 0}, 2.5).distance, 2, 1e-9);
   EXPECT_TRUE(std::isnan(ask(kept, {0, 0, 0}).distance));  // no direction leads out of the centre
+}
+
+/// A fitted function in the coordinates of its input.
+struct Fitted {
+  explicit Fitted(PointSet points, const FitOptions& options = {})
+      : function(fit_surface_function(std::move(points), options, progress)),
+        field(function.field, function.origin, function.unit) {}
+  Progress progress;
+  SurfaceFunction function;
+  PlacedField field;
+};
+
+std::vector<MeasuredPoint> ask_all(const SignedDistance& surface, const std::vector<Vec3>& x, double farthest = 100) {
+  std::vector<MeasuredPoint> found(x.size());
+  surface.measure(x, farthest, found);
+  return found;
+}
+
+/// Values of fitted functions are floats: Newton's steps end in noise, which must count as having arrived.
+TEST(FieldDistance, FittedFunctionsAreMeasuredAtAllOfTheirSamples) {
+  const double noise = 0.02;
+  PointSet cloud = test::sphere(6000);
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<Vec3> samples;
+  for (Vec3f& p : cloud.positions) {
+    p = Vec3f(Vec3(p) * (1 + normal(random)));
+    samples.push_back(cloud.origin + Vec3(p));
+  }
+  const Fitted fitted(cloud);
+  double sum = 0, squares = 0;
+  std::size_t measured = 0;
+  for (const MeasuredPoint& m : ask_all(FieldDistance(fitted.field), samples)) {
+    EXPECT_FALSE(m.lost);
+    if (std::isnan(m.distance)) continue;
+    ++measured;
+    sum += m.distance, squares += m.distance * m.distance;
+  }
+  EXPECT_GE(static_cast<double>(measured), 0.999 * static_cast<double>(samples.size()));
+  const double n = static_cast<double>(measured);
+  EXPECT_NEAR(std::sqrt(squares / n), noise, 0.1 * noise);
+  EXPECT_NEAR(sum / n, 0, 0.1 * noise);
+}
+
+TEST(FieldDistance, FittedFunctionOfASphereNearAndFar) {
+  const PointSet cloud = test::sphere(5000);
+  const Fitted fitted(cloud);
+  const FieldDistance surface(fitted.field);
+  for (const double r : {0.3, 0.95, 1.0, 1.05, 1.5, 2.5, 5.0, 40.0}) {
+    std::vector<Vec3> x;
+    for (const Vec3f& p : cloud.positions) x.push_back((cloud.origin + Vec3(p)) * r);
+    double sum = 0, worst = 0;
+    std::size_t measured = 0;
+    for (const MeasuredPoint& m : ask_all(surface, x)) {
+      if (std::isnan(m.distance)) continue;
+      ++measured;
+      sum += m.distance;
+      worst = std::max(worst, std::abs(m.distance - (r - 1)));
+    }
+    EXPECT_GE(static_cast<double>(measured), 0.999 * static_cast<double>(x.size())) << r;
+    EXPECT_NEAR(sum / static_cast<double>(measured), r - 1, 0.01 * std::abs(r - 1) + 1e-4) << r;
+    EXPECT_LT(worst, 0.01 * std::abs(r - 1) + 2e-3) << r;
+  }
+}
+
+TEST(FieldDistance, FittedFunctionAgainstItself) {
+  const Fitted fitted(test::sphere(5000));
+  Progress progress;
+  const TriangleMesh mesh = mesh_function(fitted.function, {}, progress);
+  std::vector<Vec3> x;
+  for (const Vec3f& p : mesh.vertices) x.push_back(mesh.origin + Vec3(p));
+  std::size_t measured = 0;
+  for (const MeasuredPoint& m : ask_all(FieldDistance(fitted.field), x, 0.1)) {
+    measured += std::isfinite(m.distance);
+    EXPECT_LT(std::abs(m.distance), 2e-3);
+  }
+  EXPECT_EQ(measured, x.size());
+}
+
+/// Steep here, flat there, with noise as of floats: gradients that mislead, but signs that are right.
+class RoughField : public ScalarField {
+ public:
+  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double d = norm(x[i]) - 1;
+      values[i] = std::cbrt(d) * (1 + 1e-7 * std::sin(1e9 * x[i].x));
+      if (!gradients.empty()) gradients[i] = normalized(x[i]) * (1 / (3 * std::max(1e-12, std::cbrt(d * d))));
+    }
+  }
+};
+
+TEST(FieldDistance, SignsLeadWhereNewtonDoesNot) {
+  const RoughField rough;  // Newton's step from d leads to −2 d; 1e-6 of the diagonal is 7e-6
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> radius(0.2, 4);
+  std::vector<Vec3> x;
+  std::vector<double> truth;
+  for (int i = 0; i < 2000; ++i) {
+    const double r = radius(random);
+    x.push_back(normalized(Vec3{normal(random), normal(random), normal(random)}) * r);
+    truth.push_back(r - 1);
+  }
+  const std::vector<MeasuredPoint> found = ask_all(FieldDistance(rough), x);
+  for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(found[i].distance, truth[i], 7e-6) << i;
+}
+
+/// Two balls in a row: from beyond one, a long step leads to the other.
+class TwoBalls : public ScalarField {
+ public:
+  Box3 bounds() const override { return {{-4, -2, -2}, {4, 2, 2}}; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Vec3 to{std::abs(x[i].x) - 1, x[i].y, x[i].z};
+      // Flat, so that every step is several times too long.
+      const double d = norm(to) - 0.5, flat = std::tanh(d);
+      values[i] = flat;
+      if (!gradients.empty())
+        gradients[i] = Vec3{std::copysign(to.x, x[i].x * to.x), to.y, to.z} * ((1 - flat * flat) / norm(to));
+    }
+  }
+};
+
+TEST(FieldDistance, NoPartIsSteppedOver) {
+  const TwoBalls balls;
+  const FieldDistance surface(balls);
+  for (const double x : {1.6, 2.0, 2.5, 3.0, 4.0, 6.0}) EXPECT_NEAR(ask(surface, {x, 0, 0}).distance, x - 1.5, 1e-6);
+}
+
+TEST(FieldDistance, FarAndLostAreToldApart) {
+  const test::SphereField sphere(1);
+  const FieldDistance surface(sphere);
+  EXPECT_FALSE(ask(surface, {3, 0, 0}, 0.5).lost);
+  EXPECT_FALSE(ask(surface, {1.2, 0, 0}, 0.5).lost);
+  EXPECT_TRUE(ask(surface, {0, 0, 0}).lost);
 }
 
 }  // namespace
