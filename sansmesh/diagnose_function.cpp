@@ -161,6 +161,7 @@ void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, st
   for (std::size_t i = 0; i < feet.size(); ++i) feet[i] = data.supports[i].foot;
   const KdTree tree(feet);
   std::vector<SuspiciousPlace> places;
+  std::vector<std::uint8_t> proposed(sheets.size(), 0);
   for (std::size_t c = 0; c < extra.size(); ++c) {
     if (!extra[c]) continue;
     SuspiciousPlace p;
@@ -174,7 +175,11 @@ void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, st
     // Only a sheet of its own can be taken away without harm to others.
     if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0]) {
       for (const std::uint32_t k : sheets.of_support) p.supports += k == sheet;
+    }
+    if (p.supports > 0 && !proposed[sheet]) {
+      proposed[sheet] = 1;
       Edit edit;
+      edit.select.all_but_largest = true;  // whatever other edits have done before
       edit.select.sheet_at = function.to_input(data.origin + Vec3(data.supports[found->index].foot));
       edit.action = RemoveSupports{};
       p.edit = edit;
@@ -297,7 +302,8 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   std::array<std::size_t, kSuspicions> kept{};
   std::erase_if(diagnosis.places,
                 [&](const SuspiciousPlace& p) { return ++kept[static_cast<std::size_t>(p.kind)] > options.places; });
-  for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above);
+  if (function.samples->size() > 0)  // nothing can be fitted again without
+    for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above);
   color_mesh(function, flagged, extra, diagnosis.mesh);
   progress.finish();
   return diagnosis;

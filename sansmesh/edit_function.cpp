@@ -17,6 +17,9 @@ namespace {
 /// the largest one's.
 constexpr double kEvidence = 0.25, kSmallSheet = 0.01;
 
+/// A place is on a sheet if one of its supports has its foot within so many edges of its block.
+constexpr float kSheetReach = 2;
+
 template <class... Bodies>
 struct Overloaded : Bodies... {
   using Bodies::operator()...;
@@ -24,12 +27,14 @@ struct Overloaded : Bodies... {
 template <class... Bodies>
 Overloaded(Bodies...) -> Overloaded<Bodies...>;
 
+/// kNone where no sheet is near.
 std::uint32_t nearest_sheet(const PartitionData& data, const Sheets& sheets, const Vec3f& at) {
   std::uint32_t nearest = Sheets::kNone;
   float least = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < data.supports.size(); ++i) {
     const float d = squared_norm(data.supports[i].foot - at);
-    if (sheets.of_support[i] == Sheets::kNone || d >= least) continue;
+    const float reach = kSheetReach * data.edge / static_cast<float>(1u << data.supports[i].level);
+    if (sheets.of_support[i] == Sheets::kNone || d >= least || d > reach * reach) continue;
     least = d, nearest = sheets.of_support[i];
   }
   return nearest;
@@ -119,10 +124,10 @@ EditReport FunctionEditor::undo(int steps) {
   EditReport report;
   report.changed = changed_;
   report.what = fmt::format("took back {} edit{}", steps, steps == 1 ? "" : "s");
-  function_.field = PartitionOfUnity(std::move(then.data));
+  function_.field = std::move(then.field);
+  function_.history.resize(then.history);
   changed_ = then.changed;
-  before_.resize(before_.size() - static_cast<std::size_t>(steps));
-  function_.history.resize(function_.history.size() - static_cast<std::size_t>(steps));
+  before_.erase(before_.end() - steps, before_.end());
   return report;
 }
 
@@ -136,20 +141,25 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
   report.chosen = chosen.size();
   if (chosen.empty()) {
     report.what = "nothing is selected";
-    // An edit that does nothing can still be taken back.
-    before_.push_back({data, changed_});
-    function_.history.push_back(report.what);
+    // An edit that does nothing can still be taken back, but is not worth remembering.
+    before_.push_back({function_.field, changed_, function_.history.size()});
     return report;
   }
   const EditSamples samples{function_.samples->positions, function_.samples->normals};
   EditResult result =
       std::visit(Overloaded{[&](const SetDegree& a) {
-                              report.what = fmt::format("degree {} in {}", a.degree, counted(chosen.size()));
-                              return set_degree(data, chosen, a.degree, samples, progress);
+                              EditResult r = set_degree(data, chosen, a.degree, samples, progress);
+                              report.what = fmt::format("degree {} in {}", a.degree, counted(r.changes - r.lower));
+                              if (r.lower > 0) report.what += fmt::format(", a lower one in {}", r.lower);
+                              if (r.changes < chosen.size())
+                                report.what += fmt::format(", {} left as they were", chosen.size() - r.changes);
+                              return r;
                             },
                             [&](const Refit& a) {
                               EditResult r = refit(data, chosen, options_of(function_, a), samples, progress);
-                              report.what = fmt::format("{} fitted again, now {}", counted(chosen.size()), r.supports);
+                              report.what = fmt::format("{} fitted again, now {}", counted(r.changes), r.supports);
+                              if (r.changes < chosen.size())
+                                report.what += fmt::format("; {} left as they were", chosen.size() - r.changes);
                               return r;
                             },
                             [&](const SetConstant& a) {
@@ -167,7 +177,7 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
   report.changed = to_input(function_, result.changed);
   progress.begin("assemble");
   PartitionOfUnity field(std::move(result.data));
-  before_.push_back({data, changed_});
+  before_.push_back({function_.field, changed_, function_.history.size()});
   function_.history.push_back(report.what);
   changed_.extend(report.changed);
   function_.field = std::move(field);

@@ -28,7 +28,7 @@ struct EditSelection {
   std::optional<double> error_above;  ///< rms distance of its samples (length)
   std::optional<int> samples_below;
   std::optional<int> level_from, level_to;
-  std::optional<Vec3> sheet_at;  ///< on the connected sheet that comes nearest to this place
+  std::optional<Vec3> sheet_at;  ///< on the connected sheet at this place (within two edges of a block there)
   bool spurious_sheets = false;  ///< on a sheet that hardly any samples stand for
   bool all_but_largest = false;  ///< not on the largest sheet
 
@@ -81,8 +81,9 @@ class FunctionEditor {
 
  private:
   struct Before {
-    PartitionData data;
+    PartitionOfUnity field;
     Box3 changed;
+    std::size_t history;  ///< lines
   };
   EditReport undo(int steps);
 

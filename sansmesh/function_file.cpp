@@ -218,8 +218,9 @@ PointSet read_samples(const SectionFile& file, const PartitionData& data) {
 }  // namespace
 
 bool is_function_file(const std::string& file) {
-  const auto ends = [&](const char* ending) { return file.ends_with(ending); };
-  return ends(".smf") || ends(".smf.gz") || ends(".SMF");
+  std::string name = file;
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return name.ends_with(".smf") || name.ends_with(".smf.gz");
 }
 
 void write_function(const std::string& file, const SurfaceFunction& function, bool with_samples) {
@@ -286,7 +287,8 @@ SurfaceFunction read_function(const SectionFile& file) {
     auto samples = std::make_shared<const PointSet>(read_samples(file, data));
     const Vec3 origin = vector_of(json.at("origin"));
     const double unit = number(json.at("unit"));
-    if (!(norm(origin) <= 1e30 && unit > 1e-60 && unit < 1e30))
+    int exponent = 0;
+    if (!(norm(origin) <= 1e30 && unit > 1e-60 && unit < 1e30) || std::frexp(unit, &exponent) != 0.5)
       throw DataError("its place in the input makes no sense");
     std::vector<std::string> history = history_of(json.at("history"));
     return {PartitionOfUnity(std::move(data)), origin, unit, std::move(samples), std::move(history), {}};

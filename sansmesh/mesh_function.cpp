@@ -19,9 +19,11 @@ constexpr double kMargin = 3, kMostMargin = 60;
 /// Share of the surface beyond which making all of it anew is less work.
 constexpr double kMostWork = 0.5;
 /// Vertices of old and new mesh are the same within this share of a triangle's edge.
-constexpr double kSame = 2e-3;
+constexpr double kSame = 2e-2;
 /// Share of the triangles off the change that must agree; else the patch was not made as the mesh was.
 constexpr double kAgreement = 0.5;
+/// So many vertices of an old mesh are asked whether it belongs to the function.
+constexpr std::size_t kAsked = 500;
 
 /// How a function is cut out.
 struct Cut {
@@ -92,6 +94,19 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
+/// Whether a mesh runs along the zero set of a function where it has not changed: some of its vertices are asked.
+bool belongs_to(const TriangleMesh& mesh, const SurfaceFunction& function, const Box3& change) {
+  std::vector<Vec3> x;
+  const std::size_t stride = 1 + mesh.vertices.size() / kAsked;
+  for (std::size_t v = 0; v < mesh.vertices.size(); v += stride)
+    if (const Vec3 p(mesh.vertices[v]); !change.contains(p)) x.push_back(p);
+  std::vector<double> f(x.size());
+  function.field.evaluate(x, f);
+  const double near = function.field.report().spacing;
+  const auto on = std::count_if(f.begin(), f.end(), [&](double value) { return std::abs(value) <= near; });
+  return static_cast<double>(on) >= kAgreement * static_cast<double>(x.size());
+}
+
 /// False: it could not be done, and the mesh is as it was.
 bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const Box3& changed,
                      const MeshOptions& options, Progress& progress, MeshUpdate& u) {
@@ -102,6 +117,7 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const 
   for (Vec3f& v : moved.vertices) v = Vec3f(Vec3(v) * (1 / unit) + shift);
   moved.origin = {};
   const Box3 change{function.from_input(changed.lower), function.from_input(changed.upper)};
+  if (!belongs_to(moved, function, change)) return false;
   Cut cut = prepare_cut(function, options);
   // Whether the mesh was simplified, where that is not known beforehand: which of the two agrees with it.
   std::vector<bool> ways{cut.meshing.simplify > 0};

@@ -9,6 +9,9 @@
 namespace sansmesh {
 namespace {
 
+/// In the unit of a prepared cloud, which is about 1 large.
+constexpr double kMostError = 10;
+
 /// The arrays of a prepared cloud that a function keeps, in another order.
 PointSet reordered(const PointSet& points, const std::vector<std::uint32_t>& order) {
   PointSet result;
@@ -43,6 +46,7 @@ SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options,
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
   if (options.error) fit.error = *options.error / cloud.unit;
+  if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("error is larger than the cloud");
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;

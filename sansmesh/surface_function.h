@@ -58,8 +58,8 @@ SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options,
 /// Whether a file is a function file, by its name (.smf, .smf.gz).
 bool is_function_file(const std::string& file);
 
-/// Reads a function file (docs/formats/smf.md). The larger arrays stay in the file, mapped into memory. Throws
-/// FileError where it is missing, not a function file, truncated, damaged or from a newer version.
+/// Reads a function file (docs/formats/smf.md). Functions and supports stay in the file, mapped into memory; samples
+/// are copied. Throws FileError where it is missing, not a function file, truncated, damaged or from a newer version.
 SurfaceFunction read_function(const std::string& file);
 /// The same of a file that is open already, or lies in memory.
 SurfaceFunction read_function(const SectionFile& file);

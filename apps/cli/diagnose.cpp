@@ -43,7 +43,10 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
   if (!a.view.empty()) a.picture.view = named_view(a.view);
   if (a.z_up) a.picture.up = UpAxis::z;
   a.picture.validate();
-  if (!a.script.empty()) check_writable(a.script, "text");
+  if (!a.script.empty()) {
+    if (!a.script.ends_with(".json")) throw FileError(a.script, "scripts are written to files with the ending .json");
+    check_writable(a.script, "text");
+  }
   if (!a.preview.empty()) check_writable(a.preview, "image");
   Progress& progress = console.progress();
   progress.begin("read");

@@ -37,6 +37,7 @@ void run_edit(const EditArguments& a, Console& console) {
   if (a.output.empty() && a.mesh_output.empty())
     throw ArgumentError("nothing to write: give -o FUNCTION, --mesh-output MESH or both");
   if (!a.output.empty()) check_function_writable(a.output);
+  if (a.output == a.script) throw ArgumentError("the script would be overwritten: -o and --script name the same file");
   if (!a.mesh_output.empty()) check_writable(a.mesh_output, "mesh");
   if (!a.mesh.empty() && a.mesh_output.empty()) throw ArgumentError("--mesh needs --mesh-output");
   Progress& progress = console.progress();
@@ -77,24 +78,27 @@ void run_edit(const EditArguments& a, Console& console) {
                      {"changed", box_json(report.changed)}});
   }
 
-  MeshUpdate update;
-  if (!a.mesh_output.empty())
-    mesh = a.mesh.empty() ? mesh_function(editor.function(), {}, progress)
-                          : update_mesh(editor.function(), std::move(mesh), editor.changed(), {}, progress, &update);
-  progress.begin("write");
   nlohmann::ordered_json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
   if (!a.output.empty()) {
+    progress.begin("write function");
     write_function(a.output, editor.function());
     const PartitionReport& r = editor.function().field.report();
     console.say(fmt::format("{}: {}", a.output, counted(r.functions, "local fit")));
     json["output"] = {{"file", a.output}, {"fits", r.functions}};
   }
   if (!a.mesh_output.empty()) {
+    MeshUpdate update;
+    try {
+      mesh = a.mesh.empty() ? mesh_function(editor.function(), {}, progress)
+                            : update_mesh(editor.function(), std::move(mesh), editor.changed(), {}, progress, &update);
+    } catch (const DataError& error) {
+      throw FileError(a.input, error.what());
+    }
+    progress.begin("write mesh");
     write_mesh(a.mesh_output, mesh);
-    console.say(fmt::format(
-        "{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
-        update.local ? fmt::format(", of which {} are new", grouped(update.added))
-                     : std::string(a.mesh.empty() ? "" : ", all made anew: the old mesh does not fit the function")));
+    console.say(fmt::format("{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
+                            update.local ? fmt::format(", of which {} are new", grouped(update.added))
+                                         : std::string(a.mesh.empty() ? "" : ", all made anew")));
     json["mesh"] = {{"file", a.mesh_output},
                     {"triangles", mesh.triangles.size()},
                     {"local", update.local},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 
 #include "sansmesh/core/error.h"
@@ -31,6 +32,7 @@ struct Header {
   std::uint64_t checksum;  ///< of all bytes before it and of the table behind it
 };
 static_assert(sizeof(Header) == 64);
+static_assert(std::endian::native == std::endian::little, "files hold little-endian arrays, as they lie in memory");
 
 struct Entry {
   char name[8];  ///< padded with zeros
@@ -128,13 +130,13 @@ void SectionFile::open(std::string_view bytes) {
     fail(fmt::format("was written by a newer version of sansmesh (format {}.{}, this one reads up to {}.x)",
                      header.major, header.minor, kMajor));
   if (header.major == 0 || header.sections > kMostSections) fail("damaged: its header makes no sense");
-  if (bytes.size() < header.file_size)
-    fail(fmt::format("truncated: {} bytes are missing", io::grouped(header.file_size - bytes.size())));
   const std::size_t table_end = sizeof header + header.sections * sizeof(Entry);
   if (bytes.size() < table_end) fail("truncated: its table of contents is not complete");
   std::vector<Entry> table(header.sections);
   if (!table.empty()) std::memcpy(table.data(), bytes.data() + sizeof header, table.size() * sizeof(Entry));
   if (checksum_of(header, table.data()) != header.checksum) fail("damaged: the checksum of its header is wrong");
+  if (bytes.size() < header.file_size)
+    fail(fmt::format("truncated: {} bytes are missing", io::grouped(header.file_size - bytes.size())));
   if (bytes.size() != header.file_size)
     fail(fmt::format("damaged: {} bytes follow after its end", io::grouped(bytes.size() - header.file_size)));
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "sansmesh/core/error.h"
@@ -30,10 +31,10 @@ Cube cube_of(const PartitionData& data, int level, std::uint64_t code) {
           h};
 }
 
-float squared_distance_to(const Cube& c, const Vec3f& p) {
-  float sum = 0;
+double squared_distance_to(const Cube& c, const Vec3f& p) {
+  double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const float d = std::max({c.lower[k] - p[k], p[k] - (c.lower[k] + c.edge), 0.0f});
+    const double d = std::max({c.lower[k] - p[k], p[k] - (c.lower[k] + c.edge), 0.0f});
     sum += d * d;
   }
   return sum;
@@ -53,7 +54,8 @@ bool chosen_by(const SupportQuery& q, const PartitionData& data, std::size_t i) 
   if (q.samples_below && !(s.samples < *q.samples_below)) return false;
   if ((q.level_from && s.level < *q.level_from) || (q.level_to && s.level > *q.level_to)) return false;
   const Cube c = cube_of(data, s.level, s.code);
-  if (q.ball && squared_distance_to(c, q.ball->center) > q.ball->radius * q.ball->radius) return false;
+  if (q.ball && !(squared_distance_to(c, q.ball->center) <= std::pow(static_cast<double>(q.ball->radius), 2)))
+    return false;
   if (q.box && !meets(c, *q.box)) return false;
   if (q.half_space) {
     const Vec3f center = c.lower + Vec3f{0.5f, 0.5f, 0.5f} * c.edge;
@@ -98,9 +100,25 @@ EditResult replaced(const PartitionData& data, const Selection& chosen, std::vec
   return result;
 }
 
-/// The largest blocks whose supports are all chosen.
+/// Finest cells with samples over which there is no support: none was fitted there, or it was removed.
+std::vector<std::uint64_t> bare_cells(const PartitionData& data) {
+  const int level = static_cast<int>(data.flatness.size()) - 1;
+  std::vector<std::uint64_t> bare;  // their places along the curve
+  std::size_t s = 0;
+  for (const std::uint64_t code : data.flatness.back().code) {
+    const std::uint64_t position = curve_position(level, code);
+    const auto end = [&] { return curve_position(data.supports[s].level, data.supports[s].code + 1); };
+    while (s < data.supports.size() && end() <= position) ++s;
+    if (s == data.supports.size() || curve_position(data.supports[s].level, data.supports[s].code) > position)
+      bare.push_back(position);
+  }
+  return bare;
+}
+
+/// The largest blocks whose supports are all chosen, and in which none is missing.
 std::vector<BlockKey> filled_blocks(const PartitionData& data, const Selection& chosen) {
   const std::size_t n = data.supports.size();
+  const std::vector<std::uint64_t> bare = bare_cells(data);
   std::vector<std::uint32_t> before(n + 1, 0);  // chosen ones among the first i
   for (const std::uint32_t i : chosen) before[i + 1] = 1;
   for (std::size_t i = 0; i < n; ++i) before[i + 1] += before[i];
@@ -124,7 +142,10 @@ std::vector<BlockKey> filled_blocks(const PartitionData& data, const Selection& 
                       last = first_from(curve_position(b.level, b.code + 1));
     const std::uint32_t taken = before[last] - before[first];
     if (taken == 0) continue;
-    if (taken == last - first) {
+    const auto gap = std::lower_bound(bare.begin(), bare.end(), curve_position(b.level, b.code));
+    const bool whole = gap == bare.end() || *gap >= curve_position(b.level, b.code + 1);
+    const bool single = last - first == 1 && data.supports[first].level <= b.level;
+    if (taken == last - first && (whole || single)) {
       result.push_back(b);
     } else if (b.level < 20) {
       for (std::uint64_t k = 0; k < 8; ++k) stack.push_back({b.level + 1, b.code << 3 | k});
@@ -222,6 +243,29 @@ std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data,
   return result;
 }
 
+/// Those of the chosen supports whose block was fitted again. The others had too few samples for it, and stay.
+Selection in_served_blocks(const PartitionData& data, const Selection& chosen, std::span<const BlockKey> roots,
+                           const SampleTree& tree, const ScaleChoice& choice) {
+  std::vector<std::uint64_t> leaves;
+  for (const Leaf& leaf : choice.leaves)
+    leaves.push_back(curve_position(leaf.level, tree.level(leaf.level).code[leaf.cell]));
+  std::sort(leaves.begin(), leaves.end());
+  std::vector<std::array<std::uint64_t, 2>> bare;
+  for (const BlockKey& root : roots) {
+    const std::uint64_t first = curve_position(root.level, root.code), last = curve_position(root.level, root.code + 1);
+    const auto leaf = std::lower_bound(leaves.begin(), leaves.end(), first);
+    if (leaf == leaves.end() || *leaf >= last) bare.push_back({first, last});
+  }
+  if (bare.empty()) return chosen;
+  Selection served;
+  for (const std::uint32_t i : chosen) {
+    const std::uint64_t at = curve_position(data.supports[i].level, data.supports[i].code);
+    if (std::none_of(bare.begin(), bare.end(), [&](const auto& b) { return b[0] <= at && at < b[1]; }))
+      served.push_back(i);
+  }
+  return served;
+}
+
 }  // namespace
 
 Selection select_supports(const PartitionData& data, const SupportQuery& query) {
@@ -241,6 +285,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
   const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest};
   progress.begin("fit again", chosen.size());
   std::vector<FittedLeaf> leaves(chosen.size());
+  std::atomic<std::size_t> kept{0}, lower{0};
   parallel_ranges(0, chosen.size(), 64, [&](std::size_t first, std::size_t last) {
     Workspace ws;
     for (std::size_t i = first; i < last; ++i) {
@@ -263,6 +308,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
           LocalFunction& f = leaf.function;
           f.radius = old.radius;
           f.degree = std::min(degree, fits.highest);
+          lower += f.degree < degree;
           f.coefficient = monomial_coefficients(fits, f.degree);
           leaf.support.state = Support::fitted;
           leaf.support.creased = 0;
@@ -275,13 +321,17 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
         }
       }
       // Too few samples for anything: it stays as it was.
+      ++kept;
       leaf.function = old;
       for (std::int32_t next = old.next; next != 0; next = leaf.more.back().next)
         leaf.more.push_back(data.functions[static_cast<std::size_t>(next) - 1]);
     }
     progress.advance(last - first);
   });
-  return replaced(data, chosen, std::move(leaves));
+  EditResult result = replaced(data, chosen, std::move(leaves));
+  result.changes -= kept;
+  result.lower = lower;
+  return result;
 }
 
 EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
@@ -295,6 +345,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   if (options.support) basis.support = *options.support;
   const ScaleChoice choice = choose_scales_below(tree, options, basis, roots, progress);
   if (choice.leaves.empty()) throw DataError("the samples around the chosen supports are too few for any fit");
+  const Selection served = in_served_blocks(data, chosen, roots, tree, choice);
   const BlockFitter fitter{tree, options, choice.support, choice.finest};
   progress.begin("fit again", choice.leaves.size());
   std::vector<FittedLeaf> leaves(choice.leaves.size());
@@ -304,7 +355,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
     progress.advance(last - first);
   });
   std::vector<PartitionData::Flatness> flatness = updated_flatness(data, fitter, choice, roots, leaves);
-  EditResult result = replaced(data, chosen, std::move(leaves));
+  EditResult result = replaced(data, served, std::move(leaves));
   result.data.flatness = std::move(flatness);
   return result;
 }

@@ -59,8 +59,9 @@ struct EditSamples {
 struct EditResult {
   PartitionData data;
   Box3f changed;             ///< holds all places where the function may have changed (but for its far field)
-  std::size_t changes = 0;   ///< supports that are not as before
+  std::size_t changes = 0;   ///< of the chosen supports, those that are not as before
   std::size_t supports = 0;  ///< that took the place of those chosen
+  std::size_t lower = 0;     ///< of the changed ones, supports of a lower degree than was asked for
 };
 
 /// Polynomials of this degree (0..4), or of the highest below it that the samples of a support determine. Creases in

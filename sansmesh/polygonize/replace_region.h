@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/data/triangle_mesh.h"
@@ -11,8 +10,8 @@ namespace sansmesh {
 
 struct RegionReplacement {
   bool done = false;  ///< false: the two could not be joined, and the mesh is as it was
-  double agreement =
-      0;  ///< share of the patch's triangles in the sound part, but off the change, that the mesh has too
+  /// Share of the patch's triangles in the sound part, but off the change, that the mesh has too; 1 if there are none.
+  double agreement = 0;
   std::size_t removed = 0, added = 0;  ///< triangles
 };
 

@@ -159,7 +159,21 @@ TEST(FunctionEditor, Sheets) {
   select.sheet_at = Vec3{2.3, 0.4, 0};
   EXPECT_EQ(left(select), "big strays ");
   select.sheet_at = Vec3{-30, 0, 0};
-  EXPECT_EQ(left(select), "small strays ");
+  EXPECT_EQ(left(select), "big small strays ") << "no sheet is there";
+
+  // A sheet that is gone is not replaced by the next one.
+  FunctionEditor editor(copy_of(function));
+  select.sheet_at = Vec3{2.3, 0.4, 0};
+  EXPECT_GT(editor.apply({select, RemoveSupports{}}, progress).chosen, 0u);
+  EXPECT_EQ(editor.apply({select, RemoveSupports{}}, progress).chosen, 0u);
+  EXPECT_EQ(editor.function().history.size(), 1u) << "what does nothing is not remembered";
+
+  // What was removed does not come back when something else is fitted again.
+  const std::size_t before = editor.function().field.data().supports.size();
+  EditSelection big;
+  big.ball = {{0, 0, 0}, 1.3};
+  EXPECT_GT(editor.apply({big, Refit{}}, progress).chosen, 0u);
+  EXPECT_EQ(editor.function().field.data().supports.size(), before);
 }
 
 TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
@@ -184,7 +198,8 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
         outside += !in;
         differ += in && old[i] != now[i];
         if (!in) {
-          ASSERT_NEAR(old[i], now[i], 1e-6 * size) << report.what;
+          // The far field moves a little everywhere, and takes part wherever supports are thin.
+          ASSERT_NEAR(old[i], now[i], 1e-4 * size) << report.what;
         }
       }
       EXPECT_GT(outside, places.size() / 3) << size;

@@ -201,6 +201,27 @@ TEST(UpdateMesh, OfAnotherFunctionIsMadeAnew) {
   }
 }
 
+TEST(UpdateMesh, FarAwayMeshesAreNotTakenForTheFunctions) {
+  // Nothing is left where the change was, so that no triangle can be compared.
+  PointSet cloud = sphere(4000);
+  for (const PointSet& small : {sphere(500)})
+    for (std::size_t i = 0; i < small.size(); ++i) {
+      cloud.positions.push_back(small.positions[i] * 0.3f + Vec3f{2, 0, 0});
+      cloud.normals.push_back(small.normals[i]);
+    }
+  FunctionEditor editor(fitted(cloud));
+  Progress progress;
+  EditSelection small;
+  small.sheet_at = Vec3{2.3, 0, 0};
+  editor.apply({small, RemoveSupports{}}, progress);
+  TriangleMesh wrong = octasphere(4);
+  for (Vec3f& v : wrong.vertices) v += Vec3f{50, 0, 0};
+  MeshUpdate update;
+  const TriangleMesh after = update_mesh(editor.function(), wrong, editor.changed(), {}, progress, &update);
+  EXPECT_FALSE(update.local);
+  EXPECT_EQ(triangle_set(after), triangle_set(meshed(editor.function())));
+}
+
 TEST(UpdateMesh, MeshesFromFiles) {
   PointSet cloud = bumpy(8000);
   cloud.origin = {3000, -200, 5};
