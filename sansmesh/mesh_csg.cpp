@@ -11,6 +11,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/mesh_steps.h"
 #include "sansmesh/polygonize/crease_mesh.h"
 #include "sansmesh/polygonize/mesh_topology.h"
 
@@ -196,6 +197,9 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
   TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
   if (mesh.triangles.empty())
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));
+  MeshReport chosen;
+  detail::choose_components(mesh, options.components, {}, 0, chosen);
+  r.warnings = std::move(chosen.warnings);
   measure(mesh, r);
   return mesh;
 }

@@ -3,10 +3,13 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piecewise_field.h"
+#include "sansmesh/mesh_function.h"
 
 namespace sansmesh {
 
@@ -21,6 +24,9 @@ struct CsgMeshOptions {
   /// difference where it is exactly so. 0 = off; by default a thousandth of a cell.
   std::optional<double> simplify = std::nullopt;
 
+  /// Parts to keep; automatic: those that have at least a hundredth of the largest one's area.
+  ComponentChoice components = {ComponentChoice::Kind::all, 1};
+
   /// Throws ArgumentError naming the option.
   void validate() const;
 };
@@ -33,6 +39,7 @@ struct CsgMeshReport {
   std::size_t components = 0;
   bool closed = false;          ///< and manifold and oriented
   double area = 0, volume = 0;  ///< of the mesh
+  std::vector<std::string> warnings;
 };
 
 /// The surface of a solid. `solid` is about a distance: blocks whose centre is farther from zero than half their

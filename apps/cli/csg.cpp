@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/function_distance.h"
@@ -25,6 +26,7 @@ struct CsgArguments {
   bool ascii = false;
   std::vector<double> box;
   CsgMeshOptions options;
+  std::optional<ComponentChoice> components;
 };
 
 using FunctionPtr = std::shared_ptr<const SurfaceFunction>;
@@ -62,8 +64,12 @@ void run_csg(CsgArguments& a, Console& console) {
   const Solid solid = parse_csg(
       a.expression, [&](const std::string& name) { return solid_of(load(name)); },
       [&](const std::string& name) { return csg::leaf(std::make_shared<FunctionDistance>(load(name), progress)); });
+  // Functions of scans may have small sheets far from their surface, which `sansmesh mesh` leaves out too.
+  a.options.components = a.components.value_or(
+      ComponentChoice{functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1});
   CsgMeshReport report;
   const TriangleMesh mesh = mesh_csg(solid, a.options, progress, &report);
+  console.warn(a.output, report.warnings);
   Image preview;
   if (!a.preview.empty()) preview = render_mesh(mesh, {}, progress);
   progress.begin("write");
@@ -117,6 +123,11 @@ Command add_csg(CLI::App& app) {
       ->delimiter(',')
       ->expected(6)
       ->type_name("BOX");
+  c->add_option_function<std::string>(
+       "--components", [a](const std::string& text) { a->components = parse_components(text); },
+       "Parts to keep: auto (not those below 1 % of the largest one's area), all, largest or a number [auto with "
+       "functions, else all]")
+      ->type_name("CHOICE");
   c->add_option("--simplify", a->options.simplify,
                 "Fewer triangles where the surface is as flat as this; 0: nowhere [a thousandth of a cell]")
       ->type_name("LENGTH");

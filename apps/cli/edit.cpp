@@ -78,23 +78,24 @@ void run_edit(const EditArguments& a, Console& console) {
                      {"changed", box_json(report.changed)}});
   }
 
+  MeshUpdate update;
+  if (!a.mesh_output.empty()) {
+    try {
+      mesh = a.mesh.empty() ? mesh_function(editor.function(), {}, progress)
+                            : update_mesh(editor.function(), std::move(mesh), editor.changed(), {}, progress, &update);
+    } catch (const DataError& error) {
+      throw FileError(a.input, fmt::format("after the edits: {}", error.what()));
+    }
+  }
+  progress.begin("write");
   nlohmann::ordered_json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
   if (!a.output.empty()) {
-    progress.begin("write function");
     write_function(a.output, editor.function());
     const PartitionReport& r = editor.function().field.report();
     console.say(fmt::format("{}: {}", a.output, counted(r.functions, "local fit")));
     json["output"] = {{"file", a.output}, {"fits", r.functions}};
   }
   if (!a.mesh_output.empty()) {
-    MeshUpdate update;
-    try {
-      mesh = a.mesh.empty() ? mesh_function(editor.function(), {}, progress)
-                            : update_mesh(editor.function(), std::move(mesh), editor.changed(), {}, progress, &update);
-    } catch (const DataError& error) {
-      throw FileError(a.input, error.what());
-    }
-    progress.begin("write mesh");
     write_mesh(a.mesh_output, mesh);
     console.say(fmt::format("{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
                             update.local ? fmt::format(", of which {} are new", grouped(update.added))

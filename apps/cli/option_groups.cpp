@@ -5,8 +5,6 @@
 #include "sansmesh/core/error.h"
 
 namespace sansmesh::cli {
-namespace {
-
 ComponentChoice parse_components(const std::string& text) {
   using Kind = ComponentChoice::Kind;
   if (text == "auto") return {};
@@ -18,8 +16,6 @@ ComponentChoice parse_components(const std::string& text) {
     throw CLI::ValidationError("--components", "must be auto, all, largest or a number of at least 1, not " + text);
   return {.kind = Kind::count, .count = count};
 }
-
-}  // namespace
 
 void require(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);

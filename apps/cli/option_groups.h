@@ -39,6 +39,8 @@ CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
 void add_cloud_options(CLI::App& command, FitOptions& options);
 /// --depth, --error, --support, --degree, --smooth
 void add_fit_options(CLI::App& command, FitOptions& options);
+/// auto, all, largest or a number. Throws CLI::ValidationError.
+ComponentChoice parse_components(const std::string& text);
 /// --components, --trim, --quality, --mesh-error, --triangles, …
 void add_mesh_options(CLI::App& command, MeshOptions& options);
 
