@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "option_groups.h"
@@ -105,20 +106,116 @@ bool is_coarse(const TriangleMesh& mesh, double diagonal) {
   return !mesh.triangles.empty() && edges / (3 * static_cast<double>(mesh.triangles.size())) > kCoarse * diagonal;
 }
 
-void run_compare(CompareArguments& a, Console& console) {
+/// Numbers of a scale may be this wide.
+constexpr double kWidestNumber = 1.234e-100;
+/// Pixels that are left for the surface beside the scale, at least.
+constexpr int kLeastPicture = 100;
+
+void check_arguments(const CompareArguments& a) {
   a.options.validate();
   if (a.refine && !(*a.refine > 0 && std::isfinite(*a.refine))) throw ArgumentError("--refine must be positive");
-  if (!a.preview.empty()) check_writable(a.preview, "image");
   if (!a.output.empty()) check_writable(a.output, "text");
-  // Colours are to be read: no shadows, and a background that is not taken for white.
-  RenderOptions& picture = a.picture;
+  a.picture.validate();
+  if (a.preview.empty()) return;
+  check_writable(a.preview, "image");
+  const int scale = color_bar_width(a.picture.height, {.range = kWidestNumber});
+  if (scale > 0 && a.picture.width < scale + kLeastPicture)
+    throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its scale, or more",
+                                    a.picture.width, a.picture.height, scale + kLeastPicture));
+}
+
+/// Colours are to be read: no shadows, and a background that is not taken for white.
+RenderOptions picture_options(const CompareArguments& a) {
+  RenderOptions picture = a.picture;
   picture.background = RenderOptions::Background::solid;
   picture.background_color = {0.93f, 0.94f, 0.95f};
   picture.shadows = picture.ground = false;
-  picture.validate();
   if (!a.view.empty()) picture.view = named_view(a.view);
   if (a.z_up) picture.up = UpAxis::z;
+  return picture;
+}
 
+/// Cuts large triangles up if that was asked for; returns what to warn of.
+std::vector<std::string> refine(TriangleMesh& mesh, const std::optional<double>& edge, double diagonal,
+                                Progress& progress) {
+  if (edge) {
+    progress.begin("refine");
+    if (!refine_edges(mesh, *edge))
+      return {fmt::format("edges stay longer than {}: more than 20 million triangles", length(*edge))};
+  } else if (is_coarse(mesh, diagonal)) {
+    return {"has large triangles, and only their corners are compared: --refine LENGTH cuts them up"};
+  }
+  return {};
+}
+
+/// The mesh has the colours of the map.
+void write_map(const CompareArguments& a, const TriangleMesh& mesh, const DistanceMap& map, RenderOptions picture,
+               Progress& progress) {
+  Image image;
+  if (!a.preview.empty()) {
+    const ColorBar bar{.range = map.statistics.range, .both_sides = map.has_sides, .tolerance = a.options.tolerance};
+    picture.width -= color_bar_width(picture.height, bar);
+    image = beside_color_bar(render_mesh(mesh, picture, progress), bar);
+  }
+  if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
+  if (!a.output.empty()) {
+    if (mesh.triangles.empty())
+      write_points(a.output, as_points(mesh), {.ascii = a.ascii});
+    else
+      write_mesh(a.output, mesh, {.ascii = a.ascii});
+  }
+  if (!a.preview.empty()) write_image(a.preview, image);
+}
+
+/// What was left out, and what was written.
+void say_rest(const CompareArguments& a, const DistanceMap& map, const std::string& reference, Console& console) {
+  const auto line = [&](const char* title, std::size_t count, const std::string& what) {
+    if (count > 0) console.say(fmt::format("{:<16}{} {}", title, grouped(count), what));
+  };
+  line("left out", map.beyond, fmt::format("farther off than {} (grey)", length(map.max_distance)));
+  line("not found", map.not_found, "from where no surface was found (grey)");
+  line("borders", map.at_border,
+       fmt::format("closest to the border of {}{}", reference,
+                   a.options.skip_border ? " (left out, grey)" : ": --skip-border leaves them out"));
+  line("unused", map.not_finite, "that no triangle uses");
+  if (a.histogram && map.measured > 0) say_histogram(map, console);
+  const DistanceStatistics& s = map.statistics;
+  for (const std::string& file : {a.output, a.preview})
+    if (!file.empty())
+      console.say(fmt::format("{}: blue inside, red outside, full colour at ±{}{}", file, length(s.range),
+                              s.smallest_range ? ", a millionth of the diagonal: 99 % are nearer" : ""));
+}
+
+Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInput& part, const SurfaceInput& reference,
+             double diagonal) {
+  const DistanceStatistics& s = map.statistics;
+  Json json = {{"part", {{"file", a.part}, {"kind", part.kind()}}},
+               {"reference", {{"file", a.reference}, {"kind", reference.kind()}, {"diagonal", diagonal}}},
+               {"on", a.on},
+               {"signed", map.has_sides},
+               {"vertices", map.distance.size()},
+               {"measured", map.measured},
+               {"beyond", map.beyond},
+               {"not_found", map.not_found},
+               {"at_border", map.at_border},
+               {"not_finite", map.not_finite},
+               {"max_distance", map.max_distance},
+               {"tolerance", a.options.tolerance ? Json(*a.options.tolerance) : Json()},
+               {"distance", to_json(s)},
+               {"histogram",
+                {{"lower", map.has_sides ? -s.range : 0.0},
+                 {"upper", s.range},
+                 {"below", s.below_range},
+                 {"above", s.above_range},
+                 {"shares", s.histogram}}}};
+  if (!a.output.empty()) json["output"] = {{"file", a.output}};
+  if (!a.preview.empty()) json["preview"] = {{"file", a.preview}};
+  return json;
+}
+
+void run_compare(const CompareArguments& a, Console& console) {
+  check_arguments(a);
+  const RenderOptions picture = picture_options(a);
   Progress& progress = console.progress();
   SurfaceInput part(a.part, console), reference(a.reference, console);
   const bool reversed = a.on == "reference";
@@ -127,15 +224,8 @@ void run_compare(CompareArguments& a, Console& console) {
   TriangleMesh& mesh = mapped.mesh();
   const bool points = mesh.triangles.empty();
   if (!a.output.empty()) check_writable(a.output, points ? "points" : "mesh");
-  std::vector<std::string> warnings;
   const double diagonal = reference.bounds().diagonal();
-  if (a.refine) {
-    progress.begin("refine");
-    if (!refine_edges(mesh, *a.refine))
-      warnings.push_back(fmt::format("edges stay longer than {}: more than 20 million triangles", length(*a.refine)));
-  } else if (is_coarse(mesh, diagonal)) {
-    warnings.push_back("has large triangles, and only their corners are compared: --refine LENGTH cuts them up");
-  }
+  std::vector<std::string> warnings = refine(mesh, a.refine, diagonal, progress);
 
   progress.begin("prepare");
   const std::unique_ptr<SignedDistance> distance = other.distance();
@@ -150,64 +240,15 @@ void run_compare(CompareArguments& a, Console& console) {
   }
   if (!map.has_sides) warnings.push_back("distances have no sign: " + other.file() + " is points without normals");
   console.warn(mapped.file(), warnings);
-  const double range = map.statistics.range;
-  apply_map(mesh, map, range);
-  Image image;
-  if (!a.preview.empty()) {
-    const ColorBar bar{.range = range, .both_sides = map.has_sides, .tolerance = options.tolerance};
-    picture.width = std::max(1, picture.width - color_bar_width(picture.height, bar));
-    image = beside_color_bar(render_mesh(mesh, picture, progress), bar);
-  }
-  if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
-  if (!a.output.empty()) {
-    if (points)
-      write_points(a.output, as_points(mesh), {.ascii = a.ascii});
-    else
-      write_mesh(a.output, mesh, {.ascii = a.ascii});
-  }
-  if (!a.preview.empty()) write_image(a.preview, image);
+  apply_map(mesh, map, map.statistics.range);
+  write_map(a, mesh, map, picture, progress);
   progress.finish();
 
   console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.file(), grouped(map.measured),
                           grouped(mesh.vertices.size()), points ? "points" : "vertices", other.file(), other.kind()));
-  if (map.measured > 0) say_statistics(map, options.tolerance, console);
-  if (map.beyond > 0)
-    console.say(
-        fmt::format("{:<16}{} farther off than {} (grey)", "left out", grouped(map.beyond), length(map.max_distance)));
-  if (map.not_found > 0)
-    console.say(fmt::format("{:<16}{} from where no surface was found (grey)", "not found", grouped(map.not_found)));
-  if (map.at_border > 0)
-    console.say(fmt::format("{:<16}{} closest to the border of {}{}", "borders", grouped(map.at_border), other.file(),
-                            options.skip_border ? " (left out, grey)" : ": --skip-border leaves them out"));
-  if (map.not_finite > 0) console.say(fmt::format("{:<16}{} that no triangle uses", "unused", grouped(map.not_finite)));
-  if (a.histogram && map.measured > 0) say_histogram(map, console);
-  for (const std::string& file : {a.output, a.preview})
-    if (!file.empty())
-      console.say(fmt::format("{}: blue inside, red outside, full colour at ±{}", file, length(range)));
-
-  const DistanceStatistics& s = map.statistics;
-  Json json = {{"part", {{"file", a.part}, {"kind", part.kind()}}},
-               {"reference", {{"file", a.reference}, {"kind", reference.kind()}, {"diagonal", diagonal}}},
-               {"on", a.on},
-               {"signed", map.has_sides},
-               {"vertices", mesh.vertices.size()},
-               {"measured", map.measured},
-               {"beyond", map.beyond},
-               {"not_found", map.not_found},
-               {"at_border", map.at_border},
-               {"not_finite", map.not_finite},
-               {"max_distance", map.max_distance},
-               {"tolerance", options.tolerance ? Json(*options.tolerance) : Json()},
-               {"distance", to_json(s)},
-               {"histogram",
-                {{"lower", map.has_sides ? -s.range : 0.0},
-                 {"upper", s.range},
-                 {"below", s.below_range},
-                 {"above", s.above_range},
-                 {"shares", s.histogram}}}};
-  if (!a.output.empty()) json["output"] = {{"file", a.output}};
-  if (!a.preview.empty()) json["preview"] = {{"file", a.preview}};
-  console.say_json(json.dump(2));
+  if (map.measured > 0) say_statistics(map, a.options.tolerance, console);
+  say_rest(a, map, other.file(), console);
+  console.say_json(to_json(a, map, part, reference, diagonal).dump(2));
   console.print_timings();
 }
 
@@ -238,7 +279,7 @@ Command add_compare(CLI::App& app) {
       ->type_name("LENGTH");
   c->add_flag("--histogram", a->histogram, "Print the distribution as well");
   c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
-  c->add_option("--width", a->picture.width, "Of the picture with its scale: pixels, 1..16384 [1280]")
+  c->add_option("--width", a->picture.width, "Of the picture with its scale: pixels, up to 16384 [1280]")
       ->type_name("PIXELS");
   c->add_option("--height", a->picture.height, "Of the picture: pixels, 1..16384 [960]")->type_name("PIXELS");
   c->add_option("--view", a->view, "Of the picture: front, back, left, right, top, bottom or iso")->type_name("NAME");

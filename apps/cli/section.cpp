@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -32,24 +34,27 @@ struct SectionArguments {
   std::string unit;
 };
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 void check_output(const SectionArguments& a) {
-  if (!a.output.empty() && !ends_with(a.output, ".svg") && !ends_with(a.output, ".csv"))
+  if (!a.output.empty() && !a.output.ends_with(".svg") && !a.output.ends_with(".csv"))
     throw FileError(a.output, "sections are written as .svg or .csv");
   if (!a.output.empty()) check_writable(a.output, "text");
-  require(a.unit.empty() || ends_with(a.output, ".svg"), "--unit is for drawings: -o FILE.svg");
+  require(a.unit.empty() || a.output.ends_with(".svg"), "--unit is for drawings: -o FILE.svg");
 }
 
+/// What can be told before the file is read.
+void check_planes(const SectionArguments& a) {
+  for (const std::string& text : a.planes) parse_plane(text);
+  if (a.axis.empty()) require(!a.start && !a.step && !a.count, "--start, --step and --count need --axis");
+  require(!a.start || std::isfinite(*a.start), "--start must be finite");
+  require(!a.step || (std::isfinite(*a.step) && *a.step != 0), "--step must be finite and not 0");
+  require(a.step || !a.start || a.count.value_or(1) == 1, "several planes from --start on need --step");
+}
+
+/// The arguments are those that check_planes accepts.
 std::vector<CutPlane> chosen_planes(const SectionArguments& a, const Box3& box) {
   std::vector<CutPlane> planes;
   for (const std::string& text : a.planes) planes.push_back(parse_plane(text));
-  if (a.axis.empty()) {
-    require(!a.start && !a.step && !a.count, "--start, --step and --count need --axis");
-    return planes.empty() ? middle_planes(box) : planes;
-  }
+  if (a.axis.empty()) return planes.empty() ? middle_planes(box) : planes;
   const int axis = a.axis[0] - 'x';
   const auto k = static_cast<std::size_t>(axis);
   std::vector<CutPlane> series;
@@ -57,12 +62,10 @@ std::vector<CutPlane> chosen_planes(const SectionArguments& a, const Box3& box) 
     series = spread_planes(box, axis, a.count.value_or(1));
   } else if (a.step && !a.count) {
     // As many as reach to the other end of the box.
-    if (*a.step == 0) throw ArgumentError("--step must not be 0");
     const double start = a.start.value_or(*a.step > 0 ? box.lower[k] + 0.5 * *a.step : box.upper[k] + 0.5 * *a.step);
     const double left = ((*a.step > 0 ? box.upper[k] : box.lower[k]) - start) / *a.step;
     series = plane_series(axis, start, *a.step, left < 0 ? 1 : static_cast<int>(std::min(left, 1e6)) + 1);
   } else {
-    require(a.step || a.count.value_or(1) == 1, "several planes from --start on need --step");
     series = plane_series(axis, a.start.value_or(box.lower[k] + 0.5 * a.step.value_or(0)), a.step.value_or(1),
                           a.count.value_or(1));
   }
@@ -71,7 +74,7 @@ std::vector<CutPlane> chosen_planes(const SectionArguments& a, const Box3& box) 
 }
 
 void run_section(const SectionArguments& a, Console& console) {
-  for (const std::string& text : a.planes) parse_plane(text);
+  check_planes(a);
   check_output(a);
   FieldSectionOptions options;
   if (a.resolution) options.resolution = *a.resolution;
@@ -89,7 +92,7 @@ void run_section(const SectionArguments& a, Console& console) {
                                                         : section_mesh(surface.mesh(), planes, progress);
   if (!a.output.empty()) {
     progress.begin("write");
-    write_text(a.output, ends_with(a.output, ".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
+    write_text(a.output, a.output.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
   progress.finish();
 

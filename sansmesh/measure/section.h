@@ -49,7 +49,7 @@ struct FieldSectionOptions {
   int resolution = 512;
   /// Where to look; default: the field's own box.
   std::optional<Box3> box = {};
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError saying which.
   void validate() const;
 };
 

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -146,69 +148,62 @@ void refine(const ScalarField& field, const PlaneLattice& lattice, std::span<con
   }
 }
 
-}  // namespace
+/// The pieces of curve within the triangles of a lattice, each between crossings of two edges.
+class LatticePieces {
+ public:
+  explicit LatticePieces(const PlaneLattice& lattice) : lattice_(lattice) {
+    for (std::size_t j = 0; j + 1 < lattice.rows(); ++j)
+      for (std::size_t i = 0; i + 1 < lattice.columns(); ++i) {
+        const std::size_t a = lattice.node(i, j), c = lattice.node(i + 1, j + 1);
+        add_triangle({a, lattice.node(i + 1, j), c});
+        add_triangle({a, c, lattice.node(i, j + 1)});
+      }
+  }
 
-void FieldSectionOptions::validate() const {
-  if (resolution < 2 || resolution > 4096)
-    throw ArgumentError("FieldSectionOptions::resolution is " + std::to_string(resolution) + ": must be 2 to 4096");
-  if (box && (box->empty() || !is_finite(box->lower) || !is_finite(box->upper)))
-    throw ArgumentError("FieldSectionOptions::box must be finite and not empty");
-}
+  const std::vector<SectionPiece>& pieces() const { return pieces_; }
+  /// That the pieces' ends lie on.
+  const std::vector<Crossing>& edges() const { return edges_; }
 
-Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options) {
-  options.validate();
-  Box3 box = field.bounds();
-  if (options.box)
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.lower[k] = std::max(box.lower[k], options.box->lower[k]);
-      box.upper[k] = std::min(box.upper[k], options.box->upper[k]);
-    }
-  Section none;
-  none.plane = plane;
-  if (box.empty()) return none;
-  const Rectangle rectangle = cut_of_box(box, plane);
-  if (!rectangle.has_area()) return none;
-  const PlaneLattice lattice(field, plane, rectangle, box, options.resolution);
-
-  std::vector<SectionPiece> pieces;
-  std::vector<Crossing> edges;
-  std::unordered_map<std::uint64_t, std::uint32_t> known;
-  const auto crossing = [&](std::size_t inner, std::size_t outer) {
-    // An edge is its lower node and one of three directions: right, up, and both.
-    const std::size_t low = std::min(inner, outer), ahead = std::max(inner, outer) - low;
-    const std::uint64_t key = 3 * low + (ahead == 1 ? 0 : ahead == lattice.columns() ? 1 : 2);
-    const auto [at, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(edges.size()));
-    if (fresh) edges.push_back({inner, outer});
-    return at->second;
-  };
-  const auto add_triangle = [&](std::size_t a, std::size_t b, std::size_t c) {
-    const std::size_t corners[3] = {a, b, c};
+ private:
+  void add_triangle(const std::array<std::size_t, 3>& corners) {
     int inside = 0;
     for (const std::size_t node : corners) {
-      if (std::isnan(lattice.value(node))) return;
-      inside += lattice.value(node) < 0;
+      if (std::isnan(lattice_.value(node))) return;
+      inside += lattice_.value(node) < 0;
     }
     if (inside == 0 || inside == 3) return;
     SectionPiece piece{};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t p = corners[k], q = corners[(k + 1) % 3];
-      const bool p_inside = lattice.value(p) < 0, q_inside = lattice.value(q) < 0;
+      const bool p_inside = lattice_.value(p) < 0, q_inside = lattice_.value(q) < 0;
       if (p_inside && !q_inside) piece.from = crossing(p, q);
       if (!p_inside && q_inside) piece.to = crossing(q, p);
     }
-    pieces.push_back(piece);
-  };
-  for (std::size_t j = 0; j + 1 < lattice.rows(); ++j)
-    for (std::size_t i = 0; i + 1 < lattice.columns(); ++i) {
-      const std::size_t a = lattice.node(i, j), c = lattice.node(i + 1, j + 1);
-      add_triangle(a, lattice.node(i + 1, j), c);
-      add_triangle(a, c, lattice.node(i, j + 1));
-    }
+    pieces_.push_back(piece);
+  }
 
+  std::uint32_t crossing(std::size_t inner, std::size_t outer) {
+    // An edge is its lower node and one of three directions: right, up, and both.
+    const std::size_t low = std::min(inner, outer), ahead = std::max(inner, outer) - low;
+    const std::uint64_t key = 3 * low + (ahead == 1 ? 0 : ahead == lattice_.columns() ? 1 : 2);
+    const auto [at, fresh] = known_.try_emplace(key, static_cast<std::uint32_t>(edges_.size()));
+    if (fresh) edges_.push_back({inner, outer});
+    return at->second;
+  }
+
+  const PlaneLattice& lattice_;
+  std::vector<SectionPiece> pieces_;
+  std::vector<Crossing> edges_;
+  std::unordered_map<std::uint64_t, std::uint32_t> known_;
+};
+
+/// Where the field is zero on each of the edges, in the plane's coordinates.
+std::vector<std::array<double, 2>> zeros(const ScalarField& field, const PlaneLattice& lattice,
+                                         std::span<const Crossing> edges) {
   std::vector<double> where(edges.size());
   parallel_for(0, (edges.size() + kBatch - 1) / kBatch, 1, [&](std::size_t c) {
     const std::size_t first = c * kBatch, count = std::min(kBatch, edges.size() - first);
-    refine(field, lattice, std::span(edges).subspan(first, count), std::span(where).subspan(first, count));
+    refine(field, lattice, edges.subspan(first, count), std::span(where).subspan(first, count));
   });
   std::vector<std::array<double, 2>> points(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -216,7 +211,39 @@ Section section_field(const ScalarField& field, const CutPlane& plane, const Fie
     const auto [u1, v1] = lattice.place(edges[i].outer);
     points[i] = {u0 + (u1 - u0) * where[i], v0 + (v1 - v0) * where[i]};
   }
-  return make_section(plane, chain_pieces(pieces, points.size()), points);
+  return points;
+}
+
+Box3 common_box(const Box3& a, const Box3& b) {
+  Box3 box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.lower[k] = std::max(a.lower[k], b.lower[k]);
+    box.upper[k] = std::min(a.upper[k], b.upper[k]);
+  }
+  return box;
+}
+
+}  // namespace
+
+void FieldSectionOptions::validate() const {
+  if (resolution < 2 || resolution > 4096)
+    throw ArgumentError("a section's resolution is " + std::to_string(resolution) + ": must be 2 to 4096");
+  if (box && (box->empty() || !is_finite(box->lower) || !is_finite(box->upper)))
+    throw ArgumentError("the box of a section must be finite and not empty");
+}
+
+Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options) {
+  options.validate();
+  const Box3 box = options.box ? common_box(field.bounds(), *options.box) : field.bounds();
+  Section none;
+  none.plane = plane;
+  if (box.empty()) return none;
+  const Rectangle rectangle = cut_of_box(box, plane);
+  if (!rectangle.has_area()) return none;
+  const PlaneLattice lattice(field, plane, rectangle, box, options.resolution);
+  const LatticePieces cut(lattice);
+  const std::vector<std::array<double, 2>> points = zeros(field, lattice, cut.edges());
+  return make_section(plane, chain_pieces(cut.pieces(), points.size()), points);
 }
 
 std::vector<Section> section_field(const ScalarField& field, std::span<const CutPlane> planes,

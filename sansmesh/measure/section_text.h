@@ -13,7 +13,7 @@ struct SectionSvgOptions {
   /// wide.
   std::string unit;
   bool titles = true;  ///< the plane's equation, length and area, and a scale bar, at every drawing
-  /// Throws ArgumentError naming the field.
+  /// Throws ArgumentError saying which.
   void validate() const;
 };
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 
 #include "polygonize/mesh_shapes.h"
 #include "run_tool.h"
@@ -66,11 +67,24 @@ TEST_F(MeasureCommands, SectionComplaints) {
   expect_failure({"section", "ball.ply", "--plane", "w=1"}, 2, "w=1");
   expect_failure({"section", "ball.ply", "--count", "3"}, 2, "--axis");
   expect_failure({"section", "ball.ply", "--axis", "z", "--step", "0"}, 2, "--step");
+  for (const char* bad : {"nan", "inf", "-inf"}) {
+    expect_failure({"section", "ball.ply", "--axis", "z", "--step", bad}, 2, "--step must be finite");
+    expect_failure({"section", "ball.ply", "--axis", "z", "--step", "0.1", "--start", bad}, 2,
+                   "--start must be finite");
+    expect_failure({"section", "ball.ply", "--axis", "z", "--start", bad}, 2, "--start must be finite");
+  }
+  expect_failure({"section", "ball.ply", "--axis", "z", "--start", "0", "--count", "3"}, 2, "--step");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--step", "1e-320"}, 2, "planes");
+  EXPECT_EQ(json_of({"section", "ball.ply", "--axis", "z", "--step", "1e308"})["planes"].size(), 1u);
   expect_failure({"section", "ball.ply", "--axis", "q"}, 2, "--axis");
   expect_failure({"section", "ball.ply", "-o", "x.png"}, 1, "x.png");
   expect_failure({"section", "ball.ply", "-o", "none/x.svg"}, 1, "none/x.svg");
   expect_failure({"section", "ball.ply", "-o", "x.csv", "--unit", "mm"}, 2, "--unit");
   expect_failure({"section", "ball.ply", "--resolution", "100"}, 2, "--resolution");
+  const Outcome coarse = run({"section", "ball.ply", "--resolution", "1"});
+  EXPECT_EQ(coarse.code, 2);
+  EXPECT_NE(coarse.err.find("resolution is 1"), std::string::npos) << coarse.err;
+  EXPECT_EQ(coarse.err.find("::"), std::string::npos) << coarse.err;
   expect_failure({"section", "cloud.ply"}, 1, "no faces");
   expect_failure({"section", "none.ply"}, 1, "none.ply");
   EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "cloud.ply"}));
@@ -149,7 +163,42 @@ TEST_F(MeasureCommands, CompareComplaints) {
   expect_failure({"compare", "ball.ply", "ball.ply", "-o", "map.txt"}, 1, "map.txt");
   expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.jpg"}, 1, "map.jpg");
   expect_failure({"compare", "ball.ply", "ball.ply", "--view", "within"}, 2, "within");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.png", "--width", "10"}, 2, "--width 10");
+  for (const char* option : {"--max-distance", "--range", "--tolerance", "--refine"}) {
+    const Outcome bad = run({"compare", "ball.ply", "ball.ply", option, "nan"});
+    EXPECT_EQ(bad.code, 2);
+    EXPECT_EQ(bad.err.find("::"), std::string::npos) << bad.err;
+  }
   EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "empty.ply"}));
+}
+
+TEST_F(MeasureCommands, CompareWithItselfHasARange) {
+  write_sphere("ball.ply", 1);
+  const Outcome outcome = run({"compare", "ball.ply", "ball.ply", "-o", "map.ply"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("a millionth of the diagonal"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("±0\n"), std::string::npos) << outcome.out;
+}
+
+TEST_F(MeasureCommands, NoisyFunctionsAreMeasuredWhole) {
+  PointSet cloud = sphere(3000);
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0, 0.03);
+  for (Vec3f& p : cloud.positions) p = Vec3f(Vec3(p) * (1 + noise(random)));
+  write_points(path("cloud.ply"), cloud);
+  ASSERT_EQ(run({"fit", "cloud.ply", "-o", "ball.smf"}).code, 0);
+  for (const char* part : {"cloud.ply", "ball.smf"}) {
+    const Json json = json_of({"compare", part, "ball.smf"});
+    EXPECT_EQ(json["measured"], json["vertices"]) << part;
+    EXPECT_EQ(json["beyond"], 0) << part;
+    EXPECT_EQ(json["not_found"], 0) << part;
+  }
+  // From far off: too far, which is not the same as nowhere.
+  for (Vec3f& p : cloud.positions) p *= 5;
+  write_points(path("far.ply"), cloud);
+  const Json far = json_of({"compare", "far.ply", "ball.smf"});
+  EXPECT_EQ(far["beyond"], far["vertices"]);
+  EXPECT_EQ(far["not_found"], 0);
 }
 
 TEST_F(MeasureCommands, Functions) {
