@@ -22,7 +22,7 @@ namespace {
 constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
 /// A component of the mesh is extra whose samples stand for less than this share of its area, or that is smaller than
 /// this share of the largest.
-constexpr double kEvidence = 0.25, kSmallComponent = 0.01;
+constexpr double kEvidence = 0.25, kSmallComponent = 0.015;
 /// Where around a support's foot the gradient is looked at: along the normal, in radii.
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
 /// An edit's ball reaches a little beyond the place.

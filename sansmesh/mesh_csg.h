@@ -24,7 +24,7 @@ struct CsgMeshOptions {
   /// difference where it is exactly so. 0 = off; by default a thousandth of a cell.
   std::optional<double> simplify = std::nullopt;
 
-  /// Parts to keep; automatic: those that have at least a hundredth of the largest one's area.
+  /// Parts to keep; automatic: those that have at least 1.5 % of the largest one's area.
   ComponentChoice components = {ComponentChoice::Kind::all, 1};
 
   /// Throws ArgumentError naming the option.

@@ -125,7 +125,7 @@ Command add_csg(CLI::App& app) {
       ->type_name("BOX");
   c->add_option_function<std::string>(
        "--components", [a](const std::string& text) { a->components = parse_components(text); },
-       "Parts to keep: auto (not those below 1 % of the largest one's area), all, largest or a number [auto with "
+       "Parts to keep: auto (not those below 1.5 % of the largest one's area), all, largest or a number [auto with "
        "functions, else all]")
       ->type_name("CHOICE");
   c->add_option("--simplify", a->options.simplify,

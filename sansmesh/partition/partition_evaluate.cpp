@@ -18,6 +18,8 @@
 #define SANSMESH_PARTITION_EVALUATE_ONCE
 namespace sansmesh {
 /// Up to kTile points and the sums over supports at each: structure of arrays, aligned for the widest vectors.
+/// Square of f/R up to which a support's weight is not touched.
+constexpr float kTrusted = 0.25f;
 struct EvaluationTile {
   static constexpr std::size_t kTile = 64;
   alignas(64) float x[kTile], y[kTile], z[kTile];
@@ -170,10 +172,13 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, con
         // Weights fall with (1 − f²/R²)²: what is far from its zero set in the ball says little about what is there.
         const float reach = inverse * f->radius;
         const V far = hn::Mul(fv, hn::Set(d, reach));
-        const V near = hn::Max(hn::NegMulAdd(far, far, one), zero), near2 = hn::Mul(near, near);
+        const V over = hn::Max(hn::MulSub(far, far, hn::Set(d, kTrusted)), zero);
+        const V near = hn::Max(hn::NegMulAdd(over, hn::Set(d, 1 / (1 - kTrusted)), one), zero),
+                near2 = hn::Mul(near, near);
         fv = hn::IfThenElseZero(hn::Gt(near, zero), fv);
         if (kGradient) {
-          const V slope = hn::Mul(hn::Mul(theta, hn::Mul(far, near)), hn::Set(d, -4 * reach));
+          const V turn = hn::IfThenElseZero(hn::Gt(over, zero), hn::Mul(far, near));
+          const V slope = hn::Mul(hn::Mul(theta, turn), hn::Set(d, -4 * reach / (1 - kTrusted)));
           tx = hn::MulAdd(tx, near2, hn::Mul(slope, fx));
           ty = hn::MulAdd(ty, near2, hn::Mul(slope, fy));
           tz = hn::MulAdd(tz, near2, hn::Mul(slope, fz));
@@ -260,7 +265,7 @@ bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uin
 
 namespace {
 
-constexpr float kSteep = 1;
+constexpr float kSteep = 2.0f;
 
 /// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
 bool is_steep(const LocalFunction& f) {

@@ -78,7 +78,7 @@ void expect_gradients_of_values(const SurfaceFunction& s) {
     const Vec3 g = Vec3{f[1] - f[0], f[3] - f[2], f[5] - f[4]} / (2 * step);
     off += norm(g - gradients[i]) > 0.05;
   }
-  EXPECT_LT(off, x.size() / 200);
+  EXPECT_LT(off, x.size() / 100);
 }
 
 MeshTopology topology(const SurfaceFunction& s) {
