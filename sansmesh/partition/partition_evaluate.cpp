@@ -17,9 +17,10 @@
 #ifndef SANSMESH_PARTITION_EVALUATE_ONCE
 #define SANSMESH_PARTITION_EVALUATE_ONCE
 namespace sansmesh {
-/// Up to kTile points and the sums over supports at each: structure of arrays, aligned for the widest vectors.
-/// Square of f/R up to which a support's weight is not touched.
+/// Square of f/R up to which a support's weight is left alone: noisy samples lie that far off their fits.
 constexpr float kTrusted = 0.25f;
+
+/// Up to kTile points and the sums over supports at each: structure of arrays, aligned for the widest vectors.
 struct EvaluationTile {
   static constexpr std::size_t kTile = 64;
   alignas(64) float x[kTile], y[kTile], z[kTile];
@@ -169,7 +170,8 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, con
           fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
       }
       if (!f->is_constant()) {
-        // Weights fall with (1 − f²/R²)²: what is far from its zero set in the ball says little about what is there.
+        // Beyond f² = R²/4 weights fall to 0 at |f| = R: what is far from its zero set in the ball says little about
+        // what is there.
         const float reach = inverse * f->radius;
         const V far = hn::Mul(fv, hn::Set(d, reach));
         const V over = hn::Max(hn::MulSub(far, far, hn::Set(d, kTrusted)), zero);
