@@ -19,7 +19,7 @@ constexpr double kMargin = 3, kMostMargin = 60;
 /// Share of the surface beyond which making all of it anew is less work.
 constexpr double kMostWork = 0.5;
 /// Vertices of old and new mesh are the same within this share of a triangle's edge.
-constexpr double kSame = 2e-2;
+constexpr double kSame = 0.1;
 /// Share of the triangles off the change that must agree; else the patch was not made as the mesh was.
 constexpr double kAgreement = 0.5;
 /// So many vertices of an old mesh are asked whether it belongs to the function.
@@ -125,7 +125,7 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const 
   cut.blocks.balance();
   MeshReport report;
   const double edge = largest_block(cut, change);
-  for (double margin = kMargin; margin <= kMostMargin; margin *= 3) {
+  for (double margin = kMargin; margin <= kMostMargin; margin *= 2) {
     const Vec3 wide = Vec3{1, 1, 1} * (margin * edge);
     const Box3 region{change.lower - wide, change.upper + wide};
     const auto in_region = static_cast<std::size_t>(std::count_if(
