@@ -10,7 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh_function.h"
+#include "sansmesh/mesh_steps.h"
 #include "sansmesh/partition/partition_edit.h"
 #include "sansmesh/polygonize/components.h"
 #include "sansmesh/search/ball_tree.h"
@@ -22,7 +22,7 @@ namespace {
 constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
 /// A component of the mesh is extra whose samples stand for less than this share of its area, or that is smaller than
 /// this share of the largest.
-constexpr double kEvidence = 0.25, kSmallComponent = 0.015;
+constexpr double kSmallComponent = 0.015;
 /// Where around a support's foot the gradient is looked at: along the normal, in radii.
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
 /// An edit's ball reaches a little beyond the place.
@@ -114,25 +114,20 @@ void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagge
 /// Samples whose nearest vertex belongs to each component, times the area that each stands for, over its area.
 std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshComponents& components,
                                        const SurfaceFunction& function) {
-  std::vector<std::uint32_t> of_vertex(mesh.vertices.size(), 0);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (const std::uint32_t v : mesh.triangles[i]) of_vertex[v] = components.of_triangle[i];
   const PointSet& samples = *function.samples;
-  const KdTree vertices(mesh.vertices);
-  std::vector<std::uint32_t> nearest(samples.size());
-  parallel_for(0, nearest.size(), 1024, [&](std::size_t i) {
-    const Vec3 x = function.to_input(Vec3(samples.positions[i]) + samples.origin) - mesh.origin;
-    const auto found = vertices.nearest(Vec3f(x));
-    nearest[i] = found ? of_vertex[found->index] : 0;
+  const std::vector<std::size_t> nearest = detail::count_nearest(mesh, components, samples.size(), [&](std::size_t i) {
+    return Vec3f(function.to_input(Vec3(samples.positions[i]) + samples.origin) - mesh.origin);
   });
   const double spacing = function.field.report().spacing * function.unit;
-  std::vector<double> evidence(components.size(), 0);
-  for (const std::uint32_t c : nearest) evidence[c] += spacing * spacing / components.area[c];
+  std::vector<double> evidence(components.size());
+  for (std::size_t c = 0; c < evidence.size(); ++c)
+    evidence[c] = static_cast<double>(nearest[c]) * spacing * spacing / components.area[c];
   return evidence;
 }
 
 /// Extra components of the mesh: places, and the supports that they run through.
-void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, std::vector<std::uint8_t>& vertex_flag) {
+void find_extra_sheets(const SurfaceFunction& function, const KdTree& feet, Diagnosis& diagnosis,
+                       std::vector<std::uint8_t>& vertex_flag) {
   const TriangleMesh& mesh = diagnosis.mesh;
   const MeshComponents components = find_components(mesh);
   if (components.size() < 2) return;
@@ -142,9 +137,9 @@ void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, st
   // The largest that is vouched for is what the others are measured against.
   double largest = 0;
   for (std::size_t c = 0; c < extra.size(); ++c)
-    if (evidence[c] >= kEvidence) largest = std::max(largest, components.area[c]);
+    if (evidence[c] >= kLeastEvidence) largest = std::max(largest, components.area[c]);
   for (std::size_t c = 0; c < extra.size(); ++c)
-    extra[c] = evidence[c] < kEvidence || components.area[c] < kSmallComponent * largest;
+    extra[c] = evidence[c] < kLeastEvidence || components.area[c] < kSmallComponent * largest;
   std::vector<Box3f> box(components.size());
   std::vector<Vec3f> first(components.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -157,9 +152,6 @@ void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, st
   }
   const PartitionData& data = function.field.data();
   const Sheets sheets = find_sheets(data, function.samples->positions);
-  std::vector<Vec3f> feet(data.supports.size());
-  for (std::size_t i = 0; i < feet.size(); ++i) feet[i] = data.supports[i].foot;
-  const KdTree tree(feet);
   std::vector<SuspiciousPlace> places;
   std::vector<std::uint8_t> proposed(sheets.size(), 0);
   for (std::size_t c = 0; c < extra.size(); ++c) {
@@ -170,7 +162,7 @@ void find_extra_sheets(const SurfaceFunction& function, Diagnosis& diagnosis, st
     p.radius = 0.5 * static_cast<double>(box[c].diagonal());
     p.worst = components.area[c];
     const Vec3 on = mesh.origin + Vec3(first[c]);
-    const auto found = tree.nearest(Vec3f(function.from_input(on) - data.origin));
+    const auto found = feet.nearest(Vec3f(function.from_input(on) - data.origin));
     const std::uint32_t sheet = found ? sheets.of_support[found->index] : Sheets::kNone;
     // Only a sheet of its own can be taken away without harm to others.
     if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0]) {
@@ -212,16 +204,13 @@ void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_ab
   p.edit = edit;
 }
 
-void color_mesh(const SurfaceFunction& function, std::span<const Flagged> flagged,
+void color_mesh(const SurfaceFunction& function, const KdTree& feet, std::span<const Flagged> flagged,
                 const std::vector<std::uint8_t>& extra, TriangleMesh& mesh) {
   const PartitionData& data = function.field.data();
-  std::vector<Vec3f> feet(data.supports.size());
-  for (std::size_t i = 0; i < feet.size(); ++i) feet[i] = data.supports[i].foot;
-  const KdTree tree(feet);
   mesh.colors.assign(mesh.vertices.size(), kSound);
   parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
     const Vec3 x = function.from_input(mesh.origin + Vec3(mesh.vertices[v])) - data.origin;
-    const auto found = tree.nearest(Vec3f(x));
+    const auto found = feet.nearest(Vec3f(x));
     for (std::size_t k = 0; found && k < flagged.size(); ++k)
       if (!flagged[k].flag.empty() && flagged[k].flag[found->index]) mesh.colors[v] = kColors[k];
     if (extra[v]) mesh.colors[v] = kColors[static_cast<std::size_t>(Suspicion::extra_sheet)];
@@ -294,8 +283,11 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
     of(Suspicion::steep).flag[i] = steepest[i] > options.gradient_above;
     of(Suspicion::steep).value[i] = steepest[i];
   }
+  std::vector<Vec3f> foot(n);
+  for (std::size_t i = 0; i < n; ++i) foot[i] = data.supports[i].foot;
+  const KdTree feet(foot);
   std::vector<std::uint8_t> extra(diagnosis.mesh.vertices.size(), 0);
-  find_extra_sheets(function, diagnosis, extra);
+  find_extra_sheets(function, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
     gather_places(function, kind, of(kind), diagnosis);
   // At most so many of each kind.
@@ -304,7 +296,7 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
                 [&](const SuspiciousPlace& p) { return ++kept[static_cast<std::size_t>(p.kind)] > options.places; });
   if (function.samples->size() > 0)  // nothing can be fitted again without
     for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above);
-  color_mesh(function, flagged, extra, diagnosis.mesh);
+  color_mesh(function, feet, flagged, extra, diagnosis.mesh);
   progress.finish();
   return diagnosis;
 }

@@ -13,9 +13,8 @@
 namespace sansmesh {
 namespace {
 
-/// A sheet is spurious whose evidence (partition_edit.h) is less than this, or whose area is less than this share of
-/// the largest one's.
-constexpr double kEvidence = 0.25, kSmallSheet = 0.01;
+/// A sheet is spurious, too, whose area is less than this share of the largest one's.
+constexpr double kSmallSheet = 0.01;
 
 /// A place is on a sheet if one of its supports has its foot within so many edges of its block.
 constexpr float kSheetReach = 2;
@@ -53,7 +52,7 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const SurfaceFunction& functi
     const std::uint32_t k = sheets.of_support[i];
     flags[i] = k != Sheets::kNone && (!s.sheet_at || k == wanted) && (!s.all_but_largest || k != 0) &&
                (!s.spurious_sheets ||
-                (k != 0 && (sheets.evidence[k] < kEvidence || sheets.area[k] < kSmallSheet * sheets.area[0])));
+                (k != 0 && (sheets.evidence[k] < kLeastEvidence || sheets.area[k] < kSmallSheet * sheets.area[0])));
   }
   return flags;
 }

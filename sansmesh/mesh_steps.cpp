@@ -30,23 +30,33 @@ std::string counted(std::size_t n, const char* noun) { return std::to_string(n) 
 /// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
 std::vector<double> supported_area(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points,
                                    double spacing) {
-  std::vector<std::uint32_t> of_vertex(mesh.vertices.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (const std::uint32_t v : mesh.triangles[i]) of_vertex[v] = components.of_triangle[i];
-  const KdTree vertices(mesh.vertices);
   const std::size_t stride = 1 + points.size() / kSupportSamples;
-  std::vector<std::uint32_t> nearest((points.size() + stride - 1) / stride);
   const Vec3f shift(points.origin - mesh.origin);
-  parallel_for(0, nearest.size(), 1024, [&](std::size_t i) {
-    const auto found = vertices.nearest(points.positions[i * stride] + shift);
-    nearest[i] = found ? of_vertex[found->index] : 0;
-  });
-  std::vector<double> area(components.size(), 0);
-  for (const std::uint32_t c : nearest) area[c] += static_cast<double>(stride) * spacing * spacing;
+  const std::vector<std::size_t> nearest =
+      count_nearest(mesh, components, (points.size() + stride - 1) / stride,
+                    [&](std::size_t i) { return points.positions[i * stride] + shift; });
+  std::vector<double> area(components.size());
+  for (std::size_t c = 0; c < area.size(); ++c) area[c] = static_cast<double>(nearest[c] * stride) * spacing * spacing;
   return area;
 }
 
 }  // namespace
+
+std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
+                                       const std::function<Vec3f(std::size_t)>& at) {
+  std::vector<std::uint32_t> of_vertex(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t v : mesh.triangles[i]) of_vertex[v] = components.of_triangle[i];
+  const KdTree vertices(mesh.vertices);
+  std::vector<std::uint32_t> nearest(n);
+  parallel_for(0, n, 1024, [&](std::size_t i) {
+    const auto found = vertices.nearest(at(i));
+    nearest[i] = found ? of_vertex[found->index] : 0;
+  });
+  std::vector<std::size_t> count(components.size(), 0);
+  for (const std::uint32_t c : nearest) ++count[c];
+  return count;
+}
 
 void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
                        MeshReport& report) {

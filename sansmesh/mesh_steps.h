@@ -1,10 +1,13 @@
 // The steps from a field to a finished mesh that the front doors share; not part of the public interface.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sansmesh/mesh_function.h"
+#include "sansmesh/polygonize/components.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -15,6 +18,10 @@ PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error,
 
 /// Whether cut_out leaves a mesh of so many blocks alone that simplification would gain little for.
 bool may_skip_simplification(std::size_t blocks, const MeshOptions& options);
+
+/// For each component the number of places nearest to it: at(i), relative to the mesh's origin, for i < n.
+std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
+                                       const std::function<Vec3f(std::size_t)>& at);
 
 /// Cuts it out; fills in the number of blocks and, if asked for, the quality before enhancement.
 TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,

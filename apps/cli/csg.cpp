@@ -24,7 +24,6 @@ namespace {
 struct CsgArguments {
   std::string expression, output, preview;
   bool ascii = false;
-  std::vector<double> box;
   CsgMeshOptions options;
   std::optional<ComponentChoice> components;
 };
@@ -45,7 +44,6 @@ Solid solid_of(const FunctionPtr& function) {
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 void run_csg(CsgArguments& a, Console& console) {
-  if (!a.box.empty()) a.options.box = Box3{{a.box[0], a.box[1], a.box[2]}, {a.box[3], a.box[4], a.box[5]}};
   a.options.validate();
   check_writable(a.output, "mesh");
   if (!a.preview.empty()) check_writable(a.preview, "image");
@@ -119,10 +117,7 @@ Command add_csg(CLI::App& app) {
                 "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256]")
       ->type_name("COUNT");
   c->add_option("--cell", a->options.cell, "Edge of the cells instead")->type_name("LENGTH");
-  c->add_option("--box", a->box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for solids without an end")
-      ->delimiter(',')
-      ->expected(6)
-      ->type_name("BOX");
+  add_box_option(*c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for solids without an end");
   c->add_option_function<std::string>(
        "--components", [a](const std::string& text) { a->components = parse_components(text); },
        "Parts to keep: auto (not those below 1.5 % of the largest one's area), all, largest or a number [auto with "

@@ -15,12 +15,10 @@ namespace {
 struct MeshArguments {
   std::string input, output, preview;
   bool ascii = false;
-  std::vector<double> box;
   MeshOptions options;
 };
 
 void run_mesh(MeshArguments& a, Console& console) {
-  if (!a.box.empty()) a.options.box = Box3{{a.box[0], a.box[1], a.box[2]}, {a.box[3], a.box[4], a.box[5]}};
   a.options.validate();
   check_writable(a.output, "mesh");
   if (!a.preview.empty()) check_writable(a.preview, "image");
@@ -76,10 +74,7 @@ Command add_mesh(CLI::App& app) {
   c->add_option("-o,--output", a->output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
   c->add_option("--preview", a->preview, "Also draw the mesh into this PNG")->type_name("FILE");
   c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
-  c->add_option("--box", a->box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1")
-      ->delimiter(',')
-      ->expected(6)
-      ->type_name("BOX");
+  add_box_option(*c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
   c->add_option("--depth", a->options.block_depth,
                 "Deepest level of the blocks cut, 2..12: coarser [from the function]")
       ->type_name("LEVEL")

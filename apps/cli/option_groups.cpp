@@ -34,6 +34,18 @@ void add_cloud_options(CLI::App& c, FitOptions& o) {
       ->type_name("CHOICE");
 }
 
+void add_box_option(CLI::App& c, std::optional<Box3>& box, const std::string& what) {
+  c.add_option_function<std::vector<double>>(
+       "--box",
+       [&box](const std::vector<double>& v) {
+         box = Box3{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+       },
+       what)
+      ->delimiter(',')
+      ->expected(6)
+      ->type_name("BOX");
+}
+
 void add_fit_options(CLI::App& c, FitOptions& o) {
   c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
       ->type_name("LEVEL")

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,8 @@ CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
 
 /// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
 void add_cloud_options(CLI::App& command, FitOptions& options);
+/// --box x0,y0,z0,x1,y1,z1
+void add_box_option(CLI::App& command, std::optional<Box3>& box, const std::string& what);
 /// --depth, --error, --support, --degree, --smooth
 void add_fit_options(CLI::App& command, FitOptions& options);
 /// auto, all, largest or a number. Throws CLI::ValidationError.

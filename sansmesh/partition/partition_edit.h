@@ -48,6 +48,8 @@ struct Sheets {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::size_t size() const { return area.size(); }
 };
+/// With less evidence a sheet is taken to be spurious.
+constexpr double kLeastEvidence = 0.25;
 /// `samples`: along the Morton curve; empty: no evidence (0).
 Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples);
 

@@ -136,7 +136,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
       }
       // Simplified triangles of flat faces reach from edge to edge: there all may be made anew.
       if (!options.mesh_error && (smooth || !options.enhance)) {
-        EXPECT_GE(local, local_actions().size() - 2) << shape.name << (options.enhance ? "" : ", plain");
+        EXPECT_GE(local, local_actions().size() - 1) << shape.name << (options.enhance ? "" : ", plain");
       }
     }
   }
