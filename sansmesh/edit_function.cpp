@@ -82,9 +82,9 @@ Box3 to_input(const SurfaceFunction& function, const Box3f& box) {
 PartitionOptions options_of(const SurfaceFunction& function, const Refit& r) {
   PartitionOptions o = function.field.data().options;
   if (r.max_degree) o.max_degree = *r.max_degree;
-  if (r.max_depth) o.max_depth = *r.max_depth;
+  if (r.max_depth) o.max_depth = r.max_depth;
   if (r.error) o.error = *r.error / function.unit;
-  if (r.support) o.support = *r.support;
+  if (r.support) o.support = r.support;
   if (r.sharp) o.sharp = *r.sharp;
   return o;
 }

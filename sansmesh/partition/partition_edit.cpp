@@ -247,6 +247,7 @@ std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data,
 Selection in_served_blocks(const PartitionData& data, const Selection& chosen, std::span<const BlockKey> roots,
                            const SampleTree& tree, const ScaleChoice& choice) {
   std::vector<std::uint64_t> leaves;
+  leaves.reserve(choice.leaves.size());
   for (const Leaf& leaf : choice.leaves)
     leaves.push_back(curve_position(leaf.level, tree.level(leaf.level).code[leaf.cell]));
   std::sort(leaves.begin(), leaves.end());
