@@ -16,6 +16,11 @@ endif()
 # Bit-identical results: the compiler may not fuse a*b+c differently from one build or call site to the next.
 add_compile_options(-ffp-contract=off)
 
+# Instrumented kernels take minutes to compile for every instruction set; one shows the same mistakes.
+if(CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
+  add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
+endif()
+
 function(sansmesh_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wno-unused-parameter)
   if(SANSMESH_WARNINGS_AS_ERRORS)
