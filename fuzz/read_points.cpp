@@ -1,5 +1,6 @@
 // Whatever bytes a file of points or a mesh holds, reading it ends with points whose arrays fit together, or with a
-// FileError. The first byte chooses the format: a reader sees what it would never get through the choice by content.
+// FileError of one printable line. The first byte chooses the format: a reader sees what it would never get through the
+// choice by content.
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -8,8 +9,10 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/input.h"
+#include "support/clean_text.h"
 
 using namespace sansmesh;
+using test::is_clean;
 
 namespace {
 
@@ -53,9 +56,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const io::Input in{name, {bytes.get(), size - 1}, report};
   try {
     check(readers[data[0] % std::size(readers)](in));
+    for (const std::string& warning : report.warnings) require(is_clean(warning), "a warning that is not printable");
   } catch (const FileError& error) {
     const std::string what = error.what();
     require(what.starts_with("fuzz.file: "), "an error that does not name the file");
+    require(is_clean(what), "an error that is not printable");
+    require(what.size() < 5000, "an error as long as a file");
   }
   return 0;
 }

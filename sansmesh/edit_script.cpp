@@ -18,14 +18,6 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr double kLeastConstant = 1e-3, kMostConstant = 1e3;  // as set_constant takes them
 
-/// What a script calls a field, fit for a line of an error.
-std::string printable(std::string name) {
-  name.resize(std::min<std::size_t>(name.size(), 40));
-  for (char& c : name)
-    if (c < ' ' || c > '~') c = '?';
-  return name;
-}
-
 /// An object of the script; every field must be known.
 class Fields {
  public:
@@ -36,7 +28,7 @@ class Fields {
       if (std::find(known.begin(), known.end(), key) == known.end()) {
         std::string all;
         for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
-        fail(fmt::format("unknown field '{}'; known: {}", printable(key), all));
+        fail(fmt::format("unknown field '{}'; known: {}", printable(key, 40), all));
       }
   }
   [[noreturn]] void fail(const std::string& cause) const { throw ArgumentError(where_ + ": " + cause); }

@@ -1,7 +1,6 @@
 // Function files: sections and the description in JSON (docs/formats/smf.md).
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -139,9 +138,7 @@ ScaleBasis basis_of(const ReadJson& json) {
 /// What will be printed is one line.
 std::vector<std::string> history_of(const ReadJson& json) {
   auto lines = json.get<std::vector<std::string>>();
-  for (std::string& line : lines)
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  for (std::string& line : lines) line = printable(line);
   return lines;
 }
 

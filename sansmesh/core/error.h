@@ -3,8 +3,14 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace sansmesh {
+
+/// Text of a file or of a user, fit for one line of a message: printing characters of UTF-8 stay, all other bytes
+/// (control characters, line breaks, what is not UTF-8) become \xNN. Of more than `most` characters the middle is left
+/// out ("…"). Printable text of at most `most` characters stays as it is.
+std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
 /// Base of everything this library throws on purpose. what() is one line that names the culprit and the cause.
 class Error : public std::runtime_error {
@@ -12,10 +18,11 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file that cannot be opened, read, understood or written. The message starts with the file's name.
+/// A file that cannot be opened, read, understood or written. The message starts with the file's name. Causes may hold
+/// excerpts of damaged files: name and cause are made printable(), long causes cut.
 class FileError : public Error {
  public:
-  FileError(const std::string& file, const std::string& cause) : Error(file + ": " + cause), file_(file) {}
+  FileError(const std::string& file, const std::string& cause);
   const std::string& file() const { return file_; }
 
  private:

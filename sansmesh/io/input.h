@@ -46,7 +46,7 @@ struct Input {
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// "truncated: 1,234 bytes are missing".
   [[noreturn]] void fail_truncated(std::uint64_t missing_bytes, bool at_least = false) const;
-  void warn(const std::string& remark) const { report.warnings.push_back(remark); }
+  void warn(const std::string& remark) const { report.warnings.push_back(printable(remark)); }
 };
 
 /// 1234567 → "1,234,567".

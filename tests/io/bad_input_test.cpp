@@ -28,6 +28,7 @@ bool readable(const std::string& file) {
     return true;
   } catch (const FileError& e) {
     EXPECT_EQ(std::string(e.what()).rfind(file + ": ", 0), 0u) << e.what();
+    EXPECT_TRUE(is_clean(e.what())) << e.what();
   } catch (const std::exception& e) {
     ADD_FAILURE() << file << ": another exception: " << e.what();
   }
@@ -149,6 +150,30 @@ TEST_P(EveryFormat, DamagedBytes) {
 
 TEST_P(EveryFormat, AnotherFormatsContent) {
   for (const SampleFile& other : sample_files()) readable(folder_.put("other." + GetParam().name, other.content));
+}
+
+// A terminal would act on these, and a reader of UTF-8 stumble over the last.
+TEST(Excerpts, OfDamagedFilesArePrintable) {
+  const std::string bad = "\x1b[31m\a\x7f\xc2\x9b\xff", shown = "\\x1b[31m\\x07\\x7f\\xc2\\x9b\\xff";
+  const std::string ply = "ply\nformat ascii 1.0\n", xyz = "property float x\nproperty float y\nproperty float z\n";
+  const std::string pcd =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\n";
+  const Folder folder;
+  expect_unreadable(folder.put("keyword.ply", ply + bad + " 1\nend_header\n"), shown);
+  expect_unreadable(folder.put("type.ply", ply + "element vertex 1\nproperty " + bad + " x\nend_header\n"), shown);
+  expect_unreadable(folder.put("format.ply", "ply\nformat " + bad + " 1.0\n"), shown);
+  expect_unreadable(folder.put("number.ply", ply + "element vertex 1\n" + xyz + "end_header\n1 2 " + bad + "\n"),
+                    shown);
+  const auto other = [&](const std::string& name) {  // an element of no numbers
+    return ply + "element " + name + " 1\n" + xyz + "element vertex 1\n" + xyz + "end_header\n1 2 z\n1 2 3\n";
+  };
+  expect_unreadable(folder.put("name.ply", other(bad)), shown);
+  expect_unreadable(folder.put("data.pcd", pcd + "DATA " + bad + "\n"), shown);
+  expect_unreadable(folder.put("number.pcd", pcd + "DATA ascii\n1 2 " + bad + "\n"), shown);
+  expect_unreadable(folder.put("type.vtp", "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + bad + "\">\n"), shown);
+  expect_unreadable(folder.put("scan.conf", "bmesh " + bad + ".ply 0 0 0 0 0 0 1\n"), shown);
+  const std::string message = expect_unreadable(folder.put("long.ply", other(std::string(4000, 'q'))), "qq…qq");
+  EXPECT_LT(message.size(), 2000u + folder.path().string().size());
 }
 
 // ------------------------------------------------------------------------------------------------- absurd sizes
