@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "sansmesh/edit_function.h"
+#include "sansmesh/mesh_function.h"
 #include "sansmesh/surface_function.h"
 #include "support/clouds.h"
 
@@ -13,6 +14,11 @@ namespace sansmesh::test {
 inline SurfaceFunction fitted(const PointSet& cloud, const FitOptions& options = {}) {
   Progress progress;
   return fit_surface_function(cloud, options, progress);
+}
+
+inline TriangleMesh meshed(const SurfaceFunction& function, const MeshOptions& options = {}) {
+  Progress progress;
+  return mesh_function(function, options, progress);
 }
 
 /// A sphere with bumps and dents all over it.
@@ -30,6 +36,12 @@ inline PointSet bumpy(std::size_t n) {
                  value({p.x, p.y, p.z + h}) - value({p.x, p.y, p.z - h})};
     cloud.positions[i] = Vec3f(p), cloud.normals[i] = Vec3f(normalized(g));
   }
+  return cloud;
+}
+
+inline PointSet colored(PointSet cloud) {
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 200});
   return cloud;
 }
 
