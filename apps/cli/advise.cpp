@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 
 namespace sansmesh::cli {
@@ -30,33 +32,31 @@ Json to_json(const CloudTraits& t) {
           {"normals", normals_word(t.normals)}};
 }
 
-}  // namespace
-
-void run_advise(const AdviseArguments& arguments, Console& console) {
+void run_advise(const std::string& file, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const PointSet points = read_points(arguments.input, &read);
-  console.warn(arguments.input, read.warnings);
+  const PointSet points = read_points(file, &read);
+  console.warn(file, read.warnings);
   Advice advice;
   try {
-    advice = advise(points, progress, arguments.input);
+    advice = advise(points, progress, file);
   } catch (const DataError& error) {
-    throw FileError(arguments.input, error.what());
+    throw FileError(file, error.what());
   }
   progress.finish();
-  console.warn(arguments.input, advice.warnings);
+  console.warn(file, advice.warnings);
 
   const CloudTraits& t = advice.traits;
-  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input, counted(t.samples, "sample"),
-                          length(t.spacing), length(t.noise), read.format));
+  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", file, counted(t.samples, "sample"), length(t.spacing),
+                          length(t.noise), read.format));
   for (const std::string& finding : advice.findings) console.say("  " + finding);
   for (const Recommendation& r : advice.recommendations) {
     console.say(fmt::format("{:<10}{}", aim_word(r.aim), r.why));
     for (const std::string& command : r.commands) console.say("  $ " + command);
   }
 
-  Json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", points.size()}}},
+  Json json = {{"input", {{"file", file}, {"format", read.format}, {"points", points.size()}}},
                {"traits", to_json(t)},
                {"findings", advice.findings}};
   json["recommendations"] = Json::array();
@@ -70,6 +70,20 @@ void run_advise(const AdviseArguments& arguments, Console& console) {
   json["warnings"] = warnings;
   console.say_json(json.dump(2));
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_advise(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("advise", "Points → which method suits them, why, and the commands to run");
+  auto file = std::make_shared<std::string>();
+  c.add_option("input", *file, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.footer(std::string(kReadable) +
+           "\n\nLooks at noise, density, sharp edges, borders, stray samples and normals. Writes nothing."
+           "\n\nExamples:\n"
+           "  sansmesh advise scan.ply\n"
+           "  sansmesh advise scan.ply --json");
+  return {&c, [file](Console& console) { run_advise(*file, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -28,11 +28,11 @@ using Json = nlohmann::ordered_json;
 constexpr double kCoarse = 0.02;
 
 struct CompareArguments {
-  std::string part, reference, output, preview, view, on = "part";
-  bool ascii = false, z_up = false, histogram = false;
+  std::string part, reference, output, preview, on = "part";
+  bool ascii = false, histogram = false;
   std::optional<double> refine;
   DistanceMapOptions options;
-  RenderOptions picture;
+  PictureArguments picture;
 };
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -115,23 +115,22 @@ void check_arguments(const CompareArguments& a) {
   a.options.validate();
   if (a.refine && !(*a.refine > 0 && std::isfinite(*a.refine))) throw ArgumentError("--refine must be positive");
   if (!a.output.empty()) check_writable(a.output, "text");
-  a.picture.validate();
+  a.picture.options.validate();
   if (a.preview.empty()) return;
   check_writable(a.preview, "image");
-  const int scale = color_bar_width(a.picture.height, {.range = kWidestNumber});
-  if (scale > 0 && a.picture.width < scale + kLeastPicture)
+  const int width = a.picture.options.width, height = a.picture.options.height;
+  const int scale = color_bar_width(height, {.range = kWidestNumber});
+  if (scale > 0 && width < scale + kLeastPicture)
     throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its scale, or more",
-                                    a.picture.width, a.picture.height, scale + kLeastPicture));
+                                    width, height, scale + kLeastPicture));
 }
 
 /// Colours are to be read: no shadows, and a background that is not taken for white.
 RenderOptions picture_options(const CompareArguments& a) {
-  RenderOptions picture = a.picture;
+  RenderOptions picture = a.picture.chosen();
   picture.background = RenderOptions::Background::solid;
   picture.background_color = {0.93f, 0.94f, 0.95f};
   picture.shadows = picture.ground = false;
-  if (!a.view.empty()) picture.view = named_view(a.view);
-  if (a.z_up) picture.up = UpAxis::z;
   return picture;
 }
 
@@ -265,7 +264,7 @@ Command add_compare(CLI::App& app) {
   c->add_option("-o,--output", a->output,
                 "The map to write, distance as quality and as colours: .ply (others: colours)")
       ->type_name("FILE");
-  c->add_option("--preview", a->preview, "Also draw the map with a scale into this PNG")->type_name("FILE");
+  add_preview_option(*c, a->preview, "the map with a scale");
   c->add_option("--tolerance", o.tolerance, "Tell the share within ±LENGTH")->type_name("LENGTH");
   c->add_option("--range", o.range, "Distance that has the full colour [99 % are nearer]")->type_name("LENGTH");
   c->add_option("--max-distance", o.max_distance,
@@ -278,12 +277,8 @@ Command add_compare(CLI::App& app) {
   c->add_option("--refine", a->refine, "First cut edges of the mapped mesh that are longer in half, again and again")
       ->type_name("LENGTH");
   c->add_flag("--histogram", a->histogram, "Print the distribution as well");
-  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
-  c->add_option("--width", a->picture.width, "Of the picture with its scale: pixels, up to 16384 [1280]")
-      ->type_name("PIXELS");
-  c->add_option("--height", a->picture.height, "Of the picture: pixels, 1..16384 [960]")->type_name("PIXELS");
-  c->add_option("--view", a->view, "Of the picture: front, back, left, right, top, bottom or iso")->type_name("NAME");
-  c->add_flag("--z-up", a->z_up, "Of the picture: the z axis points up, not y");
+  add_ascii_flag(*c, a->ascii);
+  add_picture_options(*c, a->picture);
   c->footer(
       "Positive distances lie outside of the reference. Statistics weigh by area. Nothing is moved: align "
       "beforehand.\n\n"

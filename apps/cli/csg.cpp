@@ -110,9 +110,7 @@ Command add_csg(CLI::App& app) {
   c->add_option("expression", a->expression, "What to combine, in quotes: see below")
       ->type_name("EXPRESSION")
       ->required();
-  c->add_option("-o,--output", a->output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
-  c->add_option("--preview", a->preview, "Also draw the mesh into this PNG")->type_name("FILE");
-  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  add_mesh_output(*c, a->output, a->preview, a->ascii);
   c->add_option("--resolution", a->options.resolution,
                 "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256]")
       ->type_name("COUNT");

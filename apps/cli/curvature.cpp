@@ -6,15 +6,26 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/polygonize/mesh_distance.h"
 #include "sansmesh/prepare_cloud.h"
+#include "sansmesh/surface/curvature.h"
 #include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::cli {
 namespace {
+
+struct CurvatureArguments {
+  std::string input, output, preview;
+  std::string color_by = "mean";
+  std::optional<double> color_range;
+  bool ascii = false;
+  CurvatureOptions options;
+};
 
 float chosen_quantity(const PrincipalCurvatures& c, const std::string& name) {
   if (name == "gaussian") return gaussian_curvature(c);
@@ -29,8 +40,6 @@ double quantile(std::vector<float> values, double q) {
   std::nth_element(values.begin(), at, values.end());
   return static_cast<double>(*at);
 }
-
-}  // namespace
 
 void run_curvature(const CurvatureArguments& arguments, Console& console) {
   arguments.options.validate();
@@ -124,6 +133,37 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
                                        {"output", {{"file", arguments.output}}}};
   console.say_json(json.dump(2));
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_curvature(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("curvature", "Points → principal curvatures and directions at them");
+  auto shared = std::make_shared<CurvatureArguments>();
+  CurvatureArguments& a = *shared;
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv (others: colours only)")
+      ->type_name("FILE")
+      ->required();
+  add_preview_option(c, a.preview, "the coloured points");
+  add_ascii_flag(c, a.ascii);
+  add_curvature_colors(c, a.color_by, a.color_range, "mean, gaussian, k1 or k2 [mean]");
+  c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 8..2000 [from noise and shape]")
+      ->type_name("COUNT");
+  c.add_option("--radius", a.options.radius, "Width of the weights as one length, in place of --neighbours")
+      ->type_name("LENGTH");
+  c.add_option("--tau", a.options.tau, "Exponent of the M-like weights, 1..4 [2]")->type_name("EXPONENT");
+  c.add_option("--weights", a.options.weights, "m-like, gaussian or uniform [m-like]")
+      ->transform(choices<CurvatureOptions::Weights>({{"m-like", CurvatureOptions::Weights::m_like},
+                                                      {"gaussian", CurvatureOptions::Weights::gaussian},
+                                                      {"uniform", CurvatureOptions::Weights::uniform}}))
+      ->type_name("CHOICE");
+  c.footer(std::string(kReadable) +
+           "\n\nCurvatures are per length of the input, positive where the surface is convex."
+           "\n\nExamples:\n"
+           "  sansmesh curvature scan.ply -o curved.ply --preview curved.png\n"
+           "  sansmesh curvature scan.ply -o table.csv --color-by gaussian");
+  return {&c, [shared](Console& console) { run_curvature(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

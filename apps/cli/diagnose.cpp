@@ -18,9 +18,7 @@ constexpr std::size_t kPrinted = 5;
 
 struct DiagnoseArguments {
   std::string input, script, preview;
-  RenderOptions picture;
-  std::string view;
-  bool z_up = false;
+  PictureArguments picture;
   DiagnoseOptions options;
 };
 
@@ -40,9 +38,8 @@ std::string worst_of(const SuspiciousPlace& p) {
 
 void run_diagnose(DiagnoseArguments& a, Console& console) {
   a.options.validate();
-  if (!a.view.empty()) a.picture.view = named_view(a.view);
-  if (a.z_up) a.picture.up = UpAxis::z;
-  a.picture.validate();
+  const RenderOptions picture_options = a.picture.chosen();
+  picture_options.validate();
   if (!a.script.empty()) {
     if (!a.script.ends_with(".json")) throw FileError(a.script, "scripts are written to files with the ending .json");
     check_writable(a.script, "text");
@@ -55,7 +52,7 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
   Image picture;
   try {
     d = diagnose_function(function, a.options, progress);
-    if (!a.preview.empty()) picture = render_mesh(d.mesh, a.picture, progress);
+    if (!a.preview.empty()) picture = render_mesh(d.mesh, picture_options, progress);
   } catch (const DataError& error) {
     throw FileError(a.input, error.what());
   }
@@ -109,12 +106,8 @@ Command add_diagnose(CLI::App& app) {
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
   c->add_option("--script", a->script, "Write a script for `sansmesh edit`, a step for each place, .json")
       ->type_name("FILE");
-  c->add_option("--preview", a->preview, "Draw the surface with what is suspicious in colour into this PNG")
-      ->type_name("FILE");
-  c->add_option("--view", a->view, "front, back, left, right, top, bottom or iso")->type_name("NAME");
-  c->add_flag("--z-up", a->z_up, "The z axis points up, not y");
-  c->add_option("--width", a->picture.width, "Pixels, 1..16384 [1280]")->type_name("PIXELS");
-  c->add_option("--height", a->picture.height, "Pixels, 1..16384 [960]")->type_name("PIXELS");
+  add_preview_option(*c, a->preview, "the surface with what is suspicious in colour");
+  add_picture_options(*c, a->picture);
   c->add_option("--coverage", a->options.coverage_below,
                 "Suspicious below: share of a fit that samples cover, 0..1 [0.3]")
       ->type_name("SHARE");

@@ -11,6 +11,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/edit_function.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh_function.h"
 #include "sansmesh/polygonize/mesh_distance.h"
 
 namespace sansmesh::cli {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/level_set_curvature.h"
 #include "sansmesh/io/io.h"
@@ -131,7 +132,7 @@ Command add_eval(CLI::App& app) {
   c->add_option("--points", a->points, "Where: the points of this file")->type_name("FILE");
   c->add_option("--at", a->at, "Where: at this place, x,y,z")->delimiter(',')->expected(3)->type_name("POINT");
   c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv")->type_name("FILE");
-  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  add_ascii_flag(*c, a->ascii);
   c->footer(
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"
       "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"

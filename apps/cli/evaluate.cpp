@@ -1,6 +1,7 @@
 // sansmesh evaluate: how good is a mesh?
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,11 @@
 
 namespace sansmesh::cli {
 namespace {
+
+struct EvaluateArguments {
+  std::string surface, reference;
+  std::size_t samples = 300000;
+};
 
 using Json = nlohmann::ordered_json;
 
@@ -63,8 +69,6 @@ void say_distance(const char* name, const OneWayDistance& d, const SurfaceDistan
                           percent(d.p95), percent(d.max),
                           d.angle ? fmt::format(", normals {:.2f}° off", *d.angle) : ""));
 }
-
-}  // namespace
 
 void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   Progress& progress = console.progress();
@@ -123,6 +127,23 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   progress.finish();
   console.say_json(json.dump(2));
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_evaluate(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("evaluate", "Mesh → distances to a reference, topology, shape of triangles");
+  auto shared = std::make_shared<EvaluateArguments>();
+  EvaluateArguments& a = *shared;
+  c.add_option("mesh", a.surface, "Mesh or points")->type_name("FILE")->required();
+  c.add_option("reference", a.reference, "Mesh or points to compare with");
+  c.add_option("--samples", a.samples, "Samples on each mesh [300000]")
+      ->type_name("COUNT")
+      ->check(CLI::Range(1u, 2000000000u).description(""));
+  c.footer(
+      "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
+      "Where a side is a set of points, distances do not fall below half their spacing.");
+  return {&c, [shared](Console& console) { run_evaluate(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

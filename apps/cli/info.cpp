@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
@@ -69,15 +70,13 @@ void run_function_info(const std::string& file, Console& console) {
   console.say_json(json.dump(2));
 }
 
-}  // namespace
-
-void run_info(const InfoArguments& arguments, Console& console) {
-  if (is_function_file(arguments.input)) return run_function_info(arguments.input, console);
+void run_info(const std::string& file, Console& console) {
+  if (is_function_file(file)) return run_function_info(file, console);
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const PointSet points = read_points(arguments.input, &read);
-  console.warn(arguments.input, read.warnings);
+  const PointSet points = read_points(file, &read);
+  console.warn(file, read.warnings);
 
   progress.begin("measure");
   const Box3f box = bounds(points);
@@ -88,7 +87,7 @@ void run_info(const InfoArguments& arguments, Console& console) {
   const char* normals = normals_word(check_orientation(points));
   const Vec3f size = box.size();
 
-  console.say(fmt::format("{}: {}", arguments.input, read.format));
+  console.say(fmt::format("{}: {}", file, read.format));
   console.say(fmt::format("{:<12}{}{}", "points", grouped(points.size()),
                           duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(duplicates)) : ""));
   console.say(fmt::format("{:<12}{} × {} × {}, from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "box",
@@ -108,7 +107,7 @@ void run_info(const InfoArguments& arguments, Console& console) {
   if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "besides", attributes));
 
   nlohmann::ordered_json json;
-  json["file"] = arguments.input;
+  json["file"] = file;
   json["format"] = read.format;
   json["points"] = points.size();
   json["duplicates"] = duplicates;
@@ -138,6 +137,16 @@ void run_info(const InfoArguments& arguments, Console& console) {
   progress.finish();
   console.say_json(json.dump(2));
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_info(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("info", "File → what is in it: points, box, spacing, noise, normals, faces");
+  auto file = std::make_shared<std::string>();
+  c.add_option("input", *file, "Points, mesh or function (.smf)")->type_name("FILE")->required();
+  c.footer(kReadable);
+  return {&c, [file](Console& console) { run_info(*file, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -71,9 +71,7 @@ Command add_mesh(CLI::App& app) {
   CLI::App* c = app.add_subcommand("mesh", "Function file → triangle mesh, closed unless asked otherwise");
   auto a = std::make_shared<MeshArguments>();
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  c->add_option("-o,--output", a->output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
-  c->add_option("--preview", a->preview, "Also draw the mesh into this PNG")->type_name("FILE");
-  c->add_flag("--ascii", a->ascii, "Write text where the format also has a binary form");
+  add_mesh_output(*c, a->output, a->preview, a->ascii);
   add_box_option(*c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
   c->add_option("--depth", a->options.block_depth,
                 "Deepest level of the blocks cut, 2..12: coarser [from the function]")

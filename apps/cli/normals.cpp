@@ -5,13 +5,25 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/spacing.h"
 
 namespace sansmesh::cli {
+namespace {
+
+struct NormalsArguments {
+  std::string input, output;
+  bool ascii = false;
+  bool keep = false;       ///< orient the file's normals instead of estimating new ones
+  bool no_orient = false;  ///< leave the signs as they come
+  NormalOptions options;
+};
 
 void run_normals(const NormalsArguments& arguments, Console& console) {
   arguments.options.validate();
@@ -33,7 +45,7 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
   options.noise = estimate_noise(points);
   const int neighbours = options.neighbours.value_or(choose_neighbours(*options.spacing, *options.noise));
   if (!arguments.keep) estimate_normals(points, options, progress);
-  if (arguments.orient) {
+  if (!arguments.no_orient) {
     OrientationOptions orientation;
     orientation.noise = options.noise;
     orient_normals(points, orientation, progress);
@@ -47,7 +59,7 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
                           length(*options.spacing), length(*options.noise), read.format));
   console.say(fmt::format("{}: normals {}{}{}", arguments.output,
                           arguments.keep ? "of the file" : fmt::format("from {} neighbours", neighbours),
-                          arguments.orient ? ", oriented" : ", signs left as they are",
+                          arguments.no_orient ? ", signs left as they are" : ", oriented",
                           unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
   if (console.options().json) {
     nlohmann::ordered_json json;
@@ -56,12 +68,36 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
     json["spacing"] = *options.spacing;
     json["noise"] = *options.noise;
     json["neighbours"] = arguments.keep ? nlohmann::ordered_json() : nlohmann::ordered_json(neighbours);
-    json["oriented"] = arguments.orient;
+    json["oriented"] = !arguments.no_orient;
     json["unknown"] = unknown;
     json["warnings"] = read.warnings;
     console.say_json(json.dump(2));
   }
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_normals(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("normals", "Points → points with oriented normals");
+  auto shared = std::make_shared<NormalsArguments>();
+  NormalsArguments& a = *shared;
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  add_ascii_flag(c, a.ascii);
+  c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")
+      ->type_name("COUNT");
+  c.add_option("--method", a.options.method, "covariance (a plane) or jet (a quadric) [jet]")
+      ->transform(choices<NormalOptions::Method>(
+          {{"covariance", NormalOptions::Method::covariance}, {"jet", NormalOptions::Method::jet}}))
+      ->type_name("CHOICE");
+  c.add_option("--reweightings", a.options.reweightings,
+               "Rounds, 0..10, that silence samples off the fit: sharper at creases [0]")
+      ->type_name("COUNT");
+  c.add_flag("--keep", a.keep, "Keep the normals of the file and only orient them");
+  c.add_flag("--no-orient", a.no_orient, "Leave the signs as they come");
+  c.footer(kReadable);
+  return {&c, [shared](Console& console) { run_normals(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

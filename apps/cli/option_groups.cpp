@@ -5,6 +5,7 @@
 #include "sansmesh/core/error.h"
 
 namespace sansmesh::cli {
+
 ComponentChoice parse_components(const std::string& text) {
   using Kind = ComponentChoice::Kind;
   if (text == "auto") return {};
@@ -19,6 +20,47 @@ ComponentChoice parse_components(const std::string& text) {
 
 void require(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);
+}
+
+RenderOptions PictureArguments::chosen() const {
+  RenderOptions o = options;
+  if (!view.empty()) o.view = named_view(view);
+  if (z_up) o.up = UpAxis::z;
+  return o;
+}
+
+void add_picture_options(CLI::App& c, PictureArguments& a) {
+  c.add_option("--width", a.options.width, "Pixels, 1..16384 [1280]")->type_name("PIXELS")->group("Picture");
+  c.add_option("--height", a.options.height, "Pixels, 1..16384 [960]")->type_name("PIXELS")->group("Picture");
+  c.add_option("--view", a.view, "front, back, left, right, top, bottom or iso")->type_name("NAME")->group("Picture");
+  c.add_flag("--z-up", a.z_up, "The z axis points up, not y")->group("Picture");
+}
+
+void add_preview_option(CLI::App& c, std::string& file, const std::string& what) {
+  c.add_option("--preview", file, "Also draw " + what + " into this PNG")->type_name("FILE");
+}
+
+void add_ascii_flag(CLI::App& c, bool& ascii) {
+  c.add_flag("--ascii", ascii, "Write text where the format also has a binary form");
+}
+
+void add_mesh_output(CLI::App& c, std::string& file, std::string& preview, bool& ascii) {
+  c.add_option("-o,--output", file, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  add_preview_option(c, preview, "the mesh");
+  add_ascii_flag(c, ascii);
+}
+
+void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<double>& range, const std::string& what,
+                          const std::string& group) {
+  c.add_option("--color-by", quantity, what)
+      ->type_name("QUANTITY")
+      ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
+      ->group(group);
+  c.add_option("--color-range", range,
+               "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
+      ->type_name("VALUE")
+      ->check(CLI::PositiveNumber.description(""))
+      ->group(group);
 }
 
 void add_cloud_options(CLI::App& c, FitOptions& o) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/mesh_function.h"
+#include "sansmesh/render/mesh_preview.h"
 #include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {
@@ -35,6 +36,27 @@ CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
       },
       "");
 }
+
+/// A picture, by the options that all commands that draw one share.
+struct PictureArguments {
+  RenderOptions options;
+  std::string view;
+  bool z_up = false;
+
+  /// Throws ArgumentError for a view that is not known.
+  RenderOptions chosen() const;
+};
+/// --width, --height, --view, --z-up
+void add_picture_options(CLI::App& command, PictureArguments& arguments);
+/// --preview FILE: draws `what` besides.
+void add_preview_option(CLI::App& command, std::string& file, const std::string& what);
+/// --ascii
+void add_ascii_flag(CLI::App& command, bool& ascii);
+/// --output, --preview and --ascii of a command that makes a mesh
+void add_mesh_output(CLI::App& command, std::string& file, std::string& preview, bool& ascii);
+/// --color-by and --color-range of curvature. `what` describes the first.
+void add_curvature_colors(CLI::App& command, std::string& quantity, std::optional<double>& range,
+                          const std::string& what, const std::string& group = "Options");
 
 /// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
 void add_cloud_options(CLI::App& command, FitOptions& options);

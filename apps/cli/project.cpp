@@ -7,12 +7,27 @@
 #include <utility>
 
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/names.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/sample_surface.h"
+#include "sansmesh/surface/lop.h"
+#include "surface_options.h"
 
 namespace sansmesh::cli {
 namespace {
+
+struct ProjectArguments {
+  std::string input, onto, output;
+  std::string method = "curvature";  ///< a projection, an implicit surface, or lop
+  bool ascii = false;
+  SurfaceArguments surface;
+  LopOptions lop;
+  int steps = 10;
+  double tolerance = 1e-3;            ///< over the spacing
+  std::optional<std::size_t> points;  ///< resample to about so many
+};
 
 /// Throws ArgumentError for options that the method would not heed.
 void check_options_fit(const ProjectArguments& a) {
@@ -24,7 +39,7 @@ void check_options_fit(const ProjectArguments& a) {
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
     check(a.onto.empty(), "--onto", what);
-    const SurfaceOptions& s = a.surface;
+    const SurfaceOptions s = a.surface.details();
     check(!s.sharp, "--sharp", what);
     check(!s.smoothing, "--smoothing", what);
     check(!s.width, "--bandwidth", what);
@@ -40,8 +55,6 @@ void check_options_fit(const ProjectArguments& a) {
     check(a.lop.repulsion == none.lop.repulsion, "--repulsion", "it belongs to lop");
   }
 }
-
-}  // namespace
 
 void run_project(const ProjectArguments& arguments, Console& console) {
   check_options_fit(arguments);
@@ -68,7 +81,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     }
     report.projected = result.size();
   } else {
-    SurfaceOptions surface = arguments.surface;
+    SurfaceOptions surface = arguments.surface.details();
     surface.method = arguments.method;
     surface.validate();
     const std::string& onto = arguments.onto.empty() ? arguments.input : arguments.onto;
@@ -104,6 +117,38 @@ void run_project(const ProjectArguments& arguments, Console& console) {
       {"output", {{"file", arguments.output}, {"points", result.size()}}}};
   console.say_json(json.dump(2));
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_project(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
+  auto shared = std::make_shared<ProjectArguments>();
+  ProjectArguments& a = *shared;
+  c.add_option("input", a.input, "Points to move")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
+  add_ascii_flag(c, a.ascii);
+  c.add_option("--method", a.method,
+               "lop (consolidation of the input) or a surface: " + listed(surface_names()) + " [curvature]")
+      ->type_name("NAME");
+  c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
+      ->type_name("COUNT")
+      ->check(CLI::Range(1u, 2000000000u).description(""));
+  c.add_option("--steps", a.steps, "Most steps of a point, 1..1000 [10]")->type_name("COUNT");
+  c.add_option("--tolerance", a.tolerance, "A step shorter than this, over the spacing, is the last [0.001]")
+      ->type_name("RATIO");
+  c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
+      ->type_name("LENGTH");
+  c.add_option("--repulsion", a.lop.repulsion, "lop: points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
+  add_surface_details(c, a.surface);
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh project noisy.ply -o smooth.ply\n"
+           "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"
+           "  sansmesh project scan.ply -o dense.ply --points 1000000\n"
+           "  sansmesh project outliers.ply -o even.ply --method lop --points 20000");
+  return {&c, [shared](Console& console) { run_project(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

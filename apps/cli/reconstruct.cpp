@@ -5,11 +5,34 @@
 #include <utility>
 
 #include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/reconstruct.h"
+#include "surface_options.h"
 
 namespace sansmesh::cli {
 namespace {
+
+struct ReconstructArguments {
+  std::string input, output, preview;
+  bool ascii = false;
+  ReconstructOptions options;
+  SurfaceArguments surface;
+};
+
+/// What was said about the surface becomes part of the options. Throws ArgumentError where the two do not fit.
+void take_surface(ReconstructArguments& a) {
+  ReconstructOptions& o = a.options;
+  o.remove_outliers = a.surface.options.remove_outliers;
+  const std::optional<SurfaceOptions> surface = a.surface.chosen();
+  if (!surface || surface->method == "partition") return;
+  require(!o.max_depth && !o.error && !o.support && o.max_degree == ReconstructOptions().max_degree && o.sharp,
+          "--depth, --error, --support, --degree and --smooth belong to the partition, not to other surfaces");
+  require(!o.trim || *o.trim > 0, "--trim needs a LENGTH with --surface: such surfaces end at their borders anyway");
+  o.surface = surface;
+}
 
 struct InputSize {
   std::size_t points;
@@ -35,8 +58,6 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
                             report.aspect_mean_before, report.aspect_deviation_before, report.aspect_mean,
                             report.aspect_deviation));
 }
-
-}  // namespace
 
 void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   arguments.options.validate();
@@ -92,6 +113,30 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     console.say_json(json.dump(2));
   }
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_reconstruct(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("reconstruct", "Points → triangle mesh, closed unless asked otherwise");
+  auto shared = std::make_shared<ReconstructArguments>();
+  ReconstructArguments& a = *shared;
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  add_mesh_output(c, a.output, a.preview, a.ascii);
+  add_mesh_options(c, a.options);
+  add_cloud_options(c, a.options);
+  add_fit_options(c, a.options);
+  add_surface(c, a.surface, "Cut another surface out, as it stands [partition]");
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
+           "  sansmesh reconstruct terrain.las -o terrain.ply --trim\n"
+           "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
+           "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
+  return {&c, [shared](Console& console) {
+            take_surface(*shared);
+            run_reconstruct(*shared, console);
+          }};
 }
 
 }  // namespace sansmesh::cli

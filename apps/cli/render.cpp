@@ -1,38 +1,134 @@
-// sansmesh render: a picture of a mesh or a cloud.
+// sansmesh render: a picture of a mesh, a cloud or a function.
+#include "render.h"
+
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/polygonize/mesh_distance.h"
 
 namespace sansmesh::cli {
+namespace {
 
-void run_render(const RenderArguments& arguments, Console& console) {
-  if (arguments.surface || is_function_file(arguments.input)) return run_surface_picture(arguments, console);
-  arguments.options.validate();
-  check_writable(arguments.output, "image");
+RenderOptions picture_options(const RenderArguments& a) {
+  RenderOptions o = a.picture.chosen();
+  o.smooth = !a.flat;
+  o.shadows = !a.no_shadows;
+  using Background = RenderOptions::Background;
+  if (a.background == "transparent") o.background = Background::transparent;
+  if (a.background == "white" || a.background == "black") {
+    o.background = Background::solid;
+    o.background_color = a.background == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+  }
+  return o;
+}
+
+/// Completes the arguments. Throws ArgumentError for options that would not be heeded.
+void complete(RenderArguments& a) {
+  static_cast<RenderOptions&>(a.options) = picture_options(a);
+  a.surface = a.of_samples.chosen();
+  const SurfaceRenderOptions& s = a.options;
+  const bool function = is_function_file(a.input);
+  require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
+  if (!a.surface && !function) {
+    require(a.frames == 0 && a.color_by.empty() && !a.color_range && !s.plain && !s.exact_shadows &&
+                s.reflection == 0 && s.transmission == 0 &&
+                s.refraction_index == SurfaceRenderOptions().refraction_index && !a.of_samples.options.remove_outliers,
+            "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
+            "--refraction-index and --remove-outliers need --surface NAME");
+  } else {
+    require(!a.flat && !s.point_radius,
+            "--flat and --point-radius are for meshes and points, not for surfaces without a mesh");
+  }
+}
+
+void run_render(RenderArguments& a, Console& console) {
+  complete(a);
+  if (a.surface || is_function_file(a.input)) return run_surface_picture(a, console);
+  const RenderOptions& options = a.options;
+  options.validate();
+  check_writable(a.output, "image");
 
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const TriangleMesh mesh = to_mesh(read_points(arguments.input, &read));
-  console.warn(arguments.input, read.warnings);
+  const TriangleMesh mesh = to_mesh(read_points(a.input, &read));
+  console.warn(a.input, read.warnings);
   Image image;
   try {
-    image = render_mesh(mesh, arguments.options, progress);
+    image = render_mesh(mesh, options, progress);
   } catch (const DataError& error) {
-    throw FileError(arguments.input, error.what());
+    throw FileError(a.input, error.what());
   }
   progress.begin("write");
-  write_image(arguments.output, image);
+  write_image(a.output, image);
   progress.finish();
-  console.say(fmt::format("{}: {} × {} pixels", arguments.output, image.width, image.height));
+  console.say(fmt::format("{}: {} × {} pixels", a.output, image.width, image.height));
   const nlohmann::ordered_json json = {
-      {"output", {{"file", arguments.output}, {"width", image.width}, {"height", image.height}}}};
+      {"output", {{"file", a.output}, {"width", image.width}, {"height", image.height}}}};
   console.say_json(json.dump(2));
   console.print_timings();
+}
+
+}  // namespace
+
+Command add_render(CLI::App& app) {
+  CLI::App& c = *app.add_subcommand("render", "Mesh, points or function → picture");
+  auto shared = std::make_shared<RenderArguments>();
+  RenderArguments& a = *shared;
+  RenderOptions& o = a.picture.options;
+  c.add_option("input", a.input, "Mesh, points or function (.smf)")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png")->type_name("FILE")->required();
+  add_picture_options(c, a.picture);
+  c.add_option("--azimuth", o.view.azimuth, "Degrees around the up axis; 0: the front [35]")
+      ->type_name("DEGREES")
+      ->group("Picture");
+  c.add_option("--elevation", o.view.elevation, "Degrees above the horizon [20]")
+      ->type_name("DEGREES")
+      ->group("Picture");
+  c.add_option("--background", a.background, "gradient, white, black or transparent [gradient]")
+      ->type_name("CHOICE")
+      ->check(CLI::IsMember({"gradient", "white", "black", "transparent"}).description(""))
+      ->group("Picture");
+  c.add_flag("--flat", a.flat, "Show the triangles: no interpolated normals")->group("Picture");
+  c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")
+      ->type_name("LENGTH")
+      ->group("Picture");
+  c.add_option("--antialiasing", o.samples, "Rays a pixel in each direction, 1..8 [3]")
+      ->type_name("COUNT")
+      ->group("Picture");
+  c.add_flag("--no-shadows", a.no_shadows, "No shadows")->group("Picture");
+  add_surface(c, a.of_samples, "Cast rays at this surface of the samples, without a mesh");
+  add_curvature_colors(c, a.color_by, a.color_range,
+                       "Curvature as colour: mean, gaussian, k1 or k2; red convex, blue concave", "Surface");
+  SurfaceRenderOptions& s = a.options;
+  c.add_option("--reflection", s.reflection, "Share of the light that a mirror would send, 0..1 [0]")
+      ->type_name("SHARE")
+      ->group("Surface");
+  c.add_option("--transmission", s.transmission, "Share of the light that comes through the body, 0..1 [0]")
+      ->type_name("SHARE")
+      ->group("Surface");
+  c.add_option("--refraction-index", s.refraction_index, "Of the body: 1.33 water, 1.5 glass [1.5]")
+      ->type_name("RATIO")
+      ->group("Surface");
+  c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow")->group("Surface");
+  c.add_flag("--plain", s.plain, "Quick: one ray a pixel, no shadows, no ground")->group("Surface");
+  c.add_option("--frames", a.frames, "Pictures all around, as NAME_000.png, NAME_001.png, …")
+      ->type_name("COUNT")
+      ->check(CLI::Range(1, 100000).description(""))
+      ->group("Surface");
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh render surface.ply -o surface.png --view front\n"
+           "  sansmesh render scan.ply -o scan.png --surface apss\n"
+           "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
+           "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
+  return {&c, [shared](Console& console) { run_render(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

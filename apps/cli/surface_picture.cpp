@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "commands.h"
+#include "render.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
@@ -57,8 +58,7 @@ SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Prog
 }  // namespace
 
 void run_surface_picture(const RenderArguments& arguments, Console& console) {
-  SurfaceRenderOptions options = arguments.surface_options;
-  static_cast<RenderOptions&>(options) = arguments.options;
+  SurfaceRenderOptions options = arguments.options;
   options.validate();
   if (arguments.surface) arguments.surface->validate();
   check_writable(arguments.output, "image");

@@ -1,0 +1,31 @@
+// What `sansmesh render` was asked for.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "console.h"
+#include "option_groups.h"
+#include "sansmesh/render/surface_picture.h"
+#include "surface_options.h"
+
+namespace sansmesh::cli {
+
+struct RenderArguments {
+  std::string input, output;
+  PictureArguments picture;
+  std::string background = "gradient";
+  bool flat = false, no_shadows = false;
+  SurfaceArguments of_samples;  ///< of --surface: cast rays at a surface of the samples
+
+  SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
+  std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen
+  std::string color_by;                   ///< mean, gaussian, k1, k2: curvature as colour; empty: the samples' colours
+  std::optional<double> color_range;      ///< curvature with the full colour
+  int frames = 0;                         ///< of a turntable; 0: one picture
+};
+
+/// A picture straight from samples or of a function. The arguments are complete.
+void run_surface_picture(const RenderArguments& arguments, Console& console);
+
+}  // namespace sansmesh::cli
