@@ -1,5 +1,7 @@
 #include "sansmesh/mesh_function.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -159,7 +161,7 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const 
 }  // namespace
 
 void MeshOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
+  const auto check = [](bool ok, const std::string& what) {
     if (!ok) throw ArgumentError(what);
   };
   check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "mesh error must be a positive length");
@@ -172,7 +174,8 @@ void MeshOptions::validate() const {
         "the number of components must be at least 1");
   check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
         "a box must be finite, and its lower corner below its upper one");
-  check(!block_depth || (*block_depth >= 2 && *block_depth <= 12), "the depth of the blocks must lie in 2..12");
+  check(!block_depth || (*block_depth >= kLeastDepth && *block_depth <= kMostDepth),
+        fmt::format("the depth of the blocks must lie in {}..{}", kLeastDepth, kMostDepth));
 }
 
 TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,

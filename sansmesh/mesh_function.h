@@ -31,9 +31,10 @@ struct MeshOptions {
   /// Without `enhance`: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before it is cut out,
   /// by up to α times a quarter of the local block edge.
   double displacement = 0;
-  bool measure_quality = false;    ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
-  std::optional<Box3> box;         ///< only what lies in this box (input coordinates), cut off straight and open there
-  std::optional<int> block_depth;  ///< deepest level of the blocks that the surface is cut out of, 2..12: coarser
+  bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
+  std::optional<Box3> box;       ///< only what lies in this box (input coordinates), cut off straight and open there
+  /// Deepest level of the blocks that the surface is cut out of, kLeastDepth..kMostDepth: coarser.
+  std::optional<int> block_depth;
 
   /// Throws ArgumentError naming the option.
   void validate() const;

@@ -1,6 +1,9 @@
 #include "sansmesh/surface_function.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -30,10 +33,11 @@ PointSet reordered(const PointSet& points, const std::vector<std::uint32_t>& ord
 }  // namespace
 
 void FitOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
+  const auto check = [](bool ok, const std::string& what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!max_depth || (*max_depth >= 2 && *max_depth <= 12), "max depth must lie in 2..12");
+  check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
+        fmt::format("max depth must lie in {}..{}", kLeastDepth, kMostDepth));
   check(!error || (std::isfinite(*error) && *error > 0), "error must be a positive length");
   check(!support || (*support >= 1.1 && *support <= 2), "support must lie in 1.1..2");
   check(max_degree >= 1 && max_degree <= 4, "degree must lie in 1..4");

@@ -15,6 +15,9 @@ namespace sansmesh {
 
 class SectionFile;
 
+/// Range of the depths that can be asked for, of fits and of the blocks of meshes: that of PartitionOptions.
+constexpr int kLeastDepth = 2, kMostDepth = 14;
+
 /// How samples become a function. All optional lengths are in the unit of the input; where absent they are derived from
 /// the data.
 struct FitOptions {
@@ -23,7 +26,7 @@ struct FitOptions {
   Faces faces = Faces::automatic;
   Normals normals = Normals::automatic;
   bool remove_outliers = false;   ///< leave out samples that belong to no surface
-  std::optional<int> max_depth;   ///< deepest level of the tree of fits, 2..12
+  std::optional<int> max_depth;   ///< deepest level of the tree of fits, kLeastDepth..kMostDepth
   std::optional<double> error;    ///< accepted rms error of a local fit (length); default: a tenth of the noise
   std::optional<double> support;  ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
   int max_degree = 4;             ///< largest degree of the local polynomials, 1..4

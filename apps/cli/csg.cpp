@@ -14,6 +14,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/function_distance.h"
+#include "sansmesh/function_solid.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh_csg.h"
 #include "sansmesh/surface_function.h"
@@ -35,12 +36,6 @@ FunctionPtr load_function(const std::string& file) {
   return std::make_shared<const SurfaceFunction>(read_function(file));
 }
 
-/// A function as a solid in the coordinates of its samples.
-Solid solid_of(const FunctionPtr& function) {
-  return csg::place(csg::leaf(std::shared_ptr<const ScalarField>(function, &function->field)), function->origin,
-                    function->unit);
-}
-
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 void run_csg(CsgArguments& a, Console& console) {
@@ -60,7 +55,7 @@ void run_csg(CsgArguments& a, Console& console) {
     return function;
   };
   const Solid solid = parse_csg(
-      a.expression, [&](const std::string& name) { return solid_of(load(name)); },
+      a.expression, [&](const std::string& name) { return function_solid(load(name)); },
       [&](const std::string& name) { return csg::leaf(std::make_shared<FunctionDistance>(load(name), progress)); });
   // Functions of scans may have small sheets far from their surface, which `sansmesh mesh` leaves out too.
   a.options.components = a.components.value_or(

@@ -74,7 +74,7 @@ Command add_mesh(CLI::App& app) {
   add_mesh_output(*c, a->output, a->preview, a->ascii);
   add_box_option(*c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
   c->add_option("--depth", a->options.block_depth,
-                "Deepest level of the blocks cut, 2..12: coarser [from the function]")
+                "Deepest level of the blocks cut, " + depth_range() + ": coarser [from the function]")
       ->type_name("LEVEL")
       ->group("Mesh");
   add_mesh_options(*c, a->options);

@@ -88,8 +88,10 @@ void add_box_option(CLI::App& c, std::optional<Box3>& box, const std::string& wh
       ->type_name("BOX");
 }
 
+std::string depth_range() { return std::to_string(kLeastDepth) + ".." + std::to_string(kMostDepth); }
+
 void add_fit_options(CLI::App& c, FitOptions& o) {
-  c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, 2..12 [from data]")
+  c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, " + depth_range() + " [from data]")
       ->type_name("LEVEL")
       ->group("Fit");
   c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")

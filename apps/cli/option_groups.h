@@ -62,6 +62,8 @@ void add_curvature_colors(CLI::App& command, std::string& quantity, std::optiona
 void add_cloud_options(CLI::App& command, FitOptions& options);
 /// --box x0,y0,z0,x1,y1,z1
 void add_box_option(CLI::App& command, std::optional<Box3>& box, const std::string& what);
+/// "2..14"
+std::string depth_range();
 /// --depth, --error, --support, --degree, --smooth
 void add_fit_options(CLI::App& command, FitOptions& options);
 /// auto, all, largest or a number. Throws CLI::ValidationError.

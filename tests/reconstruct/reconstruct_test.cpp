@@ -198,8 +198,8 @@ TEST(Reconstruct, RejectsOptionsOutOfRange) {
     change(options);
     EXPECT_THROW(run(cloud, options), ArgumentError);
   };
-  rejects([](ReconstructOptions& o) { o.max_depth = 1; });
-  rejects([](ReconstructOptions& o) { o.max_depth = 13; });
+  rejects([](ReconstructOptions& o) { o.max_depth = kLeastDepth - 1; });
+  rejects([](ReconstructOptions& o) { o.max_depth = kMostDepth + 1; });
   rejects([](ReconstructOptions& o) { o.error = 0; });
   rejects([](ReconstructOptions& o) { o.error = std::nan(""); });
   rejects([](ReconstructOptions& o) { o.support = 1; });
@@ -208,6 +208,26 @@ TEST(Reconstruct, RejectsOptionsOutOfRange) {
   rejects([](ReconstructOptions& o) { o.triangles = 3; });
   rejects([](ReconstructOptions& o) { o.trim = -1; });
   rejects([](ReconstructOptions& o) { o.components = {ComponentChoice::Kind::count, 0}; });
+}
+
+TEST(Reconstruct, DepthsAreThoseOfThePartition) {
+  const auto takes = [](const auto& options) {
+    try {
+      options.validate();
+      return true;
+    } catch (const ArgumentError&) {
+      return false;
+    }
+  };
+  for (int depth = 0; depth < 20; ++depth) {
+    PartitionOptions partition;
+    FitOptions fit;
+    MeshOptions mesh;
+    partition.max_depth = fit.max_depth = mesh.block_depth = depth;
+    EXPECT_EQ(takes(partition), depth >= kLeastDepth && depth <= kMostDepth) << depth;
+    EXPECT_EQ(takes(fit), takes(partition)) << depth;
+    EXPECT_EQ(takes(mesh), takes(partition)) << depth;
+  }
 }
 
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
