@@ -20,9 +20,6 @@ namespace sansmesh {
 namespace {
 
 constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
-/// A component of the mesh is extra whose samples stand for less than this share of its area, or that is smaller than
-/// this share of the largest.
-constexpr double kSmallComponent = 0.015;
 /// Where around a support's foot the gradient is looked at: along the normal, in radii.
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
 /// An edit's ball reaches a little beyond the place.
@@ -139,7 +136,7 @@ void find_extra_sheets(const SurfaceFunction& function, const KdTree& feet, Diag
   for (std::size_t c = 0; c < extra.size(); ++c)
     if (evidence[c] >= kLeastEvidence) largest = std::max(largest, components.area[c]);
   for (std::size_t c = 0; c < extra.size(); ++c)
-    extra[c] = evidence[c] < kLeastEvidence || components.area[c] < kSmallComponent * largest;
+    extra[c] = evidence[c] < kLeastEvidence || components.area[c] < detail::kSmallComponent * largest;
   std::vector<Box3f> box(components.size());
   std::vector<Vec3f> first(components.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/edit_function.h"
+#include "sansmesh/partition/partition_edit.h"
 
 namespace sansmesh {
 namespace {
@@ -16,7 +19,52 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
-constexpr double kLeastConstant = 1e-3, kMostConstant = 1e3;  // as set_constant takes them
+
+/// Looks for fields that an object has twice while the text is parsed: of such the last would win unseen.
+class TwiceGiven {
+ public:
+  /// What the parser tells of; true: go on.
+  bool operator()(Json::parse_event_t event, const Json& parsed) {
+    using Event = Json::parse_event_t;
+    if (event == Event::key) {
+      Object& object = *open_.back().object;
+      object.last = parsed.get_ref<const std::string&>();
+      if (!object.keys.insert(object.last).second && what_.empty())
+        what_ = fmt::format("{}: '{}' is given twice", where(), printable(object.last, 40));
+    } else if (event == Event::object_end || event == Event::array_end) {
+      open_.pop_back();
+    } else {
+      if (!open_.empty()) ++open_.back().elements;
+      if (event != Event::value) open_.push_back({event == Event::object_start ? std::make_unique<Object>() : nullptr});
+    }
+    return true;
+  }
+  /// One line of the first; empty: none.
+  const std::string& what() const { return what_; }
+
+ private:
+  struct Object {
+    std::set<std::string> keys;
+    std::string last;
+  };
+  /// An object or a list that the parser is in.
+  struct Open {
+    std::unique_ptr<Object> object;  ///< null: a list
+    std::size_t elements = 0;        ///< of a list, so far
+  };
+
+  /// "step 3.select", as the other errors have it.
+  std::string where() const {
+    const bool in_steps = open_.size() > 2 && open_[0].object && open_[0].object->last == "steps" && !open_[1].object;
+    std::string place = in_steps ? fmt::format("step {}", open_[1].elements) : "the script";
+    for (std::size_t i = in_steps ? 2 : 0; i + 1 < std::min<std::size_t>(open_.size(), 8); ++i)
+      if (open_[i].object) place += "." + printable(open_[i].object->last, 40);
+    return place;
+  }
+
+  std::vector<Open> open_;
+  std::string what_;
+};
 
 /// An object of the script; every field must be known.
 class Fields {
@@ -149,8 +197,9 @@ Edit edit_of(const Json& json, const std::string& where) {
     else
       f.fail("'constant' must be \"outside\", \"inside\" or a number (in radii of the supports)");
     const double value = std::abs(std::get<SetConstant>(edit.action).value);
-    if (!(value > kLeastConstant && value < kMostConstant))
-      f.fail("'constant' must lie between 0.001 and 1000 radii of a support, positive or negative");
+    if (!(value >= kLeastConstant && value <= kMostConstant))
+      f.fail(fmt::format("'constant' must lie between {} and {} radii of a support, positive or negative",
+                         kLeastConstant, kMostConstant));
   }
   if (is("remove")) {
     if (!f.boolean("remove")) f.fail("'remove' can only be true");
@@ -210,14 +259,16 @@ Json to_json(const Refit& r) {
 
 std::vector<Edit> parse_edit_script(const std::string& text) {
   Json json;
+  TwiceGiven twice;
   try {
-    json = Json::parse(text);
+    json = Json::parse(text, [&](int, Json::parse_event_t event, const Json& parsed) { return twice(event, parsed); });
   } catch (const nlohmann::json::parse_error& error) {
     // The library's own words name its classes; the place is what helps.
     throw ArgumentError(fmt::format("is not JSON: something is wrong at or before byte {}", error.byte));
   } catch (const nlohmann::json::exception&) {
     throw ArgumentError("holds a number that is too large");
   }
+  if (!twice.what().empty()) throw ArgumentError(twice.what());
   const Fields f(json, "the script", {"version", "steps", "function", "note"});
   if (f.integer("version") != kVersion)
     f.fail(fmt::format("version {} is not known, only {}", f.integer("version"), kVersion));

@@ -12,9 +12,9 @@
 namespace sansmesh::detail {
 namespace {
 
-/// Components go, unless all are asked for, whose samples stand for less than this share of what those of the largest
-/// one stand for, or for less than this share of their own area (a part may well be scanned more sparsely than others).
-constexpr double kSmallComponent = 0.015, kSupported = 0.02;
+/// Components go, unless all are asked for, that are small, or whose samples stand for less than this share of their
+/// own area (a part may well be scanned more sparsely than others).
+constexpr double kSupported = 0.02;
 /// Samples that are enough to tell the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was

@@ -13,6 +13,10 @@
 
 namespace sansmesh::detail {
 
+/// Components of a mesh are small whose samples (or, without samples, whose area) are less than this share of those of
+/// the largest one.
+constexpr double kSmallComponent = 0.015;
+
 /// How to cut a mesh out that is `mesh_error` (length of the field) off in the mean.
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases);
 

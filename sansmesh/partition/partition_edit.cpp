@@ -1,5 +1,7 @@
 #include "sansmesh/partition/partition_edit.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -362,8 +364,10 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
 }
 
 EditResult set_constant(const PartitionData& data, const Selection& chosen, float value) {
-  if (!(std::abs(value) > 1e-3f && std::abs(value) < 1e3f))
-    throw ArgumentError("a constant must lie between 0.001 and 1000 radii of its support, positive or negative");
+  const double size = std::abs(static_cast<double>(value));
+  if (!(size >= kLeastConstant && size <= kMostConstant))
+    throw ArgumentError(fmt::format("a constant must lie between {} and {} radii of its support, positive or negative",
+                                    kLeastConstant, kMostConstant));
   std::vector<FittedLeaf> leaves(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const LocalFunction& old = data.functions[chosen[i]];

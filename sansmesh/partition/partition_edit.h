@@ -77,8 +77,10 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
 EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
                  const EditSamples& samples, Progress& progress);
 
+/// Size of the constants that make sense, in radii of a support.
+constexpr double kLeastConstant = 1e-3, kMostConstant = 1e3;
 /// Constants in place of the functions, positive: outside (erases a sheet), negative: inside (fills); in units of each
-/// support's radius.
+/// support's radius. Throws ArgumentError unless kLeastConstant ≤ |value| ≤ kMostConstant.
 EditResult set_constant(const PartitionData& data, const Selection& chosen, float value);
 
 /// Takes the supports away: neighbours and the far field decide what is there.

@@ -67,6 +67,9 @@ TEST(EditScript, WordsNotesAndNoSteps) {
   ASSERT_EQ(edits.size(), 3u);
   EXPECT_EQ(std::get<SetConstant>(edits[0].action).value, 1);
   EXPECT_EQ(std::get<SetConstant>(edits[1].action).value, -1);
+  for (const char* value : {"0.001", "-0.001", "1000", "-1e3"})
+    EXPECT_NO_THROW(
+        parse_edit_script(R"({"version":1,"steps":[{"select":{},"constant":)" + std::string(value) + "}]}"));
   EXPECT_TRUE(parse_edit_script(R"({"version": 1, "steps": []})").empty());
   EXPECT_TRUE(parse_edit_script(edit_script({})).empty());
 }
@@ -97,6 +100,14 @@ TEST(EditScript, WhatIsWrongIsNamed) {
       {R"({"version":1,"steps":{}})", "the script", "steps"},
       {R"({"version":1,"steps":[],"stesp":[]})", "the script", "stesp"},
       {R"({"version":1,"steps":[],"a\nb\u00e4":[]})", "the script", R"(a\x0abä)"},
+      {R"({"version":2,"steps":[],"version":1})", "the script", "'version' is given twice"},
+      {R"({"steps":[{"undo":1}],"version":1,"steps":[]})", "the script", "'steps' is given twice"},
+      {step(R"({"degree":1,"select":{},"degree":2})"), "step 2", "'degree' is given twice"},
+      {step(R"({"degree":1,"select":{},"note":{"a":[1,{"b":2,"b":2}]}})"), "step 2.note.a", "'b' is given twice"},
+      {step(R"({"degree":1,"select":{},"d\u0065gree":1})"), "step 2", "'degree' is given twice"},
+      {step(R"({"degree":1,"select":{},"\u001b[31m":1,"\u001b[31m":1})"), "step 2", R"('\x1b[31m' is given twice)"},
+      {select(R"("level_to":3,"level_from":1,"level_to":4)"), "step 2.select", "'level_to' is given twice"},
+      {select(R"("ball":{"center":[0,0,0],"radius":1,"radius":2})"), "step 2.select.ball", "'radius' is given twice"},
       {step("1"), "step 2", "object"},
       {step("{}"), "step 2", "needs one of"},
       {step(R"({"select":{}})"), "step 2", "needs one of"},

@@ -159,6 +159,8 @@ TEST(SetConstant, RejectsValuesThatMeanNothing) {
   const float inf = std::numeric_limits<float>::infinity();
   for (const float bad : {0.0f, 1e-4f, -1e-4f, 1e4f, inf, -inf, std::nanf("")})
     EXPECT_THROW(set_constant(f.data, {0}, bad), ArgumentError) << bad;
+  for (const double good : {kLeastConstant, -kLeastConstant, kMostConstant, -kMostConstant})
+    EXPECT_NO_THROW(set_constant(f.data, {0}, static_cast<float>(good))) << good;
 }
 
 TEST(RemoveSupports, LeavesTheOthers) {

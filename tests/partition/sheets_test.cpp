@@ -62,7 +62,7 @@ TEST(FindSheets, StraysMakeSheetsThatNothingStandsFor) {
   ASSERT_GE(sheets.size(), 2u);
   EXPECT_NEAR(sheets.evidence[0], 1, 0.1);
   for (std::size_t k = 1; k < sheets.size(); ++k)
-    EXPECT_TRUE(sheets.evidence[k] < 0.25 || sheets.area[k] < 0.01 * sheets.area[0])
+    EXPECT_TRUE(sheets.evidence[k] < kLeastEvidence || sheets.area[k] < 0.01 * sheets.area[0])
         << k << ": " << sheets.evidence[k] << ", " << sheets.area[k];
   for (std::size_t i = 0; i < f.data.supports.size(); ++i)
     EXPECT_EQ(sheets.of_support[i] == 0, norm(f.data.functions[i].center) < 1.5f);
