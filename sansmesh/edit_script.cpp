@@ -217,6 +217,12 @@ Edit edit_of(const Json& json, const std::string& where) {
   return edit;
 }
 
+/// What is not said is left out.
+template <class T>
+void put(Json& json, const char* key, const std::optional<T>& value) {
+  if (value) json[key] = *value;
+}
+
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 Json to_json(const EditSelection& s) {
@@ -225,14 +231,11 @@ Json to_json(const EditSelection& s) {
   if (s.box) json["box"] = {{"lower", to_json(s.box->lower)}, {"upper", to_json(s.box->upper)}};
   if (s.half_space)
     json["half_space"] = {{"point", to_json(s.half_space->point)}, {"normal", to_json(s.half_space->normal)}};
-  const auto put = [&](const char* key, const auto& value) {
-    if (value) json[key] = *value;
-  };
-  put("coverage_below", s.coverage_below);
-  put("error_above", s.error_above);
-  put("samples_below", s.samples_below);
-  put("level_from", s.level_from);
-  put("level_to", s.level_to);
+  put(json, "coverage_below", s.coverage_below);
+  put(json, "error_above", s.error_above);
+  put(json, "samples_below", s.samples_below);
+  put(json, "level_from", s.level_from);
+  put(json, "level_to", s.level_to);
   if (s.sheet_at) json["sheet_at"] = to_json(*s.sheet_at);
   // The largest sheet is never spurious.
   if (s.spurious_sheets)
@@ -244,14 +247,11 @@ Json to_json(const EditSelection& s) {
 
 Json to_json(const Refit& r) {
   Json json = Json::object();
-  const auto put = [&](const char* key, const auto& value) {
-    if (value) json[key] = *value;
-  };
-  put("max_degree", r.max_degree);
-  put("max_depth", r.max_depth);
-  put("error", r.error);
-  put("support", r.support);
-  put("sharp", r.sharp);
+  put(json, "max_degree", r.max_degree);
+  put(json, "max_depth", r.max_depth);
+  put(json, "error", r.error);
+  put(json, "support", r.support);
+  put(json, "sharp", r.sharp);
   return json;
 }
 

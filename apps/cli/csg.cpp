@@ -23,8 +23,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct CsgArguments {
-  std::string expression, output, preview;
-  bool ascii = false;
+  std::string expression;
+  MeshOutput output;
   CsgMeshOptions options;
   std::optional<ComponentChoice> components;
 };
@@ -40,8 +40,7 @@ std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 void run_csg(CsgArguments& a, Console& console) {
   a.options.validate();
-  check_writable(a.output, "mesh");
-  if (!a.preview.empty()) check_writable(a.preview, "image");
+  a.output.check();
   Progress& progress = console.progress();
   progress.begin("read");
   std::vector<std::string> files;
@@ -62,18 +61,14 @@ void run_csg(CsgArguments& a, Console& console) {
       ComponentChoice{functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1});
   CsgMeshReport report;
   const TriangleMesh mesh = mesh_csg(solid, a.options, progress, &report);
-  console.warn(a.output, report.warnings);
-  Image preview;
-  if (!a.preview.empty()) preview = render_mesh(mesh, {}, progress);
-  progress.begin("write");
-  write_mesh(a.output, mesh, {.ascii = a.ascii});
-  if (!a.preview.empty()) write_image(a.preview, preview);
+  console.warn(a.output.file, report.warnings);
+  a.output.write(mesh, progress);
   progress.finish();
 
   const Vec3 size = report.box.size();
   console.say(fmt::format("{} × {} × {}, cells of {}, {}", length(size.x), length(size.y), length(size.z),
                           length(report.cell), counted(report.blocks, "block")));
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output, counted(mesh.triangles.size(), "triangle"),
+  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(report.components, "component"),
                           report.closed ? ", closed" : ", not closed"));
   console.say(fmt::format("area {}, volume {}", number(report.area), number(report.volume)));
@@ -88,7 +83,7 @@ void run_csg(CsgArguments& a, Console& console) {
       {"area", report.area},
       {"volume", report.volume},
       {"output",
-       {{"file", a.output},
+       {{"file", a.output.file},
         {"vertices", mesh.vertices.size()},
         {"triangles", mesh.triangles.size()},
         {"components", report.components},
@@ -105,7 +100,7 @@ Command add_csg(CLI::App& app) {
   c->add_option("expression", a->expression, "What to combine, in quotes: see below")
       ->type_name("EXPRESSION")
       ->required();
-  add_mesh_output(*c, a->output, a->preview, a->ascii);
+  add_mesh_output(*c, a->output);
   c->add_option("--resolution", a->options.resolution,
                 "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256]")
       ->type_name("COUNT");

@@ -59,6 +59,7 @@ void run_edit(const EditArguments& a, Console& console) {
   }
 
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  std::vector<std::string> lines;
   for (std::size_t i = 0; i < edits.size(); ++i) {
     EditReport report;
     try {
@@ -69,7 +70,7 @@ void run_edit(const EditArguments& a, Console& console) {
       throw FileError(a.input, fmt::format("step {}: {}", i + 1, error.what()));
     }
     const Vec3 size = report.changed.empty() ? Vec3{} : report.changed.size();
-    console.say(fmt::format(
+    lines.push_back(fmt::format(
         "step {}: {}{}", i + 1, report.what,
         report.changed.empty() ? std::string()
                                : fmt::format(", within {} × {} × {}", length(size.x), length(size.y), length(size.z))));
@@ -88,6 +89,8 @@ void run_edit(const EditArguments& a, Console& console) {
       throw FileError(a.input, fmt::format("after the edits: {}", error.what()));
     }
   }
+  // Not before all has gone well: what fails has no results.
+  for (const std::string& line : lines) console.say(line);
   progress.begin("write");
   nlohmann::ordered_json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
   if (!a.output.empty()) {

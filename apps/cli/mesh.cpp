@@ -13,48 +13,40 @@ namespace sansmesh::cli {
 namespace {
 
 struct MeshArguments {
-  std::string input, output, preview;
-  bool ascii = false;
+  std::string input;
+  MeshOutput output;
   MeshOptions options;
 };
 
 void run_mesh(MeshArguments& a, Console& console) {
   a.options.validate();
-  check_writable(a.output, "mesh");
-  if (!a.preview.empty()) check_writable(a.preview, "image");
+  a.output.check();
   Progress& progress = console.progress();
   progress.begin("read");
   const SurfaceFunction function = read_function(a.input);
   MeshReport report;
   TriangleMesh mesh;
-  Image preview;
   try {
     mesh = mesh_function(function, a.options, progress, &report);
   } catch (const DataError& error) {
     throw FileError(a.input, error.what());
   }
   console.warn(a.input, report.warnings);
-  if (!a.preview.empty()) preview = render_mesh(mesh, {}, progress);
-  progress.begin("write");
-  write_mesh(a.output, mesh, {.ascii = a.ascii});
-  if (!a.preview.empty()) write_image(a.preview, preview);
+  a.output.write(mesh, progress);
   progress.finish();
 
   const MeshTopology topology = measure_topology(mesh);
   console.say(fmt::format("{}: {}, {}", a.input, counted(function.field.report().functions, "local fit"),
                           counted(function.samples->size(), "sample")));
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output, counted(mesh.triangles.size(), "triangle"),
+  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(topology.components, "component"),
                           topology.closed() ? ", closed" : ", with borders"));
-  if (a.options.measure_quality)
-    console.say(fmt::format("aspect ratio {:.3f} ± {:.3f} before enhancement, {:.3f} ± {:.3f} after",
-                            report.aspect_mean_before, report.aspect_deviation_before, report.aspect_mean,
-                            report.aspect_deviation));
+  if (a.options.measure_quality) say_aspect_ratios(report, console);
   const nlohmann::ordered_json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
                                        {"blocks", report.blocks},
                                        {"depth", report.depth},
                                        {"output",
-                                        {{"file", a.output},
+                                        {{"file", a.output.file},
                                          {"vertices", mesh.vertices.size()},
                                          {"triangles", mesh.triangles.size()},
                                          {"components", topology.components},
@@ -71,7 +63,7 @@ Command add_mesh(CLI::App& app) {
   CLI::App* c = app.add_subcommand("mesh", "Function file → triangle mesh, closed unless asked otherwise");
   auto a = std::make_shared<MeshArguments>();
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  add_mesh_output(*c, a->output, a->preview, a->ascii);
+  add_mesh_output(*c, a->output);
   add_box_option(*c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
   c->add_option("--depth", a->options.block_depth,
                 "Deepest level of the blocks cut, " + depth_range() + ": coarser [from the function]")

@@ -1,8 +1,11 @@
 #include "option_groups.h"
 
+#include <fmt/core.h>
+
 #include <charconv>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
 
 namespace sansmesh::cli {
 
@@ -44,10 +47,29 @@ void add_ascii_flag(CLI::App& c, bool& ascii) {
   c.add_flag("--ascii", ascii, "Write text where the format also has a binary form");
 }
 
-void add_mesh_output(CLI::App& c, std::string& file, std::string& preview, bool& ascii) {
-  c.add_option("-o,--output", file, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
-  add_preview_option(c, preview, "the mesh");
-  add_ascii_flag(c, ascii);
+void MeshOutput::check() const {
+  check_writable(file, "mesh");
+  if (!preview.empty()) check_writable(preview, "image");
+}
+
+void MeshOutput::write(const TriangleMesh& mesh, Progress& progress) const {
+  Image image;
+  if (!preview.empty()) image = render_mesh(mesh, {}, progress);
+  progress.begin("write");
+  write_mesh(file, mesh, {.ascii = ascii});
+  if (!preview.empty()) write_image(preview, image);
+}
+
+void say_aspect_ratios(const MeshReport& report, Console& console) {
+  console.say(fmt::format("aspect ratio {:.3f} ± {:.3f} before enhancement, {:.3f} ± {:.3f} after",
+                          report.aspect_mean_before, report.aspect_deviation_before, report.aspect_mean,
+                          report.aspect_deviation));
+}
+
+void add_mesh_output(CLI::App& c, MeshOutput& o) {
+  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  add_preview_option(c, o.preview, "the mesh");
+  add_ascii_flag(c, o.ascii);
 }
 
 void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<double>& range, const std::string& what,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "console.h"
 #include "sansmesh/mesh_function.h"
 #include "sansmesh/render/mesh_preview.h"
 #include "sansmesh/surface_function.h"
@@ -52,8 +53,20 @@ void add_picture_options(CLI::App& command, PictureArguments& arguments);
 void add_preview_option(CLI::App& command, std::string& file, const std::string& what);
 /// --ascii
 void add_ascii_flag(CLI::App& command, bool& ascii);
-/// --output, --preview and --ascii of a command that makes a mesh
-void add_mesh_output(CLI::App& command, std::string& file, std::string& preview, bool& ascii);
+/// A mesh that a command makes, and a picture of it.
+struct MeshOutput {
+  std::string file, preview;
+  bool ascii = false;
+
+  /// Throws FileError early if they cannot be written.
+  void check() const;
+  /// Throws FileError.
+  void write(const TriangleMesh& mesh, Progress& progress) const;
+};
+/// --output, --preview, --ascii
+void add_mesh_output(CLI::App& command, MeshOutput& output);
+/// With --quality: what enhancement did to the triangles.
+void say_aspect_ratios(const MeshReport& report, Console& console);
 /// --color-by and --color-range of curvature. `what` describes the first.
 void add_curvature_colors(CLI::App& command, std::string& quantity, std::optional<double>& range,
                           const std::string& what, const std::string& group = "Options");

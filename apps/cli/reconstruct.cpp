@@ -16,8 +16,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct ReconstructArguments {
-  std::string input, output, preview;
-  bool ascii = false;
+  std::string input;
+  MeshOutput output;
   ReconstructOptions options;
   SurfaceArguments surface;
 };
@@ -49,20 +49,16 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
                           counted(report.blocks, "block"), report.depth));
   // The partition is closed by construction.
   const bool closed = (!surface && !arguments.options.trim) || measure_topology(mesh).closed();
-  console.say(fmt::format("{}: {}, {} in {}{}", arguments.output, counted(mesh.triangles.size(), "triangle"),
+  console.say(fmt::format("{}: {}, {} in {}{}", arguments.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()) + " vertices",
                           counted(static_cast<unsigned long long>(report.components), "component"),
                           closed ? ", closed" : ", with borders"));
-  if (arguments.options.measure_quality)
-    console.say(fmt::format("aspect ratio {:.3f} ± {:.3f} before enhancement, {:.3f} ± {:.3f} after",
-                            report.aspect_mean_before, report.aspect_deviation_before, report.aspect_mean,
-                            report.aspect_deviation));
+  if (arguments.options.measure_quality) say_aspect_ratios(report, console);
 }
 
 void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   arguments.options.validate();
-  check_writable(arguments.output, "mesh");
-  if (!arguments.preview.empty()) check_writable(arguments.preview, "image");
+  arguments.output.check();
 
   Progress& progress = console.progress();
   progress.begin("read");
@@ -80,11 +76,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   }
   console.warn(arguments.input, report.warnings);
 
-  Image preview;
-  if (!arguments.preview.empty()) preview = render_mesh(mesh, {}, progress);
-  progress.begin("write");
-  write_mesh(arguments.output, mesh, {.ascii = arguments.ascii});
-  if (!arguments.preview.empty()) write_image(arguments.preview, preview);
+  arguments.output.write(mesh, progress);
   progress.finish();
 
   print_report(arguments, read, size, report, mesh, console);
@@ -97,7 +89,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     json["depth"] = report.depth;
     json["blocks"] = report.blocks;
     json["fits"] = report.fits;
-    json["output"] = {{"file", arguments.output},           {"vertices", mesh.vertices.size()},
+    json["output"] = {{"file", arguments.output.file},      {"vertices", mesh.vertices.size()},
                       {"triangles", mesh.triangles.size()}, {"components", report.components},
                       {"closed", topology.closed()},        {"mesh_error", report.mesh_error}};
     if (arguments.options.measure_quality)
@@ -122,7 +114,7 @@ Command add_reconstruct(CLI::App& app) {
   auto shared = std::make_shared<ReconstructArguments>();
   ReconstructArguments& a = *shared;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  add_mesh_output(c, a.output, a.preview, a.ascii);
+  add_mesh_output(c, a.output);
   add_mesh_options(c, a.options);
   add_cloud_options(c, a.options);
   add_fit_options(c, a.options);

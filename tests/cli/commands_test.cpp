@@ -11,8 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string kOwl = std::string(SANSMESH_SOURCE_DIR) + "/examples/data/owl.vtp";
-
 class Commands : public ToolTest {
  protected:
   void write_sphere(const std::string& name, std::size_t n, bool normals = true) const {
@@ -123,13 +121,7 @@ TEST_F(Commands, TrimOpensWhatHasNoData) {
 }
 
 TEST_F(Commands, ComponentsAreChosen) {
-  PointSet cloud = sphere(4000);
-  const PointSet other = sphere(1000);
-  for (std::size_t i = 0; i < other.size(); ++i) {
-    cloud.positions.push_back(other.positions[i] * 0.5f + Vec3f{4, 0, 0});
-    cloud.normals.push_back(other.normals[i]);
-  }
-  write_points(path("two.ply"), cloud);
+  write_points(path("two.ply"), joined(sphere(4000), sphere(1000), 0.5f, {4, 0, 0}));
   for (const auto& [choice, expected] : {std::pair{"auto", 2u}, {"all", 2u}, {"largest", 1u}, {"1", 1u}, {"2", 2u}}) {
     ASSERT_EQ(run({"reconstruct", "two.ply", "-o", "out.ply", "--components", choice}).code, 0);
     EXPECT_EQ(measure_topology(read_mesh(path("out.ply"))).components, expected) << choice;

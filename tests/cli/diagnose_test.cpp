@@ -15,13 +15,7 @@ class DiagnoseCommand : public ToolTest {
  protected:
   /// A sphere with a small cluster of strays beside it.
   void fit_scan() const {
-    PointSet cloud = sphere(5000);
-    const PointSet small = sphere(60);
-    for (std::size_t i = 0; i < small.size(); ++i) {
-      cloud.positions.push_back(small.positions[i] * 0.09f + Vec3f{1.5f, 0.2f, 0});
-      cloud.normals.push_back(small.normals[i]);
-    }
-    write_points(path("scan.ply"), cloud);
+    write_points(path("scan.ply"), joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
     ASSERT_EQ(run({"fit", "scan.ply", "-o", "scan.smf"}).code, 0);
   }
 };
@@ -53,18 +47,13 @@ TEST_F(DiagnoseCommand, FindsStraysAndItsScriptMendsThem) {
 
 TEST_F(DiagnoseCommand, BadInputIsOneLine) {
   fit_scan();
-  const auto fails = [&](const std::vector<std::string>& arguments, int code, const char* says) {
-    const Outcome o = run(arguments);
-    EXPECT_EQ(o.code, code) << o.err;
-    EXPECT_EQ(o.lines_of_error(), 1) << o.err;
-    EXPECT_NE(o.err.find(says), std::string::npos) << o.err;
-  };
-  fails({"diagnose", "missing.smf"}, 1, "missing.smf");
-  fails({"diagnose", "scan.ply"}, 1, "not a function file");
-  fails({"diagnose", "scan.smf", "--gradient", "0.5"}, 2, "gradient");
-  fails({"diagnose", "scan.smf", "--coverage", "3"}, 2, "coverage");
-  fails({"diagnose", "scan.smf", "--script", "nowhere/e.json"}, 1, "folder");
-  EXPECT_EQ(listing(), (std::vector<std::string>{"scan.ply", "scan.smf"}));
+  expect_failures({
+      {{"diagnose", "missing.smf"}, 1, {"missing.smf"}},
+      {{"diagnose", "scan.ply"}, 1, {"not a function file"}},
+      {{"diagnose", "scan.smf", "--gradient", "0.5"}, 2, {"gradient"}},
+      {{"diagnose", "scan.smf", "--coverage", "3"}, 2, {"coverage"}},
+      {{"diagnose", "scan.smf", "--script", "nowhere/e.json"}, 1, {"folder"}},
+  });
 }
 
 }  // namespace

@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string kOwl = std::string(SANSMESH_SOURCE_DIR) + "/examples/data/owl.vtp";
-
 class FunctionCommands : public ToolTest {
  protected:
   void fit_sphere(const std::string& name = "ball.smf", std::size_t n = 2000) const {
@@ -21,12 +19,6 @@ class FunctionCommands : public ToolTest {
     const Outcome outcome = run({"fit", "ball.ply", "-o", name, "--quiet"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     std::filesystem::remove(path("ball.ply"));
-  }
-  Json json_of(std::vector<std::string> arguments) const {
-    arguments.push_back("--json");
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return outcome.code == 0 ? Json::parse(outcome.out) : Json();
   }
 };
 
@@ -143,52 +135,36 @@ TEST_F(FunctionCommands, ErrorsAreOneLineAndLeaveNothing) {
     for (int i = 0; i < 400; ++i) text += std::to_string(i % 20) + " " + std::to_string(i / 20) + " 5\n";
     return text;
   }());
-  const std::vector<std::string> before = listing();
-  struct Case {
-    std::vector<std::string> arguments;
-    int code;
-    const char* part;
-  };
-  const Case cases[] = {
-      {{"fit", "absent.ply", "-o", "x.smf"}, 1, "absent.ply: no such file"},
-      {{"fit", "plane.xyz", "-o", "x.smf"}, 1, "plane.xyz: "},
-      {{"fit", "scan.ply", "-o", "x.ply"}, 1, "x.ply: functions are written to files with the ending .smf"},
-      {{"fit", "scan.ply", "-o", "absent/x.smf"}, 1, "absent/x.smf: "},
-      {{"fit", "scan.ply"}, 2, "--output"},
-      {{"fit", "scan.ply", "-o", "x.smf", "--degree", "7"}, 2, "degree"},
-      {{"fit", "good.smf", "-o", "x.smf"}, 1, "good.smf: is a function"},
-      {{"mesh", "absent.smf", "-o", "x.ply"}, 1, "absent.smf: no such file"},
-      {{"mesh", "scan.ply", "-o", "x.ply"}, 1, "scan.ply: is not a function file"},
-      {{"mesh", "text.smf", "-o", "x.ply"}, 1, "text.smf: is not a function file"},
-      {{"mesh", "empty.smf", "-o", "x.ply"}, 1, "empty.smf: is empty"},
-      {{"mesh", "short.smf", "-o", "x.ply"}, 1, "short.smf: truncated: "},
-      {{"mesh", "damaged.smf", "-o", "x.ply"}, 1, "damaged.smf: damaged: the checksum of section "},
-      {{"mesh", "newer.smf", "-o", "x.ply"}, 1, "newer.smf: was written by a newer version"},
-      {{"mesh", "good.smf", "-o", "x.smf"}, 1, "x.smf: "},
-      {{"mesh", "good.smf", "-o", "x.docx"}, 1, "x.docx: "},
-      {{"mesh", "good.smf", "-o", "x.ply", "--preview", "x.ply2"}, 1, "x.ply2: "},
-      {{"mesh", "good.smf", "-o", "x.ply", "--triangles", "2"}, 2, "triangles"},
-      {{"eval", "good.smf"}, 2, "either --points FILE or --at x,y,z"},
-      {{"eval", "good.smf", "--at", "1,2"}, 2, "--at"},
-      {{"eval", "good.smf", "--at", "nan,0,0"}, 2, "--at"},
-      {{"eval", "good.smf", "--at", "1,2,3", "--points", "scan.ply"}, 2, "either"},
-      {{"eval", "good.smf", "--points", "absent.ply"}, 1, "absent.ply: no such file"},
-      {{"eval", "scan.ply", "--at", "0,0,0"}, 1, "scan.ply: is not a function file"},
-      {{"eval", "good.smf", "--at", "0,0,0", "-o", "x.png"}, 1, "x.png: "},
-      {{"reconstruct", "good.smf", "-o", "x.ply"}, 1, "good.smf: is a function, not points or a mesh"},
-      {{"render", "short.smf", "-o", "x.png"}, 1, "short.smf: truncated"},
-      {{"info", "absent.smf"}, 1, "absent.smf: no such file"},
-  };
-  for (const Case& c : cases) {
-    std::string line = "sansmesh";
-    for (const std::string& a : c.arguments) line += " " + a;
-    const Outcome outcome = run(c.arguments);
-    EXPECT_EQ(outcome.code, c.code) << line << "\n" << outcome.err;
-    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << line << "\n" << outcome.err;
-    EXPECT_EQ(outcome.lines_of_error(), 1) << line << "\n" << outcome.err;
-    EXPECT_EQ(outcome.out, "") << line;
-    EXPECT_EQ(listing(), before) << line;
-  }
+  expect_failures({
+      {{"fit", "absent.ply", "-o", "x.smf"}, 1, {"absent.ply: no such file"}},
+      {{"fit", "plane.xyz", "-o", "x.smf"}, 1, {"plane.xyz: "}},
+      {{"fit", "scan.ply", "-o", "x.ply"}, 1, {"x.ply: functions are written to files with the ending .smf"}},
+      {{"fit", "scan.ply", "-o", "absent/x.smf"}, 1, {"absent/x.smf: "}},
+      {{"fit", "scan.ply"}, 2, {"--output"}},
+      {{"fit", "scan.ply", "-o", "x.smf", "--degree", "7"}, 2, {"degree"}},
+      {{"fit", "good.smf", "-o", "x.smf"}, 1, {"good.smf: is a function"}},
+      {{"mesh", "absent.smf", "-o", "x.ply"}, 1, {"absent.smf: no such file"}},
+      {{"mesh", "scan.ply", "-o", "x.ply"}, 1, {"scan.ply: is not a function file"}},
+      {{"mesh", "text.smf", "-o", "x.ply"}, 1, {"text.smf: is not a function file"}},
+      {{"mesh", "empty.smf", "-o", "x.ply"}, 1, {"empty.smf: is empty"}},
+      {{"mesh", "short.smf", "-o", "x.ply"}, 1, {"short.smf: truncated: "}},
+      {{"mesh", "damaged.smf", "-o", "x.ply"}, 1, {"damaged.smf: damaged: the checksum of section "}},
+      {{"mesh", "newer.smf", "-o", "x.ply"}, 1, {"newer.smf: was written by a newer version"}},
+      {{"mesh", "good.smf", "-o", "x.smf"}, 1, {"x.smf: "}},
+      {{"mesh", "good.smf", "-o", "x.docx"}, 1, {"x.docx: "}},
+      {{"mesh", "good.smf", "-o", "x.ply", "--preview", "x.ply2"}, 1, {"x.ply2: "}},
+      {{"mesh", "good.smf", "-o", "x.ply", "--triangles", "2"}, 2, {"triangles"}},
+      {{"eval", "good.smf"}, 2, {"either --points FILE or --at x,y,z"}},
+      {{"eval", "good.smf", "--at", "1,2"}, 2, {"--at"}},
+      {{"eval", "good.smf", "--at", "nan,0,0"}, 2, {"--at"}},
+      {{"eval", "good.smf", "--at", "1,2,3", "--points", "scan.ply"}, 2, {"either"}},
+      {{"eval", "good.smf", "--points", "absent.ply"}, 1, {"absent.ply: no such file"}},
+      {{"eval", "scan.ply", "--at", "0,0,0"}, 1, {"scan.ply: is not a function file"}},
+      {{"eval", "good.smf", "--at", "0,0,0", "-o", "x.png"}, 1, {"x.png: "}},
+      {{"reconstruct", "good.smf", "-o", "x.ply"}, 1, {"good.smf: is a function, not points or a mesh"}},
+      {{"render", "short.smf", "-o", "x.png"}, 1, {"short.smf: truncated"}},
+      {{"info", "absent.smf"}, 1, {"absent.smf: no such file"}},
+  });
 }
 
 }  // namespace

@@ -11,12 +11,18 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "support/clean_text.h"
+
 namespace sansmesh::test {
+
+/// The bundled scan.
+inline const std::string kOwl = std::string(SANSMESH_SOURCE_DIR) + "/examples/data/owl.vtp";
 
 struct Outcome {
   int code = -1;
@@ -30,6 +36,13 @@ inline std::string slurp(const std::filesystem::path& file) {
   text << stream.rdbuf();
   return text.str();
 }
+
+/// A command line that must fail.
+struct Failing {
+  std::vector<std::string> arguments;
+  int code;
+  std::vector<std::string> parts;  ///< of the message
+};
 
 /// A folder that exists while the test runs.
 class ToolTest : public ::testing::Test {
@@ -81,6 +94,31 @@ class ToolTest : public ::testing::Test {
     int status = 0;
     ::waitpid(child, &status, 0);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), slurp(out), slurp(err)};
+  }
+
+  /// The object that a command prints with --json; null, and a failure, if it does not.
+  nlohmann::json json_of(std::vector<std::string> arguments) const {
+    arguments.push_back("--json");
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.code == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
+  }
+
+  /// Each ends with one printable line that says what is wrong, and leaves the folder as it was.
+  void expect_failures(const std::vector<Failing>& failing) const {
+    const std::vector<std::string> before = listing();
+    for (const Failing& f : failing) {
+      std::string shown = "sansmesh";
+      for (const std::string& a : f.arguments) shown += " " + a;
+      const Outcome outcome = run(f.arguments);
+      EXPECT_EQ(outcome.code, f.code) << shown << "\n" << outcome.err;
+      EXPECT_EQ(outcome.lines_of_error(), 1) << shown << "\n" << outcome.err;
+      EXPECT_TRUE(is_clean(outcome.err.substr(0, outcome.err.find('\n')))) << shown << "\n" << outcome.err;
+      for (const std::string& part : f.parts)
+        EXPECT_NE(outcome.err.find(part), std::string::npos) << shown << "\n" << outcome.err;
+      EXPECT_EQ(outcome.out, "") << shown;
+      EXPECT_EQ(listing(), before) << shown;
+    }
   }
 
   std::filesystem::path folder_;

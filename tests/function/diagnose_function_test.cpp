@@ -40,13 +40,7 @@ TEST(Diagnose, NothingIsWrongWithASphere) {
 }
 
 TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
-  PointSet cloud = sphere(5000);
-  const PointSet small = sphere(60);
-  for (std::size_t i = 0; i < small.size(); ++i) {
-    cloud.positions.push_back(small.positions[i] * 0.09f + Vec3f{1.5f, 0.2f, 0});
-    cloud.normals.push_back(small.normals[i]);
-  }
-  const SurfaceFunction function = fit(cloud);
+  const SurfaceFunction function = fit(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
   const Diagnosis d = diagnose(function);
   const auto extra = of_kind(d, Suspicion::extra_sheet);
   ASSERT_EQ(extra.size(), 1u);

@@ -45,15 +45,7 @@ inline PointSet colored(PointSet cloud) {
   return cloud;
 }
 
-inline PointSet two_spheres() {
-  PointSet cloud = sphere(6000);
-  const PointSet small = sphere(2000);
-  for (std::size_t i = 0; i < small.size(); ++i) {
-    cloud.positions.push_back(small.positions[i] * 0.5f + Vec3f{2, 0, 0});
-    cloud.normals.push_back(small.normals[i]);
-  }
-  return cloud;
-}
+inline PointSet two_spheres() { return joined(sphere(6000), sphere(2000), 0.5f, {2, 0, 0}); }
 
 inline Edit edit_in_ball(const Vec3& center, double radius, const decltype(Edit::action)& action) {
   Edit edit;

@@ -153,13 +153,7 @@ TEST(UpdateMesh, OfAnotherFunctionIsMadeAnew) {
 
 TEST(UpdateMesh, FarAwayMeshesAreNotTakenForTheFunctions) {
   // Nothing is left where the change was, so that no triangle can be compared.
-  PointSet cloud = sphere(4000);
-  for (const PointSet& small : {sphere(500)})
-    for (std::size_t i = 0; i < small.size(); ++i) {
-      cloud.positions.push_back(small.positions[i] * 0.3f + Vec3f{2, 0, 0});
-      cloud.normals.push_back(small.normals[i]);
-    }
-  FunctionEditor editor(fitted(cloud));
+  FunctionEditor editor(fitted(joined(sphere(4000), sphere(500), 0.3f, {2, 0, 0})));
   Progress progress;
   EditSelection small;
   small.sheet_at = Vec3{2.3, 0, 0};

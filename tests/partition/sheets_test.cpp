@@ -11,24 +11,14 @@ namespace {
 
 using namespace test;
 
-PointSet moved(PointSet cloud, const Vec3f& by, float scale = 1) {
-  for (Vec3f& p : cloud.positions) p = p * scale + by;
-  return cloud;
-}
-void append(PointSet& to, const PointSet& from) {
-  to.positions.insert(to.positions.end(), from.positions.begin(), from.positions.end());
-  to.normals.insert(to.normals.end(), from.normals.begin(), from.normals.end());
-}
 PointSet flipped(PointSet cloud) {
   for (Vec3f& n : cloud.normals) n = n * -1.0f;
   return cloud;
 }
 
 TEST(FindSheets, SeparateAndConcentricSpheres) {
-  PointSet separate = sphere(10000);
-  append(separate, moved(sphere(3600), {2.5f, 0, 0}, 0.6f));
-  PointSet concentric = sphere(10000);
-  append(concentric, flipped(moved(sphere(3600), {}, 0.6f)));
+  const PointSet separate = joined(sphere(10000), sphere(3600), 0.6f, {2.5f, 0, 0});
+  const PointSet concentric = joined(sphere(10000), flipped(sphere(3600)), 0.6f);
   for (const PointSet& cloud : {separate, concentric}) {
     const Fitted f = fit(cloud);
     const Sheets sheets = find_sheets(f.data, f.positions);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -16,13 +17,6 @@ namespace {
 TriangleMesh run(const PointSet& cloud, const ReconstructOptions& options = {}, ReconstructReport* report = nullptr) {
   Progress progress;
   return reconstruct(cloud, options, progress, report);
-}
-
-void append(PointSet& cloud, const PointSet& other, float scale, const Vec3f& shift) {
-  for (std::size_t i = 0; i < other.size(); ++i) {
-    cloud.positions.push_back(other.positions[i] * scale + shift);
-    if (cloud.has_normals()) cloud.normals.push_back(other.normals[i]);
-  }
 }
 
 TEST(Reconstruct, FindsTheTopologyWithAndWithoutNormals) {
@@ -55,7 +49,7 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
 
 TEST(Reconstruct, StraySamplesMakeNoSheets) {
   PointSet cloud = test::sphere(8000);
-  append(cloud, test::sphere(14), 0.4f, {3, 0, 0});  // a few samples over a large area
+  cloud = test::joined(std::move(cloud), test::sphere(14), 0.4f, {3, 0, 0});  // a few samples over a large area
   ReconstructReport report;
   const MeshTopology topology = measure_topology(run(cloud, {}, &report));
   EXPECT_EQ(topology.components, 1u);
@@ -74,7 +68,7 @@ TEST(Reconstruct, OneFarSampleOrManyDuplicatesDoNoHarm) {
   far.positions.push_back({-4e6f, 5, 5});
   far.normals.push_back({1, 0, 0});
   PointSet repeated = clean;
-  for (int copy = 0; copy < 9; ++copy) append(repeated, clean, 1, {0, 0, 0});
+  for (int copy = 0; copy < 9; ++copy) repeated = test::joined(std::move(repeated), clean, 1, {0, 0, 0});
   for (const PointSet& cloud : {far, repeated}) {
     ReconstructReport report;
     EXPECT_EQ(run(cloud, {}, &report).triangles.size(), triangles);
@@ -116,7 +110,7 @@ TEST(Reconstruct, MoreDepthThanSamplesIsNoHarm) {
 
 TEST(Reconstruct, KeepsPartsThatHaveTheirSamples) {
   PointSet cloud = test::sphere(8000);
-  append(cloud, test::sphere(2000), 0.4f, {3, 0, 0});
+  cloud = test::joined(std::move(cloud), test::sphere(2000), 0.4f, {3, 0, 0});
   EXPECT_EQ(measure_topology(run(cloud)).components, 2u);
 }
 

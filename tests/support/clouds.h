@@ -56,4 +56,14 @@ inline PointSet torus(std::size_t n, unsigned seed = 1) {
   return cloud;
 }
 
+/// Both, the second one scaled and then moved; with normals if the first has them.
+inline PointSet joined(PointSet cloud, const PointSet& other, float scale = 1, const Vec3f& by = {}) {
+  const bool with_normals = cloud.has_normals();
+  for (std::size_t i = 0; i < other.size(); ++i) {
+    cloud.positions.push_back(other.positions[i] * scale + by);
+    if (with_normals) cloud.normals.push_back(other.normals[i]);
+  }
+  return cloud;
+}
+
 }  // namespace sansmesh::test
