@@ -38,8 +38,10 @@ constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged 
 double quantile_by_area(const std::vector<double>& ascending, double q) {
   double area = 0, passed = 0;
   for (const double s : ascending) area += s * s;
-  for (const double s : ascending)
-    if ((passed += s * s) >= q * area) return s;
+  for (const double s : ascending) {
+    passed += s * s;
+    if (passed >= q * area) return s;
+  }
   return ascending.empty() ? 0 : ascending.back();
 }
 

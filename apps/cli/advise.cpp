@@ -68,7 +68,7 @@ void run_advise(const std::string& file, Console& console) {
   std::vector<std::string> warnings = read.warnings;
   warnings.insert(warnings.end(), advice.warnings.begin(), advice.warnings.end());
   json["warnings"] = warnings;
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

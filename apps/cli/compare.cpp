@@ -247,7 +247,7 @@ void run_compare(const CompareArguments& a, Console& console) {
                           grouped(mesh.vertices.size()), points ? "points" : "vertices", other.file(), other.kind()));
   if (map.measured > 0) say_statistics(map, a.options.tolerance, console);
   say_rest(a, map, other.file(), console);
-  console.say_json(to_json(a, map, part, reference, diagonal).dump(2));
+  console.say_json(to_json(a, map, part, reference, diagonal));
   console.print_timings();
 }
 

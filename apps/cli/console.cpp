@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -48,10 +49,10 @@ void Console::say(const std::string& line) {
   fmt::print("{}\n", line);
 }
 
-void Console::say_json(const std::string& json) {
+void Console::say_json(const nlohmann::ordered_json& json) {
   if (!options_.json) return;
   clear();
-  fmt::print("{}\n", json);
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {

@@ -1,6 +1,7 @@
 // What every command says, and how: results on standard output, everything else on standard error.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,8 @@ class Console {
 
   /// A result for people: printed unless --json or --quiet.
   void say(const std::string& line);
-  /// A result for programs: printed with --json. `json` is the text of an object.
-  void say_json(const std::string& json);
+  /// A result for programs: printed with --json. Bytes that are not UTF-8, as names of files can have, are replaced.
+  void say_json(const nlohmann::ordered_json& json);
   void warn(const std::string& file, const std::vector<std::string>& warnings);
   /// With --verbose: the table of stages.
   void print_timings();

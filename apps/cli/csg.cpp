@@ -88,7 +88,7 @@ void run_csg(CsgArguments& a, Console& console) {
         {"triangles", mesh.triangles.size()},
         {"components", report.components},
         {"closed", report.closed}}}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

@@ -131,7 +131,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
                                        {arguments.color_by, {{"q05", low}, {"median", middle}, {"q95", high}}},
                                        {"color_range", range},
                                        {"output", {{"file", arguments.output}}}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

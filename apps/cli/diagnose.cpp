@@ -94,7 +94,7 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
   }
   if (!a.preview.empty())
     console.say(fmt::format("{}: yellow low coverage, orange high error, red extra sheets, violet steep", a.preview));
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

@@ -111,7 +111,7 @@ void run_edit(const EditArguments& a, Console& console) {
                     {"added", update.added}};
   }
   progress.finish();
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

@@ -119,7 +119,7 @@ void run_eval(const EvalArguments& a, Console& console) {
     }
   }
   if (!a.output.empty()) json["output"] = {{"file", a.output}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

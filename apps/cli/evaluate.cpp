@@ -125,7 +125,7 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["from_reference"] = to_json(d.from_reference);
   }
   progress.finish();
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

@@ -51,7 +51,7 @@ void run_fit(const FitArguments& a, Console& console) {
         {"fits_of_degree", r.functions_of_degree},
         {"creased", r.creased},
         {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
-    console.say_json(json.dump(2));
+    console.say_json(json);
   } catch (const DataError& error) {
     throw FileError(a.input, error.what());
   }

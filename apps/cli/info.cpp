@@ -67,7 +67,7 @@ void run_function_info(const std::string& file, Console& console) {
                                        {"accuracy", r.accuracy * unit},
                                        {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
                                        {"history", function.history}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
 }
 
 void run_info(const std::string& file, Console& console) {
@@ -135,7 +135,7 @@ void run_info(const std::string& file, Console& console) {
   }
   json["warnings"] = read.warnings;
   progress.finish();
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

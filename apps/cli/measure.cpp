@@ -125,7 +125,7 @@ void run_measure(const std::string& file, Console& console) {
   json["components"] = Json::array();
   for (std::size_t i = 0; i < std::min(kListed, m.components.size()); ++i)
     json["components"].push_back(to_json(m.components[i]));
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

@@ -53,7 +53,7 @@ void run_mesh(MeshArguments& a, Console& console) {
                                          {"closed", topology.closed()},
                                          {"mesh_error", report.mesh_error}}},
                                        {"warnings", report.warnings}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

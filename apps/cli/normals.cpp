@@ -71,7 +71,7 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
     json["oriented"] = !arguments.no_orient;
     json["unknown"] = unknown;
     json["warnings"] = read.warnings;
-    console.say_json(json.dump(2));
+    console.say_json(json);
   }
   console.print_timings();
 }

@@ -115,7 +115,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
       {"moved", {{"mean", report.mean_move}, {"rms", report.rms_move}, {"largest", report.largest_move}}},
       {"left_out", report.left_out},
       {"output", {{"file", arguments.output}, {"points", result.size()}}}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

@@ -102,7 +102,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     std::vector<std::string> warnings = read.warnings;
     warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
     json["warnings"] = warnings;
-    console.say_json(json.dump(2));
+    console.say_json(json);
   }
   console.print_timings();
 }

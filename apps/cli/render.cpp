@@ -71,7 +71,7 @@ void run_render(RenderArguments& a, Console& console) {
   console.say(fmt::format("{}: {} × {} pixels", a.output, image.width, image.height));
   const nlohmann::ordered_json json = {
       {"output", {{"file", a.output}, {"width", image.width}, {"height", image.height}}}};
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

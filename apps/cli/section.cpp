@@ -53,6 +53,7 @@ void check_planes(const SectionArguments& a) {
 /// The arguments are those that check_planes accepts.
 std::vector<CutPlane> chosen_planes(const SectionArguments& a, const Box3& box) {
   std::vector<CutPlane> planes;
+  planes.reserve(a.planes.size());
   for (const std::string& text : a.planes) planes.push_back(parse_plane(text));
   if (a.axis.empty()) return planes.empty() ? middle_planes(box) : planes;
   const int axis = a.axis[0] - 'x';
@@ -125,7 +126,7 @@ void run_section(const SectionArguments& a, Console& console) {
     console.say(fmt::format("{}: {} in {}", a.output, counted(curves, "curve"), counted(sections.size(), "plane")));
     json["output"] = {{"file", a.output}};
   }
-  console.say_json(json.dump(2));
+  console.say_json(json);
   console.print_timings();
 }
 

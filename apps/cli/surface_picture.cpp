@@ -115,7 +115,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     json["output"] = {{"files", files}, {"width", options.width}, {"height", options.height}};
     for (const Progress::Timing& t : progress.timings())
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
-    console.say_json(json.dump(2));
+    console.say_json(json);
   } catch (const DataError& error) {
     throw FileError(arguments.input, error.what());
   }

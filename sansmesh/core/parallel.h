@@ -40,13 +40,16 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
 template <class T, class Map, class Combine>
 T parallel_reduce(std::size_t n, std::size_t chunk, const T& init, Map&& map, Combine&& combine) {
   const std::size_t chunks = (n + chunk - 1) / chunk;
-  std::vector<T> parts(chunks, init);
+  struct Part {  // one object a chunk, whatever T: bits of std::vector<bool> share their words
+    T value;
+  };
+  std::vector<Part> parts(chunks, Part{init});
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     const std::size_t first = c * chunk;
-    parts[c] = map(first, first + chunk < n ? first + chunk : n);
+    parts[c].value = map(first, first + chunk < n ? first + chunk : n);
   });
   T result = init;
-  for (const T& part : parts) result = combine(result, part);
+  for (const Part& part : parts) result = combine(result, part.value);
   return result;
 }
 

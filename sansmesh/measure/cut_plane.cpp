@@ -64,6 +64,7 @@ std::vector<CutPlane> plane_series(int axis, double start, double step, int coun
   if (!std::isfinite(step) || (count > 1 && step == 0))
     throw ArgumentError(fmt::format("a step of {:g} between planes: must be finite and not 0", step));
   std::vector<CutPlane> planes;
+  planes.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) planes.push_back(axis_plane(axis, start + i * step));
   return planes;
 }

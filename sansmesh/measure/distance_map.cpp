@@ -56,8 +56,10 @@ double sum_of(const std::vector<Sample>& samples, double (*term)(const Sample&, 
 template <class Value>
 double percentile(const std::vector<Sample>& sorted, double total, double share, Value&& value) {
   double sum = 0;
-  for (const Sample& s : sorted)
-    if ((sum += s.weight) >= share * total) return value(s);
+  for (const Sample& s : sorted) {
+    sum += s.weight;
+    if (sum >= share * total) return value(s);
+  }
   return value(sorted.back());
 }
 

@@ -88,7 +88,8 @@ class PlaneLattice {
   /// NaN outside of the box or the domain.
   double value(std::size_t node) const { return values_[node]; }
   std::array<double, 2> place(std::size_t node) const {
-    return {u0_ + step_ * static_cast<double>(node % columns_), v0_ + step_ * static_cast<double>(node / columns_)};
+    const std::size_t row = node / columns_;
+    return {u0_ + step_ * static_cast<double>(node % columns_), v0_ + step_ * static_cast<double>(row)};
   }
   Vec3 at(std::size_t node) const {
     const auto [u, v] = place(node);

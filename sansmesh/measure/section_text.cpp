@@ -112,7 +112,8 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
                  sheet_width, sheet_height, options.unit);
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& section = sections[i];
-    const double x = cell_width * static_cast<double>(i % columns), y = cell_height * static_cast<double>(i / columns);
+    const std::size_t row = i / columns;
+    const double x = cell_width * static_cast<double>(i % columns), y = cell_height * static_cast<double>(row);
     const Extent e = frames[i].empty() ? Extent{0, 0, 0, 0} : frames[i];
     const double cu = 0.5 * (e.u0 + e.u1), cv = 0.5 * (e.v0 + e.v1);
     // Viewers compute in single precision.

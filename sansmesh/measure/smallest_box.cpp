@@ -42,6 +42,7 @@ std::vector<Vec3> outermost(const std::vector<Vec3f>& points) {
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   std::vector<Vec3> result;
+  result.reserve(found.size());
   for (const std::uint32_t i : found) result.emplace_back(points[i]);
   return result;
 }
@@ -88,6 +89,7 @@ double volume_of(const std::vector<Vec3>& points, const Frame& frame) {
 Frame turned(const std::vector<Vec3>& points, const Frame& frame, std::size_t k) {
   const Vec3 u = frame[(k + 1) % 3], v = frame[(k + 2) % 3];
   std::vector<Point2> shadow;
+  shadow.reserve(points.size());
   for (const Vec3& p : points) shadow.push_back({dot(u, p), dot(v, p)});
   const std::vector<Point2> hull = convex_hull(std::move(shadow));
   double best = INFINITY, c = 1, s = 0;

@@ -1,5 +1,6 @@
 #include "sansmesh/polygonize/clip_mesh.h"
 
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -42,8 +43,8 @@ class PlaneCut {
     if (!mesh_.colors.empty()) {
       std::array<std::uint8_t, 3> color;
       for (std::size_t k = 0; k < 3; ++k)
-        color[k] = static_cast<std::uint8_t>(static_cast<float>(mesh_.colors[in][k]) * (1 - t) +
-                                             static_cast<float>(mesh_.colors[out][k]) * t + 0.5f);
+        color[k] = static_cast<std::uint8_t>(std::lround(static_cast<float>(mesh_.colors[in][k]) * (1 - t) +
+                                                         static_cast<float>(mesh_.colors[out][k]) * t));
       mesh_.colors.push_back(color);
     }
     return entry->second = static_cast<std::uint32_t>(mesh_.vertices.size() - 1);

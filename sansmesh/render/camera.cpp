@@ -33,6 +33,7 @@ ViewDirection named_view(const std::string& name) {
 std::vector<ViewDirection> turntable(const ViewDirection& view, int frames) {
   if (frames < 1) throw ArgumentError("frames must be at least 1, not " + std::to_string(frames));
   std::vector<ViewDirection> views;
+  views.reserve(static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i)
     views.push_back({i == 0 ? view.azimuth : std::remainder(view.azimuth + 360.0 * i / frames, 360.0), view.elevation});
   return views;

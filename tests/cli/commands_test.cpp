@@ -65,6 +65,11 @@ TEST_F(Commands, OutputDoesNotDependOnThreads) {
   }
 }
 
+TEST_F(Commands, JsonIsTextWhateverTheFileIsCalled) {
+  write_sphere("\xff.ply", 300);
+  EXPECT_EQ(json_of({"info", "\xff.ply"})["points"], 300);
+}
+
 TEST_F(Commands, JsonIsAllThatIsPrinted) {
   write_sphere("in.ply", 3000);
   const Outcome outcome = run({"reconstruct", "in.ply", "-o", "out.obj", "--json", "--quality"});

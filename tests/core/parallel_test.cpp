@@ -31,6 +31,19 @@ TEST(Parallel, ReductionDoesNotDependOnThreadCount) {
   set_thread_count(0);
 }
 
+TEST(Parallel, ReductionOfTruthValuesLosesNone) {
+  // Values of neighbouring chunks are written by several threads at a time.
+  set_thread_count(8);
+  for (int round = 0; round < 20; ++round) {
+    std::size_t holds = 0;
+    parallel_reduce(
+        std::size_t{1} << 16, 1, false, [](std::size_t, std::size_t) { return true; },
+        [&](bool, bool part) { return holds += part, part; });
+    EXPECT_EQ(holds, std::size_t{1} << 16);
+  }
+  set_thread_count(0);
+}
+
 TEST(Progress, CancelThrowsAtTheNextStep) {
   Progress progress;
   progress.begin("work", 10);
