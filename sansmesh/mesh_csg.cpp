@@ -10,8 +10,8 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid.h"
-#include "sansmesh/csg/solid_node.h"
 #include "sansmesh/mesh_steps.h"
+#include "sansmesh/polygonize/crease_blocks.h"
 #include "sansmesh/polygonize/crease_mesh.h"
 #include "sansmesh/polygonize/mesh_topology.h"
 
@@ -20,16 +20,19 @@ namespace {
 
 constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
+/// Where parts have a resolution of their own, cells are as small as theirs, down to this part of the usual ones.
+constexpr double kFinestShare = 4;
 /// Default quadric error, in cells: a tenth of what curved parts are off anyway.
-constexpr double kSimplify = 1e-3;
+constexpr double kSimplify = 9.5e-4;
 /// By default nothing is simplified where a smaller share of the vertices could go: then the rest takes its time in
 /// vain.
 constexpr double kLeastGain = 0.05;
-/// Blocks are cut down to this level wherever the solid may be: fields are distances only near their surfaces.
-constexpr int kBaseLevel = 5;
-/// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
-/// share of a block.
-constexpr Vec3 kShift{0.3819, 0.2361, 0.4271};
+/// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
+constexpr double kFlat = 0.5;
+constexpr double kRounding = 1.0001;
+/// Where blocks of two sizes meet, vertices begin farther from the surface than two steps as long as their triangles
+/// may lead.
+constexpr int kRootSteps = 3;
 
 /// Where to look, or an error that says why nowhere.
 Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
@@ -52,79 +55,61 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
   return box;
 }
 
-/// The box less what the surface is known not to reach: boxes of fields hold more than their surfaces, and differences
-/// are smaller than what they begin with.
-Box3 tightened(const ScalarField& field, const Box3& box, double slope) {
-  constexpr std::size_t n = std::size_t{1} << kBaseLevel;
+/// Where the surface may be, found on a coarse grid.
+struct Reached {
+  Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
+             ///< begin with
+  double detail = 0;  ///< smallest blocks that a part with a known resolution wants; 0: there is no such part
+};
+
+Reached look_around(const PiecewiseField& field, const Box3& box, double slope) {
+  constexpr std::size_t n = std::size_t{1} << kCreaseBaseLevel;
   const Vec3 step = box.size() * (1.0 / n);
   std::vector<Vec3> centers(n * n * n);
   std::vector<double> values(centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i)
     for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= n)
       centers[i][k] = box.lower[k] + (static_cast<double>(rest % n) + 0.5) * step[k];
-  field.evaluate(centers, values);
-  Box3 reached;
+  std::vector<Surroundings> around(centers.size());
+  field.survey(centers, norm(step) / 2, values, around);
+  Reached reached;
   for (std::size_t i = 0; i < centers.size(); ++i) {
     if (std::abs(values[i]) > slope * norm(step) / 2) continue;
-    reached.extend(centers[i] - step * 0.5);
-    reached.extend(centers[i] + step * 0.5);
+    reached.box.extend(centers[i] - step * 0.5);
+    reached.box.extend(centers[i] + step * 0.5);
+    const double detail = around[i].detail;
+    if (detail > 0 && std::isfinite(detail))
+      reached.detail = reached.detail > 0 ? std::min(reached.detail, detail) : detail;
   }
-  if (reached.empty()) throw DataError("the solid is empty");
+  if (reached.box.empty()) throw DataError("the solid is empty");
   for (std::size_t k = 0; k < 3; ++k) {  // without rounding, where nothing could be left out
-    reached.lower[k] = std::max(reached.lower[k], box.lower[k]);
-    reached.upper[k] = std::min(reached.upper[k], box.upper[k]);
+    reached.box.lower[k] = std::max(reached.box.lower[k], box.lower[k]);
+    reached.box.upper[k] = std::min(reached.box.upper[k], box.upper[k]);
   }
   return reached;
 }
 
-double cell_of(const Box3& box, const CsgMeshOptions& options) {
+/// Edges of the blocks along creases, and of those on curved parts of which nothing else is known.
+struct Cells {
+  double finest, smooth;
+};
+
+Cells cells_of(const Reached& reached, const CsgMeshOptions& options) {
+  const Box3& box = reached.box;
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
   if (!(longest > 0)) throw DataError("the solid has no extent");
-  const double cell = options.cell         ? *options.cell
-                      : options.resolution ? longest / *options.resolution
-                                           : box.diagonal() / kCellsOnDiagonal;
+  if (!options.cell && !options.resolution) {
+    const double cell = std::min(box.diagonal() / kCellsOnDiagonal, longest / 2);
+    // Blocks of one size, where nothing will be collapsed, stay as they always are.
+    if (!(reached.detail > 0) || options.simplify.value_or(1) == 0) return {cell, cell};
+    return {std::clamp(reached.detail, cell / kFinestShare, cell), cell};
+  }
+  const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
     throw ArgumentError(fmt::format("cell {} is too small for a box of {} × {} × {}: at most {} cells along a side",
                                     cell, size.x, size.y, size.z, kMostCells));
-  return std::min(cell, longest / 2);
-}
-
-/// Blocks of edge `cell` wherever the surface may be in the box.
-BlockTree blocks_around(const ScalarField& field, const Box3& box, double cell, double slope, Progress& progress) {
-  const Vec3 size = box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  int depth = 0;
-  while (cell * static_cast<double>(1 << depth) < longest + 4 * cell) ++depth;
-  const double edge = cell * static_cast<double>(1 << depth);
-  BlockTree tree(box.center() - Vec3{edge, edge, edge} * 0.5 + cell * (kShift - Vec3{0.5, 0.5, 0.5}), edge);
-  progress.begin("blocks", static_cast<std::size_t>(depth));
-  std::vector<std::uint32_t> level{0};
-  for (int l = 0; l < depth; ++l) {
-    const double half = edge / static_cast<double>(1 << l) / 2;
-    std::vector<std::uint32_t> candidates;
-    std::vector<Vec3> centers;
-    for (const std::uint32_t b : level) {
-      const Vec3 c = tree.block_center(b);
-      bool meets = true;
-      for (std::size_t k = 0; k < 3; ++k)
-        meets = meets && c[k] + half >= box.lower[k] - cell && c[k] - half <= box.upper[k] + cell;
-      if (!meets) continue;
-      candidates.push_back(b);
-      centers.push_back(c);
-    }
-    std::vector<double> values;
-    if (l >= kBaseLevel) values.resize(centers.size()), field.evaluate(centers, values);
-    level.clear();
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (l >= kBaseLevel && std::abs(values[i]) > slope * std::sqrt(3.0) * half) continue;
-      const auto child = static_cast<std::uint32_t>(tree.subdivide(candidates[i]));
-      for (std::uint32_t c = 0; c < 8; ++c) level.push_back(child + c);
-    }
-    progress.advance();
-  }
-  progress.finish();
-  return tree;
+  return {std::min(cell, longest / 2), std::min(cell, longest / 2)};
 }
 
 void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
@@ -152,6 +137,40 @@ void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
   report.closed = topology.closed();
 }
 
+/// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
+Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
+
+TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const CsgMeshOptions& options,
+                     Progress& progress, CsgMeshReport* report) {
+  const double slope = field.slope_bound() ? *field.slope_bound() * kRounding : kLikelySlope;
+  const Reached reached = look_around(field, whole_box, slope);
+  const Box3& box = reached.box;
+  const auto [cell, smooth] = cells_of(reached, options);
+  PolygonizeOptions polygonize;
+  polygonize.simplify = options.simplify.value_or(kSimplify * smooth);
+  polygonize.least_gain = options.simplify ? 0 : kLeastGain;
+  CreaseBlockOptions sizes;
+  sizes.cell = cell, sizes.smooth_cell = smooth, sizes.slope = slope;
+  if (polygonize.simplify > 0) {
+    sizes.flat = kFlat * std::min(polygonize.simplify, kSimplify * smooth);
+    polygonize.root_steps = kRootSteps;
+  }
+  BlockTree tree = crease_blocks(field, box, sizes, progress);
+
+  CsgMeshReport local;
+  CsgMeshReport& r = report ? *report : local;
+  r = {};
+  r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
+  TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
+  if (mesh.triangles.empty())
+    throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));
+  MeshReport chosen;
+  detail::choose_components(mesh, options.components, {}, 0, chosen);
+  r.warnings = std::move(chosen.warnings);
+  measure(mesh, r);
+  return mesh;
+}
+
 }  // namespace
 
 void CsgMeshOptions::validate() const {
@@ -174,34 +193,15 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
                       CsgMeshReport* report) {
   options.validate();
   const Box3 whole_box = box_of(solid, options);
-  // A solid is cut off by intersection, so that the faces of the cut have edges as all others.
-  const auto* whole = dynamic_cast<const Solid*>(&solid);
-  const double slope = whole && whole->node()->lipschitz() ? 1.0001 : 1.5;
-  std::optional<Solid> cut;
-  if (options.box) {
-    const std::shared_ptr<const ScalarField> borrowed(std::shared_ptr<const void>(), &solid);
-    cut = csg::intersect(whole ? *whole : csg::leaf(borrowed), csg::box(options.box->lower, options.box->upper));
-  }
-  const PiecewiseField& field = cut ? *cut : solid;
-  const Box3 box = tightened(field, whole_box, slope);
-  const double cell = cell_of(box, options);
-  BlockTree tree = blocks_around(field, box, cell, slope, progress);
+  if (!options.box) return mesh_of(solid, whole_box, options, progress, report);
+  const std::shared_ptr<const ScalarField> borrowed(std::shared_ptr<const void>(), &solid);
+  return mesh_of(cut_off(csg::leaf(borrowed), *options.box), whole_box, options, progress, report);
+}
 
-  CsgMeshReport local;
-  CsgMeshReport& r = report ? *report : local;
-  r = {};
-  r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
-  PolygonizeOptions polygonize;
-  polygonize.simplify = options.simplify.value_or(kSimplify * cell);
-  polygonize.least_gain = options.simplify ? 0 : kLeastGain;
-  TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
-  if (mesh.triangles.empty())
-    throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));
-  MeshReport chosen;
-  detail::choose_components(mesh, options.components, {}, 0, chosen);
-  r.warnings = std::move(chosen.warnings);
-  measure(mesh, r);
-  return mesh;
+TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress, CsgMeshReport* report) {
+  options.validate();
+  const Box3 whole_box = box_of(solid, options);
+  return mesh_of(options.box ? cut_off(solid, *options.box) : solid, whole_box, options, progress, report);
 }
 
 }  // namespace sansmesh

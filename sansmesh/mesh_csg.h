@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/csg/solid.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/mesh_function.h"
@@ -47,6 +48,8 @@ struct CsgMeshReport {
 /// 32 blocks along the box. Its bounds() must be finite, or `options.box` given: else ArgumentError. Throws DataError
 /// if no surface is found. Deterministic for any number of threads.
 TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
+                      CsgMeshReport* report = nullptr);
+TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report = nullptr);
 
 }  // namespace sansmesh

@@ -12,12 +12,10 @@ namespace {
 /// More pairs of pieces than this are one piece together: their creases inside the blend are not resolved.
 constexpr std::uint64_t kMaxPairs = 1u << 16;
 
-/// A bound from below for the value at x, from extents: −infinity unless x lies outside them.
-double far_value(const Extents& e, double rise, const Vec3& x) {
-  double outside = 0;
-  for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
-  return outside > 0 ? rise * outside : -kUnbounded;
-}
+/// Where nodes take longer than this, more effort is made not to ask them.
+constexpr double kDear = 10;
+/// A survey asks for how far a piece is alone, in the reach of which it is made: it need not be exact beyond this.
+constexpr double kSurveyed = 6;
 
 bool bounded_anywhere(const Extents& e) {
   return std::any_of(e.begin(), e.end(), [](double v) { return v < kUnbounded; });
@@ -38,13 +36,7 @@ class CombineNode final : public SolidNode {
     const SolidNode& first = swapped ? *b_ : *a_;
     const SolidNode& second = swapped ? *a_ : *b_;
     first.evaluate(x, values, gradients, active);
-    std::vector<std::uint32_t> wanted;
-    wanted.reserve(x.size());
-    const Extents& reach = sign_ > 0 ? second.extents() : second.hollow_extents();
-    const bool known = bounded_anywhere(reach);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (!known || !(sign_ * values[i] + radius_ < far_value(reach, second.rise(), x[i])))
-        wanted.push_back(static_cast<std::uint32_t>(i));
+    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, values);
     const std::size_t n = wanted.size();
     std::vector<Vec3> at(n), slope(gradients.empty() ? 0 : n);
     std::vector<double> value(n);
@@ -95,6 +87,43 @@ class CombineNode final : public SolidNode {
     }
   }
 
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    const bool swapped = b_->cost() < a_->cost();
+    const SolidNode& first = swapped ? *b_ : *a_;
+    const SolidNode& second = swapped ? *a_ : *b_;
+    first.survey(x, reach, values, around);
+    // How fast the difference of both values can change, and with it the weights of both.
+    const double slopes = a_->slope() + b_->slope();
+    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, values, kSurveyed * reach * slopes);
+    std::vector<Vec3> at(wanted.size());
+    std::vector<double> value(wanted.size());
+    std::vector<Surroundings> other(wanted.size());
+    for (std::size_t j = 0; j < wanted.size(); ++j) at[j] = x[wanted[j]];
+    if (!at.empty()) second.survey(at, reach, value, other);
+    for (std::size_t i = 0, j = 0; i < x.size(); ++i) {
+      if (j == wanted.size() || wanted[j] != i) {
+        const double gap = least_of(second, x[i]) - sign_ * values[i];
+        around[i].alone = std::min(around[i].alone, (gap - radius_) / slopes);
+        continue;
+      }
+      const double gap = sign_ * (value[j] - values[i]);  // below 0: the second one counts
+      Surroundings both = {std::min(around[i].alone, other[j].alone), std::min(around[i].detail, other[j].detail)};
+      if (std::abs(gap) >= radius_) both = gap >= 0 ? around[i] : other[j];
+      both.alone = std::min(both.alone, std::abs(std::abs(gap) - radius_) / slopes);
+      around[i] = both;
+      values[i] = combined(values[i], value[j]);
+      ++j;
+    }
+  }
+
+  double least(double sign, const Vec3& x) const override {
+    const double a = a_->least(sign, x), b = b_->least(sign, x);
+    // The value is that of one of both, and blends move it towards the sign of the combination, by a quarter at most.
+    const double both = sign == sign_ ? std::min(a, b) - radius_ / 4 : std::max(a, b);
+    return std::max(both, far_value(sign, x));
+  }
+
   double support(const Vec3& n) const override {
     const double a = a_->support(n), b = b_->support(n);
     return sign_ > 0 ? std::max(a, b) + radius_ / (4 * rise()) : std::min(a, b);
@@ -119,6 +148,24 @@ class CombineNode final : public SolidNode {
     t.cost = a.cost() + b.cost();
     t.depth = 1 + std::max(a.depth(), b.depth());
     return t;
+  }
+
+  double least_of(const SolidNode& second, const Vec3& x) const {
+    return second.cost() > kDear ? second.least(sign_, x) : second.far_value(sign_, x);
+  }
+
+  /// All points but those where `second` is so far away that the value of the first is known to be all, by `room` more
+  /// than it must be.
+  std::vector<std::uint32_t> where_to_ask(const SolidNode& second, std::span<const Vec3> x,
+                                          std::span<const double> values, double room = 0) const {
+    const bool known =
+        second.cost() > kDear || bounded_anywhere(sign_ > 0 ? second.extents() : second.hollow_extents());
+    std::vector<std::uint32_t> wanted;
+    wanted.reserve(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!known || !(sign_ * values[i] + radius_ + room < least_of(second, x[i])))
+        wanted.push_back(static_cast<std::uint32_t>(i));
+    return wanted;
   }
 
   bool pairs() const { return pairs_of(*a_, *b_) > 0; }
@@ -171,6 +218,12 @@ class ComplementNode final : public SolidNode {
     child_->evaluate_piece(piece, x, values, gradients);
     turn(values, gradients);
   }
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    child_->survey(x, reach, values, around);
+    turn(values, {});
+  }
+  double least(double sign, const Vec3& x) const override { return child_->least(-sign, x); }
   double support(const Vec3& n) const override { return child_->hollow_support(n); }
   double hollow_support(const Vec3& n) const override { return child_->support(n); }
 
@@ -204,6 +257,12 @@ class OffsetNode final : public SolidNode {
     child_->evaluate_piece(piece, x, values, gradients);
     for (double& v : values) v -= distance_;
   }
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    child_->survey(x, reach, values, around);
+    for (double& v : values) v -= distance_;
+  }
+  double least(double sign, const Vec3& x) const override { return child_->least(sign, x) - sign * distance_; }
   double support(const Vec3& n) const override { return moved(*child_, child_->support(n), distance_); }
   double hollow_support(const Vec3& n) const override { return moved(*child_, child_->hollow_support(n), -distance_); }
 
@@ -237,6 +296,15 @@ class ShellNode final : public SolidNode {
     for (double& v : values) v = sign * (v - middle_) - half_;
     if (inner)
       for (Vec3& g : gradients) g = -g;
+  }
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    child_->survey(x, reach, values, around);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double from_middle = std::abs(values[i] - middle_);
+      around[i].alone = std::min(around[i].alone, from_middle / child_->slope());
+      values[i] = from_middle - half_;
+    }
   }
   double support(const Vec3& n) const override {
     return std::min(moved(*child_, child_->support(n), middle_ + half_),

@@ -303,6 +303,9 @@ class Parser {
 }  // namespace
 
 Solid parse_csg(const std::string& text, const SolidLoader& loader, const SolidLoader& distance_loader) {
+  // Loading may take long: all that can be wrong without it is found first, with something in place of each name.
+  const SolidLoader stand_in = [](const std::string&) { return csg::sphere({}, 1); };
+  Parser(text, stand_in, {}).run();
   return Parser(text, loader, distance_loader).run();
 }
 

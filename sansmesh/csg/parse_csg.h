@@ -12,8 +12,9 @@ namespace sansmesh {
 using SolidLoader = std::function<Solid(const std::string& name)>;
 
 /// Throws ArgumentError "expression at N: …" for text that does not follow the grammar or asks for an impossible solid;
-/// N counts characters from 1. What the loader throws passes through. Names in offsets and shells, whose values must be
-/// distances far from the surface, too, go to `distance_loader` if there is one.
+/// N counts characters from 1. Nothing is loaded before the whole text has been found to follow the grammar. What the
+/// loader throws passes through. Names in offsets and shells, whose values must be distances far from the surface, too,
+/// go to `distance_loader` if there is one.
 Solid parse_csg(const std::string& text, const SolidLoader& loader, const SolidLoader& distance_loader = {});
 
 }  // namespace sansmesh

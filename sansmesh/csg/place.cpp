@@ -7,31 +7,10 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/field/similarity.h"
 
 namespace sansmesh {
 namespace {
-
-/// x ↦ translation + scale · rotation x; the rotation may mirror.
-struct Similarity {
-  std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  double scale = 1;
-  Vec3 translation;
-  bool turned = false;  ///< the rotation is not the identity
-
-  Vec3 turn(const Vec3& d) const { return columns[0] * d.x + columns[1] * d.y + columns[2] * d.z; }
-  Vec3 turn_back(const Vec3& d) const { return {dot(columns[0], d), dot(columns[1], d), dot(columns[2], d)}; }
-  Vec3 apply(const Vec3& x) const { return translation + scale * (turned ? turn(x) : x); }
-
-  /// First `inner`, then `outer`.
-  friend Similarity operator*(const Similarity& outer, const Similarity& inner) {
-    Similarity s;
-    for (std::size_t k = 0; k < 3; ++k) s.columns[k] = outer.turn(inner.columns[k]);
-    s.scale = outer.scale * inner.scale;
-    s.translation = outer.apply(inner.translation);
-    s.turned = outer.turned || inner.turned;
-    return s;
-  }
-};
 
 class PlacedNode final : public SolidNode {
  public:
@@ -50,33 +29,29 @@ class PlacedNode final : public SolidNode {
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                 std::span<std::uint32_t> active) const override {
-    child_->evaluate(brought_back(x), values, gradients, active);
-    finish(values, gradients);
+    child_->evaluate(map_.back(x), values, gradients, active);
+    map_.carry(values, gradients);
   }
   void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                       std::span<Vec3> gradients) const override {
-    child_->evaluate_piece(piece, brought_back(x), values, gradients);
-    finish(values, gradients);
+    child_->evaluate_piece(piece, map_.back(x), values, gradients);
+    map_.carry(values, gradients);
   }
-  double support(const Vec3& n) const override { return placed(n, child_->support(back(n))); }
-  double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(back(n))); }
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    child_->survey(map_.back(x), reach / map_.scale, values, around);
+    map_.carry(values, {});
+    for (Surroundings& s : around) {
+      s.alone *= map_.scale;
+      s.detail *= map_.scale;
+    }
+  }
+  double least(double sign, const Vec3& x) const override { return map_.scale * child_->least(sign, map_.back(x)); }
+  double support(const Vec3& n) const override { return placed(n, child_->support(map_.turn_back(n))); }
+  double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.turn_back(n))); }
 
  private:
-  Vec3 back(const Vec3& n) const { return map_.turned ? map_.turn_back(n) : n; }
   double placed(const Vec3& n, double support) const { return dot(n, map_.translation) + map_.scale * support; }
-
-  std::vector<Vec3> brought_back(std::span<const Vec3> x) const {
-    std::vector<Vec3> y(x.size());
-    const double inverse = 1 / map_.scale;
-    for (std::size_t i = 0; i < x.size(); ++i) y[i] = back(x[i] - map_.translation) * inverse;
-    return y;
-  }
-  void finish(std::span<double> values, std::span<Vec3> gradients) const {
-    if (map_.scale != 1)
-      for (double& v : values) v *= map_.scale;
-    if (map_.turned)
-      for (Vec3& g : gradients) g = map_.turn(g);
-  }
 
   NodePtr child_;
   Similarity map_;
@@ -85,9 +60,10 @@ class PlacedNode final : public SolidNode {
 /// A field of others, wherever it is asked. Nothing is known of it but its values.
 class LeafNode final : public SolidNode {
  public:
-  explicit LeafNode(std::shared_ptr<const ScalarField> field)
+  LeafNode(std::shared_ptr<const ScalarField> field, std::shared_ptr<const csg::FieldKnowledge> known)
       : SolidNode(traits_of(*field)),
         field_(std::move(field)),
+        known_(std::move(known)),
         piecewise_(dynamic_cast<const PiecewiseField*>(field_.get())) {
     keep_extents();
   }
@@ -104,6 +80,18 @@ class LeafNode final : public SolidNode {
     if (piecewise_) return piecewise_->evaluate_piece(piece, x, values, gradients);
     field_->evaluate(x, values, gradients);
   }
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    if (piecewise_) {
+      piecewise_->survey(x, reach, values, around);
+    } else {
+      field_->evaluate(x, values);
+      std::fill(around.begin(), around.end(), Surroundings{kUnbounded, 0});
+    }
+    if (known_)
+      for (std::size_t i = 0; i < x.size(); ++i) around[i].detail = known_->detail(x[i], reach);
+  }
+  double least(double sign, const Vec3& x) const override { return known_ ? known_->least(sign, x) : -kUnbounded; }
   double support(const Vec3&) const override { return kUnbounded; }
   double hollow_support(const Vec3&) const override { return kUnbounded; }
 
@@ -113,6 +101,7 @@ class LeafNode final : public SolidNode {
     return {.pieces = piecewise ? piecewise->pieces() : 1, .rise = 1, .lipschitz = false, .cost = 50, .depth = 1};
   }
   std::shared_ptr<const ScalarField> field_;
+  std::shared_ptr<const csg::FieldKnowledge> known_;
   const PiecewiseField* piecewise_;
 };
 
@@ -133,10 +122,10 @@ double exact(double sine_or_cosine) {
 
 namespace csg {
 
-Solid leaf(std::shared_ptr<const ScalarField> field) {
+Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const FieldKnowledge> known) {
   if (!field) throw ArgumentError("leaf: there is no field");
   const Box3 bounds = field->bounds();
-  Solid result(std::make_shared<LeafNode>(std::move(field)));
+  Solid result(std::make_shared<LeafNode>(std::move(field), std::move(known)));
   if (is_finite(bounds.lower) && is_finite(bounds.upper)) {
     if (bounds.empty()) throw ArgumentError("leaf: the field has an empty domain");
     return intersect(result, box(bounds.lower, bounds.upper));

@@ -74,6 +74,21 @@ class PrimitiveNode final : public SolidNode {
     }
   }
 
+  void survey(std::span<const Vec3> x, double, std::span<double> values,
+              std::span<Surroundings> around) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      Sample s;
+      const std::uint32_t piece = shape_.choose(x[i], s);
+      values[i] = s.value;
+      around[i] = {shape_.alone(piece, x[i], s.value), kUnbounded};
+    }
+  }
+
+  double least(double sign, const Vec3& x) const override {
+    Sample s;
+    shape_.choose(x, s);
+    return sign * s.value;
+  }
   double support(const Vec3& n) const override { return shape_.support(n); }
   double hollow_support(const Vec3& n) const override { return shape_.hollow_support(n); }
 
@@ -91,6 +106,8 @@ struct SmoothShape {
   std::uint32_t pieces() const { return 1; }
   double rise() const { return 1; }
   double hollow_support(const Vec3&) const { return kUnbounded; }
+  /// Within this radius of x, at which it is active with this value, the piece is the only one.
+  double alone(std::uint32_t, const Vec3&, double) const { return kUnbounded; }
 };
 
 struct Ball : SmoothShape {
@@ -153,6 +170,17 @@ struct Block : SmoothShape {
     s = at(piece, x);
     return piece;
   }
+  double alone(std::uint32_t piece, const Vec3& x, double) const {
+    const Vec3 d = x - center;
+    Vec3 q;
+    for (std::size_t k = 0; k < 3; ++k) q[k] = std::abs(d[k]) - half[k];
+    // What is round begins where a second coordinate leaves the box.
+    if (piece == 6) return q.x + q.y + q.z - std::max({q.x, q.y, q.z}) - std::min({q.x, q.y, q.z});
+    const std::size_t k = piece / 2;
+    const double other = std::max(q[(k + 1) % 3], q[(k + 2) % 3]);
+    const double until = rounding > 0 ? std::min(0.0, q[k]) : q[k];
+    return std::min(std::abs(d[k]), std::max(0.0, until - other) / std::sqrt(2.0));
+  }
   double support(const Vec3& n) const {
     return dot(n, center) + std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + rounding;
   }
@@ -190,6 +218,12 @@ struct Frustum : SmoothShape {
     return {(a.radius - (bottom + top) / 2 - slope * a.along) * cosine, (a.outward - slope * axis) * cosine};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return largest_piece(*this, x, s); }
+  double alone(std::uint32_t piece, const Vec3& x, double value) const {
+    double other = -kUnbounded;
+    for (std::uint32_t p = 0; p < 3; ++p)
+      if (p != piece) other = std::max(other, at(p, x).value);
+    return (value - other) / 2;
+  }
   double support(const Vec3& n) const {
     return std::max(disc_support(n, center - half_height * axis, axis, bottom),
                     disc_support(n, center + half_height * axis, axis, top));

@@ -52,6 +52,13 @@ void SolidNode::keep_extents() {
   }
 }
 
+double SolidNode::far_value(double sign, const Vec3& x) const {
+  const Extents& e = sign > 0 ? extents_ : hollow_extents_;
+  double outside = 0;
+  for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
+  return outside > 0 ? rise_ * outside : -kUnbounded;
+}
+
 void require_finite(const char* what, const char* name, double value) {
   if (!std::isfinite(value)) throw ArgumentError(fmt::format("{}: {} must be a finite number", what, name));
 }
@@ -96,6 +103,17 @@ void Solid::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::sp
                            std::span<Vec3> gradients) const {
   in_batches(x.size(), [&](std::size_t first, std::size_t last) {
     node_->evaluate_piece(piece, part(x, first, last), part(values, first, last), part(gradients, first, last));
+  });
+}
+
+std::optional<double> Solid::slope_bound() const {
+  return node_->lipschitz() ? std::optional<double>(1) : std::nullopt;
+}
+
+void Solid::survey(std::span<const Vec3> x, double reach, std::span<double> values,
+                   std::span<Surroundings> around) const {
+  in_batches(x.size(), [&](std::size_t first, std::size_t last) {
+    node_->survey(part(x, first, last), reach, part(values, first, last), part(around, first, last));
   });
 }
 

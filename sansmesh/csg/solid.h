@@ -2,8 +2,8 @@
 // (METHODS §3.4; Ricci 1973; Pasko et al. 1995). Every solid is a field whose creases are known.
 #pragma once
 
-#include <array>
 #include <memory>
+#include <optional>
 
 #include "sansmesh/field/piecewise_field.h"
 
@@ -33,6 +33,10 @@ class Solid final : public PiecewiseField {
   void active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const override;
   void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                       std::span<Vec3> gradients) const override;
+  /// 1, unless fields of others are part of it.
+  std::optional<double> slope_bound() const override;
+  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+              std::span<Surroundings> around) const override;
 
   const std::shared_ptr<const SolidNode>& node() const { return node_; }
 
@@ -65,9 +69,21 @@ Solid capsule(const Vec3& from, const Vec3& to, double radius);
 
 // ---- Other fields ------------------------------------------------------------------------------------------------
 
+/// What may be known of a field besides its values. Asked by several threads at once, for each point: it should be
+/// quick.
+class FieldKnowledge {
+ public:
+  virtual ~FieldKnowledge() = default;
+  /// Edge of blocks that resolve the field within `reach` of x.
+  virtual double detail(const Vec3& x, double reach) const = 0;
+  /// A bound from below for sign (±1) times the value at x, −infinity where there is none: where another solid decides
+  /// anyway, the field is not evaluated.
+  virtual double least(double sign, const Vec3& x) const = 0;
+};
+
 /// Any field, as a solid that ends at the field's bounds, where those are finite: a field that is still negative there
 /// is cut off by a flat face. A PiecewiseField keeps its pieces.
-Solid leaf(std::shared_ptr<const ScalarField> field);
+Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const FieldKnowledge> known = {});
 
 // ---- Combinations ------------------------------------------------------------------------------------------------
 //

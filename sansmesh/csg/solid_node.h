@@ -8,6 +8,7 @@
 #include <span>
 
 #include "sansmesh/core/vec.h"
+#include "sansmesh/field/piecewise_field.h"
 
 namespace sansmesh {
 
@@ -36,6 +37,14 @@ class SolidNode {
   virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                               std::span<Vec3> gradients) const = 0;
 
+  /// As PiecewiseField::survey.
+  virtual void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+                      std::span<Surroundings> around) const = 0;
+
+  /// A bound from below for sign (±1) times the value at x, found without evaluating fields; −infinity where there is
+  /// none.
+  virtual double least(double sign, const Vec3& x) const { return far_value(sign, x); }
+
   virtual double support(const Vec3& n) const = 0;
   virtual double hollow_support(const Vec3& n) const = 0;
 
@@ -43,9 +52,13 @@ class SolidNode {
   double rise() const { return rise_; }
   /// Gradients are known to be 1 at most.
   bool lipschitz() const { return lipschitz_; }
+  /// What they are taken to be at most.
+  double slope() const { return lipschitz_ ? 1 : kLikelySlope; }
   /// Rough time of one evaluation; a primitive takes 1.
   double cost() const { return cost_; }
   int depth() const { return depth_; }
+  /// The same from the extents alone: the least effort.
+  double far_value(double sign, const Vec3& x) const;
   const Extents& extents() const { return extents_; }
   const Extents& hollow_extents() const { return hollow_extents_; }
 

@@ -3,10 +3,20 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "sansmesh/field/scalar_field.h"
 
 namespace sansmesh {
+
+/// What is known of a field around a point: how large blocks of a mesh may be there.
+struct Surroundings {
+  /// Radius of a ball around the point within which the field is one piece; 0 where that is not known.
+  double alone = 0;
+  /// Edge of blocks that resolve the piece: 0 where that is not known, infinity where the piece is a formula without
+  /// any detail that values and gradients at a few points would miss.
+  double detail = 0;
+};
 
 /// At every point the value is that of one of several smooth functions, its pieces (combined by minima, maxima and
 /// changes of sign). Two pieces meet in a crease of the zero set where both vanish, three in a corner.
@@ -22,6 +32,21 @@ class PiecewiseField : public ScalarField {
   /// Safe from several threads.
   virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                               std::span<Vec3> gradients) const = 0;
+
+  /// A bound for the norm of the gradients, if there is one that is known.
+  virtual std::optional<double> slope_bound() const { return std::nullopt; }
+
+  /// Values, and what is known around each of x, of details that lie within `reach` of it. As many entries as x. Safe
+  /// from several threads. Nothing is known unless this is overridden.
+  virtual void survey(std::span<const Vec3> x, [[maybe_unused]] double reach, std::span<double> values,
+                      std::span<Surroundings> around) const {
+    evaluate(x, values);
+    std::fill(around.begin(), around.end(), Surroundings{});
+  }
 };
+
+/// Fitted functions are taken to be no steeper than this next to their surface: it is not known, but they are about
+/// distances there.
+constexpr double kLikelySlope = 1.5;
 
 }  // namespace sansmesh

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/crease_thin.h"
 #include "sansmesh/polygonize/crease_zone.h"
 #include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/polygonize/piece_mesh.h"
@@ -17,6 +18,8 @@ constexpr std::uint32_t kNone = CreaseZone::kNone;
 constexpr int kZoneRings = 3;
 /// Long triangles are welcome where they follow flat faces and cylinders: what is measured here is the surface.
 constexpr double kLeastShape = 0.25;
+/// Share of the error of simplification for merges without looking at quadrics: what is flat but for rounding.
+constexpr double kThin = 0.1;
 
 std::vector<Vec3> positions(const TriangleMesh& mesh) {
   std::vector<Vec3> x(mesh.vertices.size());
@@ -153,6 +156,8 @@ TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree bloc
     });
   };
   if (options.simplify > 0) {
+    progress.begin("thin flat parts");
+    thin_flat_parts(pieces, kThin * options.simplify);
     progress.begin("simplify");
     mesh.normals.clear();
     mesh.triangles = pieces.triangles;

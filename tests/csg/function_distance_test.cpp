@@ -9,6 +9,7 @@
 #include <random>
 
 #include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/function_solid.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/mesh_csg.h"
@@ -151,6 +152,25 @@ TEST(FunctionDistance, IsADistanceWithItsGradientEverywhere) {
     f.evaluate({&y, 1}, {&there, 1});
     EXPECT_LT(std::abs(there - value), 2 * norm(y - x));
   }
+}
+
+/// The cells of a function that shows more than a 256th of the diagonal follow it, and its smooth parts need no more
+/// than its own mesh.
+TEST(FunctionSolid, CellsFollowTheFunction) {
+  const Solid solid = csg::subtract(function_solid(owl().function), csg::half_space({0, 0, 1}, 40));
+  Progress progress;
+  CsgMeshReport own, usual;
+  const TriangleMesh mesh = mesh_csg(solid, {}, progress, &own);
+  mesh_csg(
+      csg::subtract(csg::place(csg::leaf(std::shared_ptr<const ScalarField>(owl().function, &owl().function->field)),
+                               owl().function->origin, owl().function->unit),
+                    csg::half_space({0, 0, 1}, 40)),
+      {}, progress, &usual);
+  EXPECT_TRUE(own.closed);
+  EXPECT_LE(own.cell, usual.cell);
+  EXPECT_GE(own.cell, usual.cell / 4.001);
+  EXPECT_LT(own.blocks, usual.blocks);
+  EXPECT_NEAR(own.volume / usual.volume, 1, 1e-3);
 }
 
 TEST(FunctionDistance, OnlyOffsetsAndShellsAskForIt) {

@@ -196,6 +196,17 @@ TEST(ParseCsg, ErrorsNamePlaceAndRemedy) {
 
 TEST(ParseCsg, ErrorsOfTheLoaderPass) { EXPECT_THROW(parse_csg("a | missing.smf", load), FileError); }
 
+TEST(ParseCsg, NothingIsLoadedForAnExpressionThatIsWrong) {
+  int loads = 0;
+  const SolidLoader counting = [&](const std::string& name) {
+    ++loads;
+    return load(name);
+  };
+  for (const char* text : {"a - (b", "a - cylinder(r=-1)", "shell(a, 0.1) - cylinder", "a.smf | sphere(1) b", "a & ~"})
+    EXPECT_THROW(parse_csg(text, counting, counting), ArgumentError) << text;
+  EXPECT_EQ(loads, 0);
+}
+
 TEST(ParseCsg, LoadsEachNameOnce) {
   int loads = 0;
   const Solid s = parse_csg("a - 'a' | offset(a, 0.1) & a", [&](const std::string& name) {

@@ -92,6 +92,62 @@ TEST(Solid, PiecesMeetWhereTheyChange) {
   }
 }
 
+/// Within the radius that a survey names there is no other piece (of solids whose slope is known), and it names one
+/// where it can.
+TEST(Solid, SurveysAreTrue) {
+  const std::vector<Vec3> x = random_points(4000), directions = random_points(40, 1, 9);
+  for (const NamedSolid& s : catalogue()) {
+    std::vector<double> values(x.size());
+    std::vector<Surroundings> around(x.size());
+    s.solid.survey(x, 0.05, values, around);
+    EXPECT_EQ(values, values_of(s.solid, x)) << s.name;
+    std::vector<std::uint32_t> here(x.size());
+    s.solid.active(x, here);
+    std::size_t known = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_GE(around[i].alone, 0) << s.name;
+      known += around[i].alone > 0.05;
+      if (!s.solid.slope_bound()) continue;
+      const double radius = std::min(around[i].alone, 1.0) * 0.999;
+      std::vector<Vec3> y;
+      for (const Vec3& d : directions) y.push_back(x[i] + normalized(d) * radius);
+      std::vector<std::uint32_t> there(y.size());
+      s.solid.active(y, there);
+      for (const std::uint32_t p : there) ASSERT_EQ(p, here[i]) << s.name << " " << i << " " << radius;
+    }
+    if (s.name != "solid as field") {
+      EXPECT_GT(known, x.size() / 3) << s.name;
+    }
+  }
+}
+
+/// What is said of a field without evaluating it changes nothing but the time that it takes.
+TEST(Solid, KnowledgeOfFieldsChangesNoValue) {
+  class Known final : public csg::FieldKnowledge {
+   public:
+    double detail(const Vec3&, double) const override { return 0.125; }
+    double least(double sign, const Vec3& x) const override {
+      const double value = 0.5 * (x.x * x.x + 1.5 * x.y * x.y + 2 * x.z * x.z - 1);
+      return sign * value > 0.1 ? sign * value - 0.05 : -kInfinity;
+    }
+  };
+  using namespace csg;
+  const Solid plain = leaf(std::make_shared<QuadricField>()),
+              known = leaf(std::make_shared<QuadricField>(), std::make_shared<Known>());
+  const auto combined = [](const Solid& field) {
+    const Solid moved = scale(rotate(field, {1, 2, 3}, 40), 0.8);
+    return offset(
+        unite(subtract(moved, cylinder({}, {0, 0, 1}, 0.3)), complement(subtract(moved, sphere({}, 2), 0.1)), 0.05),
+        0.02);
+  };
+  const std::vector<Vec3> x = random_points(20000);
+  EXPECT_EQ(values_of(combined(known), x), values_of(combined(plain), x));
+  std::vector<double> values(x.size());
+  std::vector<Surroundings> around(x.size());
+  scale(known, 4).survey(x, 0.01, values, around);
+  for (const Surroundings& s : around) ASSERT_TRUE(s.detail == 0.5 || std::isinf(s.detail));
+}
+
 TEST(Solid, LiesInItsBox) {
   const std::vector<Vec3> x = random_points(50000);
   for (const NamedSolid& s : catalogue()) {

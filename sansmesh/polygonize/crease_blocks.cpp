@@ -1,0 +1,119 @@
+#include "sansmesh/polygonize/crease_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace sansmesh {
+namespace {
+
+/// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
+/// share of a block.
+constexpr Vec3 kShift{0.3819, 0.2361, 0.4271};
+/// Room between larger blocks and places with two pieces, in cells: the triangles of a crease zone are all of one size.
+constexpr double kRoom = 2;
+/// What is asked lies in a cube larger than the block by this share of a cell: curved parts that begin right beside a
+/// block begin in it after the vertices moved.
+constexpr double kWider = 0.5;
+
+/// Whether the field is a plane in each of these cubes, as far as `flat` and 27 points can tell.
+std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vector<Vec3>& centers, double half,
+                                     double flat) {
+  std::vector<std::uint8_t> result(centers.size(), 1);
+  std::vector<double> value(centers.size());
+  std::vector<Vec3> gradient(centers.size());
+  field.evaluate(centers, value, gradient);
+  std::vector<std::uint32_t> open;
+  for (std::size_t i = 0; i < centers.size(); ++i) open.push_back(static_cast<std::uint32_t>(i));
+  std::vector<Vec3> x;
+  std::vector<double> f;
+  // First the corners, where most that is curved is found out, then the middles of edges and faces.
+  for (const bool corners : {true, false}) {
+    std::vector<Vec3> offsets;
+    for (int k = 0; k < 27; ++k) {
+      const Vec3 d{static_cast<double>(k % 3 - 1), static_cast<double>(k / 3 % 3 - 1), static_cast<double>(k / 9 - 1)};
+      const double from_center = squared_norm(d);
+      if (from_center > 0 && (from_center > 2.5) == corners) offsets.push_back(d * half);
+    }
+    x.clear();
+    for (const std::uint32_t i : open)
+      for (const Vec3& d : offsets) x.push_back(centers[i] + d);
+    f.resize(x.size());
+    field.evaluate(x, f);
+    std::size_t q = 0;
+    for (const std::uint32_t i : open)
+      for (const Vec3& d : offsets)
+        if (!(std::abs(f[q++] - value[i] - dot(gradient[i], d)) <= flat * norm(gradient[i]))) result[i] = 0;
+    std::erase_if(open, [&](std::uint32_t i) { return !result[i]; });
+  }
+  return result;
+}
+
+/// Which blocks, all of this size, are to be cut.
+void choose(const PiecewiseField& field, const CreaseBlockOptions& options, const std::vector<Vec3>& centers,
+            double half, std::vector<std::uint8_t>& cut) {
+  const double block = 2 * half, corner = std::sqrt(3.0) * half;
+  std::vector<double> values(centers.size());
+  std::vector<Surroundings> around(centers.size());
+  if (options.flat >= 0) {
+    field.survey(centers, half, values, around);
+  } else {
+    field.evaluate(centers, values);
+  }
+  std::vector<std::uint32_t> asked;
+  std::vector<Vec3> x;
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    cut[i] = std::abs(values[i]) <= options.slope * corner;
+    if (!cut[i] || around[i].alone < corner + kRoom * options.cell) continue;
+    if (std::isinf(around[i].detail) && block > options.smooth_cell) {
+      asked.push_back(static_cast<std::uint32_t>(i));
+      x.push_back(centers[i]);
+    } else {
+      cut[i] = block > (around[i].detail > 0 ? around[i].detail : options.smooth_cell);
+    }
+  }
+  if (asked.empty()) return;
+  const std::vector<std::uint8_t> is_flat = flat_cubes(field, x, half + kWider * options.cell, options.flat);
+  for (std::size_t j = 0; j < asked.size(); ++j) cut[asked[j]] = !is_flat[j];
+}
+
+}  // namespace
+
+BlockTree crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
+                        Progress& progress) {
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z}), cell = options.cell;
+  int depth = 0;
+  while (cell * static_cast<double>(1 << depth) < longest + 4 * cell) ++depth;
+  const double edge = cell * static_cast<double>(1 << depth);
+  BlockTree tree(box.center() - Vec3{edge, edge, edge} * 0.5 + cell * (kShift - Vec3{0.5, 0.5, 0.5}), edge);
+  progress.begin("blocks", static_cast<std::size_t>(depth));
+  std::vector<std::uint32_t> level{0};
+  for (int l = 0; l < depth; ++l) {
+    const double half = edge / static_cast<double>(1 << l) / 2;
+    std::vector<std::uint32_t> candidates;
+    std::vector<Vec3> centers;
+    for (const std::uint32_t b : level) {
+      const Vec3 c = tree.block_center(b);
+      bool meets = true;
+      for (std::size_t k = 0; k < 3; ++k)
+        meets = meets && c[k] + half >= box.lower[k] - cell && c[k] - half <= box.upper[k] + cell;
+      if (!meets) continue;
+      candidates.push_back(b);
+      centers.push_back(c);
+    }
+    std::vector<std::uint8_t> cut(candidates.size(), 1);
+    if (l >= kCreaseBaseLevel) choose(field, options, centers, half, cut);
+    level.clear();
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (!cut[i]) continue;
+      const auto child = static_cast<std::uint32_t>(tree.subdivide(candidates[i]));
+      for (std::uint32_t c = 0; c < 8; ++c) level.push_back(child + c);
+    }
+    progress.advance();
+  }
+  progress.finish();
+  return tree;
+}
+
+}  // namespace sansmesh
