@@ -62,6 +62,7 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
       return p;
     };
     std::vector<Vec3> x;
+    x.reserve(n * n * n + kGrid * kGrid * kGrid);
     for (std::size_t i = 0; i < n * n * n; ++i) x.push_back(point(i, n, 0));
     for (std::size_t i = 0; i < kGrid * kGrid * kGrid; ++i) x.push_back(point(i, kGrid, 0.5));
     std::vector<double> f(x.size());

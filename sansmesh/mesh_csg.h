@@ -15,14 +15,17 @@
 namespace sansmesh {
 
 struct CsgMeshOptions {
-  /// Edge of the blocks along the surface (length). Parts thinner than about two of them can be lost.
+  /// Edge of the smallest blocks, which are those along creases (length). Parts thinner than about two of them can be
+  /// lost.
   std::optional<double> cell = std::nullopt;
-  /// Instead: blocks along the longest side of the box, 4..4096. With neither, the box's diagonal has 256 blocks.
+  /// Instead: such blocks along the longest side of the box, 4..4096. With neither, the box's diagonal has 256, or up
+  /// to 1024 where functions show more (function_solid.h).
   std::optional<int> resolution = std::nullopt;
   /// The solid is cut off at this box. Needed if it has no end otherwise.
   std::optional<Box3> box = std::nullopt;
   /// Collapse edges while the quadric error stays below this (length): few triangles where the surface is flat, and no
-  /// difference where it is exactly so. 0 = off; by default a thousandth of a cell.
+  /// difference where it is exactly so. 0 = off, and all blocks along the surface have one size; by default about a
+  /// thousandth of a cell.
   std::optional<double> simplify = std::nullopt;
 
   /// Parts to keep; automatic: those that have at least 1.5 % of the largest one's area.
@@ -33,9 +36,9 @@ struct CsgMeshOptions {
 };
 
 struct CsgMeshReport {
-  Box3 box;  ///< in which the surface lies: tight to a thirty-second of the solid’s bounds()
-  double cell = 0;
-  int depth = 0;  ///< levels of the tree of blocks
+  Box3 box;         ///< in which the surface lies: tight to a thirty-second of the solid’s bounds()
+  double cell = 0;  ///< edge of the smallest blocks
+  int depth = 0;    ///< levels of the tree of blocks
   std::size_t blocks = 0;
   std::size_t components = 0;
   bool closed = false;          ///< and manifold and oriented
@@ -45,8 +48,9 @@ struct CsgMeshReport {
 
 /// The surface of a solid. `solid` is about a distance: blocks whose centre is farther from zero than half their
 /// diagonal (one and a half times that if the field's gradients are not known to be 1 at most) are not cut finer, below
-/// 32 blocks along the box. Its bounds() must be finite, or `options.box` given: else ArgumentError. Throws DataError
-/// if no surface is found. Deterministic for any number of threads.
+/// 32 blocks along the box, nor are those of which its survey() says that they need not be (crease_blocks.h). Its
+/// bounds() must be finite, or `options.box` given: else ArgumentError. Throws DataError if no surface is found.
+/// Deterministic for any number of threads.
 TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report = nullptr);
 TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress,

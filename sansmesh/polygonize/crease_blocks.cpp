@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace sansmesh {
@@ -23,15 +24,16 @@ std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vec
   std::vector<double> value(centers.size());
   std::vector<Vec3> gradient(centers.size());
   field.evaluate(centers, value, gradient);
-  std::vector<std::uint32_t> open;
-  for (std::size_t i = 0; i < centers.size(); ++i) open.push_back(static_cast<std::uint32_t>(i));
+  std::vector<std::uint32_t> open(centers.size());
+  std::iota(open.begin(), open.end(), 0u);
   std::vector<Vec3> x;
   std::vector<double> f;
   // First the corners, where most that is curved is found out, then the middles of edges and faces.
   for (const bool corners : {true, false}) {
     std::vector<Vec3> offsets;
     for (int k = 0; k < 27; ++k) {
-      const Vec3 d{static_cast<double>(k % 3 - 1), static_cast<double>(k / 3 % 3 - 1), static_cast<double>(k / 9 - 1)};
+      const int i = k % 3 - 1, j = k / 3 % 3 - 1, l = k / 9 - 1;
+      const Vec3 d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(l)};
       const double from_center = squared_norm(d);
       if (from_center > 0 && (from_center > 2.5) == corners) offsets.push_back(d * half);
     }

@@ -247,7 +247,7 @@ TEST(MeshCsg, BlocksFollowTheSolid) {
     double volume, most_blocks;  ///< as a share of those of one size
     std::size_t most_triangles;
   };
-  for (const Case& c : {Case{"box(1)", 1, 0.35, 200}, Case{"rotate(box(1), 33, axis=(1,2,3))", 1, 0.5, 200},
+  for (const Case& c : {Case{"box(1)", 1, 0.45, 200}, Case{"rotate(box(1), 33, axis=(1,2,3))", 1, 0.6, 200},
                         Case{"box(2) - cylinder(r=0.5)", 8 - kPi / 2, 0.8, 40000},
                         Case{"shell(box(2), 0.5)", 15.625 - 3.375, 0.65, 400}}) {
     CsgMeshReport large, small;
