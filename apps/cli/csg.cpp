@@ -101,8 +101,9 @@ Command add_csg(CLI::App& app) {
       ->type_name("EXPRESSION")
       ->required();
   add_mesh_output(*c, a->output);
-  c->add_option("--resolution", a->options.resolution,
-                "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256]")
+  c->add_option(
+       "--resolution", a->options.resolution,
+       "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256, or up to 1024 with functions]")
       ->type_name("COUNT");
   c->add_option("--cell", a->options.cell, "Edge of the cells instead")->type_name("LENGTH");
   add_box_option(*c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for solids without an end");
@@ -112,7 +113,7 @@ Command add_csg(CLI::App& app) {
        "functions, else all]")
       ->type_name("CHOICE");
   c->add_option("--simplify", a->options.simplify,
-                "Fewer triangles where the surface is as flat as this; 0: nowhere [a thousandth of a cell]")
+                "Fewer triangles where the surface is as flat as this; 0: nowhere [about a thousandth of a cell]")
       ->type_name("LENGTH");
   c->footer(
       "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"
