@@ -50,8 +50,8 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
  private:
   static constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
-  /// Values at corners and middles of all cells: no point is farther from one than 0.56 edges, and two thirds as much
-  /// again are allowed for.
+  /// Values at corners and middles of all cells: no point is farther from one than 0.56 edges; slopes up to 2.7 are
+  /// allowed for.
   void find_far(const ScalarField& field) {
     constexpr std::size_t n = kGrid + 1;
     const double edge = tree_.edge() / kGrid;

@@ -52,6 +52,11 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
     throw ArgumentError(fmt::format(
         "the solid is not known to end in the directions {}: intersect it with a box, or give a box to cut it off",
         endless));
+  constexpr double kLargest = 1e30;  // vertices are floats, and products of two lengths must be, too
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargest)
+      throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
+                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargest));
   return box;
 }
 

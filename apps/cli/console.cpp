@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "sansmesh/core/error.h"
+
 namespace sansmesh::cli {
 namespace {
 
@@ -88,7 +90,7 @@ void Console::clear() {
   drawn_ = false;
 }
 
-void print_error(const std::string& message) { fmt::print(stderr, "sansmesh: {}\n", message); }
+void print_error(const std::string& message) { fmt::print(stderr, "sansmesh: {}\n", printable(message)); }
 
 std::string grouped(unsigned long long number) {
   const std::string digits = std::to_string(number);

@@ -89,21 +89,19 @@ void run_edit(const EditArguments& a, Console& console) {
       throw FileError(a.input, fmt::format("after the edits: {}", error.what()));
     }
   }
-  // Not before all has gone well: what fails has no results.
-  for (const std::string& line : lines) console.say(line);
   progress.begin("write");
   nlohmann::ordered_json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
   if (!a.output.empty()) {
     write_function(a.output, editor.function());
     const PartitionReport& r = editor.function().field.report();
-    console.say(fmt::format("{}: {}", a.output, counted(r.functions, "local fit")));
+    lines.push_back(fmt::format("{}: {}", a.output, counted(r.functions, "local fit")));
     json["output"] = {{"file", a.output}, {"fits", r.functions}};
   }
   if (!a.mesh_output.empty()) {
     write_mesh(a.mesh_output, mesh);
-    console.say(fmt::format("{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
-                            update.local ? fmt::format(", of which {} are new", grouped(update.added))
-                                         : std::string(a.mesh.empty() ? "" : ", all made anew")));
+    lines.push_back(fmt::format("{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
+                                update.local ? fmt::format(", of which {} are new", grouped(update.added))
+                                             : std::string(a.mesh.empty() ? "" : ", all made anew")));
     json["mesh"] = {{"file", a.mesh_output},
                     {"triangles", mesh.triangles.size()},
                     {"local", update.local},
@@ -111,6 +109,8 @@ void run_edit(const EditArguments& a, Console& console) {
                     {"added", update.added}};
   }
   progress.finish();
+  // Not before all has gone well: what fails has no results.
+  for (const std::string& line : lines) console.say(line);
   console.say_json(json);
   console.print_timings();
 }

@@ -12,9 +12,10 @@ namespace {
 /// More pairs of pieces than this are one piece together: their creases inside the blend are not resolved.
 constexpr std::uint64_t kMaxPairs = 1u << 16;
 
-/// Where nodes take longer than this, more effort is made not to ask them.
+/// Primitives below are worth being asked for their own least values only if there are about as many.
 constexpr double kDear = 10;
-/// A survey asks for how far a piece is alone, in the reach of which it is made: it need not be exact beyond this.
+/// A survey with reach r need not tell how far a piece is alone beyond this many r. Whoever makes blocks of half edge r
+/// wants to know up to the half diagonal and two cells more, at most 3.8 r.
 constexpr double kSurveyed = 6;
 
 bool bounded_anywhere(const Extents& e) {
@@ -118,7 +119,11 @@ class CombineNode final : public SolidNode {
   }
 
   double least(double sign, const Vec3& x) const override {
-    const double a = a_->least(sign, x), b = b_->least(sign, x);
+    // Where nothing but primitives is below, their boxes say enough: asking every one would cost as much as values.
+    const auto least_of_child = [&](const SolidNode& c) {
+      return c.lipschitz() && c.cost() > kDear ? c.far_value(sign, x) : c.least(sign, x);
+    };
+    const double a = least_of_child(*a_), b = least_of_child(*b_);
     // The value is that of one of both, and blends move it towards the sign of the combination, by a quarter at most.
     const double both = sign == sign_ ? std::min(a, b) - radius_ / 4 : std::max(a, b);
     return std::max(both, far_value(sign, x));
@@ -150,16 +155,17 @@ class CombineNode final : public SolidNode {
     return t;
   }
 
+  /// Below nodes whose slopes are not known there are fields: dear ones, that know better than their boxes where they
+  /// are far.
   double least_of(const SolidNode& second, const Vec3& x) const {
-    return second.cost() > kDear ? second.least(sign_, x) : second.far_value(sign_, x);
+    return !second.lipschitz() ? second.least(sign_, x) : second.far_value(sign_, x);
   }
 
   /// All points but those where `second` is so far away that the value of the first is known to be all, by `room` more
   /// than it must be.
   std::vector<std::uint32_t> where_to_ask(const SolidNode& second, std::span<const Vec3> x,
                                           std::span<const double> values, double room = 0) const {
-    const bool known =
-        second.cost() > kDear || bounded_anywhere(sign_ > 0 ? second.extents() : second.hollow_extents());
+    const bool known = !second.lipschitz() || bounded_anywhere(sign_ > 0 ? second.extents() : second.hollow_extents());
     std::vector<std::uint32_t> wanted;
     wanted.reserve(x.size());
     for (std::size_t i = 0; i < x.size(); ++i)

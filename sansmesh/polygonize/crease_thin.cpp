@@ -24,7 +24,6 @@ struct Thinner {
   std::size_t n = 0;  ///< size of the ring of the vertex looked at now
   std::array<std::uint32_t, kMostRing> leaving{}, tip{}, piece{};
   std::array<Vec3, kMostRing> spoke{}, area{};  ///< to the neighbours; normals of the triangles, twice their area long
-  double shape_before = 0;
 
   static double shape(const Vec3& normal, const Vec3& a, const Vec3& b) {
     const double sum = squared_norm(a) + squared_norm(b) + squared_norm(b - a);
@@ -49,7 +48,13 @@ struct Thinner {
       ++n;
     });
     if (!fine || n < 3) return false;
-    for (std::size_t k = 0; k < n; ++k) area[k] = cross(spoke[k], spoke[(k + 1) % n]);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vec3 &a = spoke[k], &b = spoke[(k + 1) % n];
+      area[k] = cross(a, b);
+      // Triangles without height have no plane that could hold them, and none that they could be seen to leave.
+      const double longest = std::max({squared_norm(a), squared_norm(b), squared_norm(b - a)});
+      if (!(squared_norm(area[k]) > error * error * longest)) return false;
+    }
     return true;
   }
 

@@ -49,6 +49,8 @@ TEST_F(Csg, ErrorsAreOneLine) {
       {{"csg", "sphere(1)", "-o", "a.xyzw"}, 1, {"a.xyzw"}},
       {{"csg", "sphere(1)", "-o", "a.ply", "--cell", "0.1", "--resolution", "9"}, 2, {"not both"}},
       {{"csg", "sphere(1)", "-o", "a.ply", "--box", "0,0,0,1"}, 2, {"--box"}},
+      {{"csg", "scale(sphere(1), 1e200)", "-o", "a.ply"}, 2, {"1e+200", "1e+30"}},
+      {{"csg", "sphere(1)", "-o", "a.ply", "--components", "x\ny"}, 2, {"x\\x0ay"}},
       {{"csg", "sphere(1) - sphere(2)", "-o", "a.ply", "--resolution", "20"}, 1, {"empty"}},
   });
 }
