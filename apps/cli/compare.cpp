@@ -264,7 +264,7 @@ Command add_compare(CLI::App& app) {
   c->add_option("-o,--output", a->output,
                 "The map to write, distance as quality and as colours: .ply (others: colours)")
       ->type_name("FILE");
-  add_preview_option(*c, a->preview, "the map with a scale");
+  add_preview_option(*c, a->preview, "the map, with a scale in its --width,");
   c->add_option("--tolerance", o.tolerance, "Tell the share within ±LENGTH")->type_name("LENGTH");
   c->add_option("--range", o.range, "Distance that has the full colour [99 % are nearer]")->type_name("LENGTH");
   c->add_option("--max-distance", o.max_distance,

@@ -106,7 +106,8 @@ Command add_diagnose(CLI::App& app) {
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
   c->add_option("--script", a->script, "Write a script for `sansmesh edit`, a step for each place, .json")
       ->type_name("FILE");
-  add_preview_option(*c, a->preview, "the surface with what is suspicious in colour");
+  c->add_option("--preview", a->preview, "Draw the surface with what is suspicious in colour into this PNG")
+      ->type_name("FILE");
   add_picture_options(*c, a->picture);
   c->add_option("--coverage", a->options.coverage_below,
                 "Suspicious below: share of a fit that samples cover, 0..1 [0.3]")
