@@ -24,8 +24,8 @@ struct FarBatch {
   alignas(64) float x[3][kBatch], sum[3][kBatch], slope[3][3][kBatch];
 };
 /// Squared distance from a group in squares of its radius: below the first its members count, beyond the second it
-/// counts as one.
-constexpr float kOpen = 1.2f, kClosed = 2.4f;
+/// counts as one. Closer up a group's 1/r⁶ is so far from that of its members that the hand-over would be steep.
+constexpr float kOpen = 2.2f, kClosed = 4.8f;
 }  // namespace sansmesh
 #endif
 
@@ -35,7 +35,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³, Σ area / r⁴, Σ area / r⁶ (and their gradients if
-/// kGradient). A group counts as one where it is farther than about √2 times its radius; in between it hands over to
+/// kGradient). A group counts as one where it is farther than about twice its radius; around that it hands over to
 /// its members smoothly, so that the sums do not jump. All points walk down the tree together, each with its own share
 /// in every group, so that what is found at one does not depend on the others.
 template <bool kGradient>
@@ -186,7 +186,11 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
     const Vec3f position = p.position / unit, area = p.area / unit / unit;
     const float a = norm(area);
     if (!(a > 0) || !is_finite(position)) continue;
-    items.push_back({position, area, a, std::sqrt(a / std::numbers::pi_v<float>), {position, position}});
+    items.push_back({position,
+                     area,
+                     std::max(a, p.least / unit / unit),
+                     std::sqrt(a / std::numbers::pi_v<float>),
+                     {position, position}});
   }
   if (items.empty()) return;
   for (;;) {
@@ -208,12 +212,16 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
       }
       group.position = mean / group.weight;
       for (std::size_t i = 8 * o; i < std::min(items.size(), 8 * o + 8); ++i) group.box.extend(items[i].box);
+      float far = 0;  // members' own extents count: two bounds, and the smaller one holds
+      for (std::size_t i = 8 * o; i < std::min(items.size(), 8 * o + 8); ++i)
+        far = std::max(far, norm(items[i].position - group.position) + (levels_.empty() ? 0 : items[i].radius));
       for (unsigned corner = 0; corner < 8; ++corner) {
         const Vec3f at{corner & 1 ? group.box.lower.x : group.box.upper.x,
                        corner & 2 ? group.box.lower.y : group.box.upper.y,
                        corner & 4 ? group.box.lower.z : group.box.upper.z};
         group.radius = std::max(group.radius, norm(at - group.position));
       }
+      group.radius = std::min(group.radius, far);
     });
     levels_.push_back(std::move(octets));
     if (above.size() == 1) break;

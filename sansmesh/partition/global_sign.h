@@ -13,6 +13,9 @@ namespace sansmesh {
 struct OrientedPatch {
   Vec3f position;
   Vec3f area;
+  /// Least share in the estimate of the distance (length²): a patch that is much smaller than its neighbours would make
+  /// that estimate drop steeply close to it.
+  float least = 0;
 };
 
 /// Area of {x : ⟨x − point, normal⟩ = 0} within the cube [lower, lower + edge]³. Patches cut out of the cells that they

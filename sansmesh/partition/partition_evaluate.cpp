@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_state.h"
@@ -17,8 +16,10 @@
 #ifndef SANSMESH_PARTITION_EVALUATE_ONCE
 #define SANSMESH_PARTITION_EVALUATE_ONCE
 namespace sansmesh {
-/// Square of f/R up to which a support's weight is left alone: noisy samples lie that far off their fits.
-constexpr float kTrusted = 0.25f;
+/// (f/R)² up to which a support's weight is left alone, and |f|/R up to which its value is. Noisy samples lie half a
+/// radius off their fits; without noise, and of steep functions, only what is close to the zero set is right.
+constexpr float kTrusted = 0.36f, kStraight = 0.3f;
+constexpr float kTrustedClose = 0.2f, kStraightClose = 0.2f;
 
 /// Up to kTile points and the sums over supports at each: structure of arrays, aligned for the widest vectors.
 struct EvaluationTile {
@@ -112,8 +113,37 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   }
 }
 
+// What is far from its zero set in the ball says little about what is there. Beyond `trusted` the weight falls to 0 at
+// |f| = R with the fourth power, so that its fourth root, by which the far field takes over, falls about linearly.
+// Values flatten from `straight` R on, to (1 + straight) / 2 of R: functions that disagree then differ by less.
+template <bool kGradient, class D, class V = hn::Vec<D>>
+HWY_INLINE void Bound(D d, float trusted, float straight, float radius, V& value, V& gx, V& gy, V& gz, V& weight, V& tx,
+                      V& ty, V& tz) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const float fall = 1 / (1 - trusted), bend = 1 / (1 - straight);
+  const V far = hn::Mul(value, hn::Set(d, 1 / radius)), size = hn::Min(hn::Abs(far), one);
+  const V over = hn::Max(hn::MulSub(far, far, hn::Set(d, trusted)), zero);
+  const V near = hn::Max(hn::NegMulAdd(over, hn::Set(d, fall), one), zero), near2 = hn::Mul(near, near),
+          near4 = hn::Mul(near2, near2);
+  if (kGradient) {
+    const V turn = hn::IfThenElseZero(hn::Gt(over, zero), hn::Mul(far, hn::Mul(near2, near)));
+    const V slope = hn::Mul(hn::Mul(weight, turn), hn::Set(d, -8 * fall / radius));
+    tx = hn::MulAdd(tx, near4, hn::Mul(slope, gx));
+    ty = hn::MulAdd(ty, near4, hn::Mul(slope, gy));
+    tz = hn::MulAdd(tz, near4, hn::Mul(slope, gz));
+  }
+  weight = hn::Mul(weight, near4);
+  const V excess = hn::Max(hn::Sub(size, hn::Set(d, straight)), zero);
+  const V flat = hn::NegMulAdd(hn::Mul(excess, excess), hn::Set(d, 0.5f * bend), size);
+  value = hn::CopySign(hn::Mul(flat, hn::Set(d, radius)), value);
+  if (kGradient) {
+    const V slope = hn::NegMulAdd(excess, hn::Set(d, bend), one);
+    gx = hn::Mul(gx, slope), gy = hn::Mul(gy, slope), gz = hn::Mul(gz, slope);
+  }
+}
+
 template <bool kGradient>
-void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, const std::uint32_t* list,
+void SumSupportsT(const LocalFunction* functions, const std::uint8_t* manner, const std::uint32_t* list,
                   std::size_t count, std::size_t n, EvaluationTile& tile) {
   const hn::ScalableTag<float> d;
   using V = hn::Vec<decltype(d)>;
@@ -140,7 +170,7 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, con
         tx = hn::Mul(slope, dx), ty = hn::Mul(slope, dy), tz = hn::Mul(slope, dz);
       }
       V fv, fx = zero, fy = zero, fz = zero;
-      if (steep[list[s]] != 0) {
+      if ((manner[list[s]] & kNormalised) != 0) {
         V trust, ux = zero, uy = zero, uz = zero;
         Local<kGradient, true>(d, *f, dx, dy, dz, fv, fx, fy, fz, trust, ux, uy, uz);
         if (f->next == 0) {
@@ -159,7 +189,7 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, con
         const bool convex = g->convex != 0;
         g = functions + (g->next - 1);
         V hv, hx = zero, hy = zero, hz = zero, none = zero;
-        if (steep[g - functions] != 0) {
+        if ((manner[g - functions] & kNormalised) != 0) {
           Local<kGradient, true>(d, *g, dx, dy, dz, hv, hx, hy, hz, none, none, none, none);
         } else {
           Local<kGradient, false>(d, *g, dx, dy, dz, hv, hx, hy, hz, none, none, none, none);
@@ -170,22 +200,9 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, con
           fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
       }
       if (!f->is_constant()) {
-        // Beyond f² = R²/4 weights fall to 0 at |f| = R: what is far from its zero set in the ball says little about
-        // what is there.
-        const float reach = inverse * f->radius;
-        const V far = hn::Mul(fv, hn::Set(d, reach));
-        const V over = hn::Max(hn::MulSub(far, far, hn::Set(d, kTrusted)), zero);
-        const V near = hn::Max(hn::NegMulAdd(over, hn::Set(d, 1 / (1 - kTrusted)), one), zero),
-                near2 = hn::Mul(near, near);
-        fv = hn::IfThenElseZero(hn::Gt(near, zero), fv);
-        if (kGradient) {
-          const V turn = hn::IfThenElseZero(hn::Gt(over, zero), hn::Mul(far, near));
-          const V slope = hn::Mul(hn::Mul(theta, turn), hn::Set(d, -4 * reach / (1 - kTrusted)));
-          tx = hn::MulAdd(tx, near2, hn::Mul(slope, fx));
-          ty = hn::MulAdd(ty, near2, hn::Mul(slope, fy));
-          tz = hn::MulAdd(tz, near2, hn::Mul(slope, fz));
-        }
-        theta = hn::Mul(theta, near2);
+        const bool close = (manner[list[s]] & kClose) != 0;
+        Bound<kGradient>(d, close ? kTrustedClose : kTrusted, close ? kStraightClose : kStraight, f->radius, fv, fx, fy,
+                         fz, theta, tx, ty, tz);
       } else {
         fv = hn::Min(hn::Max(fv, hn::Set(d, -f->radius)), hn::Set(d, f->radius));
       }
@@ -206,12 +223,12 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* steep, con
   }
 }
 
-void SumSupports(const LocalFunction* functions, const std::uint8_t* steep, const std::uint32_t* list,
+void SumSupports(const LocalFunction* functions, const std::uint8_t* manner, const std::uint32_t* list,
                  std::size_t count, std::size_t n, bool gradient, EvaluationTile& tile) {
   if (gradient) {
-    SumSupportsT<true>(functions, steep, list, count, n, tile);
+    SumSupportsT<true>(functions, manner, list, count, n, tile);
   } else {
-    SumSupportsT<false>(functions, steep, list, count, n, tile);
+    SumSupportsT<false>(functions, manner, list, count, n, tile);
   }
 }
 
@@ -223,107 +240,68 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh {
 HWY_EXPORT(SumSupports);
 
-void SupportTree::build(std::span<const LocalFunction> functions) {
-  levels.assign(1, {});
-  levels[0].reserve(functions.size());
-  for (const LocalFunction& f : functions) {
-    const Vec3f r{f.radius, f.radius, f.radius};
-    levels[0].push_back({f.center - r, f.center + r});
-  }
-  while (levels.back().size() > 1) {
-    const auto& below = levels.back();
-    std::vector<Box3f> above((below.size() + 7) / 8);
-    for (std::size_t i = 0; i < below.size(); ++i) above[i / 8].extend(below[i]);
-    levels.push_back(std::move(above));
-  }
-}
-
-bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& found) const {
-  const auto meets = [&](const Box3f& b) {
-    return b.lower.x <= box.upper.x && b.upper.x >= box.lower.x && b.lower.y <= box.upper.y &&
-           b.upper.y >= box.lower.y && b.lower.z <= box.upper.z && b.upper.z >= box.lower.z;
-  };
-  struct Item {
-    std::uint32_t level, index;
-  };
-  Item stack[128];
-  std::size_t top = 0;
-  stack[top++] = {static_cast<std::uint32_t>(levels.size() - 1), 0};
-  while (top > 0) {
-    const Item item = stack[--top];
-    if (!meets(levels[item.level][item.index])) continue;
-    if (item.level == 0) {
-      if (found.size() == most) return false;
-      found.push_back(item.index);
-      continue;
-    }
-    const std::size_t count = levels[item.level - 1].size();
-    const std::uint32_t first = item.index * 8;
-    const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(first + 8, count));
-    for (std::uint32_t k = last; k-- > first;) stack[top++] = {item.level - 1, k};
-  }
-  return true;
-}
-
 namespace {
 
-constexpr float kSteep = 2.0f;
-
-/// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
-bool is_steep(const LocalFunction& f) {
-  const auto& c = f.coefficient;
-  for (const float ring : {0.5f, 0.9f})
-    for (int k = 0; k < 8; ++k) {
-      const float angle = static_cast<float>(k) * std::numbers::pi_v<float> / 4, r = ring * f.radius / f.scale;
-      const float u = r * std::cos(angle), v = r * std::sin(angle);
-      float gu = 0, gv = 0;
-      if (f.degree >= 1) gu = c[1], gv = c[2];
-      if (f.degree >= 2) gu += 2 * u * c[3] + v * c[4], gv += u * c[4] + 2 * v * c[5];
-      if (f.degree >= 3)
-        gu += 3 * u * u * c[6] + 2 * u * v * c[7] + v * v * c[8],
-            gv += u * u * c[7] + 2 * u * v * c[8] + 3 * v * v * c[9];
-      if (f.degree >= 4)
-        gu += 4 * u * u * u * c[10] + 3 * u * u * v * c[11] + 2 * u * v * v * c[12] + v * v * v * c[13],
-            gv += u * u * u * c[11] + 2 * u * u * v * c[12] + 3 * u * v * v * c[13] + 4 * v * v * v * c[14];
-      if (gu * gu + gv * gv > kSteep * kSteep) return true;
-    }
-  return false;
-}
-
-}  // namespace
-
-PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
-  state_->data = std::move(data);
-  const PartitionData& d = state_->data;
-  state_->tree.build(d.functions.view().first(d.supports.size()));
-  state_->steep.resize(d.functions.size());
-  parallel_for(0, state_->steep.size(), 8192, [&](std::size_t i) { state_->steep[i] = is_steep(d.functions[i]); });
-  // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
-  // where no support reaches.
-  std::vector<OrientedPatch> patches(d.supports.size());
-  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
-    patches[i] = {d.supports[i].foot, d.functions[i].nu * d.supports[i].area};
-  });
-  state_->sign = GlobalSign(patches, d.edge);
-}
-
-Box3 PartitionOfUnity::bounds() const {
-  const Vec3 lower = state_->data.origin + Vec3(state_->data.lower);
-  const double e = state_->data.edge;
-  return {lower, lower + Vec3{e, e, e}};
-}
-const PartitionData& PartitionOfUnity::data() const { return state_->data; }
-
-namespace {
-
-// Where the fourth root of the supports' weights fades below this, the far field takes over. That root falls about
-// linearly towards a rim, so that the hand-over is spread over half of the support.
-constexpr float kFade = 0.85f;
+// How deep a point is among the supports: 0 at the rim of a single one, 1 in its middle, linear in between, since the
+// fourth root of the weights is 1 − r²/R² there. From 0 to kFade the far field hands over, evenly but for kRound at
+// either end, so that the hand-over is nowhere steeper than it has to be.
+constexpr float kFade = 0.56f, kRound = 0.06f;
+constexpr float kFadeRoot = 1 - (1 - kFade) * (1 - kFade), kFadeWeight = kFadeRoot * kFadeRoot * kFadeRoot * kFadeRoot;
 
 constexpr float kNoWeight = 1e-24f;  // rounding of the weights' sums is all that is left below
 
-void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<float> values,
-                   std::span<Vec3f> gradients, std::vector<std::uint32_t>& list, EvaluationTile& tile) {
+/// Where values and gradients go.
+struct Output {
+  std::span<double> values;
+  std::span<Vec3> gradients;  ///< empty if none are asked for
+  void put(std::size_t i, float value, const Vec3f& gradient) const {
+    values[i] = value;
+    if (!gradients.empty()) gradients[i] = Vec3(gradient);
+  }
+};
+
+/// Points that the far field has a share in, collected over several tiles: it is summed for many at once.
+struct FarPoints {
+  static constexpr std::size_t kMany = 128;
+  struct Near {
+    std::size_t at;  ///< in the output
+    float weight, value;
+    Vec3f gradient, weight_gradient;
+  };
+  std::vector<Vec3f> x, gradients;
+  std::vector<Near> near;
+  std::vector<float> values;
+};
+
+void hand_over(const GlobalSign& sign, FarPoints& far, const Output& out) {
+  const bool gradient = !out.gradients.empty();
+  far.values.resize(far.x.size());
+  far.gradients.resize(gradient ? far.x.size() : 0);
+  sign.signed_distance(far.x, far.values, far.gradients);
+  constexpr float kRise = 1 / (kFade - kRound);
+  for (std::size_t j = 0; j < far.x.size(); ++j) {
+    const FarPoints::Near& near = far.near[j];
+    const Vec3f far_gradient = gradient ? far.gradients[j] : Vec3f{};
+    if (near.weight <= 0) {
+      out.put(near.at, far.values[j], far_gradient);
+      continue;
+    }
+    const float root = std::sqrt(std::sqrt(near.weight)), outward = std::sqrt(1 - root), depth = 1 - outward;
+    const float first = std::min(depth, kRound), last = std::min(kFade - depth, kRound);
+    float share = kRise * (depth - 0.5f * kRound);
+    if (depth < kRound) share = kRise * 0.5f * first * first / kRound;
+    if (depth > kFade - kRound) share = 1 - kRise * 0.5f * last * last / kRound;
+    const float apart = near.value - far.values[j];
+    // ∇depth = ∇root / (2 outward), ∇root = root ∇w / (4 w)
+    const float slope = kRise * std::min(first, last) / kRound * root / (8 * near.weight * outward);
+    out.put(near.at, far.values[j] + share * apart,
+            far_gradient + (near.gradient - far_gradient) * share + near.weight_gradient * (slope * apart));
+  }
+  far.x.clear(), far.near.clear();
+}
+
+void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<const std::size_t> at,
+                   const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarPoints& far) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
   list.clear();
@@ -331,9 +309,8 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
   const std::size_t most = x.size() > 8 ? 96 : x.size() > 1 ? 1024 : s.data.supports.size();
   if (!s.tree.query(box, most, list)) {
     const std::size_t half = x.size() / 2;
-    const bool g = !gradients.empty();
-    evaluate_tile(s, x.first(half), values.first(half), g ? gradients.first(half) : gradients, list, tile);
-    evaluate_tile(s, x.subspan(half), values.subspan(half), g ? gradients.subspan(half) : gradients, list, tile);
+    evaluate_tile(s, x.first(half), at.first(half), out, list, tile, far);
+    evaluate_tile(s, x.subspan(half), at.subspan(half), out, list, tile, far);
     return;
   }
   const std::size_t n = x.size();
@@ -341,46 +318,24 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
     const Vec3f& p = x[std::min(i, n - 1)];
     tile.x[i] = p.x, tile.y[i] = p.y, tile.z[i] = p.z;
   }
+  const bool gradient = !out.gradients.empty();
   HWY_DYNAMIC_DISPATCH(SumSupports)
-  (s.data.functions.data(), s.steep.data(), list.data(), list.size(), n, !gradients.empty(), tile);
-
-  Vec3f far_x[EvaluationTile::kTile];
-  std::size_t far_i[EvaluationTile::kTile], far_count = 0;
-  const float fade = kFade * kFade * kFade * kFade;
+  (s.data.functions.data(), s.manner.data(), list.data(), list.size(), n, gradient, tile);
   for (std::size_t i = 0; i < n; ++i) {
-    float& w = tile.weight[i];
-    if (w < kNoWeight) w = 0;
-    if (w > 0) {
-      values[i] = tile.value[i] / w;
-      if (!gradients.empty()) {
-        gradients[i] = Vec3f{tile.gx[i] - values[i] * tile.wx[i], tile.gy[i] - values[i] * tile.wy[i],
-                             tile.gz[i] - values[i] * tile.wz[i]} *
-                       (1 / w);
+    FarPoints::Near near{at[i], tile.weight[i] < kNoWeight ? 0 : tile.weight[i], 0, {}, {}};
+    if (near.weight > 0) {
+      const float inverse = 1 / near.weight;
+      near.value = tile.value[i] / near.weight;
+      if (gradient) {
+        near.weight_gradient = {tile.wx[i], tile.wy[i], tile.wz[i]};
+        near.gradient = (Vec3f{tile.gx[i], tile.gy[i], tile.gz[i]} - near.weight_gradient * near.value) * inverse;
       }
     }
-    if (w < fade) {
-      far_x[far_count] = x[i];
-      far_i[far_count++] = i;
-    }
-  }
-  if (far_count == 0) return;
-  float far_values[EvaluationTile::kTile];
-  Vec3f far_gradients[EvaluationTile::kTile];
-  s.sign.signed_distance(std::span<const Vec3f>(far_x, far_count), std::span<float>(far_values, far_count),
-                         std::span<Vec3f>(far_gradients, gradients.empty() ? 0 : far_count));
-  for (std::size_t j = 0; j < far_count; ++j) {
-    const std::size_t i = far_i[j];
-    const float w = tile.weight[i];
-    const float root = std::sqrt(std::sqrt(w)), t = root / kFade, a = t * t * (3 - 2 * t);
-    const float near = w > 0 ? values[i] : far_values[j];
-    values[i] = far_values[j] + a * (near - far_values[j]);
-    if (gradients.empty()) continue;
-    if (w > 0) {
-      // ∇a = a′(t) ∇w / (4 w^¾)
-      const Vec3f slope = Vec3f{tile.wx[i], tile.wy[i], tile.wz[i]} * (1.5f * t * (1 - t) * root / (kFade * w));
-      gradients[i] = far_gradients[j] + (gradients[i] - far_gradients[j]) * a + slope * (near - far_values[j]);
+    if (near.weight < kFadeWeight) {
+      far.x.push_back(x[i]);
+      far.near.push_back(near);
     } else {
-      gradients[i] = far_gradients[j];
+      out.put(near.at, near.value, near.gradient);
     }
   }
 }
@@ -413,53 +368,24 @@ void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> value
     }
   }
   const auto at = [&](std::size_t i) { return order.empty() ? i : order[i]; };
+  const Output out{values, gradients};
   parallel_ranges(0, (n + kTile - 1) / kTile, 16, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> list;
     EvaluationTile tile;
-    Vec3f px[kTile], gradient[kTile];
-    float value[kTile];
+    FarPoints far;
+    Vec3f px[kTile];
+    std::size_t places[kTile];
     for (std::size_t t = first; t < last; ++t) {
       const std::size_t base = t * kTile, m = std::min(kTile, n - base);
-      for (std::size_t i = 0; i < m; ++i) px[i] = local(at(base + i));
-      evaluate_tile(s, {px, m}, {value, m}, gradients.empty() ? std::span<Vec3f>{} : std::span<Vec3f>(gradient, m),
-                    list, tile);
       for (std::size_t i = 0; i < m; ++i) {
-        values[at(base + i)] = value[i];
-        if (!gradients.empty()) gradients[at(base + i)] = Vec3(gradient[i]);
+        places[i] = at(base + i);
+        px[i] = local(places[i]);
       }
+      evaluate_tile(s, {px, m}, {places, m}, out, list, tile, far);
+      if (far.x.size() >= FarPoints::kMany) hand_over(s.sign, far, out);
     }
+    hand_over(s.sign, far, out);
   });
-}
-
-std::vector<Vec3> PartitionOfUnity::seeds() const {
-  const PartitionData& d = state_->data;
-  std::vector<Vec3> result(d.supports.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = d.origin + Vec3(d.supports[i].foot);
-  return result;
-}
-
-BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
-  const PartitionData& s = state_->data;
-  BlockTree tree(s.origin + Vec3(s.lower), s.edge);
-  struct Item {
-    std::size_t block;
-    int level;
-    std::uint32_t cell;  // in flatness[level]
-  };
-  const int last = static_cast<int>(s.flatness.size()) - 1;
-  std::vector<Item> stack{{0, 0, 0}};
-  while (!stack.empty()) {
-    const Item item = stack.back();
-    stack.pop_back();
-    const PartitionData::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
-    if (here.gap[item.cell] <= mesh_error || item.level >= deepest) continue;
-    const std::size_t first = tree.subdivide(item.block);
-    if (item.level == last) continue;  // the samples say nothing about finer scales
-    const PartitionData::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
-    for (std::uint32_t c = here.child[item.cell]; c < here.child[item.cell + 1]; ++c)
-      stack.push_back({first + (below.code[c] & 7), item.level + 1, c});
-  }
-  return tree;
 }
 
 }  // namespace sansmesh

@@ -1,6 +1,7 @@
 // A PartitionOfUnity's data and what is built from them for evaluation; not part of the public interface.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "sansmesh/partition/global_sign.h"
@@ -20,11 +21,14 @@ struct SupportTree {
   bool query(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& found) const;
 };
 
+/// How a function is evaluated: divided by the length of its gradient; bounded closely.
+constexpr std::uint8_t kNormalised = 1, kClose = 2;
+
 struct PartitionOfUnity::State {
   PartitionData data;
   SupportTree tree;
-  std::vector<std::uint8_t> steep;  ///< which functions are evaluated divided by the length of their gradient
-  GlobalSign sign;                  ///< the far field
+  std::vector<std::uint8_t> manner;  ///< of each function: kNormalised | kClose, from the data
+  GlobalSign sign;                   ///< the far field
 };
 
 }  // namespace sansmesh

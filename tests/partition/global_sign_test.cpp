@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -75,6 +76,34 @@ TEST(GlobalSign, GroupsAgreeWithTheSumOverAllPatches) {
     sign.winding_number(std::span<const Vec3f>(&x, 1), std::span<float>(&w, 1));
     EXPECT_NEAR(w, sum / (4 * std::numbers::pi), 0.03);
   }
+}
+
+/// The largest gradient on lines from afar to each of the patches.
+float steepest(const std::vector<OrientedPatch>& patches) {
+  const GlobalSign sign(patches);
+  std::vector<Vec3f> x;
+  for (std::size_t i = 0; i < patches.size(); i += 37)
+    for (int k = 1; k < 60; ++k)
+      x.push_back(patches[i].position + normalized(patches[i].area) * (0.01f * static_cast<float>(k)));
+  std::vector<float> values(x.size());
+  std::vector<Vec3f> gradients(x.size());
+  sign.signed_distance(x, values, gradients);
+  float most = 0;
+  for (const Vec3f& g : gradients) most = std::max(most, norm(g));
+  return most;
+}
+
+TEST(GlobalSign, GroupsHandOverToTheirMembersGently) { EXPECT_LT(steepest(sphere_patches(3000)), 1.5f); }
+
+TEST(GlobalSign, SmallPatchesAreNoSteps) {
+  std::vector<OrientedPatch> patches = sphere_patches(3000);
+  const float area = norm(patches[0].area);
+  // Every 37th juts out, and hardly anything of it is left.
+  for (std::size_t i = 0; i < patches.size(); i += 37)
+    patches[i].position = patches[i].position * 1.15f, patches[i].area = patches[i].area * 1e-4f;
+  const float alone = steepest(patches);
+  for (OrientedPatch& p : patches) p.least = 0.5f * area;
+  EXPECT_GT(alone, 1.5f * steepest(patches));
 }
 
 TEST(GlobalSign, WithoutPatchesEverythingIsOutside) {

@@ -1,0 +1,146 @@
+// A partition of unity of given data: what is built from them, and what the polygoniser asks.
+#include "sansmesh/partition/partition_of_unity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/partition_state.h"
+
+namespace sansmesh {
+
+void SupportTree::build(std::span<const LocalFunction> functions) {
+  levels.assign(1, {});
+  levels[0].reserve(functions.size());
+  for (const LocalFunction& f : functions) {
+    const Vec3f r{f.radius, f.radius, f.radius};
+    levels[0].push_back({f.center - r, f.center + r});
+  }
+  while (levels.back().size() > 1) {
+    const auto& below = levels.back();
+    std::vector<Box3f> above((below.size() + 7) / 8);
+    for (std::size_t i = 0; i < below.size(); ++i) above[i / 8].extend(below[i]);
+    levels.push_back(std::move(above));
+  }
+}
+
+bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& found) const {
+  const auto meets = [&](const Box3f& b) {
+    return b.lower.x <= box.upper.x && b.upper.x >= box.lower.x && b.lower.y <= box.upper.y &&
+           b.upper.y >= box.lower.y && b.lower.z <= box.upper.z && b.upper.z >= box.lower.z;
+  };
+  struct Item {
+    std::uint32_t level, index;
+  };
+  Item stack[128];
+  std::size_t top = 0;
+  stack[top++] = {static_cast<std::uint32_t>(levels.size() - 1), 0};
+  while (top > 0) {
+    const Item item = stack[--top];
+    if (!meets(levels[item.level][item.index])) continue;
+    if (item.level == 0) {
+      if (found.size() == most) return false;
+      found.push_back(item.index);
+      continue;
+    }
+    const std::size_t count = levels[item.level - 1].size();
+    const std::uint32_t first = item.index * 8;
+    const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(first + 8, count));
+    for (std::uint32_t k = last; k-- > first;) stack[top++] = {item.level - 1, k};
+  }
+  return true;
+}
+
+namespace {
+
+constexpr float kSteep = 2.0f;
+
+/// Noise below this share of a support's radius does not matter in it.
+constexpr double kClean = 0.05;
+
+/// Least share of a support's patch in the far field's distance, in squares of its block's edge.
+constexpr float kLeastPatch = 0.5f;
+
+/// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
+bool is_steep(const LocalFunction& f) {
+  const auto& c = f.coefficient;
+  for (const float ring : {0.5f, 0.9f})
+    for (int k = 0; k < 8; ++k) {
+      const float angle = static_cast<float>(k) * std::numbers::pi_v<float> / 4, r = ring * f.radius / f.scale;
+      const float u = r * std::cos(angle), v = r * std::sin(angle);
+      float gu = 0, gv = 0;
+      if (f.degree >= 1) gu = c[1], gv = c[2];
+      if (f.degree >= 2) gu += 2 * u * c[3] + v * c[4], gv += u * c[4] + 2 * v * c[5];
+      if (f.degree >= 3)
+        gu += 3 * u * u * c[6] + 2 * u * v * c[7] + v * v * c[8],
+            gv += u * u * c[7] + 2 * u * v * c[8] + 3 * v * v * c[9];
+      if (f.degree >= 4)
+        gu += 4 * u * u * u * c[10] + 3 * u * u * v * c[11] + 2 * u * v * v * c[12] + v * v * v * c[13],
+            gv += u * u * u * c[11] + 2 * u * u * v * c[12] + 3 * u * v * v * c[13] + 4 * v * v * v * c[14];
+      if (gu * gu + gv * gv > kSteep * kSteep) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
+  state_->data = std::move(data);
+  const PartitionData& d = state_->data;
+  state_->tree.build(d.functions.view().first(d.supports.size()));
+  state_->manner.resize(d.functions.size());
+  parallel_for(0, state_->manner.size(), 8192, [&](std::size_t i) {
+    const LocalFunction& f = d.functions[i];
+    const bool steep = is_steep(f), clean = d.report.noise < kClean * static_cast<double>(f.radius);
+    state_->manner[i] = static_cast<std::uint8_t>((steep ? kNormalised : 0) | (steep || clean ? kClose : 0));
+  });
+  // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
+  // where no support reaches.
+  std::vector<OrientedPatch> patches(d.supports.size());
+  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
+    const float h = d.edge / static_cast<float>(1u << d.supports[i].level);
+    patches[i] = {d.supports[i].foot, d.functions[i].nu * d.supports[i].area, kLeastPatch * h * h};
+  });
+  state_->sign = GlobalSign(patches, d.edge);
+}
+
+Box3 PartitionOfUnity::bounds() const {
+  const Vec3 lower = state_->data.origin + Vec3(state_->data.lower);
+  const double e = state_->data.edge;
+  return {lower, lower + Vec3{e, e, e}};
+}
+const PartitionData& PartitionOfUnity::data() const { return state_->data; }
+
+std::vector<Vec3> PartitionOfUnity::seeds() const {
+  const PartitionData& d = state_->data;
+  std::vector<Vec3> result(d.supports.size());
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = d.origin + Vec3(d.supports[i].foot);
+  return result;
+}
+
+BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
+  const PartitionData& s = state_->data;
+  BlockTree tree(s.origin + Vec3(s.lower), s.edge);
+  struct Item {
+    std::size_t block;
+    int level;
+    std::uint32_t cell;  // in flatness[level]
+  };
+  const int last = static_cast<int>(s.flatness.size()) - 1;
+  std::vector<Item> stack{{0, 0, 0}};
+  while (!stack.empty()) {
+    const Item item = stack.back();
+    stack.pop_back();
+    const PartitionData::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
+    if (here.gap[item.cell] <= mesh_error || item.level >= deepest) continue;
+    const std::size_t first = tree.subdivide(item.block);
+    if (item.level == last) continue;  // the samples say nothing about finer scales
+    const PartitionData::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
+    for (std::uint32_t c = here.child[item.cell]; c < here.child[item.cell + 1]; ++c)
+      stack.push_back({first + (below.code[c] & 7), item.level + 1, c});
+  }
+  return tree;
+}
+
+}  // namespace sansmesh
