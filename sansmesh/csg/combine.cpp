@@ -12,7 +12,7 @@ namespace {
 /// More pairs of pieces than this are one piece together: their creases inside the blend are not resolved.
 constexpr std::uint64_t kMaxPairs = 1u << 16;
 
-/// Primitives below are worth being asked for their own least values only if there are about as many.
+/// Nodes of primitives that take longer than this say by their box how far they are: asking each primitive costs more.
 constexpr double kDear = 10;
 /// A survey with reach r need not tell how far a piece is alone beyond this many r. Whoever makes blocks of half edge r
 /// wants to know up to the half diagonal and two cells more, at most 3.8 r.
@@ -119,7 +119,6 @@ class CombineNode final : public SolidNode {
   }
 
   double least(double sign, const Vec3& x) const override {
-    // Where nothing but primitives is below, their boxes say enough: asking every one would cost as much as values.
     const auto least_of_child = [&](const SolidNode& c) {
       return c.lipschitz() && c.cost() > kDear ? c.far_value(sign, x) : c.least(sign, x);
     };

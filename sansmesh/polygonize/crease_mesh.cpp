@@ -117,21 +117,7 @@ PieceMesh resolve_creases(const PiecewiseField& field, const std::vector<Vec3>& 
     mesh.triangles.push_back({global[a], global[b], global[c]});
     mesh.piece.push_back(zone.piece[t]);
   }
-  // Merged vertices go.
-  std::vector<std::uint32_t> number(mesh.x.size(), kNone);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) number[v] = 0;
-  std::uint32_t kept = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) {
-    if (number[v] == kNone) continue;
-    number[v] = kept;
-    mesh.x[kept] = mesh.x[v];
-    mesh.rank[kept++] = mesh.rank[v];
-  }
-  mesh.x.resize(kept);
-  mesh.rank.resize(kept);
-  for (Triangle& t : mesh.triangles)
-    for (std::uint32_t& v : t) v = number[v];
+  drop_unused_vertices(mesh);  // the merged ones
   return mesh;
 }
 

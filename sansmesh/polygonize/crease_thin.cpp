@@ -158,18 +158,7 @@ void thin_flat_parts(PieceMesh& mesh, double error) {
     mesh.piece[kept++] = mesh.piece[t];
   }
   mesh.piece.resize(kept);
-  std::vector<std::uint32_t> number(mesh.x.size(), PieceMesh::kNone);
-  std::uint32_t vertices = 0;
-  for (std::uint32_t v = 0; v < mesh.x.size(); ++v) {
-    if (!thinner.surface.used(v)) continue;
-    number[v] = vertices;
-    mesh.x[vertices] = mesh.x[v];
-    mesh.rank[vertices++] = mesh.rank[v];
-  }
-  mesh.x.resize(vertices);
-  mesh.rank.resize(vertices);
-  for (Triangle& t : mesh.triangles)
-    for (std::uint32_t& v : t) v = number[v];
+  drop_unused_vertices(mesh);
 }
 
 }  // namespace sansmesh

@@ -57,6 +57,23 @@ bool stays_good(const PieceMesh& mesh, const VertexCorners& corners, std::uint32
 
 }  // namespace
 
+void drop_unused_vertices(PieceMesh& mesh) {
+  std::vector<std::uint32_t> number(mesh.x.size(), PieceMesh::kNone);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t) number[v] = 0;
+  std::uint32_t kept = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == PieceMesh::kNone) continue;
+    number[v] = kept;
+    mesh.x[kept] = mesh.x[v];
+    mesh.rank[kept++] = mesh.rank[v];
+  }
+  mesh.x.resize(kept);
+  mesh.rank.resize(kept);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v = number[v];
+}
+
 void balance_pieces(const PiecewiseField& field, PieceMesh& mesh) {
   const std::size_t n = mesh.x.size();
   std::vector<PieceValue> middle;

@@ -19,6 +19,9 @@ struct PieceMesh {
   std::vector<std::uint8_t> rank;  ///< of each vertex: 0 not on the surface, 1 smooth, 2 crease, 3 corner
 };
 
+/// Removes the vertices that no triangle has; the others keep their order.
+void drop_unused_vertices(PieceMesh& mesh);
+
 /// Moves the vertices off creases by so little along their normals that the triangles straddle their pieces
 /// (balance_gaps for one piece a triangle).
 void balance_pieces(const PiecewiseField& field, PieceMesh& mesh);
