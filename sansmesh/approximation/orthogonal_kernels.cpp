@@ -16,7 +16,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // No fused multiply-add: its rounding would differ from that of machines without it.
 using Tag = hn::CappedTag<double, kRowLanes>;
 using V = hn::Vec<Tag>;
-constexpr std::size_t kWidth = HWY_MIN(HWY_MAX_BYTES / sizeof(double), kRowLanes);
+constexpr std::size_t kWidth = hn::MaxLanes(Tag());
 constexpr std::size_t kParts = kRowLanes / kWidth;
 
 HWY_INLINE double Total(const V* parts) {

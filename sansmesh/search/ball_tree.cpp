@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr std::size_t kBalls = BallTree::kWidth;
 using Tag = hn::CappedTag<float, kBalls>;
 using V = hn::Vec<Tag>;
-constexpr std::size_t kLanes = HWY_MIN(HWY_MAX_BYTES / sizeof(float), kBalls);
+constexpr std::size_t kLanes = hn::MaxLanes(Tag());
 
 HWY_INLINE std::uint32_t Bits(const hn::Mask<Tag>& mask, std::size_t at) {
   std::uint8_t bits[8] = {};

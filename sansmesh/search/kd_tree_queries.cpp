@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr std::size_t kLeaf = KdTree::kLeaf;
 using Tag = hn::CappedTag<float, kLeaf>;
 using V = hn::Vec<Tag>;
-constexpr std::size_t kWidth = HWY_MIN(HWY_MAX_BYTES / sizeof(float), kLeaf);
+constexpr std::size_t kWidth = hn::MaxLanes(Tag());
 
 // Stores the eight values and returns the set of those <= limit.
 HWY_INLINE std::uint32_t StoreBelow(const V& v, const V& limit, std::size_t at, float* HWY_RESTRICT values) {

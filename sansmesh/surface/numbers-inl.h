@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Tag = hn::CappedTag<float, kGroup>;
 using V = hn::Vec<Tag>;
-constexpr std::size_t kLanes = HWY_MIN(HWY_MAX_BYTES / sizeof(float), kGroup);
+constexpr std::size_t kLanes = hn::MaxLanes(Tag());
 
 HWY_INLINE V Constant(float c) { return hn::Set(Tag(), c); }
 
