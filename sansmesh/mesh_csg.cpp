@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
 /// Where parts have a resolution of their own, cells are as small as theirs, down to this part of the usual ones.
 constexpr double kFinestShare = 4;
+/// Cells across the thinnest parts. Where that would take more than this many blocks, as for walls, cells are twice as
+/// large, and so on. With fewer than the least across, parts may be missing.
+constexpr double kAcross = 2, kLeastAcross = 1;
+constexpr std::size_t kMostBlocks = 1'000'000;
 /// Default quadric error, in cells: a tenth of what curved parts are off anyway.
 constexpr double kSimplify = 9.5e-4;
 /// By default nothing is simplified where a smaller share of the vertices could go: then the rest takes its time in
@@ -64,7 +69,7 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
 struct Reached {
   Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
              ///< begin with
-  double detail = 0;  ///< smallest blocks that a part with a known resolution wants; 0: there is no such part
+  double detail;  ///< smallest blocks that a part with a known resolution wants; infinite: there is no such part
 };
 
 Reached look_around(const PiecewiseField& field, const Box3& box, double slope) {
@@ -77,14 +82,13 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
       centers[i][k] = box.lower[k] + (static_cast<double>(rest % n) + 0.5) * step[k];
   std::vector<Surroundings> around(centers.size());
   field.survey(centers, norm(step) / 2, values, around);
-  Reached reached;
+  Reached reached{.box = {}, .detail = std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < centers.size(); ++i) {
     if (std::abs(values[i]) > slope * norm(step) / 2) continue;
     reached.box.extend(centers[i] - step * 0.5);
     reached.box.extend(centers[i] + step * 0.5);
     const double detail = around[i].detail;
-    if (detail > 0 && std::isfinite(detail))
-      reached.detail = reached.detail > 0 ? std::min(reached.detail, detail) : detail;
+    if (detail > 0) reached.detail = std::min(reached.detail, detail);
   }
   if (reached.box.empty()) throw DataError("the solid is empty");
   for (std::size_t k = 0; k < 3; ++k) {  // without rounding, where nothing could be left out
@@ -94,12 +98,13 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
   return reached;
 }
 
-/// Edges of the blocks along creases, and of those on curved parts of which nothing else is known.
 struct Cells {
-  double finest, smooth;
+  double finest;  ///< edge of the blocks along creases
+  double smooth;  ///< of those on curved parts of which nothing else is known
+  double thin;    ///< along creases, if thin parts may have their way; at most `finest`
 };
 
-Cells cells_of(const Reached& reached, const CsgMeshOptions& options) {
+Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
   const Box3& box = reached.box;
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
@@ -107,14 +112,16 @@ Cells cells_of(const Reached& reached, const CsgMeshOptions& options) {
   if (!options.cell && !options.resolution) {
     const double cell = std::min(box.diagonal() / kCellsOnDiagonal, longest / 2);
     // Blocks of one size, where nothing will be collapsed, stay as they always are.
-    if (!(reached.detail > 0) || options.simplify.value_or(1) == 0) return {cell, cell};
-    return {std::clamp(reached.detail, cell / kFinestShare, cell), cell};
+    if (options.simplify.value_or(1) == 0) return {cell, cell, cell};
+    const auto fine = [&](double wanted) { return std::clamp(wanted, cell / kFinestShare, cell); };
+    return {fine(reached.detail), cell, fine(std::min(reached.detail, thickness / kAcross))};
   }
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
     throw ArgumentError(fmt::format("cell {} is too small for a box of {} × {} × {}: at most {} cells along a side",
                                     cell, size.x, size.y, size.z, kMostCells));
-  return {std::min(cell, longest / 2), std::min(cell, longest / 2)};
+  const double used = std::min(cell, longest / 2);
+  return {used, used, used};
 }
 
 void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
@@ -142,6 +149,25 @@ void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
   report.closed = topology.closed();
 }
 
+/// Blocks as small as thin parts want them, if those are not too many; their edge into sizes.cell.
+BlockTree affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, CreaseBlockOptions& sizes,
+                            Progress& progress) {
+  for (sizes.cell = cells.thin; sizes.cell < cells.finest; sizes.cell *= 2)
+    if (std::optional<BlockTree> tree = crease_blocks(field, box, sizes, progress, kMostBlocks))
+      return std::move(*tree);
+  sizes.cell = cells.finest;
+  return crease_blocks(field, box, sizes, progress);
+}
+
+std::string too_thin(double thickness, double cell, const Vec3& size) {
+  std::string text =
+      fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell);
+  const double wanted = thickness / kAcross;
+  if (std::max({size.x, size.y, size.z}) / wanted <= kMostCells)
+    text += fmt::format("; cells of {:.3g} show them", wanted);
+  return text;
+}
+
 /// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
 Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
 
@@ -150,17 +176,19 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
   const double slope = field.slope_bound() ? *field.slope_bound() * kRounding : kLikelySlope;
   const Reached reached = look_around(field, whole_box, slope);
   const Box3& box = reached.box;
-  const auto [cell, smooth] = cells_of(reached, options);
+  const double thickness = field.thickness();
+  const Cells cells = cells_of(reached, thickness, options);
   PolygonizeOptions polygonize;
-  polygonize.simplify = options.simplify.value_or(kSimplify * smooth);
+  polygonize.simplify = options.simplify.value_or(kSimplify * cells.smooth);
   polygonize.least_gain = options.simplify ? 0 : kLeastGain;
   CreaseBlockOptions sizes;
-  sizes.cell = cell, sizes.smooth_cell = smooth, sizes.slope = slope;
+  sizes.smooth_cell = cells.smooth, sizes.slope = slope;
   if (polygonize.simplify > 0) {
-    sizes.flat = kFlat * std::min(polygonize.simplify, kSimplify * smooth);
+    sizes.flat = kFlat * std::min(polygonize.simplify, kSimplify * cells.smooth);
     polygonize.root_steps = kRootSteps;
   }
-  BlockTree tree = crease_blocks(field, box, sizes, progress);
+  BlockTree tree = affordable_blocks(field, box, cells, sizes, progress);
+  const double cell = sizes.cell;
 
   CsgMeshReport local;
   CsgMeshReport& r = report ? *report : local;
@@ -172,6 +200,7 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
   MeshReport chosen;
   detail::choose_components(mesh, options.components, {}, 0, chosen);
   r.warnings = std::move(chosen.warnings);
+  if (thickness < kLeastAcross * cell) r.warnings.push_back(too_thin(thickness, cell, box.size()));
   measure(mesh, r);
   return mesh;
 }

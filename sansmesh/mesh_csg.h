@@ -15,11 +15,11 @@
 namespace sansmesh {
 
 struct CsgMeshOptions {
-  /// Edge of the smallest blocks, which are those along creases (length). Parts thinner than about two of them can be
-  /// lost.
+  /// Edge of the smallest blocks, which are those along creases (length). Parts thinner than one of them can be lost;
+  /// a warning says so of those that the field knows (PiecewiseField::thickness).
   std::optional<double> cell = std::nullopt;
   /// Instead: such blocks along the longest side of the box, 4..4096. With neither, the box's diagonal has 256, or up
-  /// to 1024 where functions show more (function_solid.h).
+  /// to 1024 where functions show more (function_solid.h) or parts are thin.
   std::optional<int> resolution = std::nullopt;
   /// The solid is cut off at this box. Needed if it has no end otherwise.
   std::optional<Box3> box = std::nullopt;

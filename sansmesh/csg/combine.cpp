@@ -151,6 +151,8 @@ class CombineNode final : public SolidNode {
     t.lipschitz = a.lipschitz() && b.lipschitz();
     t.cost = a.cost() + b.cost();
     t.depth = 1 + std::max(a.depth(), b.depth());
+    t.thickness = std::min(a.thickness(), b.thickness());
+    t.hollow_thickness = std::min(a.hollow_thickness(), b.hollow_thickness());
     return t;
   }
 
@@ -203,14 +205,14 @@ Traits above(const SolidNode& child) {
           .rise = child.rise(),
           .lipschitz = child.lipschitz(),
           .cost = child.cost(),
-          .depth = child.depth() + 1};
+          .depth = child.depth() + 1,
+          .thickness = child.thickness(),
+          .hollow_thickness = child.hollow_thickness()};
 }
 
 class ComplementNode final : public SolidNode {
  public:
-  explicit ComplementNode(NodePtr child) : SolidNode(above<Traits>(*child)), child_(std::move(child)) {
-    keep_extents();
-  }
+  explicit ComplementNode(NodePtr child) : SolidNode(traits_of(*child)), child_(std::move(child)) { keep_extents(); }
   const NodePtr& child() const { return child_; }
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
@@ -233,6 +235,11 @@ class ComplementNode final : public SolidNode {
   double hollow_support(const Vec3& n) const override { return child_->support(n); }
 
  private:
+  static Traits traits_of(const SolidNode& child) {
+    Traits t = above<Traits>(child);
+    std::swap(t.thickness, t.hollow_thickness);
+    return t;
+  }
   static void turn(std::span<double> values, std::span<Vec3> gradients) {
     for (double& v : values) v = -v;
     for (Vec3& g : gradients) g = -g;
@@ -246,10 +253,16 @@ double moved(const SolidNode& node, double support, double distance) {
   return node.lipschitz() ? support + distance : support;
 }
 
+/// Thickness of what is left of parts that grow by `distance` on either side; infinity if nothing is.
+double thickened(double thickness, double distance) {
+  const double result = thickness + 2 * distance;
+  return result > 0 ? result : kUnbounded;
+}
+
 class OffsetNode final : public SolidNode {
  public:
   OffsetNode(NodePtr child, double distance)
-      : SolidNode(above<Traits>(*child)), child_(std::move(child)), distance_(distance) {
+      : SolidNode(traits_of(*child, distance)), child_(std::move(child)), distance_(distance) {
     keep_extents();
   }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
@@ -272,6 +285,12 @@ class OffsetNode final : public SolidNode {
   double hollow_support(const Vec3& n) const override { return moved(*child_, child_->hollow_support(n), -distance_); }
 
  private:
+  static Traits traits_of(const SolidNode& child, double distance) {
+    Traits t = above<Traits>(child);
+    t.thickness = thickened(t.thickness, distance);
+    t.hollow_thickness = thickened(t.hollow_thickness, -distance);
+    return t;
+  }
   NodePtr child_;
   double distance_;
 };
@@ -280,7 +299,7 @@ class OffsetNode final : public SolidNode {
 class ShellNode final : public SolidNode {
  public:
   ShellNode(NodePtr child, double middle, double half)
-      : SolidNode(traits_of(*child)), child_(std::move(child)), middle_(middle), half_(half) {
+      : SolidNode(traits_of(*child, middle, half)), child_(std::move(child)), middle_(middle), half_(half) {
     keep_extents();
   }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
@@ -318,9 +337,12 @@ class ShellNode final : public SolidNode {
   double hollow_support(const Vec3&) const override { return kUnbounded; }
 
  private:
-  static Traits traits_of(const SolidNode& child) {
+  static Traits traits_of(const SolidNode& child, double middle, double half) {
     Traits t = above<Traits>(child);
     t.pieces *= 2;
+    t.thickness = 2 * half;
+    t.hollow_thickness =
+        std::min(thickened(child.thickness(), middle - half), thickened(child.hollow_thickness(), -(middle + half)));
     return t;
   }
   NodePtr child_;

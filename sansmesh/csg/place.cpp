@@ -19,7 +19,9 @@ class PlacedNode final : public SolidNode {
                          .rise = child->rise(),
                          .lipschitz = child->lipschitz(),
                          .cost = child->cost() + 1,
-                         .depth = child->depth() + 1}),
+                         .depth = child->depth() + 1,
+                         .thickness = child->thickness() * map.scale,
+                         .hollow_thickness = child->hollow_thickness() * map.scale}),
         child_(std::move(child)),
         map_(map) {
     keep_extents();
@@ -98,7 +100,10 @@ class LeafNode final : public SolidNode {
  private:
   static Traits traits_of(const ScalarField& field) {
     const auto* piecewise = dynamic_cast<const PiecewiseField*>(&field);
-    return {.pieces = piecewise ? piecewise->pieces() : 1, .rise = 1, .lipschitz = false, .cost = 50, .depth = 1};
+    return {.pieces = piecewise ? piecewise->pieces() : 1,
+            .lipschitz = false,
+            .cost = 50,
+            .thickness = piecewise ? piecewise->thickness() : kUnbounded};
   }
   std::shared_ptr<const ScalarField> field_;
   std::shared_ptr<const csg::FieldKnowledge> known_;

@@ -50,7 +50,11 @@ template <class Shape>
 class PrimitiveNode final : public SolidNode {
  public:
   explicit PrimitiveNode(const Shape& shape)
-      : SolidNode(Traits{.pieces = shape.pieces(), .rise = shape.rise()}), shape_(shape) {
+      : SolidNode(Traits{.pieces = shape.pieces(),
+                         .rise = shape.rise(),
+                         .thickness = shape.thickness(),
+                         .hollow_thickness = shape.hollow_thickness()}),
+        shape_(shape) {
     keep_extents();
   }
 
@@ -106,6 +110,7 @@ struct SmoothShape {
   std::uint32_t pieces() const { return 1; }
   double rise() const { return 1; }
   double hollow_support(const Vec3&) const { return kUnbounded; }
+  double hollow_thickness() const { return kUnbounded; }
   /// Within this radius of x, at which it is active with this value, the piece is the only one.
   double alone(std::uint32_t, const Vec3&, double) const { return kUnbounded; }
 };
@@ -121,6 +126,7 @@ struct Ball : SmoothShape {
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
   double support(const Vec3& n) const { return dot(n, center) + radius; }
+  double thickness() const { return 2 * radius; }
 };
 
 struct HalfSpace : SmoothShape {
@@ -132,6 +138,7 @@ struct HalfSpace : SmoothShape {
   // Directions come out of rotations: the same but for rounding is the same.
   double support(const Vec3& n) const { return dot(n, normal) > 1 - 1e-14 ? offset : kUnbounded; }
   double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
+  double thickness() const { return kUnbounded; }
 };
 
 /// Pieces 0 to 5: the faces −x, +x, −y, … With rounding, 6: what is round.
@@ -184,6 +191,7 @@ struct Block : SmoothShape {
   double support(const Vec3& n) const {
     return dot(n, center) + std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + rounding;
   }
+  double thickness() const { return 2 * (std::min({half.x, half.y, half.z}) + rounding); }
 };
 
 struct Pipe : SmoothShape {
@@ -196,6 +204,7 @@ struct Pipe : SmoothShape {
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
   double support(const Vec3& n) const { return std::abs(dot(n, axis)) < 1e-14 ? dot(n, center) + radius : kUnbounded; }
+  double thickness() const { return 2 * radius; }
 };
 
 /// Pieces: the side, the bottom, the top.
@@ -228,6 +237,8 @@ struct Frustum : SmoothShape {
     return std::max(disc_support(n, center - half_height * axis, axis, bottom),
                     disc_support(n, center + half_height * axis, axis, top));
   }
+  /// Half-way up: no cells are small enough for a tip.
+  double thickness() const { return std::min(2 * half_height, bottom + top); }
 };
 
 struct Ring : SmoothShape {
@@ -242,6 +253,8 @@ struct Ring : SmoothShape {
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
   double support(const Vec3& n) const { return disc_support(n, center, axis, ring) + tube; }
+  double thickness() const { return 2 * tube; }
+  double hollow_thickness() const { return 2 * (ring - tube); }
 };
 
 struct Rod : SmoothShape {
@@ -257,6 +270,7 @@ struct Rod : SmoothShape {
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
   double support(const Vec3& n) const { return dot(n, from) + std::max(0.0, dot(n, along)) + radius; }
+  double thickness() const { return 2 * radius; }
 };
 
 }  // namespace

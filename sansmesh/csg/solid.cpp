@@ -37,7 +37,9 @@ SolidNode::SolidNode(const Traits& traits)
       rise_(traits.rise),
       lipschitz_(traits.lipschitz),
       cost_(traits.cost),
-      depth_(traits.depth) {
+      depth_(traits.depth),
+      thickness_(traits.thickness),
+      hollow_thickness_(traits.hollow_thickness) {
   if (traits.depth > kMaxDepth)
     throw ArgumentError(fmt::format("solids are nested more than {} deep: combine them in groups", kMaxDepth));
   if (traits.pieces > kMaxPieces) throw ArgumentError("the solid has too many pieces: combine fewer solids");
@@ -109,6 +111,8 @@ void Solid::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::sp
 std::optional<double> Solid::slope_bound() const {
   return node_->lipschitz() ? std::optional<double>(1) : std::nullopt;
 }
+
+double Solid::thickness() const { return std::min(node_->thickness(), node_->hollow_thickness()); }
 
 void Solid::survey(std::span<const Vec3> x, double reach, std::span<double> values,
                    std::span<Surroundings> around) const {

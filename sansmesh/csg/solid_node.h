@@ -57,6 +57,10 @@ class SolidNode {
   /// Rough time of one evaluation; a primitive takes 1.
   double cost() const { return cost_; }
   int depth() const { return depth_; }
+  /// Of the thinnest part, as far as primitives and shells tell: what combinations leave of them may be thinner.
+  double thickness() const { return thickness_; }
+  /// Of the thinnest hole: the complement's thickness.
+  double hollow_thickness() const { return hollow_thickness_; }
   /// The same from the extents alone: the least effort.
   double far_value(double sign, const Vec3& x) const;
   const Extents& extents() const { return extents_; }
@@ -69,6 +73,7 @@ class SolidNode {
     bool lipschitz = true;
     double cost = 1;
     int depth = 1;  ///< one more than the deepest child's
+    double thickness = kUnbounded, hollow_thickness = kUnbounded;
   };
   /// Throws ArgumentError if the tree has become too deep or has too many pieces.
   explicit SolidNode(const Traits& traits);
@@ -81,6 +86,7 @@ class SolidNode {
   bool lipschitz_;
   double cost_;
   int depth_;
+  double thickness_, hollow_thickness_;
   Extents extents_{}, hollow_extents_{};
 };
 

@@ -2,7 +2,9 @@
 // polygonisation, which puts vertices on their creases.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "sansmesh/field/scalar_field.h"
@@ -35,6 +37,9 @@ class PiecewiseField : public ScalarField {
 
   /// A bound for the norm of the gradients, if there is one that is known.
   virtual std::optional<double> slope_bound() const { return std::nullopt; }
+
+  /// Of the thinnest part or hole that is known of, infinity if there is none.
+  virtual double thickness() const { return std::numeric_limits<double>::infinity(); }
 
   /// Values, and what is known around each of x, of details that lie within `reach` of it. As many entries as x. Safe
   /// from several threads. Nothing is known unless this is overridden.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -16,6 +17,10 @@ constexpr double kRoom = 2;
 /// What is asked lies in a cube larger than the block by this share of a cell: curved parts that begin right beside a
 /// block begin in it after the vertices moved.
 constexpr double kWider = 0.5;
+
+/// Blocks have the shape of a piece if that departs from a plane by no more than this share of their half edge: a pipe
+/// has four across, a ball six.
+constexpr double kShape = 0.25;
 
 /// Whether the field is a plane in each of these cubes, as far as `flat` and 27 points can tell.
 std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vector<Vec3>& centers, double half,
@@ -67,7 +72,7 @@ void choose(const PiecewiseField& field, const CreaseBlockOptions& options, cons
   for (std::size_t i = 0; i < centers.size(); ++i) {
     cut[i] = std::abs(values[i]) <= options.slope * corner;
     if (!cut[i] || around[i].alone < corner + kRoom * options.cell) continue;
-    if (std::isinf(around[i].detail) && block > options.smooth_cell) {
+    if (std::isinf(around[i].detail)) {
       asked.push_back(static_cast<std::uint32_t>(i));
       x.push_back(centers[i]);
     } else {
@@ -75,7 +80,8 @@ void choose(const PiecewiseField& field, const CreaseBlockOptions& options, cons
     }
   }
   if (asked.empty()) return;
-  const std::vector<std::uint8_t> is_flat = flat_cubes(field, x, half + kWider * options.cell, options.flat);
+  const double flat = block > options.smooth_cell ? options.flat : kShape * half;
+  const std::vector<std::uint8_t> is_flat = flat_cubes(field, x, half + kWider * options.cell, flat);
   for (std::size_t j = 0; j < asked.size(); ++j) cut[asked[j]] = !is_flat[j];
 }
 
@@ -83,6 +89,11 @@ void choose(const PiecewiseField& field, const CreaseBlockOptions& options, cons
 
 BlockTree crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
                         Progress& progress) {
+  return *crease_blocks(field, box, options, progress, std::numeric_limits<std::size_t>::max());
+}
+
+std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
+                                       Progress& progress, std::size_t most) {
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z}), cell = options.cell;
   int depth = 0;
@@ -113,6 +124,7 @@ BlockTree crease_blocks(const PiecewiseField& field, const Box3& box, const Crea
       for (std::uint32_t c = 0; c < 8; ++c) level.push_back(child + c);
     }
     progress.advance();
+    if (tree.size() - tree.size() / 8 > most) return std::nullopt;  // that many are leaves
   }
   progress.finish();
   return tree;

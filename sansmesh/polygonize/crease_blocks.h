@@ -1,6 +1,9 @@
 // Blocks for fields with creases: small along creases, elsewhere as large as the pieces allow.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/field/piecewise_field.h"
@@ -11,7 +14,8 @@ namespace sansmesh {
 struct CreaseBlockOptions {
   /// Edge of the blocks along creases, and wherever more than one piece is near (length, > 0).
   double cell = 0;
-  /// Edge of the blocks on curved pieces of which nothing else is known; at least `cell`.
+  /// Edge of the blocks on curved pieces of which nothing else is known; at least `cell`. Smaller ones, down to `cell`,
+  /// only where pieces bend so much that blocks of this size would miss their shape.
   double smooth_cell = 0;
   /// Pieces that depart from planes by no more than this over a block need no smaller ones (length). Negative: all
   /// blocks along the surface have the edge `cell`.
@@ -26,6 +30,9 @@ struct CreaseBlockOptions {
 /// level of kCreaseBaseLevel all blocks are cut that meet the box: fields are distances only near their surfaces.
 BlockTree crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
                         Progress& progress);
+/// The same, or nothing if that takes more than `most` blocks.
+std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& box, const CreaseBlockOptions& options,
+                                       Progress& progress, std::size_t most);
 
 constexpr int kCreaseBaseLevel = 5;
 

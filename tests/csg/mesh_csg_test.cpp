@@ -287,5 +287,51 @@ TEST(MeshCsg, LargeBlocksMissNothingThin) {
   }
 }
 
+/// By default cells are small enough for thin parts, where that does not take too many of them. Of what is thinner than
+/// the cells a warning tells.
+TEST(MeshCsg, CellsFollowThinParts) {
+  struct Case {
+    const char* text;
+    std::size_t components;
+    long genus;
+  };
+  for (const Case& c : {Case{"box(2) - sphere(0.006, center=(0.3, 0.2, 0.1))", 2, 0},
+                        Case{"box(2) - cylinder(r=0.006, axis=(1, 2, 3), center=(0.1, 0.2, 0.3))", 1, 1},
+                        Case{"torus(R=1, r=0.005)", 1, 1}}) {
+    CsgMeshReport report;
+    const Solid solid = parsed(c.text);
+    const TriangleMesh mesh = meshed(solid, {}, report);
+    EXPECT_TRUE(report.closed) << c.text;
+    EXPECT_EQ(report.components, c.components) << c.text;
+    EXPECT_EQ(measure_topology(mesh).genus(), std::optional<long>(c.genus)) << c.text;
+    EXPECT_LT(largest_value(solid, mesh), 0.1 * report.cell) << c.text;
+    EXPECT_TRUE(report.warnings.empty()) << c.text << ": " << report.warnings[0];
+  }
+  CsgMeshReport report;
+  const Solid ball = parsed("box(2) - sphere(0.006, center=(0.3, 0.2, 0.1))");
+  meshed(ball, {.cell = 0.02}, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0],
+            "parts or holes may be missing: some are 0.012 across, cells 0.02; cells of 0.006 show them");
+  meshed(ball, {.cell = 0.006}, report);
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_EQ(report.components, 2u);
+  meshed(parsed("box(2) - sphere(1e-5)"), {.resolution = 16}, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0], "parts or holes may be missing: some are 2e-05 across, cells 0.125");
+}
+
+/// Walls would need very many blocks: they get as many as are affordable.
+TEST(MeshCsg, CellsOfWallsAreAffordable) {
+  CsgMeshReport report;
+  meshed(parsed("rotate(box(1, 1, 0.004), 20, axis=(1, 2, 3))"), {}, report);
+  EXPECT_LE(report.blocks, 1'000'000u);
+  EXPECT_LE(report.cell, 0.004);
+  EXPECT_TRUE(report.closed);
+  EXPECT_EQ(report.components, 1u);
+  EXPECT_NEAR(report.volume / 0.004, 1, 1e-3);
+  EXPECT_TRUE(report.warnings.empty());
+}
+
 }  // namespace
 }  // namespace sansmesh

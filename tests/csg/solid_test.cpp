@@ -148,6 +148,37 @@ TEST(Solid, KnowledgeOfFieldsChangesNoValue) {
   for (const Surroundings& s : around) ASSERT_TRUE(s.detail == 0.5 || std::isinf(s.detail));
 }
 
+TEST(Solid, KnowsHowThinItsPartsAre) {
+  using namespace csg;
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Solid ball = sphere({1, 2, 3}, 0.5), plate = box({0, 0, 0}, {3, 2, 0.2}), ground = half_space({1, 2, 3}, 1);
+  const auto twice = [](const Solid& a) { return scale(rotate(a, {1, 2, 3}, 30), 2); };
+  EXPECT_EQ(ground.thickness(), kNone);
+  EXPECT_DOUBLE_EQ(ball.thickness(), 1);
+  EXPECT_DOUBLE_EQ(plate.thickness(), 0.2);
+  EXPECT_DOUBLE_EQ(box({0, 0, 0}, {3, 2, 0.2}, 0.05).thickness(), 0.2);
+  EXPECT_DOUBLE_EQ(cylinder({}, {1, 0, 1}, 0.3).thickness(), 0.6);
+  EXPECT_DOUBLE_EQ(cylinder({}, {1, 0, 1}, 0.3, 0.4).thickness(), 0.4);
+  EXPECT_DOUBLE_EQ(cone({}, {1, 0, 1}, 0.3, 0, 4).thickness(), 0.3);
+  EXPECT_DOUBLE_EQ(capsule({}, {1, 0, 1}, 0.3).thickness(), 0.6);
+  EXPECT_DOUBLE_EQ(torus({}, {0, 0, 1}, 1, 0.25).thickness(), 0.5);
+  EXPECT_DOUBLE_EQ(torus({}, {0, 0, 1}, 1, 0.9).thickness(), 0.2);  // the hole
+  EXPECT_DOUBLE_EQ(unite(ball, plate).thickness(), 0.2);
+  EXPECT_DOUBLE_EQ(subtract(ground, ball, 0.1).thickness(), 1);
+  EXPECT_DOUBLE_EQ(twice(ball).thickness(), 2);
+  // Offsets make parts thicker, and holes thinner until they are gone.
+  EXPECT_DOUBLE_EQ(offset(unite(ball, plate), 0.3).thickness(), 0.8);
+  EXPECT_DOUBLE_EQ(offset(ball, -0.3).thickness(), 0.4);
+  EXPECT_DOUBLE_EQ(offset(subtract(ground, ball), 0.3).thickness(), 0.4);
+  EXPECT_EQ(offset(subtract(ground, ball), 0.6).thickness(), kNone);
+  // Of a shell the wall, or what is left inside.
+  EXPECT_DOUBLE_EQ(shell(ball, 0.1).thickness(), 0.1);
+  EXPECT_DOUBLE_EQ(shell(ball, 0.45, ShellSide::inside).thickness(), 0.1);
+  EXPECT_DOUBLE_EQ(shell(ball, 0.6, ShellSide::inside).thickness(), 0.6);
+  EXPECT_DOUBLE_EQ(shell(complement(ball), 0.45, ShellSide::outside).thickness(), 0.1);
+  EXPECT_DOUBLE_EQ(leaf(std::make_shared<Solid>(subtract(ground, ball))).thickness(), 1);
+}
+
 TEST(Solid, LiesInItsBox) {
   const std::vector<Vec3> x = random_points(50000);
   for (const NamedSolid& s : catalogue()) {
