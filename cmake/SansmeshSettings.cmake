@@ -21,7 +21,7 @@ add_compile_options(-ffp-contract=off)
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
   set(SANSMESH_INSTRUMENTED ON)
   add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|[Aa][Mm][Dd]64")
     add_compile_options(-msse4.2 -mpclmul -maes)
   endif()
 endif()
@@ -33,10 +33,9 @@ function(sansmesh_warnings target)
   endif()
 endfunction()
 
-# For tests and the tool, whose compile time outweighs what they would gain from optimisation (CLI11 and Eigen are all
-# headers) and where undefined behaviour is not looked for either: only in the library, and errors of memory everywhere.
-function(sansmesh_compile_quickly target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+# For the tool and tests, most of whose compile time is that of headers of others (CLI11, Eigen, GoogleTest): undefined
+# behaviour is looked for in the library, errors of memory everywhere.
+function(sansmesh_instrument_lightly target)
   if(SANSMESH_INSTRUMENTED)
     target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
   endif()

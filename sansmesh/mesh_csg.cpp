@@ -23,8 +23,8 @@ constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
 /// Where parts have a resolution of their own, cells are as small as theirs, down to this part of the usual ones.
 constexpr double kFinestShare = 4;
-/// Cells across the thinnest parts. Where that would take more than this many blocks, as for walls, cells are twice as
-/// large, and so on. With fewer than the least across, parts may be missing.
+/// Cells across the thinnest parts; with fewer than the least, parts may be missing. Where cells below the usual ones
+/// would take more than so many blocks, as for walls, they are twice as large.
 constexpr double kAcross = 2, kLeastAcross = 1;
 constexpr std::size_t kMostBlocks = 1'000'000;
 /// Default quadric error, in cells: a tenth of what curved parts are off anyway.
@@ -98,10 +98,11 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
   return reached;
 }
 
+/// Edges of blocks.
 struct Cells {
-  double finest;  ///< edge of the blocks along creases
-  double smooth;  ///< of those on curved parts of which nothing else is known
-  double thin;    ///< along creases, if thin parts may have their way; at most `finest`
+  double smooth;  ///< on curved parts of which nothing else is known
+  double usual;   ///< along creases; at most `smooth`
+  double thin;    ///< along creases, if thin parts may have their way: `usual`, or a half, a quarter … of it
 };
 
 Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
@@ -113,8 +114,10 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
     const double cell = std::min(box.diagonal() / kCellsOnDiagonal, longest / 2);
     // Blocks of one size, where nothing will be collapsed, stay as they always are.
     if (options.simplify.value_or(1) == 0) return {cell, cell, cell};
-    const auto fine = [&](double wanted) { return std::clamp(wanted, cell / kFinestShare, cell); };
-    return {fine(reached.detail), cell, fine(std::min(reached.detail, thickness / kAcross))};
+    const double least = cell / kFinestShare, usual = std::clamp(reached.detail, least, cell);
+    double thin = usual;
+    while (thin > thickness / kAcross && thin / 2 >= least) thin /= 2;
+    return {cell, usual, thin <= thickness / kLeastAcross ? thin : usual};
   }
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
@@ -149,23 +152,19 @@ void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
   report.closed = topology.closed();
 }
 
-/// Blocks as small as thin parts want them, if those are not too many; their edge into sizes.cell.
-BlockTree affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, CreaseBlockOptions& sizes,
-                            Progress& progress) {
-  for (sizes.cell = cells.thin; sizes.cell < cells.finest; sizes.cell *= 2)
-    if (std::optional<BlockTree> tree = crease_blocks(field, box, sizes, progress, kMostBlocks))
-      return std::move(*tree);
-  sizes.cell = cells.finest;
-  return crease_blocks(field, box, sizes, progress);
-}
+struct Blocks {
+  BlockTree tree;
+  double cell;  ///< edge of the smallest
+};
 
-std::string too_thin(double thickness, double cell, const Vec3& size) {
-  std::string text =
-      fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell);
-  const double wanted = thickness / kAcross;
-  if (std::max({size.x, size.y, size.z}) / wanted <= kMostCells)
-    text += fmt::format("; cells of {:.3g} show them", wanted);
-  return text;
+/// Blocks as small as thin parts want them, or nearly, if those are not too many.
+Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
+                         CreaseBlockOptions sizes, Progress& progress) {
+  for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)
+    if (std::optional<BlockTree> tree = crease_blocks(field, box, sizes, progress, kMostBlocks))
+      return {std::move(*tree), sizes.cell};
+  sizes.cell = cells.usual;
+  return {crease_blocks(field, box, sizes, progress), sizes.cell};
 }
 
 /// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
@@ -187,20 +186,23 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
     sizes.flat = kFlat * std::min(polygonize.simplify, kSimplify * cells.smooth);
     polygonize.root_steps = kRootSteps;
   }
-  BlockTree tree = affordable_blocks(field, box, cells, sizes, progress);
-  const double cell = sizes.cell;
+  auto [tree, cell] = affordable_blocks(field, box, cells, thickness, sizes, progress);
 
+  const bool too_thin = thickness < kLeastAcross * cell;
   CsgMeshReport local;
   CsgMeshReport& r = report ? *report : local;
   r = {};
   r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
   TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
   if (mesh.triangles.empty())
-    throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell));
+    throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell) +
+                    (too_thin ? fmt::format(": parts are {:.3g} across", thickness) : ""));
   MeshReport chosen;
   detail::choose_components(mesh, options.components, {}, 0, chosen);
   r.warnings = std::move(chosen.warnings);
-  if (thickness < kLeastAcross * cell) r.warnings.push_back(too_thin(thickness, cell, box.size()));
+  if (too_thin)
+    r.warnings.push_back(
+        fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell));
   measure(mesh, r);
   return mesh;
 }

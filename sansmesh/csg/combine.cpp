@@ -151,8 +151,8 @@ class CombineNode final : public SolidNode {
     t.lipschitz = a.lipschitz() && b.lipschitz();
     t.cost = a.cost() + b.cost();
     t.depth = 1 + std::max(a.depth(), b.depth());
-    t.thickness = std::min(a.thickness(), b.thickness());
-    t.hollow_thickness = std::min(a.hollow_thickness(), b.hollow_thickness());
+    t.thickness = thinner(a.thickness(), b.thickness());
+    t.hollow_thickness = thinner(a.hollow_thickness(), b.hollow_thickness());
     return t;
   }
 
@@ -253,12 +253,6 @@ double moved(const SolidNode& node, double support, double distance) {
   return node.lipschitz() ? support + distance : support;
 }
 
-/// Thickness of what is left of parts that grow by `distance` on either side; infinity if nothing is.
-double thickened(double thickness, double distance) {
-  const double result = thickness + 2 * distance;
-  return result > 0 ? result : kUnbounded;
-}
-
 class OffsetNode final : public SolidNode {
  public:
   OffsetNode(NodePtr child, double distance)
@@ -287,8 +281,8 @@ class OffsetNode final : public SolidNode {
  private:
   static Traits traits_of(const SolidNode& child, double distance) {
     Traits t = above<Traits>(child);
-    t.thickness = thickened(t.thickness, distance);
-    t.hollow_thickness = thickened(t.hollow_thickness, -distance);
+    t.thickness += 2 * distance;
+    t.hollow_thickness -= 2 * distance;
     return t;
   }
   NodePtr child_;
@@ -340,9 +334,10 @@ class ShellNode final : public SolidNode {
   static Traits traits_of(const SolidNode& child, double middle, double half) {
     Traits t = above<Traits>(child);
     t.pieces *= 2;
-    t.thickness = 2 * half;
-    t.hollow_thickness =
-        std::min(thickened(child.thickness(), middle - half), thickened(child.hollow_thickness(), -(middle + half)));
+    // The wall, or a part or hole of the child within it; and what is left of parts and holes beyond it.
+    const double s = child.thickness(), h = child.hollow_thickness();
+    t.thickness = thinner(2 * half, thinner(s + 2 * (middle + half), h - 2 * (middle - half)));
+    t.hollow_thickness = thinner(s + 2 * (middle - half), h - 2 * (middle + half));
     return t;
   }
   NodePtr child_;

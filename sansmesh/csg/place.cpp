@@ -103,7 +103,8 @@ class LeafNode final : public SolidNode {
     return {.pieces = piecewise ? piecewise->pieces() : 1,
             .lipschitz = false,
             .cost = 50,
-            .thickness = piecewise ? piecewise->thickness() : kUnbounded};
+            .thickness = piecewise ? piecewise->thickness() : kUnbounded,
+            .hollow_thickness = piecewise ? piecewise->thickness() : kUnbounded};
   }
   std::shared_ptr<const ScalarField> field_;
   std::shared_ptr<const csg::FieldKnowledge> known_;

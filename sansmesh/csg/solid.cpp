@@ -61,6 +61,8 @@ double SolidNode::far_value(double sign, const Vec3& x) const {
   return outside > 0 ? rise_ * outside : -kUnbounded;
 }
 
+double thinner(double a, double b) { return (a > 0) == (b > 0) ? std::min(a, b) : std::max(a, b); }
+
 void require_finite(const char* what, const char* name, double value) {
   if (!std::isfinite(value)) throw ArgumentError(fmt::format("{}: {} must be a finite number", what, name));
 }
@@ -112,7 +114,10 @@ std::optional<double> Solid::slope_bound() const {
   return node_->lipschitz() ? std::optional<double>(1) : std::nullopt;
 }
 
-double Solid::thickness() const { return std::min(node_->thickness(), node_->hollow_thickness()); }
+double Solid::thickness() const {
+  const double thinnest = thinner(node_->thickness(), node_->hollow_thickness());
+  return thinnest > 0 ? thinnest : kUnbounded;
+}
 
 void Solid::survey(std::span<const Vec3> x, double reach, std::span<double> values,
                    std::span<Surroundings> around) const {

@@ -35,8 +35,8 @@ class Solid final : public PiecewiseField {
                       std::span<Vec3> gradients) const override;
   /// 1, unless fields of others are part of it.
   std::optional<double> slope_bound() const override;
-  /// Of the thinnest primitive or shell, hole of a torus, or tool that was taken away; offsets counted. Infinite, too,
-  /// if an offset made the thinnest one vanish.
+  /// Of the thinnest primitive or shell, hole of a torus, or tool that was taken away; offsets counted. What an
+  /// offset made vanish is left out, and with it what is as thick and in the same part of the expression.
   double thickness() const override;
   void survey(std::span<const Vec3> x, double reach, std::span<double> values,
               std::span<Surroundings> around) const override;

@@ -57,7 +57,8 @@ class SolidNode {
   /// Rough time of one evaluation; a primitive takes 1.
   double cost() const { return cost_; }
   int depth() const { return depth_; }
-  /// Of the thinnest part, as far as primitives and shells tell: what combinations leave of them may be thinner.
+  /// Of the thinnest part, as far as primitives and shells tell: what combinations leave of them may be thinner. What
+  /// offsets have made vanish is 0 or less, and counts only if there is nothing else.
   double thickness() const { return thickness_; }
   /// Of the thinnest hole: the complement's thickness.
   double hollow_thickness() const { return hollow_thickness_; }
@@ -89,6 +90,9 @@ class SolidNode {
   double thickness_, hollow_thickness_;
   Extents extents_{}, hollow_extents_{};
 };
+
+/// The smaller one of two thicknesses, of those that are positive.
+double thinner(double a, double b);
 
 using NodePtr = std::shared_ptr<const SolidNode>;
 

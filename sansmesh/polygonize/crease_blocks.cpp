@@ -120,11 +120,11 @@ std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& 
     level.clear();
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (!cut[i]) continue;
+      if (tree.size() > most) return std::nullopt;
       const auto child = static_cast<std::uint32_t>(tree.subdivide(candidates[i]));
       for (std::uint32_t c = 0; c < 8; ++c) level.push_back(child + c);
     }
     progress.advance();
-    if (tree.size() - tree.size() / 8 > most) return std::nullopt;  // that many are leaves
   }
   progress.finish();
   return tree;

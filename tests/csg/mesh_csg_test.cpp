@@ -311,14 +311,23 @@ TEST(MeshCsg, CellsFollowThinParts) {
   const Solid ball = parsed("box(2) - sphere(0.006, center=(0.3, 0.2, 0.1))");
   meshed(ball, {.cell = 0.02}, report);
   ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_EQ(report.warnings[0],
-            "parts or holes may be missing: some are 0.012 across, cells 0.02; cells of 0.006 show them");
+  EXPECT_EQ(report.warnings[0], "parts or holes may be missing: some are 0.012 across, cells 0.02");
   meshed(ball, {.cell = 0.006}, report);
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_EQ(report.components, 2u);
   meshed(parsed("box(2) - sphere(1e-5)"), {.resolution = 16}, report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_EQ(report.warnings[0], "parts or holes may be missing: some are 2e-05 across, cells 0.125");
+  // Cells that would not do are not made.
+  meshed(parsed("box(2) - sphere(1e-5)"), {}, report);
+  EXPECT_EQ(report.warnings.size(), 1u);
+  EXPECT_NEAR(report.cell, std::sqrt(12.0) / 256, 1e-4);
+  try {
+    meshed(parsed("box(1, 1, 1e-5)"), {}, report);
+    FAIL();
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("parts are 1e-05 across"), std::string::npos) << error.what();
+  }
 }
 
 /// Walls would need very many blocks: they get as many as are affordable.

@@ -171,11 +171,15 @@ TEST(Solid, KnowsHowThinItsPartsAre) {
   EXPECT_DOUBLE_EQ(offset(ball, -0.3).thickness(), 0.4);
   EXPECT_DOUBLE_EQ(offset(subtract(ground, ball), 0.3).thickness(), 0.4);
   EXPECT_EQ(offset(subtract(ground, ball), 0.6).thickness(), kNone);
-  // Of a shell the wall, or what is left inside.
+  EXPECT_DOUBLE_EQ(offset(offset(ball, -0.6), 0.6).thickness(), 1);
+  EXPECT_DOUBLE_EQ(unite(offset(ball, -0.6), plate).thickness(), 0.2);
+  // Of a shell the wall, what is left inside, or a part that is thinner than the wall.
+  EXPECT_DOUBLE_EQ(shell(unite(ground, sphere({}, 0.01)), 0.1, ShellSide::inside).thickness(), 0.02);
   EXPECT_DOUBLE_EQ(shell(ball, 0.1).thickness(), 0.1);
   EXPECT_DOUBLE_EQ(shell(ball, 0.45, ShellSide::inside).thickness(), 0.1);
   EXPECT_DOUBLE_EQ(shell(ball, 0.6, ShellSide::inside).thickness(), 0.6);
   EXPECT_DOUBLE_EQ(shell(complement(ball), 0.45, ShellSide::outside).thickness(), 0.1);
+  EXPECT_DOUBLE_EQ(offset(leaf(std::make_shared<Solid>(subtract(ground, ball))), 0.3).thickness(), 0.4);
   EXPECT_DOUBLE_EQ(leaf(std::make_shared<Solid>(subtract(ground, ball))).thickness(), 1);
 }
 
