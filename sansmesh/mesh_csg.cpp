@@ -69,7 +69,8 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
 struct Reached {
   Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
              ///< begin with
-  double detail;  ///< smallest blocks that a part with a known resolution wants; infinite: there is no such part
+  /// Smallest blocks that a part with a known resolution wants; infinite: there is no such part.
+  double detail = std::numeric_limits<double>::infinity();
 };
 
 Reached look_around(const PiecewiseField& field, const Box3& box, double slope) {
@@ -82,7 +83,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
       centers[i][k] = box.lower[k] + (static_cast<double>(rest % n) + 0.5) * step[k];
   std::vector<Surroundings> around(centers.size());
   field.survey(centers, norm(step) / 2, values, around);
-  Reached reached{.box = {}, .detail = std::numeric_limits<double>::infinity()};
+  Reached reached;
   for (std::size_t i = 0; i < centers.size(); ++i) {
     if (std::abs(values[i]) > slope * norm(step) / 2) continue;
     reached.box.extend(centers[i] - step * 0.5);
@@ -102,7 +103,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
 struct Cells {
   double smooth;  ///< on curved parts of which nothing else is known
   double usual;   ///< along creases; at most `smooth`
-  double thin;    ///< along creases, if thin parts may have their way: `usual`, or a half, a quarter … of it
+  double thin;    ///< along creases, as thin parts want it: `usual`, or a half, a quarter … of it
 };
 
 Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
@@ -117,7 +118,7 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
     const double least = cell / kFinestShare, usual = std::clamp(reached.detail, least, cell);
     double thin = usual;
     while (thin > thickness / kAcross && thin / 2 >= least) thin /= 2;
-    return {cell, usual, thin <= thickness / kLeastAcross ? thin : usual};
+    return {cell, usual, thin};
   }
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
@@ -157,7 +158,7 @@ struct Blocks {
   double cell;  ///< edge of the smallest
 };
 
-/// Blocks as small as thin parts want them, or nearly, if those are not too many.
+/// Blocks as small as thin parts want them, or nearly, if those are not too many and small enough to show such parts.
 Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
                          CreaseBlockOptions sizes, Progress& progress) {
   for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)

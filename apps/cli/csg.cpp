@@ -101,10 +101,10 @@ Command add_csg(CLI::App& app) {
       ->type_name("EXPRESSION")
       ->required();
   add_mesh_output(*c, a->output);
-  c->add_option("--resolution", a->options.resolution,
-                "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256, up to 1024 for "
-                "functions and thin "
-                "parts]")
+  c->add_option(
+       "--resolution", a->options.resolution,
+       "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256, up to 1024 for functions "
+       "and thin parts]")
       ->type_name("COUNT");
   c->add_option("--cell", a->options.cell, "Edge of the cells instead")->type_name("LENGTH");
   add_box_option(*c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for solids without an end");

@@ -198,18 +198,6 @@ class CombineNode final : public SolidNode {
   double sign_, radius_;
 };
 
-/// The traits of a child's parent that has no other.
-template <class Traits>
-Traits above(const SolidNode& child) {
-  return {.pieces = child.pieces(),
-          .rise = child.rise(),
-          .lipschitz = child.lipschitz(),
-          .cost = child.cost(),
-          .depth = child.depth() + 1,
-          .thickness = child.thickness(),
-          .hollow_thickness = child.hollow_thickness()};
-}
-
 class ComplementNode final : public SolidNode {
  public:
   explicit ComplementNode(NodePtr child) : SolidNode(traits_of(*child)), child_(std::move(child)) { keep_extents(); }
@@ -236,7 +224,7 @@ class ComplementNode final : public SolidNode {
 
  private:
   static Traits traits_of(const SolidNode& child) {
-    Traits t = above<Traits>(child);
+    Traits t = above(child);
     std::swap(t.thickness, t.hollow_thickness);
     return t;
   }
@@ -280,7 +268,7 @@ class OffsetNode final : public SolidNode {
 
  private:
   static Traits traits_of(const SolidNode& child, double distance) {
-    Traits t = above<Traits>(child);
+    Traits t = above(child);
     t.thickness += 2 * distance;
     t.hollow_thickness -= 2 * distance;
     return t;
@@ -332,7 +320,7 @@ class ShellNode final : public SolidNode {
 
  private:
   static Traits traits_of(const SolidNode& child, double middle, double half) {
-    Traits t = above<Traits>(child);
+    Traits t = above(child);
     t.pieces *= 2;
     // The wall, or a part or hole of the child within it; and what is left of parts and holes beyond it.
     const double s = child.thickness(), h = child.hollow_thickness();

@@ -15,15 +15,7 @@ namespace {
 class PlacedNode final : public SolidNode {
  public:
   PlacedNode(NodePtr child, const Similarity& map)
-      : SolidNode(Traits{.pieces = child->pieces(),
-                         .rise = child->rise(),
-                         .lipschitz = child->lipschitz(),
-                         .cost = child->cost() + 1,
-                         .depth = child->depth() + 1,
-                         .thickness = child->thickness() * map.scale,
-                         .hollow_thickness = child->hollow_thickness() * map.scale}),
-        child_(std::move(child)),
-        map_(map) {
+      : SolidNode(traits_of(*child, map.scale)), child_(std::move(child)), map_(map) {
     keep_extents();
   }
   const NodePtr& child() const { return child_; }
@@ -53,6 +45,13 @@ class PlacedNode final : public SolidNode {
   double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.turn_back(n))); }
 
  private:
+  static Traits traits_of(const SolidNode& child, double scale) {
+    Traits t = above(child);
+    t.cost += 1;
+    t.thickness *= scale;
+    t.hollow_thickness *= scale;
+    return t;
+  }
   double placed(const Vec3& n, double support) const { return dot(n, map_.translation) + map_.scale * support; }
 
   NodePtr child_;

@@ -45,6 +45,16 @@ SolidNode::SolidNode(const Traits& traits)
   if (traits.pieces > kMaxPieces) throw ArgumentError("the solid has too many pieces: combine fewer solids");
 }
 
+SolidNode::Traits SolidNode::above(const SolidNode& child) {
+  return {.pieces = child.pieces(),
+          .rise = child.rise(),
+          .lipschitz = child.lipschitz(),
+          .cost = child.cost(),
+          .depth = child.depth() + 1,
+          .thickness = child.thickness(),
+          .hollow_thickness = child.hollow_thickness()};
+}
+
 void SolidNode::keep_extents() {
   for (std::size_t k = 0; k < 6; ++k) {
     Vec3 n;

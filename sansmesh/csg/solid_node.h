@@ -76,6 +76,8 @@ class SolidNode {
     int depth = 1;  ///< one more than the deepest child's
     double thickness = kUnbounded, hollow_thickness = kUnbounded;
   };
+  /// Those of a child's parent that has no other.
+  static Traits above(const SolidNode& child);
   /// Throws ArgumentError if the tree has become too deep or has too many pieces.
   explicit SolidNode(const Traits& traits);
   /// To be called by each constructor of a class that is not derived from any more.
