@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/edit_function.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 
 namespace {
 

@@ -18,9 +18,10 @@
 #include <string>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/surface_function.h"
 
 using namespace sansmesh;
 

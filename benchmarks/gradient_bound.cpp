@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <string>
 
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/ball_tree.h"
-#include "sansmesh/surface_function.h"
 #include "support/thin_shapes.h"
 
 using namespace sansmesh;

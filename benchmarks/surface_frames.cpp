@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "sansmesh/io/io.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
-#include "sansmesh/surface_model.h"
 
 namespace sansmesh {
 namespace {

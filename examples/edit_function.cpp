@@ -1,11 +1,12 @@
 // A function as an asset: fitted once, kept in a file, looked over, mended, and its mesh brought up to date.
 #include <cstdio>
 
-#include "sansmesh/diagnose_function.h"
-#include "sansmesh/edit_function.h"
+#include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/surface_function.h"
 
 using namespace sansmesh;
 

@@ -9,8 +9,9 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/section_file.h"
-#include "sansmesh/surface_function.h"
 #include "support/clean_text.h"
 #include "support/section_bytes.h"
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/mesh_steps.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/meshing/mesh_steps.h"
 
 namespace sansmesh {
 namespace {

@@ -6,9 +6,10 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/surface_function.h"
-#include "sansmesh/surface_model.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/model/surface_model.h"
 
 namespace sansmesh {
 

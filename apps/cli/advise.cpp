@@ -1,5 +1,5 @@
 // sansmesh advise: which method suits these samples?
-#include "sansmesh/advise.h"
+#include "sansmesh/advise/advise.h"
 
 #include <fmt/core.h>
 
@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/advise/traits.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 

@@ -17,6 +17,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/measure/color_bar.h"
 #include "sansmesh/measure/distance_map.h"
+#include "sansmesh/mesh/refine_edges.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {

@@ -13,11 +13,13 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
-#include "sansmesh/function_distance.h"
-#include "sansmesh/function_solid.h"
+#include "sansmesh/function/function_distance.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/function_solid.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_csg.h"
-#include "sansmesh/surface_function.h"
+#include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh::cli {
 namespace {

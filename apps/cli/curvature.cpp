@@ -9,10 +9,10 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/points/noise.h"
+#include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/prepare_cloud.h"
 #include "sansmesh/surface/curvature.h"
 #include "sansmesh/surface/curvature_colors.h"
 

@@ -7,7 +7,9 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/diagnose_function.h"
+#include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/function/edit_script.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 
 namespace sansmesh::cli {

@@ -9,10 +9,12 @@
 
 #include "commands.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/edit_function.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/edit_script.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/mesh/mesh_distance.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -10,8 +10,9 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "commands.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/polygonize/mesh_quality.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -5,13 +5,14 @@
 
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -6,8 +6,10 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -6,6 +6,8 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::cli {
 

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "console.h"
-#include "sansmesh/mesh_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/render/mesh_preview.h"
-#include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {
 

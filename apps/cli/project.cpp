@@ -11,7 +11,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/names.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/sample_surface.h"
+#include "sansmesh/model/sample_surface.h"
 #include "sansmesh/surface/lop.h"
 #include "surface_options.h"
 

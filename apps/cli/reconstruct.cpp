@@ -8,7 +8,7 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/reconstruct.h"
 #include "surface_options.h"
 

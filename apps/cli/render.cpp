@@ -9,8 +9,9 @@
 
 #include "commands.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/mesh/mesh_distance.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -3,9 +3,11 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh::cli {
 

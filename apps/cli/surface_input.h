@@ -7,9 +7,9 @@
 
 #include "console.h"
 #include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/measure/placed_field.h"
+#include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/measure/signed_distance.h"
-#include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {
 

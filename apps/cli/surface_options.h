@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "sansmesh/surface_model.h"
+#include "sansmesh/model/surface_model.h"
 
 namespace CLI {
 class App;

@@ -8,6 +8,7 @@
 
 #include "render.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"

@@ -6,8 +6,8 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/measure/same_places.h"
-#include "sansmesh/polygonize/components.h"
+#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/same_places.h"
 
 namespace sansmesh {
 namespace {

@@ -74,9 +74,4 @@ std::array<std::uint8_t, 3> distance_color(float distance, double range);
 /// Writes distances as the vertices' quality (left out: NaN) and their colours into the mesh.
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
 
-/// Cuts edges longer than `length` in half, again and again, together with the triangles at them, without opening
-/// seams: so that a map reaches the middle of large triangles. Attributes are interpolated. Stops before there are more
-/// than `most_triangles`; returns whether all edges became short enough. Throws ArgumentError unless length > 0.
-bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles = 20000000);
-
 }  // namespace sansmesh

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/measure/same_places.h"
 #include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/mesh/same_places.h"
 
 namespace sansmesh {
 MeshDistance::MeshDistance(const TriangleMesh& mesh) : mesh_(mesh), closest_(mesh) {

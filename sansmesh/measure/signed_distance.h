@@ -11,7 +11,7 @@
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/scalar_field.h"
-#include "sansmesh/polygonize/mesh_closest.h"
+#include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {

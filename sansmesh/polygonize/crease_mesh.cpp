@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/simplify.h"
 #include "sansmesh/polygonize/crease_thin.h"
 #include "sansmesh/polygonize/crease_zone.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/polygonize/piece_mesh.h"
-#include "sansmesh/polygonize/simplify.h"
 
 namespace sansmesh {
 namespace {

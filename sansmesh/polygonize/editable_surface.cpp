@@ -1,7 +1,7 @@
 #include "sansmesh/polygonize/editable_surface.h"
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/polygonize/vertex_corners.h"
+#include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh {
 

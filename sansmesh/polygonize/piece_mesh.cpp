@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/polygonize/vertex_corners.h"
+#include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/simplify.h"
 #include "sansmesh/polygonize/lattice.h"
-#include "sansmesh/polygonize/simplify.h"
 #include "sansmesh/polygonize/surface_chain.h"
 #include "sansmesh/polygonize/vertex_placement.h"
 

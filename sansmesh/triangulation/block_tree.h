@@ -10,6 +10,9 @@
 
 namespace sansmesh {
 
+/// Range of the depths that can be asked for, of trees of fits and of the blocks of meshes.
+constexpr int kLeastDepth = 2, kMostDepth = 14;
+
 /// An octree over a cube, as one flat array. Node 0 is the root; the eight children of a node are consecutive, in the
 /// order x + 2y + 4z. Cells are integer: block (i, j, k) of level l is the cube lower + edge·2⁻ˡ·[(i,j,k),
 /// (i+1,j+1,k+1)].

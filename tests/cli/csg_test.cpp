@@ -4,7 +4,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {

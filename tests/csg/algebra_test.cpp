@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "catalogue.h"
+#include "csg/catalogue.h"
 #include "sansmesh/csg/csg_functions.h"
 
 namespace sansmesh {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "catalogue.h"
+#include "csg/catalogue.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "catalogue.h"
+#include "csg/catalogue.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 

@@ -3,9 +3,10 @@
 #include <algorithm>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/diagnose_function.h"
-#include "sansmesh/polygonize/components.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/function/edit_script.h"
+#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {

@@ -1,5 +1,5 @@
 // Editing functions in the coordinates of their input.
-#include "sansmesh/edit_function.h"
+#include "sansmesh/function/edit_function.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/edit_function.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/edit_script.h"
 
 namespace sansmesh {
 namespace {

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <variant>
 
-#include "sansmesh/edit_function.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/surface_function.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/meshing/mesh_options.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {

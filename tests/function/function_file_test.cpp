@@ -4,8 +4,10 @@
 
 #include "function/edit_shapes.h"
 #include "io/io_test_tools.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/reconstruct.h"
-#include "sansmesh/surface_function.h"
 #include "support/same_bytes.h"
 
 namespace sansmesh {

@@ -10,8 +10,9 @@
 #include "function/mesh_sets.h"
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/polygonize/clip_mesh.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/mesh/clip_mesh.h"
+#include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh {
 namespace {

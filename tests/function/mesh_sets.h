@@ -9,7 +9,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh::test {
 

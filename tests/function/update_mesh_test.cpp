@@ -8,9 +8,10 @@
 #include "io/io_test_tools.h"
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh {
 namespace {

@@ -6,7 +6,8 @@
 
 #include "function/edit_shapes.h"
 #include "io/io_test_tools.h"
-#include "sansmesh/surface_function.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/surface_function.h"
 #include "support/section_bytes.h"
 
 namespace sansmesh {

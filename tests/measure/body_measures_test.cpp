@@ -7,7 +7,7 @@
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/measure/placed_field.h"
+#include "sansmesh/field/placed_field.h"
 #include "sansmesh/measure/section.h"
 
 namespace sansmesh {

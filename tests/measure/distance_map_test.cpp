@@ -8,6 +8,7 @@
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/refine_edges.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {

@@ -6,9 +6,9 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/measure/placed_field.h"
-#include "sansmesh/mesh_function.h"
-#include "sansmesh/surface_function.h"
+#include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
 #include "support/clouds.h"
 
 namespace sansmesh {

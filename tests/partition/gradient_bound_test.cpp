@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <random>
 
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh_function.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/polygonize/polygonize.h"
-#include "sansmesh/surface_function.h"
 #include "support/thin_shapes.h"
 
 namespace sansmesh {

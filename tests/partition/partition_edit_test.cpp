@@ -9,7 +9,7 @@
 #include "partition/edit_checks.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh {
 namespace {

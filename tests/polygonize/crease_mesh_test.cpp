@@ -13,7 +13,7 @@
 
 #include "polygonize/piece_solids.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/polygonize/mesh_quality.h"
+#include "sansmesh/mesh/mesh_quality.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh {
 namespace {

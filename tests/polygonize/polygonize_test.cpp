@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/polygonize/components.h"
+#include "sansmesh/mesh/components.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "sansmesh/io/io.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/reconstruct.h"
 
 namespace sansmesh {

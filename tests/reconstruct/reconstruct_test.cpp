@@ -7,8 +7,10 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/polygonize/mesh_topology.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/triangulation/block_tree.h"
 #include "support/clouds.h"
 
 namespace sansmesh {

@@ -1,0 +1,177 @@
+#include "sansmesh/advise/advise.h"
+#include "sansmesh/advise/traits.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace sansmesh {
+namespace {
+
+using Aim = Recommendation::Aim;
+
+// Where a trait begins to matter; docs/methods/which-method.md has what was measured on either side.
+constexpr double kStray = 0.001;       // share of outliers
+constexpr double kNoisy = 0.1;         // noise over spacing
+constexpr double kVeryNoisy = 0.5;     // from here on a single sample says little
+constexpr double kSharp = 1;           // length of the creases over the diagonal
+constexpr double kSharpShare = 0.01;   // and share of places there: fewer are chance,
+constexpr double kSharpByNoise = 0.1;  // which noise makes more likely
+constexpr double kOpen = 1;            // length of the borders over the diagonal
+constexpr double kOpenShare = 0.003;
+constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for places at random
+constexpr std::size_t kLarge = 300000;  // samples
+constexpr std::size_t kFew = 1000;
+
+struct Judgement {
+  bool stray, noisy, very_noisy, sharp, open, uneven, large, few;
+};
+
+Judgement judge(const CloudTraits& t) {
+  return {.stray = t.outliers >= kStray,
+          .noisy = t.noise_ratio() >= kNoisy,
+          .very_noisy = t.noise_ratio() >= kVeryNoisy,
+          .sharp = t.crease_length >= kSharp && t.creases >= kSharpShare + kSharpByNoise * t.noise_ratio(),
+          .open = t.border_length >= kOpen && t.borders >= kOpenShare,
+          .uneven = t.density_ratio >= kUneven,
+          .large = t.samples >= kLarge,
+          .few = t.samples < kFew};
+}
+
+std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+
+/// A file's name as a shell takes it for one word.
+std::string quoted(const std::string& name) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || c >= 0x80 || std::string("_-./+,:@%=").find(static_cast<char>(c)) != std::string::npos;
+  };
+  if (!name.empty() && std::all_of(name.begin(), name.end(), plain)) return name;
+  std::string text = "'";
+  for (const char c : name) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
+  std::vector<std::string> lines;
+  if (j.stray) lines.push_back(fmt::format("stray samples: {} belong to no surface", percent(t.outliers)));
+  if (j.noisy)
+    lines.push_back(fmt::format("{}noisy: the samples are {:.2g} spacings off the surface", j.very_noisy ? "very " : "",
+                                t.noise_ratio()));
+  else
+    lines.push_back(t.noise_ratio() < 0.005 ? std::string("no noise to speak of")
+                                            : fmt::format("hardly any noise: {:.2g} spacings", t.noise_ratio()));
+  if (j.sharp)
+    lines.push_back(
+        fmt::format("sharp edges: {} of the samples lie next to one, about {:.1f} diagonals of edges in all",
+                    percent(t.creases), t.crease_length));
+  else if (!t.creases_known)
+    lines.push_back("sharp edges cannot be told from the noise");
+  if (j.open)
+    lines.push_back(fmt::format("borders or holes: {} of the samples lie next to one, about {:.1f} diagonals in all",
+                                percent(t.borders), t.border_length));
+  if (j.uneven)
+    lines.push_back(
+        fmt::format("uneven: samples are {:.1f} times farther apart in some parts than in others", t.density_ratio));
+  switch (t.normals) {
+    case OrientationCheck::missing:
+      lines.push_back("no normals: every command estimates and orients them by itself");
+      break;
+    case OrientationCheck::unoriented:
+      lines.push_back("the normals are not oriented consistently: every command orients them anew");
+      break;
+    case OrientationCheck::inward:
+      lines.push_back("the normals point inward: every command turns them");
+      break;
+    case OrientationCheck::oriented:
+      break;
+  }
+  if (j.few) lines.push_back("few samples: detail between them is a guess, whatever the method");
+  return lines;
+}
+
+/// For all commands: stray samples would make sheets of their own.
+std::string without_strays(const Judgement& j) { return j.stray ? " --remove-outliers" : ""; }
+
+Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string& file) {
+  std::string command = "sansmesh reconstruct " + file + " -o surface.ply";
+  if (j.open) command += " --trim";
+  command += without_strays(j);
+  std::string why =
+      "closed, and the nearest to the truth with the fewest triangles and seconds of all that were measured";
+  if (j.sharp)
+    why = "has creases itself, so edges come out as edges; the others round them";
+  else if (j.noisy)
+    why = "supports as wide as the noise asks for: the least error of all that were measured";
+  else if (j.large)
+    why = "the others need many times the time for as many samples";
+  if (j.stray) why += "; without the stray samples, which would spoil a closed surface altogether";
+  if (j.open) why += "; --trim leaves open what the samples leave open";
+  return {.aim = Aim::mesh, .surface = "partition", .commands = {std::move(command)}, .why = std::move(why)};
+}
+
+Recommendation picture(const Judgement& j, const std::string& file) {
+  return {.aim = Aim::picture,
+          .surface = "apss",
+          .commands = {"sansmesh render " + file + " -o picture.png --surface apss" + (j.sharp ? " --sharp" : "") +
+                       without_strays(j)},
+          .why = j.sharp ? "no mesh is needed, and bilateral normals turn sharply at edges"
+                         : "no mesh is needed: rays meet algebraic spheres fitted to the samples"};
+}
+
+Recommendation curvature(const Judgement& j, const std::string& file) {
+  return {.aim = Aim::curvature,
+          .surface = "curvature",
+          .commands = {"sansmesh curvature " + file + " -o curved.ply --preview curved.png"},
+          .why = j.noisy
+                     ? "the curvature-driven projection leaves out the nearest samples, whose noise spoils curvatures "
+                       "most"
+                     : "principal curvatures and directions at every sample"};
+}
+
+Recommendation points(const Judgement& j, const std::string& file) {
+  return {.aim = Aim::points,
+          .surface = "apss",
+          .commands = {"sansmesh project " + file + " -o smooth.ply --method apss" + without_strays(j)},
+          .why = "moves the samples themselves onto algebraic spheres: the noise goes, normals and all"};
+}
+
+}  // namespace
+
+const char* aim_word(Aim aim) {
+  switch (aim) {
+    case Aim::mesh:
+      return "mesh";
+    case Aim::picture:
+      return "picture";
+    case Aim::curvature:
+      return "curvature";
+    case Aim::points:
+      return "points";
+  }
+  return "";
+}
+
+Advice advise(const CloudTraits& traits, const std::string& input) {
+  const Judgement j = judge(traits);
+  Advice advice;
+  advice.traits = traits;
+  advice.findings = findings_of(traits, j);
+  const std::string file = quoted(input);
+  advice.recommendations.push_back(mesh(traits, j, file));
+  advice.recommendations.push_back(picture(j, file));
+  if (j.noisy) advice.recommendations.push_back(points(j, file));
+  advice.recommendations.push_back(curvature(j, file));
+  return advice;
+}
+
+Advice advise(const PointSet& points, Progress& progress, const std::string& input) {
+  std::vector<std::string> warnings;
+  const CloudTraits traits = measure_traits(points, progress, &warnings);
+  Advice advice = advise(traits, input);
+  advice.warnings = std::move(warnings);
+  return advice;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,190 @@
+// What a cloud is like: noise, density, creases, borders, outliers.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "sansmesh/advise/traits.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/denoise_normals.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/neighbourhood_sample.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/outliers.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/points/spacing.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kSpacingNeighbours = 16;  // as surfaces use it
+constexpr std::size_t kDensityPlaces = 2000;
+constexpr std::size_t kNormals = 30000;  // samples whose normals are estimated for finding creases
+constexpr std::size_t kMostPlaces = 500;
+constexpr std::size_t kLooked = 24;    // neighbours among which a crease is looked for
+constexpr double kCreaseAngle = 40;    // degrees
+constexpr double kSideAngle = 12;      // normals of one side of a crease lie this near to each other
+constexpr double kHidingNoise = 0.35;  // noise over spacing from where on creases cannot be told
+constexpr double kBorderGap = 140;     // degrees of the tangent plane without a neighbour
+constexpr std::size_t kBorderNeighbours = 24;
+constexpr std::size_t kBorderPlaces = 2000;
+constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
+
+/// Of spacings, every part of the surface counting as much as its area: samples alone would tell of the dense parts.
+/// `ascending` must be so.
+double quantile_by_area(const std::vector<double>& ascending, double q) {
+  double area = 0, passed = 0;
+  for (const double s : ascending) area += s * s;
+  for (const double s : ascending) {
+    passed += s * s;
+    if (passed >= q * area) return s;
+  }
+  return ascending.empty() ? 0 : ascending.back();
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double degrees(double angle) { return angle * std::numbers::pi / 180; }
+
+/// The edge of the square that a sample stands for, from the distance to the k-th neighbour.
+double square_edge(double distance, std::size_t k) {
+  return distance * std::sqrt(std::numbers::pi / static_cast<double>(k));
+}
+
+void measure_density(const PointSet& points, CloudTraits& traits) {
+  std::vector<double> spacings, nearest;
+  for (const Neighbourhood& n : sample_neighbourhoods(points.positions, kDensityPlaces, 2 * kSpacingNeighbours)) {
+    if (n.distances.size() < 6) continue;
+    const std::size_t k = std::min(kSpacingNeighbours, n.distances.size() - 1);
+    spacings.push_back(square_edge(static_cast<double>(n.distances[k]), k));
+    nearest.push_back(static_cast<double>(n.distances[1]));
+  }
+  std::sort(spacings.begin(), spacings.end());
+  const double low = quantile_by_area(spacings, 0.05), middle = median(spacings);
+  if (low > 0) traits.density_ratio = quantile_by_area(spacings, 0.95) / low;
+  if (middle > 0) traits.evenness = median(nearest) / middle;
+}
+
+/// Whether the first of these normals (of a place) is next to an edge: those around it are of two kinds, its own and
+/// one that differs much. A surface that merely curves has all the normals between as well.
+bool next_to_crease(std::span<const Vec3f> normals) {
+  const auto alike = [](const Vec3f& a, const Vec3f& b) { return std::abs(dot(a, b)); };
+  const Vec3f own = normals[0];
+  const auto far = std::min_element(normals.begin(), normals.end(),
+                                    [&](const Vec3f& a, const Vec3f& b) { return alike(own, a) < alike(own, b); });
+  if (alike(own, *far) > static_cast<float>(std::cos(degrees(kCreaseAngle)))) return false;
+  const auto side = static_cast<float>(std::cos(degrees(kSideAngle)));
+  std::size_t here = 0, there = 0;
+  for (const Vec3f& n : normals) {
+    here += alike(n, own) >= side;
+    there += alike(n, *far) >= side;
+  }
+  return here >= 4 && there >= 4 && 10 * (here + there) >= 8 * normals.size();
+}
+
+/// Whether neighbours leave out a good part of the tangent plane around the place.
+bool next_to_border(std::span<const Vec3f> offsets, const Vec3f& normal) {
+  Vec3f t, b;
+  tangent_frame(normal, t, b);
+  std::vector<float> angles;
+  for (std::size_t i = 1; i < offsets.size(); ++i) angles.push_back(std::atan2(dot(offsets[i], b), dot(offsets[i], t)));
+  std::sort(angles.begin(), angles.end());
+  float gap = angles.front() + 2 * std::numbers::pi_v<float> - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i) gap = std::max(gap, angles[i] - angles[i - 1]);
+  return gap > static_cast<float>(degrees(kBorderGap));
+}
+
+double share(const std::vector<std::uint8_t>& which, const std::vector<std::uint8_t>& known) {
+  const auto all = std::count(known.begin(), known.end(), 1);
+  return all > 0 ? static_cast<double>(std::count(which.begin(), which.end(), 1)) / static_cast<double>(all) : 0.0;
+}
+
+/// A band along a line holds its length × its width / spacing² samples. Its width goes by the radius of the neighbours
+/// looked at: spacing √(k/π).
+double line_length(double share_of_samples, double width_over_radius, const CloudTraits& t) {
+  if (!(t.diagonal > 0)) return 0;
+  const double radius = std::sqrt(static_cast<double>(kLooked) / std::numbers::pi);
+  return share_of_samples * static_cast<double>(t.samples) * t.spacing / (width_over_radius * radius * t.diagonal);
+}
+
+void measure_creases(const PointSet& points, CloudTraits& traits, double unit) {
+  traits.creases_known = traits.noise_ratio() < kHidingNoise;
+  if (!traits.creases_known) return;
+  const double spacing = traits.spacing / unit, noise = traits.noise / unit;
+  const int blur = choose_neighbours(spacing, noise);
+  const std::size_t size = std::max<std::size_t>(5 * static_cast<std::size_t>(blur), 90);
+  const std::vector<Neighbourhood> patches =
+      sample_neighbourhoods(points.positions, std::min(kMostPlaces, kNormals / size), size);
+  std::vector<std::uint8_t> crease(patches.size()), known(patches.size());
+  parallel_for(0, patches.size(), 4, [&](std::size_t p) {
+    if (patches[p].offsets.size() < kLooked) return;
+    Progress silent;
+    PointSet around;
+    around.positions = patches[p].offsets;
+    estimate_normals(around, {.neighbours = blur, .spacing = spacing, .noise = noise}, silent);
+    denoise_normals(around, {.neighbours = blur, .spacing = spacing, .noise = noise}, silent);
+    known[p] = squared_norm(around.normals[0]) > 0;
+    crease[p] = known[p] && next_to_crease(std::span(around.normals).first(kLooked));
+  });
+  traits.creases = share(crease, known);
+  traits.crease_length = line_length(traits.creases, 1.2, traits);
+}
+
+void measure_borders(const PointSet& points, CloudTraits& traits) {
+  const auto k = static_cast<std::size_t>(std::clamp(choose_neighbours(traits.spacing, traits.noise),
+                                                     static_cast<int>(kBorderNeighbours), kMostNeighbours));
+  const std::vector<Neighbourhood> patches = sample_neighbourhoods(points.positions, kBorderPlaces, 4 * k);
+  std::vector<std::uint8_t> border(patches.size()), known(patches.size());
+  parallel_for(0, patches.size(), 16, [&](std::size_t p) {
+    const std::span<const Vec3f> offsets = patches[p].offsets;
+    if (offsets.size() <= kBorderNeighbours) return;
+    const std::span<const Vec3f> near = offsets.first(std::min(offsets.size(), k + 1));
+    const PrincipalAxes axes = principal_axes(moments(near).covariance);
+    known[p] = 1;
+    // At creases, neighbours on the other side hide behind each other, seen from above.
+    if (axes.values.x > 0.03 * axes.values.z && traits.noise_ratio() < kHidingNoise) return;
+    border[p] = next_to_border(offsets.first(kBorderNeighbours + 1), Vec3f(axes.axes[0]));
+  });
+  traits.borders = share(border, known);
+  traits.border_length = line_length(traits.borders, 0.35, traits);
+}
+
+}  // namespace
+
+CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::string>* warnings) {
+  CloudTraits traits;
+  traits.faces = !given.triangles.empty();
+  PreparedCloud cloud = prepare_positions(std::move(given), FaceUse::automatic, progress);
+  if (warnings) *warnings = cloud.warnings;
+  PointSet& points = cloud.points;
+  traits.samples = points.size();
+
+  const std::vector<std::uint8_t> outliers = find_outliers(points, {}, progress);
+  const auto marked = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), 1));
+  traits.outliers = static_cast<double>(marked) / static_cast<double>(points.size());
+  if (marked > 0) remove_samples(points, outliers);
+
+  progress.begin("measure");
+  const Vec3f size = bounds(points).size();
+  traits.diagonal = static_cast<double>(norm(size)) * cloud.unit;
+  traits.spacing = estimate_spacing(points) * cloud.unit;
+  traits.noise = estimate_noise(points) * cloud.unit;
+  measure_density(points, traits);
+  progress.begin("check normals");
+  traits.normals = check_orientation(points);
+  progress.begin("creases and borders");
+  measure_creases(points, traits, cloud.unit);
+  measure_borders(points, traits);
+  progress.finish();
+  return traits;
+}
+
+}  // namespace sansmesh

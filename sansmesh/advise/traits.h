@@ -1,0 +1,38 @@
+// What a cloud is like: noise, density, creases, borders, outliers.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/points/orientation.h"
+
+namespace sansmesh {
+
+/// What matters for the choice. Everything but the outliers is told from some hundred places of the cloud.
+struct CloudTraits {
+  std::size_t samples = 0;    ///< that can be used, outliers among them
+  double diagonal = 0;        ///< of the box (length, unit of the input)
+  double spacing = 0;         ///< edge of the square that one sample stands for (length)
+  double noise = 0;           ///< standard deviation of the samples off the surface (length)
+  double density_ratio = 1;   ///< local spacing: its 95 % quantile over its 5 % quantile, by area
+  double evenness = 1;        ///< distance to the nearest sample over spacing: 1 for a lattice, 0.5 at random
+  double outliers = 0;        ///< share of samples that belong to no surface
+  double creases = 0;         ///< share of places next to an edge of more than 40°
+  double crease_length = 0;   ///< about how long these edges are together, over the diagonal
+  double borders = 0;         ///< share of places next to a border or hole
+  double border_length = 0;   ///< about how long the borders are together, over the diagonal
+  bool creases_known = true;  ///< false where the noise hides them
+  bool faces = false;         ///< the input has faces
+  OrientationCheck normals = OrientationCheck::missing;
+
+  double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
+};
+
+/// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU a sample. Throws DataError where the
+/// points cannot be reconstructed at all.
+CloudTraits measure_traits(PointSet points, Progress& progress, std::vector<std::string>* warnings = nullptr);
+
+}  // namespace sansmesh

@@ -1,0 +1,186 @@
+#include "sansmesh/function/edit_function.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/partition/partition_edit.h"
+
+namespace sansmesh {
+namespace {
+
+/// A sheet is spurious, too, whose area is less than this share of the largest one's.
+constexpr double kSmallSheet = 0.01;
+
+/// A place is on a sheet if one of its supports has its foot within so many edges of its block.
+constexpr float kSheetReach = 2;
+
+template <class... Bodies>
+struct Overloaded : Bodies... {
+  using Bodies::operator()...;
+};
+template <class... Bodies>
+Overloaded(Bodies...) -> Overloaded<Bodies...>;
+
+/// kNone where no sheet is near.
+std::uint32_t nearest_sheet(const PartitionData& data, const Sheets& sheets, const Vec3f& at) {
+  std::uint32_t nearest = Sheets::kNone;
+  float least = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < data.supports.size(); ++i) {
+    const float d = squared_norm(data.supports[i].foot - at);
+    const float reach = kSheetReach * data.edge / static_cast<float>(1u << data.supports[i].level);
+    if (sheets.of_support[i] == Sheets::kNone || d >= least || d > reach * reach) continue;
+    least = d, nearest = sheets.of_support[i];
+  }
+  return nearest;
+}
+
+std::optional<std::vector<std::uint8_t>> on_sheets(const SurfaceFunction& function, const EditSelection& s) {
+  if (!s.sheet_at && !s.spurious_sheets && !s.all_but_largest) return std::nullopt;
+  const PartitionData& data = function.field.data();
+  const Sheets sheets = find_sheets(data, function.samples->positions);
+  if (s.spurious_sheets && function.samples->size() == 0)
+    throw DataError("its samples were not kept: no sheet can be told to be spurious");
+  const std::uint32_t wanted =
+      s.sheet_at ? nearest_sheet(data, sheets, Vec3f(function.from_input(*s.sheet_at) - data.origin)) : Sheets::kNone;
+  std::vector<std::uint8_t> flags(data.supports.size());
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    const std::uint32_t k = sheets.of_support[i];
+    flags[i] = k != Sheets::kNone && (!s.sheet_at || k == wanted) && (!s.all_but_largest || k != 0) &&
+               (!s.spurious_sheets ||
+                (k != 0 && (sheets.evidence[k] < kLeastEvidence || sheets.area[k] < kSmallSheet * sheets.area[0])));
+  }
+  return flags;
+}
+
+SupportQuery to_query(const SurfaceFunction& function, const EditSelection& s) {
+  const double unit = function.unit;
+  const Vec3 origin = function.field.data().origin;
+  const auto local = [&](const Vec3& x) { return Vec3f(function.from_input(x) - origin); };
+  SupportQuery q;
+  if (s.ball) q.ball = {local(s.ball->center), static_cast<float>(s.ball->radius / unit)};
+  if (s.box) q.box = Box3f{local(s.box->lower), local(s.box->upper)};
+  if (s.half_space) q.half_space = {local(s.half_space->point), Vec3f(normalized(s.half_space->normal))};
+  if (s.coverage_below) q.coverage_below = static_cast<float>(*s.coverage_below);
+  if (s.error_above) q.error_above = static_cast<float>(*s.error_above / unit);
+  if (s.samples_below) q.samples_below = static_cast<std::uint32_t>(*s.samples_below);
+  q.level_from = s.level_from, q.level_to = s.level_to;
+  q.flags = on_sheets(function, s);
+  return q;
+}
+
+Box3 to_input(const SurfaceFunction& function, const Box3f& box) {
+  if (box.empty()) return {};
+  const Vec3 origin = function.field.data().origin;
+  return {function.to_input(origin + Vec3(box.lower)), function.to_input(origin + Vec3(box.upper))};
+}
+
+PartitionOptions options_of(const SurfaceFunction& function, const Refit& r) {
+  PartitionOptions o = function.field.data().options;
+  if (r.max_degree) o.max_degree = *r.max_degree;
+  if (r.max_depth) o.max_depth = r.max_depth;
+  if (r.error) o.error = *r.error / function.unit;
+  if (r.support) o.support = r.support;
+  if (r.sharp) o.sharp = *r.sharp;
+  return o;
+}
+
+std::string counted(std::size_t n) { return fmt::format("{} support{}", n, n == 1 ? "" : "s"); }
+
+}  // namespace
+
+void EditSelection::validate() const {
+  const auto check = [](bool ok, const char* what) {
+    if (!ok) throw ArgumentError(what);
+  };
+  check(!ball || (is_finite(ball->center) && ball->radius > 0 && std::isfinite(ball->radius)),
+        "ball: needs a finite centre and a positive radius");
+  check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
+        "box: needs a finite lower corner below the upper one");
+  check(!half_space ||
+            (is_finite(half_space->point) && norm(half_space->normal) > 0 && std::isfinite(norm(half_space->normal))),
+        "half_space: needs a finite point and a normal that is not zero");
+  check(!coverage_below || (*coverage_below > 0 && *coverage_below <= 2), "coverage_below must lie in (0, 2]");
+  check(!error_above || (*error_above >= 0 && std::isfinite(*error_above)), "error_above must be a length");
+  check(!samples_below || *samples_below >= 0, "samples_below must be at least 0");
+  check(!level_from || (*level_from >= 0 && *level_from <= 20), "level_from must lie in 0..20");
+  check(!level_to || (*level_to >= 0 && *level_to <= 20), "level_to must lie in 0..20");
+  check(!level_from || !level_to || *level_from <= *level_to, "level_from must not exceed level_to");
+  check(!sheet_at || is_finite(*sheet_at), "sheet_at must be finite");
+}
+
+FunctionEditor::FunctionEditor(SurfaceFunction function) : function_(std::move(function)) {}
+
+EditReport FunctionEditor::undo(int steps) {
+  if (steps < 1) throw ArgumentError("undo: at least 1 step");
+  if (static_cast<std::size_t>(steps) > before_.size())
+    throw ArgumentError(fmt::format("undo: there are {} edits to take back, not {}", before_.size(), steps));
+  Before& then = before_[before_.size() - static_cast<std::size_t>(steps)];
+  EditReport report;
+  report.changed = changed_;
+  report.what = fmt::format("took back {} edit{}", steps, steps == 1 ? "" : "s");
+  function_.field = std::move(then.field);
+  function_.history.resize(then.history);
+  changed_ = then.changed;
+  before_.erase(before_.end() - steps, before_.end());
+  return report;
+}
+
+EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
+  if (const Undo* back = std::get_if<Undo>(&edit.action)) return undo(back->steps);
+  edit.select.validate();
+  const PartitionData& data = function_.field.data();
+  progress.begin("select");
+  const Selection chosen = select_supports(data, to_query(function_, edit.select));
+  EditReport report;
+  report.chosen = chosen.size();
+  if (chosen.empty()) {
+    report.what = "nothing is selected";
+    // An edit that does nothing can still be taken back, but is not worth remembering.
+    before_.push_back({function_.field, changed_, function_.history.size()});
+    return report;
+  }
+  const EditSamples samples{function_.samples->positions, function_.samples->normals};
+  EditResult result =
+      std::visit(Overloaded{[&](const SetDegree& a) {
+                              EditResult r = set_degree(data, chosen, a.degree, samples, progress);
+                              report.what = fmt::format("degree {} in {}", a.degree, counted(r.changes - r.lower));
+                              if (r.lower > 0) report.what += fmt::format(", a lower one in {}", r.lower);
+                              if (r.changes < chosen.size())
+                                report.what += fmt::format(", {} left as they were", chosen.size() - r.changes);
+                              return r;
+                            },
+                            [&](const Refit& a) {
+                              EditResult r = refit(data, chosen, options_of(function_, a), samples, progress);
+                              report.what = fmt::format("{} fitted again, now {}", counted(r.changes), r.supports);
+                              if (r.changes < chosen.size())
+                                report.what += fmt::format("; {} left as they were", chosen.size() - r.changes);
+                              return r;
+                            },
+                            [&](const SetConstant& a) {
+                              report.what = fmt::format("{} set to {} ({:+g} radii)", counted(chosen.size()),
+                                                        a.value > 0 ? "outside" : "inside", a.value);
+                              return set_constant(data, chosen, static_cast<float>(a.value));
+                            },
+                            [&](const RemoveSupports&) {
+                              report.what = fmt::format("{} removed", counted(chosen.size()));
+                              return remove_supports(data, chosen);
+                            },
+                            [&](const Undo&) { return EditResult{}; }},
+                 edit.action);
+  report.supports = result.supports;
+  report.changed = to_input(function_, result.changed);
+  progress.begin("assemble");
+  PartitionOfUnity field(std::move(result.data));
+  before_.push_back({function_.field, changed_, function_.history.size()});
+  function_.history.push_back(report.what);
+  changed_.extend(report.changed);
+  function_.field = std::move(field);
+  return report;
+}
+
+}  // namespace sansmesh

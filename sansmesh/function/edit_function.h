@@ -1,0 +1,95 @@
+// Editing of fitted functions in the coordinates of their input: choose supports, replace what they hold, take it back.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/function/surface_function.h"
+
+namespace sansmesh {
+
+/// Which supports: all that is said must hold. Lengths and positions in the unit of the input.
+struct EditSelection {
+  struct Ball {
+    Vec3 center;
+    double radius;
+  };
+  struct HalfSpace {
+    Vec3 point, normal;
+  };
+  std::optional<Ball> ball;             ///< its block meets the ball
+  std::optional<Box3> box;              ///< its block meets the box
+  std::optional<HalfSpace> half_space;  ///< its block's centre lies on the side that the normal points to
+  std::optional<double> coverage_below;
+  std::optional<double> error_above;  ///< rms distance of its samples (length)
+  std::optional<int> samples_below;
+  std::optional<int> level_from, level_to;
+  std::optional<Vec3> sheet_at;  ///< on the connected sheet at this place (within two edges of a block there)
+  bool spurious_sheets = false;  ///< on a sheet that hardly any samples stand for
+  bool all_but_largest = false;  ///< not on the largest sheet
+
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct SetDegree {
+  int degree;  ///< 0..4
+};
+struct Refit {
+  std::optional<int> max_degree, max_depth;
+  std::optional<double> error;  ///< accepted rms error (length)
+  std::optional<double> support;
+  std::optional<bool> sharp;
+};
+struct SetConstant {
+  double value = 1;  ///< in radii of each support; positive: outside
+};
+struct RemoveSupports {};
+/// Takes back the last so many edits.
+struct Undo {
+  int steps = 1;
+};
+
+struct Edit {
+  EditSelection select;
+  std::variant<SetDegree, Refit, SetConstant, RemoveSupports, Undo> action;
+};
+
+struct EditReport {
+  std::size_t chosen = 0;    ///< supports that were selected
+  std::size_t supports = 0;  ///< that stand in their place
+  Box3 changed;              ///< where the function may have changed (input); empty: nowhere
+  std::string what;          ///< one line for people
+};
+
+/// A function, and what it was before each edit.
+class FunctionEditor {
+ public:
+  explicit FunctionEditor(SurfaceFunction function);
+
+  const SurfaceFunction& function() const { return function_; }
+  /// Throws ArgumentError for values out of range, DataError where it cannot be done (no samples, nothing would be
+  /// left); the function is then as it was. Nothing selected is no error.
+  EditReport apply(const Edit& edit, Progress& progress);
+  /// Where anything differs from the function that the editor was given (input coordinates); empty: nowhere.
+  const Box3& changed() const { return changed_; }
+  std::size_t edits() const { return before_.size(); }
+
+ private:
+  struct Before {
+    PartitionOfUnity field;
+    Box3 changed;
+    std::size_t history;  ///< lines
+  };
+  EditReport undo(int steps);
+
+  SurfaceFunction function_;
+  std::vector<Before> before_;
+  Box3 changed_;
+};
+
+}  // namespace sansmesh

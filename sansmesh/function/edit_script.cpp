@@ -1,0 +1,297 @@
+// Edit scripts: JSON in and out (docs/formats/edit-script.md).
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/function/edit_script.h"
+#include "sansmesh/partition/partition_edit.h"
+
+namespace sansmesh {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+
+/// Looks for fields that an object has twice while the text is parsed: of such the last would win unseen.
+class TwiceGiven {
+ public:
+  /// What the parser tells of; true: go on.
+  bool operator()(Json::parse_event_t event, const Json& parsed) {
+    using Event = Json::parse_event_t;
+    if (event == Event::key) {
+      Object& object = *open_.back().object;
+      object.last = parsed.get_ref<const std::string&>();
+      if (!object.keys.insert(object.last).second && what_.empty())
+        what_ = fmt::format("{}: '{}' is given twice", where(), printable(object.last, 40));
+    } else if (event == Event::object_end || event == Event::array_end) {
+      open_.pop_back();
+    } else {
+      if (!open_.empty()) ++open_.back().elements;
+      if (event != Event::value) open_.push_back({event == Event::object_start ? std::make_unique<Object>() : nullptr});
+    }
+    return true;
+  }
+  /// One line of the first; empty: none.
+  const std::string& what() const { return what_; }
+
+ private:
+  struct Object {
+    std::set<std::string> keys;
+    std::string last;
+  };
+  /// An object or a list that the parser is in.
+  struct Open {
+    std::unique_ptr<Object> object;  ///< null: a list
+    std::size_t elements = 0;        ///< of a list, so far
+  };
+
+  /// "step 3.select", as the other errors have it.
+  std::string where() const {
+    const bool in_steps = open_.size() > 2 && open_[0].object && open_[0].object->last == "steps" && !open_[1].object;
+    std::string place = in_steps ? fmt::format("step {}", open_[1].elements) : "the script";
+    for (std::size_t i = in_steps ? 2 : 0; i + 1 < std::min<std::size_t>(open_.size(), 8); ++i)
+      if (open_[i].object) place += "." + printable(open_[i].object->last, 40);
+    return place;
+  }
+
+  std::vector<Open> open_;
+  std::string what_;
+};
+
+/// An object of the script; every field must be known.
+class Fields {
+ public:
+  Fields(const Json& json, std::string where, std::initializer_list<std::string_view> known)
+      : json_(json), where_(std::move(where)) {
+    if (!json.is_object()) fail("must be an object");
+    for (const auto& [key, value] : json.items())
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        std::string all;
+        for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
+        fail(fmt::format("unknown field '{}'; known: {}", printable(key, 40), all));
+      }
+  }
+  [[noreturn]] void fail(const std::string& cause) const { throw ArgumentError(where_ + ": " + cause); }
+  bool has(const char* key) const { return json_.contains(key); }
+  const Json& operator[](const char* key) const { return json_.at(key); }
+
+  double number(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_number()) fail(fmt::format("'{}' must be a number", key));
+    return v.get<double>();
+  }
+  int integer(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_number_integer() || v.get<double>() < -1e9 || v.get<double>() > 1e9)
+      fail(fmt::format("'{}' must be a whole number", key));
+    return v.get<int>();
+  }
+  bool boolean(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_boolean()) fail(fmt::format("'{}' must be true or false", key));
+    return v.get<bool>();
+  }
+  Vec3 vector(const char* key) const {
+    const Json& v = at(key);
+    if (!v.is_array() || v.size() != 3 || !v[0].is_number() || !v[1].is_number() || !v[2].is_number())
+      fail(fmt::format("'{}' must be three numbers", key));
+    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
+  }
+  template <class T, class Get>
+  void get(const char* key, std::optional<T>& value, Get&& how) const {
+    if (has(key)) value = (this->*how)(key);
+  }
+
+ private:
+  const Json& at(const char* key) const {
+    if (!has(key)) fail(fmt::format("'{}' is missing", key));
+    return json_.at(key);
+  }
+  const Json& json_;
+  std::string where_;
+};
+
+EditSelection selection_of(const Json& json, const std::string& where) {
+  const Fields f(json, where,
+                 {"ball", "box", "half_space", "coverage_below", "error_above", "samples_below", "level_from",
+                  "level_to", "sheet_at", "sheets"});
+  EditSelection s;
+  if (f.has("ball")) {
+    const Fields b(f["ball"], where + ".ball", {"center", "radius"});
+    s.ball = {b.vector("center"), b.number("radius")};
+  }
+  if (f.has("box")) {
+    const Fields b(f["box"], where + ".box", {"lower", "upper"});
+    s.box = Box3{b.vector("lower"), b.vector("upper")};
+  }
+  if (f.has("half_space")) {
+    const Fields b(f["half_space"], where + ".half_space", {"point", "normal"});
+    s.half_space = {b.vector("point"), b.vector("normal")};
+  }
+  f.get("coverage_below", s.coverage_below, &Fields::number);
+  f.get("error_above", s.error_above, &Fields::number);
+  f.get("samples_below", s.samples_below, &Fields::integer);
+  f.get("level_from", s.level_from, &Fields::integer);
+  f.get("level_to", s.level_to, &Fields::integer);
+  f.get("sheet_at", s.sheet_at, &Fields::vector);
+  if (f.has("sheets")) {
+    const Json& v = f["sheets"];
+    s.spurious_sheets = v == "spurious";
+    s.all_but_largest = v == "all but largest";
+    if (!s.spurious_sheets && !s.all_but_largest) f.fail("'sheets' must be \"spurious\" or \"all but largest\"");
+  }
+  try {
+    s.validate();
+  } catch (const ArgumentError& error) {
+    f.fail(error.what());
+  }
+  return s;
+}
+
+Refit refit_of(const Json& json, const std::string& where) {
+  const Fields f(json, where, {"max_degree", "max_depth", "error", "support", "sharp"});
+  Refit r;
+  f.get("max_degree", r.max_degree, &Fields::integer);
+  f.get("max_depth", r.max_depth, &Fields::integer);
+  f.get("error", r.error, &Fields::number);
+  f.get("support", r.support, &Fields::number);
+  f.get("sharp", r.sharp, &Fields::boolean);
+  PartitionOptions o;
+  o.max_depth = r.max_depth, o.error = r.error, o.support = r.support;
+  if (r.max_degree) o.max_degree = *r.max_degree;
+  try {
+    o.validate();
+  } catch (const ArgumentError& error) {
+    f.fail(error.what());
+  }
+  return r;
+}
+
+Edit edit_of(const Json& json, const std::string& where) {
+  const Fields f(json, where, {"select", "degree", "refit", "constant", "remove", "undo", "note"});
+  Edit edit;
+  int actions = 0;
+  const auto is = [&](const char* key) { return f.has(key) && ++actions; };
+  if (is("degree")) {
+    const int degree = f.integer("degree");
+    if (degree < 0 || degree > 4) f.fail("'degree' must lie in 0..4");
+    edit.action = SetDegree{degree};
+  }
+  if (is("refit")) edit.action = refit_of(f["refit"], where + ".refit");
+  if (is("constant")) {
+    const Json& v = f["constant"];
+    if (v == "outside")
+      edit.action = SetConstant{1};
+    else if (v == "inside")
+      edit.action = SetConstant{-1};
+    else if (v.is_number())
+      edit.action = SetConstant{v.get<double>()};
+    else
+      f.fail("'constant' must be \"outside\", \"inside\" or a number (in radii of the supports)");
+    const double value = std::abs(std::get<SetConstant>(edit.action).value);
+    if (!(value >= kLeastConstant && value <= kMostConstant))
+      f.fail(fmt::format("'constant' must lie between {} and {} radii of a support, positive or negative",
+                         kLeastConstant, kMostConstant));
+  }
+  if (is("remove")) {
+    if (!f.boolean("remove")) f.fail("'remove' can only be true");
+    edit.action = RemoveSupports{};
+  }
+  if (is("undo")) {
+    edit.action = Undo{f.integer("undo")};
+    if (std::get<Undo>(edit.action).steps < 1) f.fail("'undo' must be at least 1");
+  }
+  if (actions != 1) f.fail("needs one of degree, refit, constant, remove, undo");
+  const bool undo = std::holds_alternative<Undo>(edit.action);
+  if (undo == f.has("select"))
+    f.fail(undo ? "'undo' takes no 'select'" : "'select' is missing ({} selects everything)");
+  if (!undo) edit.select = selection_of(f["select"], where + ".select");
+  return edit;
+}
+
+/// What is not said is left out.
+template <class T>
+void put(Json& json, const char* key, const std::optional<T>& value) {
+  if (value) json[key] = *value;
+}
+
+Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json to_json(const EditSelection& s) {
+  Json json = Json::object();
+  if (s.ball) json["ball"] = {{"center", to_json(s.ball->center)}, {"radius", s.ball->radius}};
+  if (s.box) json["box"] = {{"lower", to_json(s.box->lower)}, {"upper", to_json(s.box->upper)}};
+  if (s.half_space)
+    json["half_space"] = {{"point", to_json(s.half_space->point)}, {"normal", to_json(s.half_space->normal)}};
+  put(json, "coverage_below", s.coverage_below);
+  put(json, "error_above", s.error_above);
+  put(json, "samples_below", s.samples_below);
+  put(json, "level_from", s.level_from);
+  put(json, "level_to", s.level_to);
+  if (s.sheet_at) json["sheet_at"] = to_json(*s.sheet_at);
+  // The largest sheet is never spurious.
+  if (s.spurious_sheets)
+    json["sheets"] = "spurious";
+  else if (s.all_but_largest)
+    json["sheets"] = "all but largest";
+  return json;
+}
+
+Json to_json(const Refit& r) {
+  Json json = Json::object();
+  put(json, "max_degree", r.max_degree);
+  put(json, "max_depth", r.max_depth);
+  put(json, "error", r.error);
+  put(json, "support", r.support);
+  put(json, "sharp", r.sharp);
+  return json;
+}
+
+}  // namespace
+
+std::vector<Edit> parse_edit_script(const std::string& text) {
+  Json json;
+  TwiceGiven twice;
+  try {
+    json = Json::parse(text, [&](int, Json::parse_event_t event, const Json& parsed) { return twice(event, parsed); });
+  } catch (const nlohmann::json::parse_error& error) {
+    // The library's own words name its classes; the place is what helps.
+    throw ArgumentError(fmt::format("is not JSON: something is wrong at or before byte {}", error.byte));
+  } catch (const nlohmann::json::exception&) {
+    throw ArgumentError("holds a number that is too large");
+  }
+  if (!twice.what().empty()) throw ArgumentError(twice.what());
+  const Fields f(json, "the script", {"version", "steps", "function", "note"});
+  if (f.integer("version") != kVersion)
+    f.fail(fmt::format("version {} is not known, only {}", f.integer("version"), kVersion));
+  if (!f.has("steps") || !f["steps"].is_array()) f.fail("'steps' must be a list");
+  std::vector<Edit> edits;
+  int number = 0;
+  for (const Json& step : f["steps"]) edits.push_back(edit_of(step, fmt::format("step {}", ++number)));
+  return edits;
+}
+
+std::string edit_script(const std::vector<Edit>& edits) {
+  Json steps = Json::array();
+  for (const Edit& edit : edits) {
+    Json step = Json::object();
+    if (!std::holds_alternative<Undo>(edit.action)) step["select"] = to_json(edit.select);
+    if (const auto* a = std::get_if<SetDegree>(&edit.action)) step["degree"] = a->degree;
+    if (const auto* a = std::get_if<Refit>(&edit.action)) step["refit"] = to_json(*a);
+    if (const auto* a = std::get_if<SetConstant>(&edit.action)) step["constant"] = a->value;
+    if (std::holds_alternative<RemoveSupports>(edit.action)) step["remove"] = true;
+    if (const auto* a = std::get_if<Undo>(&edit.action)) step["undo"] = a->steps;
+    steps.push_back(std::move(step));
+  }
+  return Json{{"version", kVersion}, {"steps", steps}}.dump(2) + "\n";
+}
+
+}  // namespace sansmesh

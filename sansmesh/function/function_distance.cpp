@@ -1,0 +1,98 @@
+#include "sansmesh/function/function_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/meshing/mesh_options.h"
+
+namespace sansmesh {
+namespace {
+
+/// A step from 1 at `a` to 0 at `b`, with its derivative.
+std::pair<double, double> fading(double t, double a, double b) {
+  const double u = std::clamp((t - a) / (b - a), 0.0, 1.0);
+  return {1 - u * u * (3 - 2 * u), -6 * u * (1 - u) / (b - a)};
+}
+
+TriangleMesh whole_mesh(const SurfaceFunction& function, Progress& progress) {
+  MeshOptions options;
+  options.components.kind = ComponentChoice::Kind::all;
+  options.carry_colors = false;
+  return mesh_function(function, options, progress);
+}
+
+}  // namespace
+
+struct FunctionDistance::Parts {
+  Parts(std::shared_ptr<const SurfaceFunction> f, Progress& progress)
+      : function(std::move(f)),
+        field(function->field, function->origin, function->unit),
+        mesh(whole_mesh(*function, progress)),
+        distance(mesh),
+        near(std::max(function->field.report().spacing * function->unit, 1e-6 * distance.bounds().diagonal())) {}
+
+  std::shared_ptr<const SurfaceFunction> function;
+  PlacedField field;
+  TriangleMesh mesh;
+  MeshDistance distance;
+  double near;  ///< one spacing
+};
+
+FunctionDistance::FunctionDistance(std::shared_ptr<const SurfaceFunction> function, Progress& progress)
+    : parts_(std::make_unique<Parts>(std::move(function), progress)) {}
+
+FunctionDistance::~FunctionDistance() = default;
+
+Box3 FunctionDistance::bounds() const { return parts_->field.bounds(); }
+
+void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  std::vector<MeasuredPoint> found(x.size());
+  parts_->distance.measure(x, std::numeric_limits<double>::max(), found);
+  const double near = parts_->near;
+  // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
+  std::vector<Vec3> beside(x.begin(), x.end());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double d = std::abs(found[i].distance);
+    if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
+  }
+  std::vector<double> side(x.size());
+  parts_->field.evaluate(beside, side);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
+  std::vector<std::size_t> close;
+  std::vector<Vec3> at;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double d = found[i].distance;
+    values[i] = d;
+    if (!gradients.empty()) gradients[i] = d != 0 ? (x[i] - found[i].point) / d : Vec3{};
+    if (!(std::abs(d) < 2 * near)) continue;
+    close.push_back(i);
+    at.push_back(x[i]);
+  }
+  if (close.empty()) return;
+  std::vector<double> value(close.size());
+  std::vector<Vec3> slope(gradients.empty() ? 0 : close.size());
+  parts_->field.evaluate(at, value, slope);
+  for (std::size_t j = 0; j < close.size(); ++j) {
+    const std::size_t i = close[j];
+    const double d = values[i], gap = value[j] - d;
+    const auto [share, share_slope] = fading(std::abs(d), near, 2 * near);
+    const auto [trust, trust_slope] = fading(std::abs(gap), 0.5 * near, near);
+    const double weight = share * trust;
+    values[i] = d + weight * gap;
+    if (gradients.empty()) continue;
+    const Vec3 away = gradients[i], across = slope[j] - away;
+    gradients[i] =
+        away + across * weight +
+        (away * (std::copysign(share_slope, d) * trust) + across * (std::copysign(trust_slope, gap) * share)) * gap;
+    if (!is_finite(gradients[i])) gradients[i] = slope[j];
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,15 @@
+// Fitted functions as parts of solids.
+#pragma once
+
+#include <memory>
+
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/function/surface_function.h"
+
+namespace sansmesh {
+
+/// A function as a solid, in the coordinates of its samples. It knows how small the blocks are in which mesh_function
+/// would cut it out, so that mesh_csg() need not be finer anywhere, nor coarser.
+Solid function_solid(std::shared_ptr<const SurfaceFunction> function);
+
+}  // namespace sansmesh

@@ -1,0 +1,57 @@
+// A fitted function as an asset: what `.smf` files keep, and what meshing, editing and evaluation start from.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+/// How samples become a function. All optional lengths are in the unit of the input; where absent they are derived from
+/// the data.
+struct FitOptions {
+  using Faces = FaceUse;
+  using Normals = NormalUse;
+  Faces faces = Faces::automatic;
+  Normals normals = Normals::automatic;
+  bool remove_outliers = false;   ///< leave out samples that belong to no surface
+  std::optional<int> max_depth;   ///< deepest level of the tree of fits, kLeastDepth..kMostDepth
+  std::optional<double> error;    ///< accepted rms error of a local fit (length); default: a tenth of the noise
+  std::optional<double> support;  ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
+  int max_degree = 4;             ///< largest degree of the local polynomials, 1..4
+  bool sharp = true;              ///< reproduce creases where the data shows them
+
+  /// Throws ArgumentError naming the option.
+  void validate() const;
+};
+
+/// A partition of unity (METHODS §3.1) with its place in the input and the samples that it was fitted to. Copies share
+/// the samples.
+struct SurfaceFunction {
+  /// In coordinates of its own, in which the samples are about 1 large: origin + unit · position is the place in the
+  /// input, unit · value the distance there.
+  PartitionOfUnity field;
+  Vec3 origin;
+  double unit = 1;  ///< a power of two
+  /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty where they were not
+  /// kept: such a function can be meshed and evaluated, but not refitted.
+  std::shared_ptr<const PointSet> samples;
+  std::vector<std::string> history;   ///< what was done to it, a line each
+  std::vector<std::string> warnings;  ///< of the preparation of the samples; not kept in files
+
+  Vec3 to_input(const Vec3& x) const { return origin + x * unit; }
+  Vec3 from_input(const Vec3& x) const { return (x - origin) * (1 / unit); }
+};
+
+/// Cleans and orients the samples (prepare_cloud) and fits. Throws DataError where the points cannot be reconstructed
+/// (fewer than 9, all coincident, collinear or in a plane), ArgumentError for bad options.
+SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress);
+
+}  // namespace sansmesh

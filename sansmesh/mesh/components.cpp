@@ -1,0 +1,112 @@
+#include "sansmesh/mesh/components.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "sansmesh/core/union_find.h"
+#include "sansmesh/mesh/vertex_corners.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+template <class T>
+void copy_vertex(std::vector<T>& attribute, std::size_t from) {
+  if (!attribute.empty()) attribute.push_back(attribute[from]);
+}
+
+}  // namespace
+
+MeshComponents find_components(const TriangleMesh& mesh) {
+  UnionFind sets(mesh.vertices.size());
+  for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
+  MeshComponents result;
+  result.of_triangle.resize(mesh.triangles.size());
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    std::uint32_t& c = number[sets.find(t[0])];
+    if (c == kNone) {
+      c = static_cast<std::uint32_t>(result.area.size());
+      result.area.push_back(0);
+    }
+    result.of_triangle[i] = c;
+    result.area[c] += 0.5 * norm(cross(Vec3(mesh.vertices[t[1]] - mesh.vertices[t[0]]),
+                                       Vec3(mesh.vertices[t[2]] - mesh.vertices[t[0]])));
+  }
+  std::vector<std::uint32_t> order(result.area.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return result.area[a] > result.area[b]; });
+  std::vector<std::uint32_t> rank(order.size());
+  std::vector<double> area(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    rank[order[k]] = static_cast<std::uint32_t>(k), area[k] = result.area[order[k]];
+  result.area = std::move(area);
+  for (std::uint32_t& c : result.of_triangle) c = rank[c];
+  return result;
+}
+
+void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
+  std::vector<std::uint32_t> renumber(mesh.vertices.size(), kNone);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!keep[i]) continue;
+    for (const std::uint32_t v : mesh.triangles[i]) renumber[v] = 0;
+    mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  mesh.triangles.resize(kept);
+  std::uint32_t used = 0;
+  const auto move_up = [&](auto& attribute, std::size_t from, std::size_t to) {
+    if (!attribute.empty()) attribute[to] = attribute[from];
+  };
+  for (std::size_t v = 0; v < renumber.size(); ++v) {
+    if (renumber[v] == kNone) continue;
+    move_up(mesh.vertices, v, used);
+    move_up(mesh.normals, v, used);
+    move_up(mesh.colors, v, used);
+    move_up(mesh.quality, v, used);
+    renumber[v] = used++;
+  }
+  mesh.vertices.resize(used);
+  if (!mesh.normals.empty()) mesh.normals.resize(used);
+  if (!mesh.colors.empty()) mesh.colors.resize(used);
+  if (!mesh.quality.empty()) mesh.quality.resize(used);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v = renumber[v];
+}
+
+void separate_fans(TriangleMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  const VertexCorners corners(mesh.triangles, n);
+  const std::vector<std::uint32_t>&first = corners.first, &corner = corners.corner;
+  // All fans are found on the mesh as it is; only then are corners renamed.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> renamed;
+  for (std::size_t v = 0; v < n; ++v) {
+    const std::uint32_t count = first[v + 1] - first[v];
+    if (count < 2) continue;
+    UnionFind fans(count);
+    for (std::uint32_t i = 0; i < count; ++i)
+      for (std::uint32_t j = 0; j < count; ++j) {
+        const std::uint32_t a = corner[first[v] + i], b = corner[first[v] + j];
+        if (mesh.triangles[a / 3][(a % 3 + 1) % 3] == mesh.triangles[b / 3][(b % 3 + 2) % 3]) fans.join(i, j);
+      }
+    std::vector<std::uint32_t> copy(count, kNone);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t fan = fans.find(i);
+      if (fan == fans.find(0)) continue;
+      if (copy[fan] == kNone) {
+        copy[fan] = static_cast<std::uint32_t>(mesh.vertices.size());
+        copy_vertex(mesh.vertices, v);
+        copy_vertex(mesh.normals, v);
+        copy_vertex(mesh.colors, v);
+        copy_vertex(mesh.quality, v);
+      }
+      renamed.emplace_back(corner[first[v] + i], copy[fan]);
+    }
+  }
+  for (const auto& [c, v] : renamed) mesh.triangles[c / 3][c % 3] = v;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,105 @@
+#include "sansmesh/mesh/mesh_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kChunk = 16384;
+constexpr double kLargestAspect = 1e6;
+constexpr double kSmallAngle = 10;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct Sums {
+  double n = 0, aspect = 0, aspect_squares = 0, aspect_max = 0, angles = 0, angle_min = 180, small = 0, edges = 0;
+  double area = 0, volume = 0;
+};
+
+double aspect_of(double x, double y, double z, double area) {
+  return std::max({x, y, z}) * (x + y + z) / (4 * std::numbers::sqrt3 * area);
+}
+
+/// `middle`: volumes are summed relative to it, which loses the least to rounding.
+void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& middle, Sums& sums) {
+  const Vec3 doubled = cross(b - a, c - a);
+  const double area = 0.5 * norm(doubled);
+  const double x = norm(b - a), y = norm(c - b), z = norm(a - c);
+  if (!(area > 0) || !std::isfinite(area)) return;
+  const double aspect = std::min(kLargestAspect, aspect_of(x, y, z, area));
+  // The smallest angle lies opposite the shortest edge; the tangent keeps its accuracy where the cosine is flat.
+  const double shortest = std::min({x, y, z});
+  const Vec3 u = shortest == x ? a - c : shortest == y ? b - a : c - b;
+  const Vec3 v = shortest == x ? b - c : shortest == y ? c - a : a - b;
+  const double angle = std::atan2(2 * area, dot(u, v)) * kDegrees;
+  sums.n += 1;
+  sums.aspect += aspect;
+  sums.aspect_squares += aspect * aspect;
+  sums.aspect_max = std::max(sums.aspect_max, aspect);
+  sums.angles += angle;
+  sums.angle_min = std::min(sums.angle_min, angle);
+  sums.small += angle < kSmallAngle;
+  sums.edges += x + y + z;
+  sums.area += area;
+  sums.volume += dot(a - middle, doubled) / 6;
+}
+
+Sums combine(Sums a, const Sums& b) {
+  a.n += b.n;
+  a.aspect += b.aspect;
+  a.aspect_squares += b.aspect_squares;
+  a.aspect_max = std::max(a.aspect_max, b.aspect_max);
+  a.angles += b.angles;
+  a.angle_min = std::min(a.angle_min, b.angle_min);
+  a.small += b.small;
+  a.edges += b.edges;
+  a.area += b.area;
+  a.volume += b.volume;
+  return a;
+}
+
+}  // namespace
+
+double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double area = 0.5 * norm(cross(b - a, c - a));
+  if (!(area > 0)) return std::numeric_limits<double>::infinity();
+  return aspect_of(norm(b - a), norm(c - b), norm(a - c), area);
+}
+
+MeshQuality measure_quality(const TriangleMesh& mesh) {
+  const Box3f box = bounds(mesh);
+  const Vec3 middle = box.empty() ? Vec3{} : Vec3(box.center());
+  const std::size_t n = mesh.vertices.size();
+  const Sums sums = parallel_reduce(
+      mesh.triangles.size(), kChunk, Sums{},
+      [&](std::size_t first, std::size_t last) {
+        Sums part;
+        for (std::size_t i = first; i < last; ++i) {
+          const Triangle& t = mesh.triangles[i];
+          if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
+          add_triangle(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]), middle, part);
+        }
+        return part;
+      },
+      combine);
+  MeshQuality result;
+  result.area = sums.area;
+  result.volume = sums.volume;
+  result.triangles = static_cast<std::size_t>(sums.n);
+  if (sums.n == 0) return result;
+  result.aspect_mean = sums.aspect / sums.n;
+  result.aspect_deviation =
+      std::sqrt(std::max(0.0, sums.aspect_squares / sums.n - result.aspect_mean * result.aspect_mean));
+  result.aspect_max = sums.aspect_max;
+  result.smallest_angle_mean = sums.angles / sums.n;
+  result.smallest_angle = sums.angle_min;
+  result.small_angle_share = sums.small / sums.n;
+  result.edge_mean = sums.edges / (3 * sums.n);
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_map>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/mesh/refine_edges.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+/// Appends the middle of an edge, with its attributes.
+std::uint32_t add_middle(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.push_back(Vec3f((Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5));
+  if (!mesh.normals.empty()) mesh.normals.push_back(normalized(mesh.normals[a] + mesh.normals[b]));
+  if (!mesh.quality.empty()) mesh.quality.push_back(0.5f * (mesh.quality[a] + mesh.quality[b]));
+  if (!mesh.colors.empty()) {
+    std::array<std::uint8_t, 3> color{};
+    for (std::size_t k = 0; k < 3; ++k)
+      color[k] = static_cast<std::uint8_t>((mesh.colors[a][k] + mesh.colors[b][k] + 1) / 2);
+    mesh.colors.push_back(color);
+  }
+  return middle;
+}
+
+}  // namespace
+
+bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles) {
+  if (!(length > 0) || !std::isfinite(length))
+    throw ArgumentError("the length to refine edges to must be positive, not " + std::to_string(length));
+  for (;;) {
+    // Each round halves every edge that is too long; triangles become 2, 3 or 4 according to how many of theirs.
+    std::unordered_map<std::uint64_t, std::uint32_t> middles;
+    const std::size_t n = mesh.vertices.size();
+    const auto long_edge = [&](std::uint32_t a, std::uint32_t b) {
+      const double d = norm(Vec3(mesh.vertices[a]) - Vec3(mesh.vertices[b]));
+      return std::isfinite(d) && d > length;
+    };
+    std::size_t after = mesh.triangles.size();
+    for (const Triangle& t : mesh.triangles)
+      if (t[0] < n && t[1] < n && t[2] < n)
+        for (std::size_t k = 0; k < 3; ++k) after += long_edge(t[k], t[(k + 1) % 3]);
+    if (after == mesh.triangles.size()) return true;
+    if (after > most_triangles) return false;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      if (!long_edge(a, b)) return kNone;
+      const auto [at, fresh] = middles.try_emplace(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), kNone);
+      if (fresh) at->second = add_middle(mesh, std::min(a, b), std::max(a, b));
+      return at->second;
+    };
+    std::vector<Triangle> finer;
+    finer.reserve(after);
+    for (const Triangle& t : mesh.triangles) {
+      if (t[0] >= n || t[1] >= n || t[2] >= n) {
+        finer.push_back(t);
+        continue;
+      }
+      // Turned so that the edges that are cut come first: ab, or ab and bc.
+      Triangle c = t;
+      std::array<std::uint32_t, 3> m{};
+      for (std::size_t k = 0; k < 3; ++k) m[k] = middle(t[k], t[(k + 1) % 3]);
+      const auto cuts = std::count_if(m.begin(), m.end(), [](std::uint32_t v) { return v != kNone; });
+      while ((cuts == 1 && m[0] == kNone) || (cuts == 2 && m[2] != kNone)) {
+        std::rotate(c.begin(), c.begin() + 1, c.end());
+        std::rotate(m.begin(), m.begin() + 1, m.end());
+      }
+      if (cuts == 0) finer.push_back(c);
+      if (cuts == 1) finer.insert(finer.end(), {{c[0], m[0], c[2]}, {m[0], c[1], c[2]}});
+      if (cuts == 2) finer.insert(finer.end(), {{m[0], c[1], m[1]}, {c[0], m[0], m[1]}, {c[0], m[1], c[2]}});
+      if (cuts == 3)
+        finer.insert(finer.end(), {{c[0], m[0], m[2]}, {m[0], c[1], m[1]}, {m[2], m[1], c[2]}, {m[0], m[1], m[2]}});
+    }
+    mesh.triangles = std::move(finer);
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,245 @@
+#include "sansmesh/meshing/mesh_csg.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/polygonize/crease_blocks.h"
+#include "sansmesh/polygonize/crease_mesh.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kCellsOnDiagonal = 256;
+constexpr double kMostCells = 4096;
+/// Where parts have a resolution of their own, cells are as small as theirs, down to this part of the usual ones.
+constexpr double kFinestShare = 4;
+/// Cells across the thinnest parts; with fewer than the least, parts may be missing. Where cells below the usual ones
+/// would take more than so many blocks, as for walls, they are twice as large.
+constexpr double kAcross = 2, kLeastAcross = 1;
+constexpr std::size_t kMostBlocks = 1'000'000;
+/// Default quadric error, in cells: a tenth of what curved parts are off anyway.
+constexpr double kSimplify = 9.5e-4;
+/// By default nothing is simplified where a smaller share of the vertices could go: then the rest takes its time in
+/// vain.
+constexpr double kLeastGain = 0.05;
+/// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
+constexpr double kFlat = 0.5;
+constexpr double kRounding = 1.0001;
+/// Where blocks of two sizes meet, vertices begin farther from the surface than two steps as long as their triangles
+/// may lead.
+constexpr int kRootSteps = 3;
+
+/// Where to look, or an error that says why nowhere.
+Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
+  Box3 box = solid.bounds();
+  if (options.box)
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.lower[k] = std::max(box.lower[k], options.box->lower[k]);
+      box.upper[k] = std::min(box.upper[k], options.box->upper[k]);
+    }
+  if (box.empty()) throw DataError(options.box ? "the solid has no point inside the box" : "the solid is empty");
+  std::string endless;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const bool upper : {false, true})
+      if (!std::isfinite((upper ? box.upper : box.lower)[k]))
+        endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
+  if (!endless.empty())
+    throw ArgumentError(fmt::format(
+        "the solid is not known to end in the directions {}: intersect it with a box, or give a box to cut it off",
+        endless));
+  constexpr double kLargest = 1e30;  // vertices are floats, and products of two lengths must be, too
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargest)
+      throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
+                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargest));
+  return box;
+}
+
+/// Where the surface may be, found on a coarse grid.
+struct Reached {
+  Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
+             ///< begin with
+  /// Smallest blocks that a part with a known resolution wants; infinite: there is no such part.
+  double detail = std::numeric_limits<double>::infinity();
+};
+
+Reached look_around(const PiecewiseField& field, const Box3& box, double slope) {
+  constexpr std::size_t n = std::size_t{1} << kCreaseBaseLevel;
+  const Vec3 step = box.size() * (1.0 / n);
+  std::vector<Vec3> centers(n * n * n);
+  std::vector<double> values(centers.size());
+  for (std::size_t i = 0; i < centers.size(); ++i)
+    for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= n)
+      centers[i][k] = box.lower[k] + (static_cast<double>(rest % n) + 0.5) * step[k];
+  std::vector<Surroundings> around(centers.size());
+  field.survey(centers, norm(step) / 2, values, around);
+  Reached reached;
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    if (std::abs(values[i]) > slope * norm(step) / 2) continue;
+    reached.box.extend(centers[i] - step * 0.5);
+    reached.box.extend(centers[i] + step * 0.5);
+    const double detail = around[i].detail;
+    if (detail > 0) reached.detail = std::min(reached.detail, detail);
+  }
+  if (reached.box.empty()) throw DataError("the solid is empty");
+  for (std::size_t k = 0; k < 3; ++k) {  // without rounding, where nothing could be left out
+    reached.box.lower[k] = std::max(reached.box.lower[k], box.lower[k]);
+    reached.box.upper[k] = std::min(reached.box.upper[k], box.upper[k]);
+  }
+  return reached;
+}
+
+/// Edges of blocks.
+struct Cells {
+  double smooth;  ///< on curved parts of which nothing else is known
+  double usual;   ///< along creases; at most `smooth`
+  double thin;    ///< along creases, as thin parts want it: `usual`, or a half, a quarter … of it
+};
+
+Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
+  const Box3& box = reached.box;
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (!(longest > 0)) throw DataError("the solid has no extent");
+  if (!options.cell && !options.resolution) {
+    const double cell = std::min(box.diagonal() / kCellsOnDiagonal, longest / 2);
+    // Blocks of one size, where nothing will be collapsed, stay as they always are.
+    if (options.simplify.value_or(1) == 0) return {cell, cell, cell};
+    const double least = cell / kFinestShare, usual = std::clamp(reached.detail, least, cell);
+    double thin = usual;
+    while (thin > thickness / kAcross && thin / 2 >= least) thin /= 2;
+    return {cell, usual, thin};
+  }
+  const double cell = options.cell ? *options.cell : longest / *options.resolution;
+  if (longest / cell > kMostCells)
+    throw ArgumentError(fmt::format("cell {} is too small for a box of {} × {} × {}: at most {} cells along a side",
+                                    cell, size.x, size.y, size.z, kMostCells));
+  const double used = std::min(cell, longest / 2);
+  return {used, used, used};
+}
+
+void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
+  struct Sums {
+    double area = 0, volume = 0;
+  };
+  const Sums sums = parallel_reduce(
+      mesh.triangles.size(), 4096, Sums{},
+      [&](std::size_t first, std::size_t last) {
+        Sums s;
+        for (std::size_t t = first; t < last; ++t) {
+          const Vec3 a(mesh.vertices[mesh.triangles[t][0]]), b(mesh.vertices[mesh.triangles[t][1]]),
+              c(mesh.vertices[mesh.triangles[t][2]]);
+          s.area += norm(cross(b - a, c - a)) / 2;
+          s.volume += dot(a, cross(b, c)) / 6;
+        }
+        return s;
+      },
+      [](const Sums& a, const Sums& b) {
+        return Sums{a.area + b.area, a.volume + b.volume};
+      });
+  report.area = sums.area, report.volume = sums.volume;
+  const MeshTopology topology = measure_topology(mesh);
+  report.components = topology.components;
+  report.closed = topology.closed();
+}
+
+struct Blocks {
+  BlockTree tree;
+  double cell;  ///< edge of the smallest
+};
+
+/// Blocks as small as thin parts want them, or nearly, if those are not too many and small enough to show such parts.
+Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
+                         CreaseBlockOptions sizes, Progress& progress) {
+  for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)
+    if (std::optional<BlockTree> tree = crease_blocks(field, box, sizes, progress, kMostBlocks))
+      return {std::move(*tree), sizes.cell};
+  sizes.cell = cells.usual;
+  return {crease_blocks(field, box, sizes, progress), sizes.cell};
+}
+
+/// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
+Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
+
+TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const CsgMeshOptions& options,
+                     Progress& progress, CsgMeshReport* report) {
+  const double slope = field.slope_bound() ? *field.slope_bound() * kRounding : kLikelySlope;
+  const Reached reached = look_around(field, whole_box, slope);
+  const Box3& box = reached.box;
+  const double thickness = field.thickness();
+  const Cells cells = cells_of(reached, thickness, options);
+  PolygonizeOptions polygonize;
+  polygonize.simplify = options.simplify.value_or(kSimplify * cells.smooth);
+  polygonize.least_gain = options.simplify ? 0 : kLeastGain;
+  CreaseBlockOptions sizes;
+  sizes.smooth_cell = cells.smooth, sizes.slope = slope;
+  if (polygonize.simplify > 0) {
+    sizes.flat = kFlat * std::min(polygonize.simplify, kSimplify * cells.smooth);
+    polygonize.root_steps = kRootSteps;
+  }
+  auto [tree, cell] = affordable_blocks(field, box, cells, thickness, sizes, progress);
+
+  const bool too_thin = thickness < kLeastAcross * cell;
+  CsgMeshReport local;
+  CsgMeshReport& r = report ? *report : local;
+  r = {};
+  r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
+  TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
+  if (mesh.triangles.empty())
+    throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell) +
+                    (too_thin ? fmt::format(": parts are {:.3g} across", thickness) : ""));
+  MeshReport chosen;
+  detail::choose_components(mesh, options.components, {}, 0, chosen);
+  r.warnings = std::move(chosen.warnings);
+  if (too_thin)
+    r.warnings.push_back(
+        fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell));
+  measure(mesh, r);
+  return mesh;
+}
+
+}  // namespace
+
+void CsgMeshOptions::validate() const {
+  if (cell && resolution) throw ArgumentError("give the cell or the resolution, not both");
+  if (cell && !(*cell > 0 && std::isfinite(*cell)))
+    throw ArgumentError(fmt::format("cell {}: must be a positive length", *cell));
+  if (resolution && (*resolution < 4 || *resolution > kMostCells))
+    throw ArgumentError(fmt::format("resolution {}: must lie in 4..{}", *resolution, kMostCells));
+  if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
+    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", *simplify));
+  if (!box) return;
+  if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("box: corners must be finite");
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!(box->lower[k] < box->upper[k]))
+      throw ArgumentError(fmt::format("box: its lower corner must lie below its upper one, but {} >= {} in {}",
+                                      box->lower[k], box->upper[k], "xyz"[k]));
+}
+
+TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
+                      CsgMeshReport* report) {
+  options.validate();
+  const Box3 whole_box = box_of(solid, options);
+  if (!options.box) return mesh_of(solid, whole_box, options, progress, report);
+  const std::shared_ptr<const ScalarField> borrowed(std::shared_ptr<const void>(), &solid);
+  return mesh_of(cut_off(csg::leaf(borrowed), *options.box), whole_box, options, progress, report);
+}
+
+TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress, CsgMeshReport* report) {
+  options.validate();
+  const Box3 whole_box = box_of(solid, options);
+  return mesh_of(options.box ? cut_off(solid, *options.box) : solid, whole_box, options, progress, report);
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,51 @@
+// What is asked of a mesh, whatever field it is cut out of, and what became of it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+/// Which connected components of the surface are kept.
+struct ComponentChoice {
+  enum class Kind { automatic, all, count } kind = Kind::automatic;
+  int count = 1;  ///< for Kind::count: this many of the largest
+};
+
+/// All optional lengths are in the unit of the input; where absent they are derived from the field.
+struct MeshOptions {
+  std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
+  /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
+  std::optional<std::size_t> triangles;
+  std::optional<double> trim;  ///< cut the surface farther than this from any sample (length); 0 = choose from data
+  ComponentChoice components;
+  bool carry_colors = true;
+  bool enhance = true;  ///< few, well-shaped triangles: clustering, smoothing, simplification
+  /// Without `enhance`: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before it is cut out,
+  /// by up to α times a quarter of the local block edge.
+  double displacement = 0;
+  bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
+  std::optional<Box3> box;       ///< only what lies in this box (input coordinates), cut off straight and open there
+  /// Deepest level of the blocks that the surface is cut out of, kLeastDepth..kMostDepth: coarser.
+  std::optional<int> block_depth;
+
+  /// Throws ArgumentError naming the option.
+  void validate() const;
+};
+
+struct MeshReport {
+  std::size_t blocks = 0;                                      ///< leaf blocks
+  int depth = 0;                                               ///< deepest level of the block tree used
+  int components = 0;                                          ///< of the mesh written
+  double aspect_mean_before = 0, aspect_deviation_before = 0;  ///< aspect ratio of the unenhanced mesh
+  double aspect_mean = 0, aspect_deviation = 0;
+  double mesh_error = 0;  ///< distance between mesh and surface aimed at (length)
+  std::vector<std::string> warnings;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,182 @@
+#include "sansmesh/meshing/mesh_steps.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/points/sample_colors.h"
+
+namespace sansmesh::detail {
+namespace {
+
+/// Components go, unless all are asked for, that are small, or whose samples stand for less than this share of their
+/// own area (a part may well be scanned more sparsely than others).
+constexpr double kSupported = 0.02;
+/// Samples that are enough to tell the components' shares.
+constexpr std::size_t kSupportSamples = 100000;
+/// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
+/// asked for.
+constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8;
+/// By default a large mesh is left alone of which fewer than this share of the vertices could go at first: one that is
+/// fine because the surface bends everywhere. Simplifying it would take as long as all the rest.
+constexpr double kLeastGain = 0.35;
+constexpr std::size_t kManyBlocks = 100000;
+
+std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+/// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
+std::vector<double> supported_area(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points,
+                                   double spacing) {
+  const std::size_t stride = 1 + points.size() / kSupportSamples;
+  const Vec3f shift(points.origin - mesh.origin);
+  const std::vector<std::size_t> nearest =
+      count_nearest(mesh, components, (points.size() + stride - 1) / stride,
+                    [&](std::size_t i) { return points.positions[i * stride] + shift; });
+  std::vector<double> area(components.size());
+  for (std::size_t c = 0; c < area.size(); ++c) area[c] = static_cast<double>(nearest[c] * stride) * spacing * spacing;
+  return area;
+}
+
+}  // namespace
+
+std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
+                                       const std::function<Vec3f(std::size_t)>& at) {
+  std::vector<std::uint32_t> of_vertex(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t v : mesh.triangles[i]) of_vertex[v] = components.of_triangle[i];
+  const KdTree vertices(mesh.vertices);
+  std::vector<std::uint32_t> nearest(n);
+  parallel_for(0, n, 1024, [&](std::size_t i) {
+    const auto found = vertices.nearest(at(i));
+    nearest[i] = found ? of_vertex[found->index] : 0;
+  });
+  std::vector<std::size_t> count(components.size(), 0);
+  for (const std::uint32_t c : nearest) ++count[c];
+  return count;
+}
+
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
+                       MeshReport& report) {
+  const MeshComponents components = find_components(mesh);
+  const std::size_t count = components.size();
+  report.components = static_cast<int>(count);
+  if (choice.kind == ComponentChoice::Kind::all || count < 2) return;
+
+  std::vector<double> supported = components.area;
+  if (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0])
+    supported = supported_area(mesh, components, points, spacing);
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return supported[a] > supported[b]; });
+  std::size_t kept = 0;
+  std::vector<std::uint8_t> chosen(count, 0);
+  for (const std::uint32_t k : order) {
+    const bool automatic = choice.kind == ComponentChoice::Kind::automatic;
+    if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
+    if (automatic && kept > 0 &&
+        (supported[k] < kSmallComponent * supported[order[0]] || supported[k] < kSupported * components.area[k]))
+      continue;
+    chosen[k] = 1;
+    ++kept;
+  }
+  report.components = static_cast<int>(kept);
+  if (kept == count) return;
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = chosen[components.of_triangle[i]];
+  keep_triangles(mesh, keep);
+  if (choice.kind == ComponentChoice::Kind::automatic)
+    report.warnings.push_back(counted(count - kept, "component") +
+                              " too small or too far from the samples left out (--components all keeps them)");
+}
+
+void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples) {
+  mesh.colors.resize(mesh.vertices.size());
+  parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
+    const Vec3 color = mean_color(samples, points.colors, mesh.vertices[v]);
+    for (std::size_t c = 0; c < 3; ++c)
+      mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(color[c] + 0.5, 0.0, 255.0));
+  });
+}
+
+std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit) {
+  std::vector<std::uint8_t> near(mesh.vertices.size());
+  const auto limit2 = static_cast<float>(limit * limit);
+  parallel_for(0, near.size(), 2048, [&](std::size_t v) {
+    const auto found = samples.nearest(mesh.vertices[v]);
+    near[v] = found && found->squared_distance <= limit2;
+  });
+  return near;
+}
+
+void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near) {
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    keep[i] = near[t[0]] && near[t[1]] && near[t[2]];
+  }
+  keep_triangles(mesh, keep);
+  separate_fans(mesh);
+}
+
+PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases) {
+  PolygonizeOptions meshing;
+  meshing.cluster = options.enhance;
+  meshing.smoothing_rounds = options.enhance ? meshing.smoothing_rounds : 0;
+  meshing.creases = creases;
+  meshing.displacement = options.displacement;
+  // Blocks have sizes in powers of two, and triangles of one size in every direction: only edge collapses give each
+  // place the triangles it needs. They cost more time than they save elsewhere, so by default only the cheap ones run;
+  // where a coarse mesh is asked for, it is made from a finer one.
+  if (options.enhance) {
+    meshing.simplify = (options.mesh_error ? kCoarseSimplify : kSimplify) * mesh_error;
+    meshing.triangles = options.triangles.value_or(0);
+  }
+  return meshing;
+}
+
+bool may_skip_simplification(std::size_t blocks, const MeshOptions& options) {
+  return blocks > kManyBlocks && !options.mesh_error && !options.triangles;
+}
+
+TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
+                     PolygonizeOptions meshing, Progress& progress, MeshReport& r) {
+  r.blocks = blocks.leaves().size();
+  if (may_skip_simplification(r.blocks, options)) meshing.least_gain = kLeastGain;
+  if (options.measure_quality) {
+    PolygonizeOptions plain = meshing;
+    plain.cluster = false;
+    plain.creases = false;
+    plain.smoothing_rounds = 0;
+    plain.simplify = 0;
+    plain.triangles = 0;
+    plain.displacement = 0;
+    const MeshQuality before = measure_quality(polygonize(field, blocks, {}, plain, progress));
+    r.aspect_mean_before = before.aspect_mean;
+    r.aspect_deviation_before = before.aspect_deviation;
+  }
+  return polygonize(field, blocks, {}, meshing, progress);
+}
+
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options,
+                 MeshReport& r) {
+  choose_components(mesh, options.components, points, spacing, r);
+  if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
+  if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
+  if (options.measure_quality) {
+    const MeshQuality after = measure_quality(mesh);
+    r.aspect_mean = after.aspect_mean;
+    r.aspect_deviation = after.aspect_deviation;
+  }
+}
+
+void to_input(TriangleMesh& mesh, const Vec3& origin, double unit) {
+  for (Vec3f& v : mesh.vertices) v *= static_cast<float>(unit);
+  mesh.origin = origin;
+}
+
+}  // namespace sansmesh::detail

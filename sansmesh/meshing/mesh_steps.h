@@ -1,0 +1,54 @@
+// The steps from a field to a finished mesh that the front doors share; not part of the public interface.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sansmesh/mesh/components.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh::detail {
+
+/// Components of a mesh are small whose samples (or, without samples, whose area) are less than this share of those of
+/// the largest one.
+constexpr double kSmallComponent = 0.015;
+
+/// How to cut a mesh out that is `mesh_error` (length of the field) off in the mean.
+PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases);
+
+/// Whether cut_out leaves a mesh of so many blocks alone that simplification would gain little for.
+bool may_skip_simplification(std::size_t blocks, const MeshOptions& options);
+
+/// For each component the number of places nearest to it: at(i), relative to the mesh's origin, for i < n.
+std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
+                                       const std::function<Vec3f(std::size_t)>& at);
+
+/// Cuts it out; fills in the number of blocks and, if asked for, the quality before enhancement.
+TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
+                     PolygonizeOptions meshing, Progress& progress, MeshReport& r);
+
+/// 1 for the vertices that have a sample within `limit`.
+std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit);
+
+/// Cuts the surface where vertices are not `near`.
+void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near);
+
+/// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
+/// counts is the area that samples stand for; automatically, components go that have little of it.
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
+                       MeshReport& report);
+
+/// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
+void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples);
+
+/// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options, MeshReport& r);
+
+/// Back from the coordinates of a prepared cloud.
+void to_input(TriangleMesh& mesh, const Vec3& origin, double unit);
+
+}  // namespace sansmesh::detail

@@ -1,0 +1,190 @@
+#include "sansmesh/model/sample_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/poisson_discs.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kBatch = 1024;
+/// New points around the samples from which the even ones are chosen, over those wanted.
+constexpr double kSpare = 5;
+/// Share of a ball's radius within which they lie: no holes between samples at random, and not far beyond borders.
+constexpr double kCore = 0.65;
+constexpr double kGoldenAngle = 2.399963229728653;
+
+struct Foot {
+  Vec3 position, normal;
+  bool found = false;
+};
+
+/// Down the gradient until a step is short.
+void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance, int steps, std::span<Foot> feet) {
+  std::vector<Vec3> at(x.begin(), x.end()), g(x.size());
+  std::vector<double> f(x.size());
+  std::vector<std::uint8_t> inside(x.size());
+  for (int k = 0; k <= steps; ++k) {
+    field.evaluate_in_domain(at, f, g, inside);
+    double longest = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double slope2 = squared_norm(g[i]);
+      const Vec3 move = slope2 > 1e-6 ? g[i] * (-f[i] / slope2) : Vec3{};
+      feet[i] = {at[i], normalized(g[i]), inside[i] != 0 && slope2 > 1e-6};
+      if (k < steps && feet[i].found) at[i] += move, longest = std::max(longest, norm(move));
+    }
+    if (longest <= tolerance) break;
+  }
+}
+
+/// All of x onto the surface, in parallel.
+std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, const ProjectToSurface& options,
+                          Progress& progress) {
+  const double tolerance = options.tolerance * model.report().spacing / model.unit();
+  std::vector<Foot> feet(x.size());
+  const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
+  progress.begin("project", batches);
+  parallel_for(0, batches, 1, [&](std::size_t b) {
+    const std::size_t first = b * kBatch, count = std::min(kBatch, x.size() - first);
+    const auto part = x.subspan(first, count);
+    const auto out = std::span<Foot>(feet).subspan(first, count);
+    if (model.projection()) {
+      std::vector<FootPoint> found(count);
+      project_to_fixed_point(*model.projection(), part, tolerance, options.steps, found);
+      for (std::size_t i = 0; i < count; ++i) out[i] = {found[i].position, found[i].normal, found[i].defined};
+    } else {
+      descend(model.field(), part, tolerance, options.steps, out);
+    }
+    progress.advance();
+  });
+  progress.finish();
+  if (model.normals() == nullptr) return feet;
+  std::vector<Vec3> at(x.size()), normals(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) at[i] = feet[i].position, normals[i] = feet[i].normal;
+  model.normals()->refine(at, normals);
+  for (std::size_t i = 0; i < x.size(); ++i) feet[i].normal = normals[i];
+  return feet;
+}
+
+}  // namespace
+
+void ProjectToSurface::validate() const {
+  if (steps < 1 || steps > 1000) throw ArgumentError("steps must lie in 1..1000");
+  if (!(tolerance >= 1e-6 && tolerance <= 1)) throw ArgumentError("tolerance must lie in 1e-6..1");
+}
+
+PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
+                        Progress& progress, SurfaceProjection* report) {
+  options.validate();
+  const double unit = model.unit();
+  std::vector<Vec3> x(points.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = (points.origin - model.origin() + Vec3(points.positions[i])) * (1 / unit);
+  const std::vector<Foot> feet = feet_of(model, x, options, progress);
+
+  PointSet result = points;
+  result.triangles.clear();
+  result.normals.resize(points.size());
+  std::vector<std::uint8_t> gone(points.size(), 0);
+  SurfaceProjection local;
+  SurfaceProjection& r = report ? *report : local;
+  r = {};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!feet[i].found) {
+      gone[i] = 1;
+      ++r.left_out;
+      continue;
+    }
+    const double move = norm(feet[i].position - x[i]) * unit;
+    r.mean_move += move;
+    r.rms_move += move * move;
+    r.largest_move = std::max(r.largest_move, move);
+    result.positions[i] = Vec3f(feet[i].position * unit + model.origin() - points.origin);
+    result.normals[i] = Vec3f(feet[i].normal);
+    ++r.projected;
+  }
+  if (r.projected > 0) {
+    r.mean_move /= static_cast<double>(r.projected);
+    r.rms_move = std::sqrt(r.rms_move / static_cast<double>(r.projected));
+  }
+  remove_samples(result, gone);
+  return result;
+}
+
+PointSet resample_surface(const SurfaceModel& model, std::size_t count, const ProjectToSurface& options,
+                          Progress& progress, SurfaceProjection* report) {
+  options.validate();
+  if (count == 0) throw ArgumentError("the number of points must be at least 1");
+  // Candidates on a spiral around each sample, within its ball's core, that cover the surface several times over.
+  const BallUnion& balls = model.balls();
+  const std::size_t samples = balls.centers.size();
+  std::vector<Vec3> centers(balls.centers.begin(), balls.centers.end());
+  const std::vector<Foot> roots = feet_of(model, centers, options, progress);
+  // In proportion to the areas that the balls stand for: where samples are few, each needs more.
+  double squares = 0;
+  for (std::size_t i = 0; i < samples; ++i)
+    if (roots[i].found) squares += static_cast<double>(balls.radii[i]) * static_cast<double>(balls.radii[i]);
+  const double per_square = kSpare * static_cast<double>(count) / squares;
+  std::vector<Vec3> x;
+  for (std::size_t i = 0; i < samples; ++i) {
+    if (!roots[i].found) continue;
+    Vec3 t, b;
+    tangent_frame(roots[i].normal, t, b);
+    const double ball = static_cast<double>(balls.radii[i]), radius = kCore * ball;
+    const auto around = static_cast<std::size_t>(std::ceil(std::max(1.0, per_square * ball * ball)));
+    for (std::size_t k = 0; k < around; ++k) {
+      const double r = radius * std::sqrt(static_cast<double>(k) / static_cast<double>(around));
+      const double angle = kGoldenAngle * static_cast<double>(k) + static_cast<double>(i);
+      x.push_back(roots[i].position + t * (r * std::cos(angle)) + b * (r * std::sin(angle)));
+    }
+  }
+  std::vector<Foot> feet = feet_of(model, x, options, progress);
+  std::erase_if(feet, [](const Foot& f) { return !f.found; });
+
+  // Poisson discs: each point keeps others out of its surroundings; the radius that leaves about `count` of them.
+  progress.begin("spread");
+  const double area = static_cast<double>(model.report().samples) * std::pow(model.report().spacing / model.unit(), 2);
+  double radius = std::sqrt(0.7 * area / static_cast<double>(count) * 4 / std::numbers::pi);
+  std::vector<Vec3> places;
+  places.reserve(feet.size());
+  for (const Foot& f : feet) places.push_back(f.position);
+  std::vector<std::uint32_t> kept;
+  double too_small = 0, too_large = 0;  // radii known to be so; 0: none is
+  for (int round = 0; round < 12; ++round) {
+    kept = poisson_discs(places, radius);
+    const double share = static_cast<double>(kept.size()) / static_cast<double>(count);
+    if (std::abs(share - 1) < 0.03 || (share < 1 && kept.size() == feet.size())) break;
+    (share > 1 ? too_small : too_large) = radius;
+    if (too_small > 0 && too_large > 0)
+      radius = std::sqrt(too_small * too_large);
+    else
+      radius *= std::sqrt(std::clamp(share, 0.3, 3.0));
+  }
+  PointSet result;
+  result.origin = model.origin();
+  std::vector<Vec3> chosen;
+  for (const std::uint32_t i : kept) {
+    chosen.push_back(feet[i].position);
+    result.positions.push_back(Vec3f(feet[i].position * model.unit()));
+    result.normals.push_back(Vec3f(feet[i].normal));
+  }
+  if (model.colors()) {
+    std::vector<Vec3f> colors(chosen.size());
+    model.colors()->evaluate(chosen, colors);
+    for (const Vec3f& c : colors) {
+      const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f))); };
+      result.colors.push_back({byte(c.x), byte(c.y), byte(c.z)});
+    }
+  }
+  if (report) *report = {.projected = result.size()};
+  progress.finish();
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,36 @@
+// Points on a meshless surface: others moved onto it, or new ones spread over it.
+#pragma once
+
+#include <cstddef>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/model/surface_model.h"
+
+namespace sansmesh {
+
+struct ProjectToSurface {
+  int steps = 10;           ///< at most, 1..1000
+  double tolerance = 1e-3;  ///< a shorter step, over the spacing of the samples, is the last, 1e-6..1
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct SurfaceProjection {
+  std::size_t projected = 0;
+  std::size_t left_out = 0;                              ///< outside of the domain of definition
+  double mean_move = 0, rms_move = 0, largest_move = 0;  ///< distances (length, unit of the input)
+};
+
+/// The points on the surface (by the projection, or down the gradient of an implicit one), with its normals; colours
+/// and other attributes stay. Points outside of the domain of definition are left out. Positions of points and model
+/// are world coordinates.
+PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
+                        Progress& progress, SurfaceProjection* report = nullptr);
+
+/// About `count` points spread evenly over the surface (Poisson discs), with normals and the samples' colours. More
+/// than there are samples: upsampling. Throws ArgumentError for count = 0.
+PointSet resample_surface(const SurfaceModel& model, std::size_t count, const ProjectToSurface& options,
+                          Progress& progress, SurfaceProjection* report = nullptr);
+
+}  // namespace sansmesh

@@ -1,0 +1,255 @@
+#include "sansmesh/model/surface_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/names.h"
+#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/points/denoise_normals.h"
+#include "sansmesh/points/sample_colors.h"
+#include "sansmesh/search/ball_tree.h"
+#include "sansmesh/surface/bilateral_normals.h"
+#include "sansmesh/surface/implicit_surface.h"
+#include "sansmesh/surface/projection_surface.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr const char* kPartition = "partition";
+/// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
+constexpr double kBlockReach = 0.4;
+/// Edge of a block over the spacing of the samples near it, for coarseness 1.
+constexpr double kBlockEdge = 1.4;
+constexpr int kDeepest = 13;
+
+bool is_one_of(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+ProjectionOptions::Diffusion diffusion_of(const std::string& name) {
+  using Diffusion = ProjectionOptions::Diffusion;
+  if (name == "none") return Diffusion::none;
+  if (name == "soft") return Diffusion::soft;
+  if (name == "hard") return Diffusion::hard;
+  throw ArgumentError("unknown diffusion '" + name + "': known are none, soft, hard");
+}
+
+/// The supports that the surface passes through.
+BallUnion support_balls(const PartitionOfUnity& partition) {
+  BallUnion balls;
+  std::vector<Vec3> centers;
+  for (const LocalFunction& f : partition.functions()) centers.emplace_back(f.center);
+  std::vector<double> values(centers.size());
+  partition.evaluate(centers, values);
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    const LocalFunction& f = partition.functions()[i];
+    if (std::abs(values[i]) > 1.2 * static_cast<double>(f.radius)) continue;
+    balls.centers.push_back(f.center);
+    balls.radii.push_back(f.radius);
+  }
+  return balls;
+}
+
+}  // namespace
+
+struct SurfaceModel::State {
+  PreparedCloud cloud;
+  SurfaceReport report;
+  std::optional<PartitionOfUnity> partition;
+  std::optional<ImplicitSurface> implicit;
+  std::optional<ProjectionSurface> projection;
+  std::optional<ProjectionField> projection_field;
+  const ScalarField* field = nullptr;  // of a projection: made when it is first asked for, which pictures never do
+  std::once_flag field_made;
+  std::optional<BilateralNormals> normals;
+  std::optional<FaceField> placement;
+  std::optional<SampleColors> colors;
+  BallUnion balls;
+  std::vector<float> spacing;  // of the samples at the balls' centres; empty for the partition
+
+  void make_field();
+  void use_partition();
+};
+
+/// What only polygonisers need: for a projection, a field that also knows on which side points are that are too far
+/// away to be projected; and where to put the vertices of sharp meshes.
+void SurfaceModel::State::make_field() {
+  if (projection) {
+    ImplicitOptions beyond;
+    beyond.method = ImplicitMethod::kolluri;
+    Progress unseen;
+    implicit = make_implicit_surface(projection->samples(), beyond, unseen);
+    projection_field.emplace(*projection, &*implicit);
+    field = &*projection_field;
+  }
+  if (normals) placement.emplace(*field, *normals);
+}
+
+void SurfaceModel::State::use_partition() {
+  field = &*partition;
+  balls = support_balls(*partition);
+  report.spacing = partition->report().spacing * cloud.unit;
+  report.noise = partition->report().noise * cloud.unit;
+}
+
+const std::vector<std::string>& surface_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{kPartition};
+    for (const auto* some : {&implicit_method_names(), &projection_method_names()})
+      all.insert(all.end(), some->begin(), some->end());
+    return all;
+  }();
+  return names;
+}
+
+void SurfaceOptions::validate() const {
+  if (!is_one_of(surface_names(), method)) {
+    throw ArgumentError("unknown surface '" + method + "': known are " + listed(surface_names()));
+  }
+  if (method == kPartition && (smoothing || width))
+    throw ArgumentError("smoothing and width mean nothing to the partition of unity, whose supports follow the data");
+  if (method != "amls" && (order || iterations))
+    throw ArgumentError("order and iterations belong to the surface amls, not to " + method);
+  if (method != "curvature" && diffusion != "none")
+    throw ArgumentError("diffusion belongs to the surface curvature, not to " + method);
+  diffusion_of(diffusion);
+  ImplicitOptions implicit;
+  implicit.smoothing = smoothing, implicit.width = width, implicit.order = order, implicit.iterations = iterations;
+  implicit.validate();
+}
+
+SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress) {
+  options.validate();
+  auto state = std::make_unique<SurfaceModel::State>();
+  state->cloud = prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
+  PointSet& cloud = state->cloud.points;
+  const double unit = state->cloud.unit;
+  SurfaceReport& report = state->report;
+  report.method = options.method;
+  report.samples = cloud.size();
+  // Estimates blur edges; normals that came with the samples may be exact, and are only worse for it.
+  if (options.sharp && options.method != kPartition && state->cloud.estimated_normals) {
+    progress.begin("denoise normals");
+    denoise_normals(cloud, {}, progress);
+  }
+  const auto width = options.width ? std::optional<double>(*options.width / unit) : std::nullopt;
+
+  const SurfaceSamples* samples = nullptr;
+  if (options.method == kPartition) {
+    state->partition = fit_partition_of_unity(cloud, {}, progress);
+    state->use_partition();
+  } else if (is_one_of(implicit_method_names(), options.method)) {
+    ImplicitOptions o;
+    o.method = implicit_method(options.method);
+    o.smoothing = options.smoothing, o.width = width, o.order = options.order, o.iterations = options.iterations;
+    o.separate_sheets = options.separate_sheets;
+    state->implicit = make_implicit_surface(prepare_samples(cloud, progress), o, progress);
+    state->field = &*state->implicit;
+    state->balls = state->implicit->balls();
+    samples = &state->implicit->samples();
+    report.smoothing = state->implicit->report().smoothing;
+    report.order = state->implicit->report().order;
+    report.iterations = state->implicit->report().iterations;
+  } else {
+    ProjectionOptions o;
+    o.method = projection_method(options.method);
+    o.smoothing = options.smoothing, o.width = width, o.separate_sheets = options.separate_sheets;
+    o.diffusion = diffusion_of(options.diffusion);
+    state->projection = make_projection_surface(prepare_samples(cloud, progress), o, progress);
+    state->balls = state->projection->balls();
+    samples = &state->projection->samples();
+    report.smoothing = state->projection->smoothing();
+  }
+  if (samples) {
+    state->spacing = samples->spacing;
+    report.spacing = samples->median_spacing * unit;
+    report.noise = samples->noise * unit;
+    if (options.sharp) {
+      state->normals.emplace(*samples, BilateralOptions{});
+    }
+  }
+  if (cloud.has_colors()) state->colors.emplace(cloud);
+  progress.finish();
+  return SurfaceModel(std::move(state));
+}
+
+SurfaceModel make_surface_model(SurfaceFunction function) {
+  auto state = std::make_unique<SurfaceModel::State>();
+  state->cloud.points = *function.samples;
+  state->cloud.origin = function.origin;
+  state->cloud.unit = function.unit;
+  state->report.method = kPartition;
+  state->report.samples = state->cloud.points.size();
+  state->partition = std::move(function.field);
+  state->use_partition();
+  if (state->cloud.points.has_colors()) state->colors.emplace(state->cloud.points);
+  return SurfaceModel(std::move(state));
+}
+
+SurfaceModel::SurfaceModel(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SurfaceModel::~SurfaceModel() = default;
+SurfaceModel::SurfaceModel(SurfaceModel&&) noexcept = default;
+SurfaceModel& SurfaceModel::operator=(SurfaceModel&&) noexcept = default;
+
+const Vec3& SurfaceModel::origin() const { return state_->cloud.origin; }
+double SurfaceModel::unit() const { return state_->cloud.unit; }
+const ScalarField& SurfaceModel::field() const {
+  std::call_once(state_->field_made, [&] { state_->make_field(); });
+  return *state_->field;
+}
+const NormalField* SurfaceModel::normals() const { return state_->normals ? &*state_->normals : nullptr; }
+const ScalarField* SurfaceModel::placement() const {
+  field();
+  return state_->placement ? &*state_->placement : nullptr;
+}
+const Projection* SurfaceModel::projection() const { return state_->projection ? &*state_->projection : nullptr; }
+const BallUnion& SurfaceModel::balls() const { return state_->balls; }
+const PointSet& SurfaceModel::points() const { return state_->cloud.points; }
+const ColorField* SurfaceModel::colors() const { return state_->colors ? &*state_->colors : nullptr; }
+const SurfaceReport& SurfaceModel::report() const { return state_->report; }
+const std::vector<std::string>& SurfaceModel::warnings() const { return state_->cloud.warnings; }
+
+BlockTree SurfaceModel::blocks(double coarseness) const {
+  if (!(coarseness > 0)) throw ArgumentError("coarseness must be positive");
+  const BallUnion& balls = state_->balls;
+  std::vector<float> radii = balls.radii;
+  for (float& r : radii) r *= static_cast<float>(kBlockReach);
+  // Of the partition, the supports themselves tell how fine it is: about four blocks across.
+  const auto spacing = [&](std::uint32_t i) {
+    return static_cast<double>(state_->spacing.empty() ? balls.radii[i] / 4 : state_->spacing[i]);
+  };
+  const BallTree near(balls.centers, radii);
+  const Box3 box = field().bounds();
+  const Vec3 size = box.size();
+  const double edge = 1.02 * std::max({size.x, size.y, size.z});
+  const Vec3 middle = box.center();
+  BlockTree tree(middle - Vec3{edge, edge, edge} * 0.5, edge);
+  std::vector<std::size_t> stack{0};
+  std::vector<std::uint32_t> touched;
+  while (!stack.empty()) {
+    const std::size_t block = stack.back();
+    stack.pop_back();
+    const double e = tree.block_edge(block);
+    if (tree[block].level >= kDeepest) continue;
+    const Vec3 center = tree.block_center(block), half = Vec3{e, e, e} * 0.5;
+    near.touching({Vec3f(center - half), Vec3f(center + half)}, touched);
+    if (touched.empty()) continue;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : touched) least = std::min(least, spacing(i));
+    if (e <= kBlockEdge * coarseness * least) continue;
+    const std::size_t first = tree.subdivide(block);
+    for (std::size_t k = 0; k < 8; ++k) stack.push_back(first + k);
+  }
+  return tree;
+}
+
+std::vector<Vec3> SurfaceModel::seeds() const {
+  if (state_->partition) return state_->partition->seeds();
+  return {state_->balls.centers.begin(), state_->balls.centers.end()};
+}
+
+}  // namespace sansmesh

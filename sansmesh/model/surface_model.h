@@ -1,0 +1,101 @@
+// From samples to a surface that is never meshed, by name: what pictures are taken of, points are projected onto and,
+// where a mesh is wanted after all, it is cut out of.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/field/ball_union.h"
+#include "sansmesh/field/color_field.h"
+#include "sansmesh/field/normal_field.h"
+#include "sansmesh/field/projection.h"
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+/// All optional values follow from the data where absent. Lengths are in the unit of the input.
+struct SurfaceOptions {
+  /// partition (adaptive partition of unity); hoppe, adamson, kolluri, dey, extremal, apss, amls (implicit functions);
+  /// levin, alexa, curvature (projections).
+  std::string method = "apss";
+  std::optional<double> smoothing = {};  ///< width of the weights over the local spacing, 0.5..20; not for partition
+  std::optional<double> width = {};      ///< the same as one length for the whole cloud
+  std::optional<int> order = {};         ///< amls: 2, 4 or 6
+  std::optional<int> iterations = {};    ///< amls: 0..100
+  std::string diffusion = "none";        ///< curvature: none, soft or hard
+  bool separate_sheets = true;           ///< samples that look the other way than those nearby do not count
+  bool sharp = false;                    ///< normals turn sharply at edges and corners (bilateral normals)
+  FaceUse faces = FaceUse::automatic;
+  NormalUse normals = NormalUse::automatic;
+  bool remove_outliers = false;  ///< leave out samples that belong to no surface
+  /// Throws ArgumentError naming the option.
+  void validate() const;
+};
+
+/// Every name that SurfaceOptions::method may have, in the order of its comment.
+const std::vector<std::string>& surface_names();
+
+struct SurfaceReport {
+  std::string method;
+  double spacing = 0, noise = 0;  ///< of the samples (length, unit of the input)
+  double smoothing = 0;           ///< median width over the local spacing; 0 for partition
+  int order = 0, iterations = 0;  ///< amls
+  std::size_t samples = 0;
+};
+
+class SurfaceModel {
+ public:
+  ~SurfaceModel();
+  SurfaceModel(SurfaceModel&&) noexcept;
+  SurfaceModel& operator=(SurfaceModel&&) noexcept;
+
+  // Everything below is in the model's own coordinates: origin() + unit() · position is the place in the input.
+  const Vec3& origin() const;
+  double unit() const;
+
+  /// The surface as a field; for projections, the signed distance to the foot point.
+  const ScalarField& field() const;
+  /// Better normals than those of the field; null unless sharp ones were asked for.
+  const NormalField* normals() const;
+  /// For placing the vertices of a mesh, where another field than field() is better; else null.
+  const ScalarField* placement() const;
+  /// Null unless the surface is defined by a projection.
+  const Projection* projection() const;
+  /// Where the surface can be.
+  const BallUnion& balls() const;
+  const PointSet& points() const;
+  /// The samples' colours, interpolated; null where they have none.
+  const ColorField* colors() const;
+  const SurfaceReport& report() const;
+  const std::vector<std::string>& warnings() const;
+
+  /// Blocks for polygonisation: as fine as the samples near them, times `coarseness` (> 0).
+  BlockTree blocks(double coarseness) const;
+  /// Points near the surface from which it can be followed.
+  std::vector<Vec3> seeds() const;
+
+  struct State;  ///< internal
+
+ private:
+  friend SurfaceModel make_surface_model(PointSet, const SurfaceOptions&, Progress&);
+  friend SurfaceModel make_surface_model(SurfaceFunction);
+  explicit SurfaceModel(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Cleans and orients the samples (prepare_cloud) and makes the surface. Throws ArgumentError for bad options,
+/// DataError where the points do not make a surface.
+SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress);
+
+/// The same of a function that was fitted before: the surface "partition".
+SurfaceModel make_surface_model(SurfaceFunction function);
+
+}  // namespace sansmesh

@@ -1,0 +1,147 @@
+#include "sansmesh/points/prepare_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/points/clean_samples.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/outliers.h"
+#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/spacing.h"
+
+namespace sansmesh {
+namespace {
+
+/// A local fit takes this many samples.
+constexpr std::size_t kFewest = 9;
+/// Samples of the faces of a mesh whose vertices are not enough.
+constexpr std::size_t kFaceSamples = 400000;
+
+std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
+
+void clean(PointSet& points, std::vector<std::string>& warnings) {
+  const std::size_t given = points.size();
+  const SampleCleaning cleaned = clean_samples(points);
+  const auto warn = [&](std::size_t n, const char* why) {
+    if (n > 0) warnings.push_back(counted(n, "sample") + " left out: " + why);
+  };
+  warn(cleaned.non_finite, "position or normal not finite");
+  warn(cleaned.far_away, "far away from all others");
+  warn(cleaned.duplicates, "at the position of another sample");
+  if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
+}
+
+/// Works in a unit in which the cloud is about 1 large, a power of two so that nothing is rounded: squares and sixth
+/// powers of lengths then stay within float whatever the unit of the input.
+double normalise(PointSet& points) {
+  const Vec3f size = bounds(points).size();
+  const double unit = std::exp2(std::ceil(std::log2(static_cast<double>(std::max({size.x, size.y, size.z})))));
+  const auto factor = static_cast<float>(1 / unit);
+  for (Vec3f& p : points.positions) p *= factor;
+  for (Vec3f& p : points.scanners) p *= factor;
+  points.origin = {};
+  return unit;
+}
+
+void check_shape(const PointSet& points) {
+  if (points.size() < kFewest)
+    throw DataError("only " + counted(points.size(), "point") + ": at least " + std::to_string(kFewest) +
+                    " are needed");
+  switch (classify_shape(points)) {
+    case CloudShape::empty:
+      throw DataError("no finite points");
+    case CloudShape::point:
+      throw DataError("all points coincide: there is no surface to reconstruct");
+    case CloudShape::line:
+      throw DataError("all points lie on one line: there is no surface to reconstruct");
+    case CloudShape::plane:
+      throw DataError("all points lie in one plane: a closed surface cannot be reconstructed");
+    case CloudShape::volume:
+      break;
+  }
+}
+
+/// Faces as samples where the vertices are not enough, and as the source of normals.
+void use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
+  if (points.triangles.empty() || faces == FaceUse::ignore) return;
+  const bool forced = faces == FaceUse::sample;
+  if (forced || !vertices_suffice(points)) {
+    PointSet samples = sample_faces(points, kFaceSamples);
+    if (samples.size() == 0) return;
+    points = std::move(samples);
+    if (!forced) warnings.push_back("its vertices alone are too sparse: its faces were sampled instead");
+  } else if (!points.has_normals()) {
+    set_normals_from_faces(points);
+  }
+}
+
+/// Returns whether the normals were estimated.
+bool prepare_normals(PointSet& points, NormalUse choice, Progress& progress, std::vector<std::string>& warnings) {
+  if (choice == NormalUse::as_given) {
+    if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
+    return false;
+  }
+  if (choice == NormalUse::estimate) points.normals.clear();
+  bool estimated = false;
+  NormalOptions estimation;
+  OrientationOptions orientation;
+  progress.begin("check normals");
+  switch (check_orientation(points)) {
+    case OrientationCheck::oriented:
+      return false;
+    case OrientationCheck::inward:
+      warnings.push_back("the normals point inward: turned round");
+      for (Vec3f& n : points.normals) n = -n;
+      return false;
+    case OrientationCheck::missing:
+      progress.begin("estimate normals");
+      estimation.spacing = estimate_spacing(points);
+      estimation.noise = orientation.noise = estimate_noise(points);
+      estimate_normals(points, estimation, progress);
+      estimated = true;
+      break;
+    case OrientationCheck::unoriented:
+      warnings.push_back("the normals are not oriented consistently: oriented anew");
+      break;
+  }
+  progress.begin("orient normals");
+  orient_normals(points, orientation, progress);
+  return estimated;
+}
+
+}  // namespace
+
+PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress) {
+  PreparedCloud result;
+  progress.begin("check samples");
+  clean(points, result.warnings);
+  use_faces(points, faces, result.warnings);
+  check_shape(points);
+  result.origin = points.origin;
+  result.unit = normalise(points);
+  result.points = std::move(points);
+  return result;
+}
+
+PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress) {
+  PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
+  if (use.remove_outliers) {
+    progress.begin("find outliers");
+    const std::vector<std::uint8_t> outliers = find_outliers(result.points, {}, progress);
+    const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
+    if (count > 0) {
+      remove_samples(result.points, outliers);
+      check_shape(result.points);
+      result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
+    }
+  }
+  result.estimated_normals = prepare_normals(result.points, use.normals, progress, result.warnings);
+  return result;
+}
+
+}  // namespace sansmesh

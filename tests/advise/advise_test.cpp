@@ -1,0 +1,171 @@
+#include "sansmesh/advise/advise.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "support/clouds.h"
+
+namespace sansmesh {
+namespace {
+
+using Aim = Recommendation::Aim;
+
+Advice ask(const PointSet& cloud, const std::string& input = "scan.ply") {
+  Progress progress;
+  return advise(cloud, progress, input);
+}
+
+/// The command for this aim; empty if none is recommended.
+std::string command(const Advice& advice, Aim aim) {
+  for (const Recommendation& r : advice.recommendations)
+    if (r.aim == aim) return r.commands.at(0);
+  return "";
+}
+
+bool says(const Advice& advice, const std::string& words) {
+  return std::any_of(advice.findings.begin(), advice.findings.end(),
+                     [&](const std::string& f) { return f.find(words) != std::string::npos; });
+}
+
+TEST(Advise, SeesTheEdgesOfACube) {
+  for (const std::size_t n : {3000u, 20000u}) {
+    const Advice advice = ask(test::cube(n));
+    // 12 edges of 2, the diagonal 2 √3.
+    EXPECT_NEAR(advice.traits.crease_length, 6.9, 3) << n;
+    EXPECT_TRUE(says(advice, "sharp edges:")) << n;
+    EXPECT_FALSE(says(advice, "borders"));
+    EXPECT_NE(command(advice, Aim::picture).find("--sharp"), std::string::npos) << n;
+    EXPECT_NE(command(advice, Aim::mesh).find("reconstruct scan.ply"), std::string::npos);
+    EXPECT_EQ(command(advice, Aim::mesh).find("--surface"), std::string::npos) << "the partition has creases itself";
+    EXPECT_EQ(command(advice, Aim::mesh).find("--remove-outliers"), std::string::npos);
+  }
+}
+
+TEST(Advise, SeesNothingWrongWithACleanSphere) {
+  const Advice advice = ask(test::sphere(20000));
+  EXPECT_NEAR(advice.traits.spacing, std::sqrt(4 * std::numbers::pi / 20000), 0.1 * advice.traits.spacing);
+  EXPECT_LT(advice.traits.noise_ratio(), 0.02);
+  EXPECT_LT(advice.traits.density_ratio, 1.3);
+  EXPECT_EQ(advice.traits.outliers, 0);
+  EXPECT_EQ(advice.traits.creases, 0);
+  EXPECT_EQ(advice.traits.borders, 0);
+  EXPECT_EQ(advice.findings.size(), 1u) << "that there is no noise";
+  EXPECT_EQ(advice.recommendations.front().aim, Aim::mesh);
+  EXPECT_EQ(command(advice, Aim::picture).find("--sharp"), std::string::npos);
+  EXPECT_EQ(command(advice, Aim::points), "") << "nothing to smooth";
+}
+
+TEST(Advise, SmoothsNoise) {
+  const std::size_t n = 20000;
+  const double spacing = std::sqrt(4 * std::numbers::pi / static_cast<double>(n));
+  for (const double ratio : {0.25, 0.8}) {
+    const Advice advice = ask(test::sphere(n, ratio * spacing));
+    EXPECT_NEAR(advice.traits.noise_ratio(), ratio, 0.3 * ratio);
+    EXPECT_TRUE(says(advice, "noisy")) << ratio;
+    EXPECT_FALSE(says(advice, "sharp edges:")) << ratio;
+    EXPECT_FALSE(says(advice, "borders")) << ratio;
+    EXPECT_NE(command(advice, Aim::points).find("project scan.ply -o smooth.ply --method apss"), std::string::npos);
+    EXPECT_NE(command(advice, Aim::curvature).find("curvature scan.ply"), std::string::npos) << ratio;
+  }
+}
+
+TEST(Advise, CleansStraySamplesFirst) {
+  PointSet cloud = test::sphere(20000);
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<float> uniform(-2, 2);
+  for (int i = 0; i < 200; ++i) {
+    cloud.positions.push_back({uniform(generator), uniform(generator), uniform(generator)});
+    cloud.normals.push_back({0, 0, 1});
+  }
+  const Advice advice = ask(cloud);
+  EXPECT_GT(advice.traits.outliers, 0.006);
+  EXPECT_LT(advice.traits.outliers, 0.011);
+  EXPECT_TRUE(says(advice, "stray"));
+  EXPECT_NE(command(advice, Aim::mesh).find("--remove-outliers"), std::string::npos);
+  EXPECT_NE(command(advice, Aim::picture).find("--remove-outliers"), std::string::npos);
+  EXPECT_LT(advice.traits.noise_ratio(), 0.05) << "stray samples are no noise";
+}
+
+TEST(Advise, SaysWhatHappensToNormals) {
+  PointSet cloud = test::sphere(5000);
+  PointSet none = cloud, inward = cloud, mixed = cloud;
+  none.normals.clear();
+  for (Vec3f& n : inward.normals) n = -n;
+  for (std::size_t i = 0; i < mixed.size(); ++i)
+    if (mixed.positions[i].x > 0.2f && mixed.positions[i].y > 0) mixed.normals[i] = -mixed.normals[i];
+  EXPECT_FALSE(says(ask(cloud), "normals"));
+  EXPECT_TRUE(says(ask(none), "no normals"));
+  EXPECT_TRUE(says(ask(inward), "point inward"));
+  EXPECT_TRUE(says(ask(mixed), "not oriented consistently"));
+}
+
+TEST(Advise, SeesBorders) {
+  PointSet half;
+  const PointSet ball = test::sphere(20000);
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    if (ball.positions[i].y < 0) continue;
+    half.positions.push_back(ball.positions[i]);
+    half.normals.push_back(ball.normals[i]);
+  }
+  const Advice advice = ask(half);
+  EXPECT_NEAR(advice.traits.border_length, 2 * std::numbers::pi / 3, 1.2);  // diagonal of 2 × 1 × 2
+  EXPECT_TRUE(says(advice, "borders"));
+  EXPECT_NE(command(advice, Aim::mesh).find("--trim"), std::string::npos);
+}
+
+TEST(Advise, SeesUnevenSampling) {
+  PointSet uneven;
+  const PointSet ball = test::sphere(40000);
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    if (ball.positions[i].x < 0 && i % 36 != 0) continue;
+    uneven.positions.push_back(ball.positions[i]);
+    uneven.normals.push_back(ball.normals[i]);
+  }
+  const Advice advice = ask(uneven);
+  EXPECT_GT(advice.traits.density_ratio, 3.5);  // 6, but for the lines that every 36th sample of the spiral lies on
+  EXPECT_LT(advice.traits.density_ratio, 7);
+  EXPECT_TRUE(says(advice, "uneven"));
+  EXPECT_LT(ask(ball).traits.density_ratio, 1.3);
+}
+
+TEST(Advise, QuotesNamesForTheShell) {
+  const PointSet cloud = test::sphere(2000);
+  EXPECT_NE(command(ask(cloud, "my scan's.ply"), Aim::mesh).find(R"('my scan'\''s.ply')"), std::string::npos);
+  EXPECT_NE(command(ask(cloud, "a/b-1.ply"), Aim::mesh).find(" a/b-1.ply "), std::string::npos);
+}
+
+TEST(Advise, RefusesWhatIsNoSurface) {
+  PointSet few = test::sphere(8), flat, empty;
+  for (int i = 0; i < 400; ++i) flat.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 3});
+  EXPECT_THROW(ask(few), DataError);
+  EXPECT_THROW(ask(flat), DataError);
+  EXPECT_THROW(ask(empty), DataError);
+  for (const std::size_t n : {9u, 12u, 25u, 60u}) {
+    const Advice advice = ask(test::sphere(n));
+    EXPECT_TRUE(says(advice, "few samples")) << n;
+    EXPECT_TRUE(std::isfinite(advice.traits.density_ratio) && std::isfinite(advice.traits.crease_length)) << n;
+  }
+}
+
+TEST(Advise, DoesNotDependOnUnitOrThreads) {
+  const PointSet cloud = test::cube(8000);
+  PointSet large = cloud;
+  for (Vec3f& p : large.positions) p *= 1024.0f;
+  set_thread_count(1);
+  const Advice one = ask(cloud);
+  set_thread_count(0);
+  const Advice many = ask(cloud), scaled = ask(large);
+  EXPECT_EQ(one.findings, many.findings);
+  EXPECT_EQ(one.traits.crease_length, many.traits.crease_length);
+  EXPECT_EQ(one.findings, scaled.findings);
+  EXPECT_DOUBLE_EQ(1024 * one.traits.spacing, scaled.traits.spacing);
+}
+
+}  // namespace
+}  // namespace sansmesh

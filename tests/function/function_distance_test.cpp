@@ -1,0 +1,194 @@
+// Fitted functions as distances: shells and offsets have the walls and the parts that they should.
+#include "sansmesh/function/function_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/function/function_solid.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_csg.h"
+#include "support/clouds.h"
+#include "support/mesh_checks.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Fitted {
+  std::shared_ptr<const SurfaceFunction> function;
+  std::shared_ptr<const FunctionDistance> distance;
+
+  explicit Fitted(const PointSet& cloud) {
+    Progress progress;
+    function = std::make_shared<const SurfaceFunction>(fit_surface_function(cloud, {}, progress));
+    distance = std::make_shared<const FunctionDistance>(function, progress);
+  }
+};
+
+const Fitted& ball() {
+  static const Fitted all(test::sphere(4000));
+  return all;
+}
+const Fitted& ring() {
+  static const Fitted all(test::torus(6000));
+  return all;
+}
+const Fitted& owl() {
+  static const Fitted all(read_points(SANSMESH_SOURCE_DIR "/examples/data/owl.vtp"));
+  return all;
+}
+
+struct Meshed {
+  TriangleMesh mesh;
+  CsgMeshReport report;
+};
+
+Meshed meshed(const std::string& text, const Fitted& fitted, int resolution) {
+  Meshed m;
+  Progress progress;
+  const auto fails = [](const std::string&) -> Solid { throw std::logic_error("no distance asked for"); };
+  const Solid solid = parse_csg(text, fails, [&](const std::string&) { return csg::leaf(fitted.distance); });
+  m.mesh = mesh_csg(solid, {.resolution = resolution, .simplify = 0}, progress, &m.report);
+  EXPECT_TRUE(test::topology_of(m.mesh).closed_manifold()) << text;
+  return m;
+}
+
+/// How far vertices are, by `distance`, from the nearer of two levels: the farthest, or the farthest but for a share.
+template <class Distance>
+double off_walls(const TriangleMesh& mesh, double a, double b, Distance&& distance, double without = 0) {
+  std::vector<double> off;
+  for (const Vec3f& v : mesh.vertices) {
+    const double d = distance(mesh.origin + Vec3(v));
+    off.push_back(std::min(std::abs(d - a), std::abs(d - b)));
+  }
+  std::sort(off.begin(), off.end());
+  return off[static_cast<std::size_t>((1 - without) * static_cast<double>(off.size() - 1))];
+}
+
+double sphere_distance(const Vec3& x) { return norm(x) - 1; }
+
+TEST(FunctionDistance, ShellsOfASphere) {
+  for (const double t : {0.15, 0.6}) {
+    const Meshed inside = meshed("shell(a, " + std::to_string(t) + ", inside)", ball(), 28);
+    EXPECT_EQ(inside.report.components, 2u) << t;
+    EXPECT_NEAR(inside.report.volume / (4 * kPi / 3 * (1 - std::pow(1 - t, 3))), 1, 2e-3) << t;
+    EXPECT_LT(off_walls(inside.mesh, 0, -t, sphere_distance), 0.05 * inside.report.cell) << t;
+    const Meshed both = meshed("shell(a, " + std::to_string(t) + ")", ball(), 28);
+    EXPECT_EQ(both.report.components, 2u) << t;
+    EXPECT_LT(off_walls(both.mesh, -t / 2, t / 2, sphere_distance), 0.05 * both.report.cell) << t;
+  }
+}
+
+TEST(FunctionDistance, OffsetsOfASphere) {
+  for (const double d : {-0.7, -0.1, 0.1, 0.5}) {
+    const Meshed m = meshed("offset(a, " + std::to_string(d) + ")", ball(), 20);
+    EXPECT_EQ(m.report.components, 1u) << d;
+    EXPECT_NEAR(m.report.volume / (4 * kPi / 3 * std::pow(1 + d, 3)), 1, 4e-3) << d;
+    EXPECT_LT(off_walls(m.mesh, d, d, sphere_distance), 0.08 * m.report.cell) << d;
+  }
+}
+
+TEST(FunctionDistance, ShellOfATorus) {
+  const Meshed m = meshed("shell(a, 0.2, inside)", ring(), 36);
+  EXPECT_EQ(m.report.components, 2u);
+
+  EXPECT_EQ(measure_topology(m.mesh).euler, 0);
+  Progress progress;
+  const TriangleMesh surface = mesh_function(*ring().function, {}, progress);
+  const MeshDistance exact(surface);
+  const auto distance = [&](const Vec3& x) {
+    MeasuredPoint found;
+    exact.measure({&x, 1}, 10, {&found, 1});
+    return found.distance;
+  };
+  EXPECT_LT(off_walls(m.mesh, 0, -0.2, distance), 0.1 * m.report.cell);
+}
+
+TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
+  const Meshed shell = meshed("shell(a, 6, side=inside)", owl(), 64);
+  EXPECT_EQ(shell.report.components, 2u);
+  Progress progress;
+  const TriangleMesh surface = mesh_function(*owl().function, {}, progress);
+  const MeshDistance exact(surface);
+  const auto distance = [&](const Vec3& x) {
+    MeasuredPoint found;
+    exact.measure({&x, 1}, 1000, {&found, 1});
+    return found.distance;
+  };
+  // Inner walls have creases where the owl is thin, which the field does not know as such.
+  EXPECT_LT(off_walls(shell.mesh, 0, -6, distance, 0.02), 0.06 * shell.report.cell);
+  EXPECT_LT(off_walls(shell.mesh, 0, -6, distance), shell.report.cell);
+  for (const double d : {-10, 12}) {
+    const Meshed m = meshed("offset(a, " + std::to_string(d) + ")", owl(), 32);
+    EXPECT_EQ(m.report.components, 1u) << d;
+    EXPECT_LT(off_walls(m.mesh, d, d, distance, 0.02), 0.05 * m.report.cell) << d;
+    // Where the mesh folds its normals mislead about the side.
+    const auto to_that_side = [&](const Vec3& x) { return std::copysign(distance(x), static_cast<double>(d)); };
+    EXPECT_LT(off_walls(m.mesh, d, d, to_that_side), m.report.cell) << d;
+  }
+}
+
+TEST(FunctionDistance, IsADistanceWithItsGradientEverywhere) {
+  const FunctionDistance& f = *ball().distance;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1.6, 1.6);
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 x{uniform(random), uniform(random), uniform(random)};
+    if (norm(x) < 0.1) continue;
+    double value = 0, there = 0;
+    Vec3 gradient;
+    f.evaluate({&x, 1}, {&value, 1}, {&gradient, 1});
+    EXPECT_NEAR(value, norm(x) - 1, 5e-3);
+    EXPECT_GT(dot(gradient, normalized(x)), 0.95);
+    EXPECT_LT(norm(gradient), 1.1);
+    const Vec3 y = x + Vec3{3e-6, -2e-6, 1e-6};  // continuous
+    f.evaluate({&y, 1}, {&there, 1});
+    EXPECT_LT(std::abs(there - value), 2 * norm(y - x));
+  }
+}
+
+/// The cells of a function that shows more than a 256th of the diagonal follow it, and its smooth parts need no more
+/// than its own mesh.
+TEST(FunctionSolid, CellsFollowTheFunction) {
+  const Solid solid = csg::subtract(function_solid(owl().function), csg::half_space({0, 0, 1}, 40));
+  Progress progress;
+  CsgMeshReport own, usual;
+  const TriangleMesh mesh = mesh_csg(solid, {}, progress, &own);
+  mesh_csg(
+      csg::subtract(csg::place(csg::leaf(std::shared_ptr<const ScalarField>(owl().function, &owl().function->field)),
+                               owl().function->origin, owl().function->unit),
+                    csg::half_space({0, 0, 1}, 40)),
+      {}, progress, &usual);
+  EXPECT_TRUE(own.closed);
+  EXPECT_LE(own.cell, usual.cell);
+  EXPECT_GE(own.cell, usual.cell / 4.001);
+  EXPECT_LT(own.blocks, usual.blocks);
+  EXPECT_NEAR(own.volume / usual.volume, 1, 1e-3);
+}
+
+TEST(FunctionDistance, OnlyOffsetsAndShellsAskForIt) {
+  int plain = 0, far = 0;
+  const auto load = [](int& count) {
+    return [&count](const std::string&) {
+      ++count;
+      return csg::sphere({}, 1);
+    };
+  };
+  parse_csg("a | shell(translate(a - b, 1, 0, 0), 0.1) & offset(~a, 0.2) - b", load(plain), load(far));
+  EXPECT_EQ(plain, 2);
+  EXPECT_EQ(far, 2);
+  parse_csg("shell(a, 0.1) - offset(b, 1)", load(plain));
+  EXPECT_EQ(plain, 4);
+}
+
+}  // namespace
+}  // namespace sansmesh

@@ -1,0 +1,62 @@
+#include "sansmesh/mesh/components.h"
+
+#include <gtest/gtest.h>
+
+#include "support/mesh_checks.h"
+
+namespace sansmesh {
+namespace {
+
+/// A tetrahedron of edge about `size` at (x, 0, 0), appended.
+void add_tetrahedron(TriangleMesh& mesh, float x, float size) {
+  const auto o = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const Vec3f& p : {Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}}) {
+    mesh.vertices.push_back(p * size + Vec3f{x, 0, 0});
+    mesh.colors.push_back({static_cast<std::uint8_t>(x), 0, 0});
+  }
+  for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{0, 3, 2}})
+    mesh.triangles.push_back({o + t[0], o + t[1], o + t[2]});
+}
+
+TEST(Components, AreRankedByArea) {
+  TriangleMesh mesh;
+  add_tetrahedron(mesh, 0, 1);
+  add_tetrahedron(mesh, 5, 3);
+  add_tetrahedron(mesh, 20, 2);
+  const MeshComponents c = find_components(mesh);
+  ASSERT_EQ(c.size(), 3u);
+  EXPECT_GT(c.area[0], c.area[1]);
+  EXPECT_GT(c.area[1], c.area[2]);
+  EXPECT_EQ(c.of_triangle[0], 2u);
+  EXPECT_EQ(c.of_triangle[4], 0u);
+  EXPECT_EQ(c.of_triangle[8], 1u);
+}
+
+TEST(Components, KeepingSomeTrianglesKeepsTheirVerticesAndAttributes) {
+  TriangleMesh mesh;
+  add_tetrahedron(mesh, 0, 1);
+  add_tetrahedron(mesh, 5, 3);
+  std::vector<std::uint8_t> keep(8, 0);
+  for (std::size_t i = 4; i < 8; ++i) keep[i] = 1;
+  keep_triangles(mesh, keep);
+  ASSERT_EQ(mesh.vertices.size(), 4u);
+  ASSERT_EQ(mesh.colors.size(), 4u);
+  EXPECT_EQ(mesh.colors[0][0], 5);
+  EXPECT_TRUE(test::topology_of(mesh).closed_manifold());
+}
+
+TEST(Components, FansThatMeetInAVertexAreSeparated) {
+  TriangleMesh mesh;
+  add_tetrahedron(mesh, 0, 1);
+  add_tetrahedron(mesh, 5, 3);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t)
+      if (v == 4) v = 0;  // glue them at a vertex
+  ASSERT_EQ(test::topology_of(mesh).bad_vertices, 1u);
+  separate_fans(mesh);
+  EXPECT_TRUE(test::topology_of(mesh).closed_manifold());
+  EXPECT_EQ(find_components(mesh).size(), 2u);
+}
+
+}  // namespace
+}  // namespace sansmesh

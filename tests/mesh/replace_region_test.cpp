@@ -1,0 +1,148 @@
+// A region of a mesh replaced by that of another, where they differ.
+#include "sansmesh/mesh/replace_region.h"
+
+#include <algorithm>
+#include <random>
+
+#include "function/mesh_sets.h"
+#include "polygonize/mesh_shapes.h"
+
+namespace sansmesh {
+namespace {
+
+using namespace test;
+
+/// A flat lattice of n × n squares of edge 1; heights at its vertices.
+template <class Height>
+TriangleMesh lattice(std::uint32_t n, Height&& height, std::uint32_t from = 0) {
+  TriangleMesh mesh;
+  const std::uint32_t m = n + 1;
+  for (std::uint32_t y = 0; y < m; ++y)
+    for (std::uint32_t x = 0; x < m; ++x) {
+      const auto fx = static_cast<float>(x + from), fy = static_cast<float>(y + from);
+      mesh.vertices.push_back({fx, fy, height(fx, fy)});
+    }
+  for (std::uint32_t y = 0; y < n; ++y)
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t a = y * m + x;
+      mesh.triangles.push_back({a, a + 1, a + m});
+      mesh.triangles.push_back({a + 1, a + m + 1, a + m});
+    }
+  return mesh;
+}
+
+float flat(float, float) { return 0; }
+float hill(float x, float y) { return std::max(0.0f, 3.0f - norm(Vec3f{x - 10, y - 10, 0})); }
+const Box3f kHill{{6.5f, 6.5f, -1}, {13.5f, 13.5f, 4}};
+
+TEST(ReplaceRegion, TakesThePatchWhereTheyDiffer) {
+  TriangleMesh mesh = lattice(20, flat);
+  const TriangleMesh patch = lattice(14, hill, 3);
+  const RegionReplacement r = replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  EXPECT_TRUE(r.done);
+  EXPECT_EQ(r.agreement, 1);
+  EXPECT_EQ(r.removed, r.added);
+  EXPECT_GT(r.added, 20u);
+  EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(20, hill)));
+  const MeshTopology topology = measure_topology(mesh);
+  EXPECT_TRUE(topology.manifold() && topology.oriented());
+  EXPECT_EQ(topology.boundary_loops, 1u);
+  EXPECT_EQ(topology.vertices, 21u * 21u);
+  EXPECT_EQ(topology.unused_vertices, 0u);
+}
+
+TEST(ReplaceRegion, TakesNothingWhereTheyAgree) {
+  TriangleMesh mesh = lattice(20, hill);
+  const TriangleMesh before = mesh;
+  const RegionReplacement r = replace_region(mesh, lattice(14, hill, 3), {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  EXPECT_TRUE(r.done);
+  EXPECT_EQ(r.removed + r.added, 0u);
+  EXPECT_EQ(mesh.triangles, before.triangles);
+}
+
+TEST(ReplaceRegion, LeavesDifferencesAwayFromTheChange) {
+  // The patch differs at the hill, and at a bump elsewhere: that one is an accident of how it was made.
+  const auto bump = [](float x, float y) { return hill(x, y) + (x == 5 && y == 5 ? 0.5f : 0.0f); };
+  TriangleMesh mesh = lattice(20, flat);
+  const RegionReplacement r = replace_region(mesh, lattice(14, bump, 3), {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  EXPECT_TRUE(r.done);
+  EXPECT_LT(r.agreement, 1);
+  EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(20, hill)));
+}
+
+TEST(ReplaceRegion, FailsWhereAPieceReachesOut) {
+  const TriangleMesh before = lattice(20, flat);
+  const auto ridge = [](float x, float) { return x == 10 ? 1.0f : 0.0f; };
+  TriangleMesh mesh = before;
+  RegionReplacement r = replace_region(mesh, lattice(14, ridge, 3), {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  EXPECT_FALSE(r.done);
+  EXPECT_EQ(mesh.triangles, before.triangles);
+  EXPECT_EQ(mesh.vertices, before.vertices);
+  // A patch of something else.
+  r = replace_region(mesh,
+                     lattice(
+                         14, [](float, float) { return 0.3f; }, 3),
+                     {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  EXPECT_EQ(r.agreement, 0);
+  EXPECT_FALSE(r.done);
+  r = replace_region(mesh, {}, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  EXPECT_FALSE(r.done);
+  EXPECT_EQ(mesh.triangles, before.triangles);
+}
+
+TEST(ReplaceRegion, WholeComponents) {
+  // Two spheres, one of which goes; then comes back.
+  const TriangleMesh small = octasphere(2), both = joined(octasphere(3), small, {3, 0, 0});
+  const Box3f around{{1.9f, -1.1f, -1.1f}, {4.1f, 1.1f, 1.1f}}, sound{{1.5f, -2, -2}, {5, 2, 2}};
+  TriangleMesh mesh = both;
+  RegionReplacement r = replace_region(mesh, {}, sound, around, 1e-3f);
+  EXPECT_TRUE(r.done);
+  EXPECT_EQ(r.removed, small.triangles.size());
+  EXPECT_EQ(triangle_set(mesh), triangle_set(octasphere(3)));
+  r = replace_region(mesh, joined({}, small, {3, 0, 0}), sound, around, 1e-3f);
+  EXPECT_TRUE(r.done);
+  EXPECT_EQ(r.added, small.triangles.size());
+  EXPECT_EQ(triangle_set(mesh), triangle_set(both));
+  EXPECT_TRUE(measure_topology(mesh).closed());
+}
+
+TEST(ReplaceRegion, ToleratesRoundingButNotCoincidence) {
+  // Vertices a little off are the same, and each is the same as one only.
+  TriangleMesh mesh = lattice(20, flat);
+  TriangleMesh patch = lattice(14, hill, 3);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> uniform(-4e-4f, 4e-4f);
+  for (Vec3f& v : patch.vertices) v += Vec3f{uniform(random), uniform(random), uniform(random)};
+  EXPECT_TRUE(replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f).done);
+  const MeshTopology topology = measure_topology(mesh);
+  EXPECT_TRUE(topology.manifold() && topology.oriented());
+  EXPECT_EQ(topology.boundary_loops, 1u);
+
+  // Triangles smaller than the tolerance: no two of their vertices become one.
+  TriangleMesh fine = lattice(20, flat);
+  const RegionReplacement r = replace_region(fine, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1.5f);
+  const MeshTopology now = measure_topology(fine);
+  EXPECT_TRUE(!r.done || (now.manifold() && now.oriented() && now.degenerate_triangles == 0));
+}
+
+TEST(ReplaceRegion, AttributesComeAlong) {
+  TriangleMesh mesh = lattice(20, flat), patch = lattice(14, hill, 3);
+  mesh.normals.assign(mesh.vertices.size(), {0, 0, 1});
+  mesh.quality.assign(mesh.vertices.size(), 1);
+  mesh.colors.assign(mesh.vertices.size(), {1, 2, 3});
+  patch.normals.assign(patch.vertices.size(), {1, 0, 0});
+  patch.colors.assign(patch.vertices.size(), {9, 8, 7});  // and no quality
+  ASSERT_TRUE(replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f).done);
+  ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
+  ASSERT_EQ(mesh.quality.size(), mesh.vertices.size());
+  ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const bool is_new = mesh.vertices[v].z > 0;
+    EXPECT_EQ(mesh.normals[v], is_new ? (Vec3f{1, 0, 0}) : (Vec3f{0, 0, 1}));
+    EXPECT_EQ(mesh.colors[v][0], is_new ? 9 : 1);
+    EXPECT_EQ(mesh.quality[v], is_new ? 0 : 1);
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh

@@ -1,0 +1,166 @@
+#include "sansmesh/mesh/simplify.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "polygonize/mesh_shapes.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/mesh_topology.h"
+
+namespace sansmesh {
+namespace {
+
+TriangleMesh simplified(TriangleMesh mesh, double error, std::size_t triangles = 0) {
+  Progress progress;
+  simplify_mesh(mesh, {.error = error, .triangles = triangles}, progress);
+  return mesh;
+}
+
+SurfaceDistance distance(const TriangleMesh& a, const TriangleMesh& b) {
+  Progress progress;
+  return measure_distance(a, b, {.samples = 20000}, progress);
+}
+
+/// A cube of n × n × 6 quads with edge 2.
+TriangleMesh grid_cube(std::uint32_t n);
+
+TEST(Simplify, FlatPartsNeedFewTrianglesAndCreasesStay) {
+  const TriangleMesh cube = grid_cube(24);
+  const TriangleMesh few = simplified(cube, 1e-6);
+  const MeshTopology topology = measure_topology(few);
+  EXPECT_TRUE(topology.closed());
+  EXPECT_EQ(topology.genus(), 0);
+  EXPECT_LT(few.triangles.size(), cube.triangles.size() / 10);
+  EXPECT_NEAR(measure_quality(few).volume, 8, 1e-4);
+  EXPECT_LT(distance(cube, few).to_reference.max, 1e-5);
+}
+
+TEST(Simplify, StaysNearTheSurfaceAndWellShaped) {
+  const TriangleMesh ball = test::octasphere(6);
+  std::size_t last = ball.triangles.size();
+  for (const double error : {3e-4, 1e-3, 1e-2}) {
+    const TriangleMesh few = simplified(ball, error);
+    const SurfaceDistance d = distance(few, ball);
+    EXPECT_LT(few.triangles.size(), last);
+    EXPECT_LT(d.to_reference.mean, 2 * error);
+    EXPECT_LT(d.from_reference.mean, 2 * error);
+    EXPECT_TRUE(measure_topology(few).closed());
+    EXPECT_EQ(measure_topology(few).euler, 2);
+    last = few.triangles.size();
+  }
+  EXPECT_LT(measure_quality(simplified(ball, 1e-2)).aspect_mean, 1.7);
+}
+
+TEST(Simplify, ReachesTheNumberAskedFor) {
+  const TriangleMesh ring = test::torus_mesh(80, 40);
+  for (const std::size_t target : {3000u, 500u, 120u}) {
+    const TriangleMesh few = simplified(ring, 1e-7, target);
+    EXPECT_LE(few.triangles.size(), target);
+    EXPECT_GE(few.triangles.size() + 2, target);
+    EXPECT_TRUE(measure_topology(few).closed());
+    EXPECT_EQ(measure_topology(few).genus(), 1);
+  }
+}
+
+TEST(Simplify, IsDoneWhereThereAreFewEnough) {
+  const TriangleMesh ring = test::torus_mesh(40, 20);
+  const TriangleMesh same = simplified(ring, 1e-9, 100000);
+  EXPECT_EQ(same.triangles, ring.triangles);
+  EXPECT_EQ(simplified(ring, 1e-9, ring.triangles.size()).triangles.size(), ring.triangles.size());
+}
+
+TEST(Simplify, EndsWhereTopologyForbidsMore) {
+  const TriangleMesh ring = test::torus_mesh(20, 10);
+  const TriangleMesh few = simplified(ring, 1e-7, 4);
+  EXPECT_GE(few.triangles.size(), 14u) << "no torus has fewer";
+  EXPECT_EQ(measure_topology(few).genus(), 1);
+  EXPECT_TRUE(measure_topology(few).closed());
+}
+
+TEST(Simplify, LeavesBoundariesAlone) {
+  TriangleMesh open = test::octasphere(5);
+  std::erase_if(open.triangles, [&](const Triangle& t) { return open.vertices[t[0]][2] > 0.5f; });
+  const MeshTopology before = measure_topology(open);
+  const TriangleMesh few = simplified(open, 1e-2);
+  const MeshTopology after = measure_topology(few);
+  EXPECT_LT(few.triangles.size(), open.triangles.size() / 3);
+  EXPECT_EQ(after.boundary_edges, before.boundary_edges);
+  EXPECT_EQ(after.boundary_loops, before.boundary_loops);
+  EXPECT_TRUE(after.manifold());
+}
+
+TEST(Simplify, CarriesAttributes) {
+  TriangleMesh ball = test::octasphere(5);
+  ball.normals = ball.vertices;
+  for (const Vec3f& v : ball.vertices) {
+    ball.colors.push_back({static_cast<std::uint8_t>(127 + 120 * v[0]), 40, 0});
+    ball.quality.push_back(v[1]);
+  }
+  const TriangleMesh few = simplified(ball, 3e-3);
+  ASSERT_EQ(few.normals.size(), few.vertices.size());
+  ASSERT_EQ(few.colors.size(), few.vertices.size());
+  ASSERT_EQ(few.quality.size(), few.vertices.size());
+  for (std::size_t i = 0; i < few.vertices.size(); ++i) {
+    EXPECT_GT(dot(few.normals[i], normalized(few.vertices[i])), 0.98f);
+    EXPECT_NEAR(few.colors[i][0], 127 + 120 * few.vertices[i][0], 16);
+    EXPECT_EQ(few.colors[i][1], 40);
+    EXPECT_NEAR(few.quality[i], few.vertices[i][1], 0.12);
+  }
+}
+
+TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
+  // Large enough, and often enough, for collapses to run beside each other.
+  const TriangleMesh ring = test::torus_mesh(300, 200);
+  set_thread_count(1);
+  const TriangleMesh one = simplified(ring, 2e-3);
+  for (const int threads : {2, 8, 2, 8, 2, 8}) {
+    set_thread_count(threads);
+    const TriangleMesh many = simplified(ring, 2e-3);
+    ASSERT_EQ(one.vertices, many.vertices);
+    ASSERT_EQ(one.triangles, many.triangles);
+  }
+  set_thread_count(0);
+}
+
+TEST(Simplify, BadOptionsAndEmptyMeshes) {
+  TriangleMesh empty;
+  EXPECT_EQ(simplified(empty, 1).triangles.size(), 0u);
+  EXPECT_THROW(simplified(empty, 0), ArgumentError);
+  EXPECT_THROW(simplified(empty, -1), ArgumentError);
+  EXPECT_THROW(simplified(empty, std::nan("")), ArgumentError);
+}
+
+TriangleMesh grid_cube(std::uint32_t n) {
+  TriangleMesh mesh;
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> numbers;
+  const auto vertex = [&](std::array<std::uint32_t, 3> p) {
+    const auto [it, fresh] = numbers.try_emplace(p, static_cast<std::uint32_t>(mesh.vertices.size()));
+    const auto place = [&](std::uint32_t i) { return 2 * static_cast<float>(i) / static_cast<float>(n) - 1; };
+    if (fresh) mesh.vertices.push_back({place(p[0]), place(p[1]), place(p[2])});
+    return it->second;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const std::uint32_t side : {0u, n})
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+          const auto at = [&](std::uint32_t u, std::uint32_t v) {
+            std::array<std::uint32_t, 3> p{};
+            p[axis] = side, p[(axis + 1) % 3] = u, p[(axis + 2) % 3] = v;
+            return vertex(p);
+          };
+          std::uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+          if (side == 0) std::swap(b, d);
+          mesh.triangles.push_back({a, b, c});
+          mesh.triangles.push_back({a, c, d});
+        }
+  return mesh;
+}
+
+}  // namespace
+}  // namespace sansmesh

@@ -1,0 +1,337 @@
+// Every surface that can be had by name, from the samples to its mesh.
+#include "sansmesh/model/surface_model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/reconstruct.h"
+#include "support/clouds.h"
+
+namespace sansmesh {
+namespace {
+
+SurfaceModel model_of(const PointSet& cloud, const SurfaceOptions& options) {
+  Progress progress;
+  return make_surface_model(cloud, options, progress);
+}
+
+TriangleMesh mesh_of(const PointSet& cloud, const SurfaceOptions& surface, ReconstructReport* report = nullptr) {
+  ReconstructOptions options;
+  options.surface = surface;
+  Progress progress;
+  return reconstruct(cloud, options, progress, report);
+}
+
+SurfaceOptions named(const std::string& method) {
+  SurfaceOptions options;
+  options.method = method;
+  if (method == "amls") options.order = 4, options.iterations = 3;  // cross validation takes its time
+  return options;
+}
+
+double to_torus(const Vec3& p) { return std::hypot(std::hypot(p.x, p.y) - 1, p.z) - 0.35; }
+
+/// Mean and largest |distance(vertex)|.
+struct Off {
+  double mean = 0, largest = 0;
+};
+Off off(const TriangleMesh& mesh, const std::function<double(const Vec3&)>& distance) {
+  Off result;
+  for (const Vec3f& v : mesh.vertices) {
+    const double d = std::abs(distance(mesh.origin + Vec3(v)));
+    result.mean += d / static_cast<double>(mesh.vertices.size());
+    result.largest = std::max(result.largest, d);
+  }
+  return result;
+}
+
+/// One half of the sphere.
+PointSet bowl(std::size_t n) {
+  const PointSet ball = test::sphere(2 * n);
+  PointSet half;
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    if (ball.positions[i].x < 0) continue;
+    half.positions.push_back(ball.positions[i]);
+    half.normals.push_back(ball.normals[i]);
+  }
+  return half;
+}
+
+class EverySurface : public testing::TestWithParam<std::string> {
+ protected:
+  /// Steps at the borders between the samples' cells.
+  bool rough() const { return GetParam() == "hoppe"; }
+  /// Means of planes lie off by the bend of the surface within their width, which is large in dey's method.
+  bool of_planes() const { return GetParam() == "adamson" || GetParam() == "kolluri" || GetParam() == "extremal"; }
+  double accuracy() const { return GetParam() == "dey" ? 0.15 : of_planes() ? 0.05 : 0.025; }
+};
+
+TEST_P(EverySurface, OfASphereIsClosedAndClose) {
+  const PointSet cloud = test::sphere(2000);
+  ReconstructReport report;
+  const TriangleMesh mesh = mesh_of(cloud, named(GetParam()), &report);
+  const double spacing = std::sqrt(4 * std::numbers::pi / 2000);
+  EXPECT_NEAR(report.spacing, spacing, 0.1 * spacing);
+  const MeshTopology topology = measure_topology(mesh);
+  EXPECT_TRUE(topology.closed());
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.euler, 2);
+  const Off error = off(mesh, [](const Vec3& p) { return norm(p) - 1; });
+  EXPECT_LT(error.mean, accuracy() * spacing);
+  EXPECT_LT(error.largest, 2 * accuracy() * spacing + 0.05 * spacing);
+  ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
+  double turned = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    turned += 1 - dot(Vec3(mesh.normals[i]), normalized(Vec3(mesh.vertices[i])));
+  EXPECT_LT(turned / static_cast<double>(mesh.vertices.size()), 2e-3);
+}
+
+TEST_P(EverySurface, OfATorusAtRandomPlacesIsClosedAndClose) {
+  const PointSet cloud = test::torus(4000);
+  ReconstructReport report;
+  const TriangleMesh mesh = mesh_of(cloud, named(GetParam()), &report);
+  const double spacing = 2 * std::numbers::pi * std::sqrt(0.35 / 4000);
+  const MeshTopology topology = measure_topology(mesh);
+  if (!rough()) {
+    EXPECT_TRUE(topology.closed()) << topology.boundary_loops << " holes";
+    EXPECT_EQ(topology.genus(), 1);
+  }
+  EXPECT_EQ(topology.components, 1u);
+  const Off error = off(mesh, to_torus);
+  EXPECT_LT(error.mean, (rough() ? 0.1 : 0.03 + accuracy()) * spacing);
+  EXPECT_LT(error.largest, (rough() ? 0.8 : 0.5) * spacing);
+}
+
+TEST_P(EverySurface, EndsWhereTheSamplesEnd) {
+  const PointSet cloud = bowl(1200);
+  ReconstructReport report;
+  const TriangleMesh mesh = mesh_of(cloud, named(GetParam()), &report);
+  const MeshTopology topology = measure_topology(mesh);
+  if (GetParam() == "partition") {
+    EXPECT_TRUE(topology.closed()) << "the partition of unity closes what is open";
+    return;
+  }
+  EXPECT_TRUE(topology.manifold());
+  EXPECT_TRUE(topology.oriented());
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.boundary_loops, 1u);
+  EXPECT_EQ(topology.euler, 1) << "a disc";
+  const double reach = 3 * report.spacing;
+  float least = 1;
+  for (const Vec3f& v : mesh.vertices) least = std::min(least, v.x);
+  EXPECT_GT(least, -reach);
+  EXPECT_LT(least, 0.5 * report.spacing) << "all of it is there";
+}
+
+TEST_P(EverySurface, DoesNotDependOnPlaceAndUnit) {
+  const PointSet cloud = test::sphere(600, 0.003);
+  const TriangleMesh one = mesh_of(cloud, named(GetParam()));
+  const double edge = 2.0;
+  for (const float unit : {1000.0f, 1024.0f}) {
+    PointSet moved = cloud;
+    for (Vec3f& p : moved.positions) p *= unit;
+    moved.origin = {1e6, -1e6, 3e6};
+    ReconstructReport report;
+    const TriangleMesh other = mesh_of(moved, named(GetParam()), &report);
+    // Powers of two change nothing; others round, and a vertex may go to the other side of a decision.
+    if (unit == 1024) {
+      ASSERT_EQ(other.triangles, one.triangles);
+    } else {
+      EXPECT_NEAR(static_cast<double>(other.vertices.size()), static_cast<double>(one.vertices.size()),
+                  0.03 * static_cast<double>(one.vertices.size()));
+    }
+    EXPECT_TRUE(measure_topology(other).closed());
+    double worst = 0;
+    for (const Vec3f& v : other.vertices)
+      worst = std::max(worst, std::abs(norm((other.origin + Vec3(v) - moved.origin) / static_cast<double>(unit)) - 1));
+    EXPECT_LT(worst, 0.02 * edge) << unit;
+    if (unit == 1024) {
+      for (std::size_t i = 0; i < one.vertices.size(); ++i) {
+        const Vec3 there = (other.origin - moved.origin + Vec3(other.vertices[i])) / static_cast<double>(unit);
+        ASSERT_LT(norm(there - one.origin - Vec3(one.vertices[i])), 1e-5);
+      }
+    }
+    EXPECT_NEAR(report.spacing / static_cast<double>(unit), std::sqrt(4 * std::numbers::pi / 600), 0.02);
+  }
+}
+
+TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
+  PointSet cloud = test::sphere(3000);
+  for (Vec3f& p : cloud.positions) p = p * 200.0f;
+  cloud.origin = {5e5, 4e6, 300};
+  const SurfaceModel model = model_of(cloud, named(GetParam()));
+  EXPECT_EQ(model.report().method, GetParam());
+  EXPECT_EQ(model.report().samples, cloud.size());
+  EXPECT_EQ(model.projection() != nullptr, GetParam() == "levin" || GetParam() == "alexa" || GetParam() == "curvature");
+  EXPECT_EQ(model.normals(), nullptr);
+  EXPECT_EQ(model.placement(), nullptr);
+  EXPECT_EQ(model.colors(), nullptr);
+  EXPECT_FALSE(model.seeds().empty());
+  EXPECT_GT(model.blocks(1).leaves().size(), model.blocks(4).leaves().size());
+  const auto& balls = model.balls();
+  ASSERT_EQ(balls.centers.size(), balls.radii.size());
+  std::vector<Vec3> x;
+  for (std::size_t i = 0; i < 400; ++i) {
+    const Vec3 d = normalized(Vec3(cloud.positions[7 * i]));
+    for (const double r : {0.99, 1.01})
+      x.push_back((cloud.origin + d * (200 * r) - model.origin()) * (1 / model.unit()));
+  }
+  std::vector<double> values(x.size());
+  std::vector<Vec3> gradients(x.size());
+  std::vector<std::uint8_t> inside(x.size());
+  model.field().evaluate_in_domain(x, values, gradients, inside);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_TRUE(inside[i]);
+    ASSERT_EQ(values[i] > 0, i % 2 == 1) << "positive outside";
+    ASSERT_GT(dot(gradients[i], x[i] + model.origin() / model.unit() - cloud.origin / model.unit()), 0);
+    bool held = false;
+    for (std::size_t b = 0; b < balls.centers.size() && !held; ++b)
+      held = norm(Vec3(balls.centers[b]) - x[i]) <= static_cast<double>(balls.radii[b]);
+    ASSERT_TRUE(held) << "the balls hold what is near the surface";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Names, EverySurface, testing::ValuesIn(surface_names()),
+                         [](const auto& tested) { return tested.param; });
+
+TEST(SurfaceModel, TakesNoiseAway) {
+  const std::size_t n = 3000;
+  const double spacing = std::sqrt(4 * std::numbers::pi / n), noise = 0.3 * spacing;
+  const PointSet cloud = test::sphere(n, noise);
+  for (const char* method : {"apss", "kolluri", "curvature"}) {
+    ReconstructReport report;
+    const TriangleMesh mesh = mesh_of(cloud, named(method), &report);
+    EXPECT_TRUE(measure_topology(mesh).closed()) << method;
+    EXPECT_LT(off(mesh, [](const Vec3& p) { return norm(p) - 1; }).mean, 0.45 * noise) << method;
+    EXPECT_NEAR(report.noise, noise, 0.4 * noise) << method;
+  }
+}
+
+TEST(SurfaceModel, HasTheColoursOfTheSamples) {
+  PointSet cloud = test::sphere(3000);
+  for (const Vec3f& p : cloud.positions)
+    cloud.colors.push_back(
+        {static_cast<std::uint8_t>(127.5f + 127 * p.x), 10, static_cast<std::uint8_t>(p.z > 0 ? 200 : 50)});
+  for (const char* method : {"apss", "curvature", "partition"}) {
+    const SurfaceModel model = model_of(cloud, named(method));
+    ASSERT_NE(model.colors(), nullptr) << method;
+    std::vector<Vec3> x;
+    for (const Vec3f& p : cloud.positions)
+      if (std::abs(p.z) > 0.2f) x.push_back((Vec3(p) - model.origin()) / model.unit());
+    std::vector<Vec3f> colors(x.size());
+    model.colors()->evaluate(x, colors);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Vec3 p = model.origin() + x[i] * model.unit();
+      ASSERT_NEAR(colors[i].x, (127.5 + 127 * p.x) / 255, 0.03);
+      ASSERT_NEAR(colors[i].z, (p.z > 0 ? 200 : 50) / 255.0, 0.01);
+    }
+    const TriangleMesh mesh = mesh_of(cloud, named(method));
+    ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      ASSERT_NEAR(mesh.colors[i][0], 127.5f + 127 * mesh.vertices[i].x, 12) << method;
+    ReconstructOptions plain;
+    plain.surface = named(method);
+    plain.carry_colors = false;
+    Progress progress;
+    EXPECT_TRUE(reconstruct(cloud, plain, progress).colors.empty());
+  }
+}
+
+TEST(SurfaceModel, OptionsMeanWhatTheySay) {
+  const PointSet cloud = test::sphere(3000);
+  SurfaceOptions wide = named("apss"), same = wide;
+  wide.smoothing = 3;
+  const SurfaceModel w = model_of(cloud, wide), plain = model_of(cloud, same);
+  EXPECT_NEAR(w.report().smoothing, 3, 1e-6);
+  EXPECT_GT(plain.report().smoothing, 0.5);
+  EXPECT_LT(plain.report().smoothing, 3);
+  // The width is a length of the input, whatever the unit of the model.
+  PointSet large = cloud;
+  for (Vec3f& p : large.positions) p *= 5000.0f;
+  same.width = 5000 * 0.15;
+  const SurfaceModel by_width = model_of(large, same);
+  EXPECT_NEAR(by_width.report().smoothing * by_width.report().spacing, 5000 * 0.15, 5000 * 0.01);
+  SurfaceOptions amls = named("amls");
+  amls.order = 2, amls.iterations = 5;
+  const SurfaceModel a = model_of(cloud, amls);
+  EXPECT_EQ(a.report().order, 2);
+  EXPECT_EQ(a.report().iterations, 5);
+  SurfaceOptions sharp = named("curvature");
+  sharp.sharp = true;
+  const SurfaceModel s = model_of(cloud, sharp);
+  EXPECT_NE(s.normals(), nullptr);
+  EXPECT_NE(s.placement(), nullptr);
+}
+
+TEST(SurfaceModel, IsTheSameForAnyNumberOfThreads) {
+  const PointSet cloud = test::torus(1500);
+  for (const char* method : {"apss", "curvature"}) {
+    SurfaceOptions options = named(method);
+    options.sharp = true;
+    set_thread_count(1);
+    const TriangleMesh one = mesh_of(cloud, options);
+    set_thread_count(5);
+    const TriangleMesh many = mesh_of(cloud, options);
+    set_thread_count(0);
+    EXPECT_EQ(one.vertices, many.vertices) << method;
+    EXPECT_EQ(one.triangles, many.triangles) << method;
+  }
+}
+
+TEST(SurfaceModel, RefusesOptionsOfOtherMethods) {
+  const auto refused = [](auto change, const std::string& method, const std::string& part) {
+    SurfaceOptions options;
+    options.method = method;
+    change(options);
+    try {
+      options.validate();
+      ADD_FAILURE() << method << ": accepted, expected … " << part;
+    } catch (const ArgumentError& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+    EXPECT_THROW(model_of(test::sphere(500), options), ArgumentError);
+    EXPECT_THROW(mesh_of(test::sphere(500), options), ArgumentError);
+  };
+  refused([](SurfaceOptions&) {}, "poisson", "curvature");
+  refused([](SurfaceOptions&) {}, "", "known are");
+  refused([](SurfaceOptions& o) { o.smoothing = 2; }, "partition", "smoothing");
+  refused([](SurfaceOptions& o) { o.width = 2; }, "partition", "width");
+  refused([](SurfaceOptions& o) { o.order = 2; }, "apss", "order");
+  refused([](SurfaceOptions& o) { o.iterations = 2; }, "levin", "iterations");
+  refused([](SurfaceOptions& o) { o.order = 3; }, "amls", "order");
+  refused([](SurfaceOptions& o) { o.iterations = -1; }, "amls", "iterations");
+  refused([](SurfaceOptions& o) { o.diffusion = "soft"; }, "alexa", "diffusion");
+  refused([](SurfaceOptions& o) { o.diffusion = "strong"; }, "curvature", "strong");
+  refused([](SurfaceOptions& o) { o.smoothing = 0.1; }, "apss", "smoothing");
+  refused([](SurfaceOptions& o) { o.smoothing = 50; }, "curvature", "smoothing");
+  refused([](SurfaceOptions& o) { o.smoothing = std::nan(""); }, "kolluri", "smoothing");
+  refused([](SurfaceOptions& o) { o.width = -1; }, "apss", "width");
+}
+
+TEST(SurfaceModel, RefusesCloudsWithoutASurface) {
+  PointSet plane, none, same;
+  for (int i = 0; i < 400; ++i) plane.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 2});
+  same.positions.assign(50, {1, 2, 3});
+  for (const std::string& method : surface_names())
+    for (const PointSet* cloud : {&plane, &none, &same})
+      EXPECT_THROW(model_of(*cloud, named(method)), DataError) << method << ", " << cloud->size() << " points";
+  // Few samples give something or a clear error.
+  for (const std::string& method : surface_names())
+    for (const std::size_t n : {9u, 20u, 60u}) {
+      try {
+        const TriangleMesh mesh = mesh_of(test::sphere(n), named(method));
+        for (const Vec3f& v : mesh.vertices) ASSERT_TRUE(is_finite(v));
+      } catch (const DataError&) {
+      }
+    }
+}
+
+}  // namespace
+}  // namespace sansmesh
