@@ -10,6 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"

@@ -6,10 +6,15 @@
 #include <functional>
 #include <vector>
 
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::detail {
 
