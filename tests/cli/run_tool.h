@@ -18,11 +18,12 @@
 #include <vector>
 
 #include "support/clean_text.h"
+#include "support/places.h"
 
 namespace sansmesh::test {
 
 /// The bundled scan.
-inline const std::string kOwl = std::string(SANSMESH_SOURCE_DIR) + "/examples/data/owl.vtp";
+inline const std::string kOwl = source_file("examples/data/owl.vtp");
 
 struct Outcome {
   int code = -1;
@@ -81,10 +82,10 @@ class ToolTest : public ::testing::Test {
       const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       ::dup2(o, 1), ::dup2(e, 2);
-      std::vector<char*> argv{const_cast<char*>(SANSMESH_CLI)};
+      std::vector<char*> argv{const_cast<char*>(tool())};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
       argv.push_back(nullptr);
-      ::execv(SANSMESH_CLI, argv.data());
+      ::execv(tool(), argv.data());
       ::_exit(127);
     }
     if (signal != 0) {

@@ -17,6 +17,7 @@
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/clouds.h"
 #include "support/mesh_checks.h"
+#include "support/places.h"
 
 namespace sansmesh {
 namespace {
@@ -43,7 +44,7 @@ const Fitted& ring() {
   return all;
 }
 const Fitted& owl() {
-  static const Fitted all(read_points(SANSMESH_SOURCE_DIR "/examples/data/owl.vtp"));
+  static const Fitted all(read_points(test::source_file("examples/data/owl.vtp")));
   return all;
 }
 

@@ -135,8 +135,4 @@ inline double largest_distance(const Vec3& origin_a, const std::vector<Vec3f>& a
   return worst;
 }
 
-inline std::string shared_data(const std::string& name) {
-  return std::string(SANSMESH_SOURCE_DIR) + "/../shared/data/points/" + name;
-}
-
 }  // namespace sansmesh::test

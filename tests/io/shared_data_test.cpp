@@ -2,6 +2,7 @@
 #include <unordered_set>
 
 #include "io_test_tools.h"
+#include "support/places.h"
 
 namespace sansmesh {
 namespace {
@@ -18,7 +19,7 @@ std::ostream& operator<<(std::ostream& out, const Expected& e) { return out << e
 class SharedData : public ::testing::TestWithParam<Expected> {};
 
 TEST_P(SharedData, HasTheStatedCounts) {
-  const std::string file = shared_data(GetParam().file);
+  const std::string file = shared_points(GetParam().file);
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no folder ../shared/data/points beside the checkout";
   const PointSet p = read_points(file);
   EXPECT_EQ(p.size(), GetParam().points);
@@ -39,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Expected{"vase_sfm_owl.vtp", 12442, 24407}));
 
 TEST(SharedAlignment, EveryScanMeetsTheZipperedModel) {
-  const std::string conf = shared_data("bunny_scans/bun.conf"), zippered = shared_data("bun_zipper.ply");
+  const std::string conf = shared_points("bunny_scans/bun.conf"), zippered = shared_points("bun_zipper.ply");
   if (!std::filesystem::exists(conf)) GTEST_SKIP() << "no folder ../shared/data/points beside the checkout";
   // Cells of 1.5 mm (the unit is the metre) around the model's vertices; a wrong sense of rotation moves most scans by
   // centimetres.

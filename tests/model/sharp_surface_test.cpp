@@ -15,6 +15,7 @@
 #include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/clouds.h"
+#include "support/places.h"
 
 namespace sansmesh {
 namespace {
@@ -105,7 +106,7 @@ TriangleMesh cube_mesh() {
 
 /// 12,000 samples of a shared model, as the faces give them or without normals; nothing if it is not there.
 std::optional<TriangleMesh> shared_model(const std::string& name) {
-  const std::string file = std::string(SANSMESH_SOURCE_DIR) + "/../shared/data/points/" + name;
+  const std::string file = test::shared_points(name);
   if (!std::filesystem::exists(file)) return std::nullopt;
   return read_mesh(file);
 }

@@ -13,6 +13,8 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/surface_function.h"
+#include "support/places.h"
 #include "support/thin_shapes.h"
 
 namespace sansmesh {
@@ -147,7 +149,7 @@ TEST_P(GyroidShells, AreBounded) {
 INSTANTIATE_TEST_SUITE_P(GradientBound, GyroidShells, testing::Values(0.15, 0.2, 0.25));
 
 TEST(GradientBound, FertilityReduced) {
-  const std::string file = SANSMESH_SOURCE_DIR "/../shared/data/points/fertility_4k.off";
+  const std::string file = test::shared_points("fertility_4k.off");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
   const SurfaceFunction s = fit(sample_faces(read_points(file), 60000));
   double usual = 0;

@@ -13,6 +13,7 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
+#include "support/places.h"
 
 namespace sansmesh {
 namespace {
@@ -69,7 +70,7 @@ TEST(DenoiseNormals, GivesSamplesNearEdgesTheNormalOfTheirFace) {
 
 TEST(DenoiseNormals, SharpensRealModels) {
   for (const char* name : {"fandisk.off", "icosahedron.off"}) {
-    const std::string file = std::string(SANSMESH_SOURCE_DIR) + "/../shared/data/points/" + name;
+    const std::string file = test::shared_points(name);
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
     PointSet model = sample_faces(read_points(file), 20000);
     const std::vector<Vec3f> truth = model.normals;

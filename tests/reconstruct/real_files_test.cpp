@@ -6,6 +6,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/reconstruct.h"
+#include "support/places.h"
 
 namespace sansmesh {
 namespace {
@@ -19,7 +20,7 @@ struct RealFile {
 class RealFiles : public ::testing::TestWithParam<RealFile> {};
 
 TEST_P(RealFiles, GiveClosedManifolds) {
-  const std::string file = std::string(SANSMESH_SOURCE_DIR "/../shared/data/points/") + GetParam().name;
+  const std::string file = test::shared_points(GetParam().name);
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << ": the shared data are not beside the checkout";
   Progress progress;
   const MeshTopology topology = measure_topology(reconstruct(read_points(file), {}, progress));
