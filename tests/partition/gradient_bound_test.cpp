@@ -13,7 +13,6 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/polygonize.h"
-#include "sansmesh/surface_function.h"
 #include "support/places.h"
 #include "support/thin_shapes.h"
 
