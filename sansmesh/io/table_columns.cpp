@@ -1,5 +1,6 @@
 #include "sansmesh/io/table_columns.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sansmesh/core/vec.h"
@@ -64,14 +65,17 @@ ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bo
       return true;
     });
   };
+  const auto opaque = [&](std::size_t column) {
+    return std::all_of(rows.begin(), rows.end(), [&](const auto& r) { return r[column] == 255; });
+  };
   if (columns < 6) return m;
   const bool normals_first = normals_by_ending || unit(3);
   if (normals_first) {
     m.set(3, 3);
     if (color(6)) m.set(6, 6);
-  } else if (columns == 7 && color(4)) {
+  } else if (columns == 7 && color(4) && !(color(3) && opaque(6))) {
     // x y z intensity r g b (PTS). With whole intensities of 0..255 it could as well be r g b intensity, which is by
-    // far the rarer.
+    // far the rarer; a last column of nothing but 255 is the opacity of r g b a.
     m.set(6, 4);
   } else if (color(3)) {
     m.set(6, 3);

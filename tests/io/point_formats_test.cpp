@@ -58,6 +58,10 @@ TEST_F(Table, ColumnsByTheirValues) {
   EXPECT_EQ(p.colors, (Colors{{255, 0, 1}, {9, 8, 7}}));
   p = read("a.pts", "2\n1 2 3 -1000 255 0 1\n4 5 6 50 9 8 7\n");  // intensity before the colours
   EXPECT_EQ(p.colors, (Colors{{255, 0, 1}, {9, 8, 7}}));
+  p = read("a.xyz", "1 2 3 20 30 40 255\n4 5 6 9 8 7 255\n");  // opacity after the colours
+  EXPECT_EQ(p.colors, (Colors{{20, 30, 40}, {9, 8, 7}}));
+  p = read("a.xyz", "1 2 3 20 30 40 255\n4 5 6 9 8 7 250\n");  // not opacity: intensity before the colours
+  EXPECT_EQ(p.colors, (Colors{{30, 40, 255}, {8, 7, 250}}));
   p = read("a.xyz", "1 2 3 0.25\n4 5 6 0.5\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
   p = read("a.pwn", "1 2 3 0 0 5\n4 5 6 0 7 0\n");  // the ending says normals

@@ -1,4 +1,5 @@
-// Real files, where they lie beside the checkout: every one is read, with the counts that its source states.
+// An extra where ../shared lies beside the checkout: every real file is read, with the counts that its source states.
+// dialects_test.cpp and shipped_files_test.cpp cover the same formats without it.
 #include <unordered_set>
 
 #include "io_test_tools.h"
@@ -16,11 +17,11 @@ struct Expected {
 };
 std::ostream& operator<<(std::ostream& out, const Expected& e) { return out << e.file; }
 
-class SharedData : public ::testing::TestWithParam<Expected> {};
+class ExtraFiles : public ::testing::TestWithParam<Expected> {};
 
-TEST_P(SharedData, HasTheStatedCounts) {
+TEST_P(ExtraFiles, HasTheStatedCounts) {
   const std::string file = shared_points(GetParam().file);
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no folder ../shared/data/points beside the checkout";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no ../shared/data/points beside the checkout";
   const PointSet p = read_points(file);
   EXPECT_EQ(p.size(), GetParam().points);
   EXPECT_EQ(p.triangles.size(), GetParam().triangles);
@@ -28,7 +29,7 @@ TEST_P(SharedData, HasTheStatedCounts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Files, SharedData,
+    Files, ExtraFiles,
     ::testing::Values(Expected{"bunny_scans/bun000.ply", 40256, 0}, Expected{"bunny_scans/bun.conf", 362272, 0},
                       Expected{"bun_zipper.ply", 35947, 69451}, Expected{"horse.ply", 48485, 96966},
                       Expected{"armadillo_43k.obj", 43243, 86482}, Expected{"fandisk.off", 7229, 14454},
@@ -39,9 +40,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Expected{"cad_part1.stl", 190, 380}, Expected{"aneurysm_vessel.stl.gz", 10204, 20294},
                       Expected{"vase_sfm_owl.vtp", 12442, 24407}));
 
-TEST(SharedAlignment, EveryScanMeetsTheZipperedModel) {
+TEST(ExtraAlignment, EveryScanMeetsTheZipperedModel) {
   const std::string conf = shared_points("bunny_scans/bun.conf"), zippered = shared_points("bun_zipper.ply");
-  if (!std::filesystem::exists(conf)) GTEST_SKIP() << "no folder ../shared/data/points beside the checkout";
+  if (!std::filesystem::exists(conf)) GTEST_SKIP() << "an extra: there is no ../shared/data/points beside the checkout";
   // Cells of 1.5 mm (the unit is the metre) around the model's vertices; a wrong sense of rotation moves most scans by
   // centimetres.
   const auto cell = [](const Vec3& p, int dx, int dy, int dz) {

@@ -1,4 +1,5 @@
-// Every real file at hand, with no option: a closed manifold mesh with the right parts.
+// An extra where ../shared lies beside the checkout: every real file, with no option, gives a closed manifold mesh with
+// the right parts. hard_clouds_test.cpp has what makes them hard without it.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -17,11 +18,11 @@ struct RealFile {
   int genus = -1;      ///< −1: not known
 };
 
-class RealFiles : public ::testing::TestWithParam<RealFile> {};
+class ExtraFiles : public ::testing::TestWithParam<RealFile> {};
 
-TEST_P(RealFiles, GiveClosedManifolds) {
+TEST_P(ExtraFiles, GiveClosedManifolds) {
   const std::string file = test::shared_points(GetParam().name);
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << ": the shared data are not beside the checkout";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
   Progress progress;
   const MeshTopology topology = measure_topology(reconstruct(read_points(file), {}, progress));
   EXPECT_TRUE(topology.closed());
@@ -33,7 +34,7 @@ TEST_P(RealFiles, GiveClosedManifolds) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Points, RealFiles,
+INSTANTIATE_TEST_SUITE_P(Points, ExtraFiles,
                          ::testing::Values(RealFile{"aneurysm_vessel.stl.gz", 1, 0},
                                            RealFile{"armadillo_43k.obj", 1, 0}, RealFile{"bimba_80k.ply", 1, 0},
                                            RealFile{"bun_zipper.ply", 1, 0}, RealFile{"bunny_noised_20k.xyz", 1, 0},
