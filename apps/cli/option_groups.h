@@ -11,7 +11,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/mesh_picture.h"
 
 namespace sansmesh::cli {
 

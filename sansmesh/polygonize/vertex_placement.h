@@ -6,7 +6,7 @@
 
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/scalar_field.h"
-#include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/polygonize/polygonize_options.h"
 
 namespace sansmesh {
 

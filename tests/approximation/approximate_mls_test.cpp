@@ -1,4 +1,5 @@
 #include "sansmesh/approximation/approximate_mls.h"
+#include "sansmesh/approximation/approximate_mls_choice.h"
 
 #include <gtest/gtest.h>
 

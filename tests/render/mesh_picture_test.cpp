@@ -1,4 +1,4 @@
-#include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/mesh_picture.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,10 @@
-// Pictures of meshes and point clouds without a display: ray cast, softly lit, the same on every run.
+// What a picture is to look like.
 #pragma once
 
+#include <functional>
 #include <optional>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/core/vec.h"
 #include "sansmesh/render/camera.h"
 
 namespace sansmesh {
@@ -30,10 +29,27 @@ struct RenderOptions {
   void validate() const;
 };
 
-/// The mesh seen in perspective, framed to fill the picture. Meshes without triangles are clouds: discs where there are
-/// normals, else balls. Vertices that are not finite are left out. The picture does not depend on the number of
-/// threads. Throws DataError where there is nothing to see, ArgumentError for bad options.
-Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progress& progress);
-Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options = {});
+/// As for meshes (`smooth` and `point_radius` mean nothing here), and:
+struct SurfaceRenderOptions : RenderOptions {
+  /// Share of the light that a mirror would send, 0..1. Mirror rays are cast on the surface itself.
+  double reflection = 0;
+  /// Share of the light that comes through, 0..1: the surface bounds a clear body. reflection + transmission <= 1.
+  double transmission = 0;
+  /// Of the body against what is around it, 1..4: 1.33 water, 1.5 glass. Mirrors what Fresnel's formulas say on top.
+  double refraction_index = 1.5;
+  /// Mirror and refraction rays in sequence, 1..16.
+  int bounces = 4;
+  /// Shadows fall from the surface itself, not from discs around the samples: exact and slow.
+  bool exact_shadows = false;
+  /// For quick frames: no shadows, no occlusion, no ground, one sample a pixel, whatever else is set.
+  bool plain = false;
+  /// The view does not zoom with the direction: frames of a turntable fit together.
+  bool steady = false;
+  /// What mirrors and glass show where a ray leaves: linear light (1 is white) from a unit direction. Default: the
+  /// background in front, a bright sky elsewhere.
+  std::function<Vec3f(const Vec3f& direction)> environment;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
 
 }  // namespace sansmesh
