@@ -10,6 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -93,6 +94,7 @@ TEST(Advise, CleansStraySamplesFirst) {
 }
 
 TEST(Advise, SaysWhatHappensToNormals) {
+  SANSMESH_NOT_SANITIZED("repeats what others run");
   PointSet cloud = test::sphere(5000);
   PointSet none = cloud, inward = cloud, mixed = cloud;
   none.normals.clear();

@@ -18,6 +18,7 @@
 #include "support/clouds.h"
 #include "support/mesh_checks.h"
 #include "support/places.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -115,6 +116,7 @@ TEST(FunctionDistance, ShellOfATorus) {
 }
 
 TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
+  SANSMESH_NOT_SANITIZED("the same of simpler functions is run");
   const Meshed shell = meshed("shell(a, 6, side=inside)", owl(), 64);
   EXPECT_EQ(shell.report.components, 2u);
   Progress progress;
@@ -160,6 +162,7 @@ TEST(FunctionDistance, IsADistanceWithItsGradientEverywhere) {
 /// The cells of a function that shows more than a 256th of the diagonal follow it, and its smooth parts need no more
 /// than its own mesh.
 TEST(FunctionSolid, CellsFollowTheFunction) {
+  SANSMESH_NOT_SANITIZED("judges sizes; others mesh functions as solids");
   const Solid solid = csg::subtract(function_solid(owl().function), csg::half_space({0, 0, 1}, 40));
   Progress progress;
   CsgMeshReport own, usual;

@@ -14,6 +14,7 @@
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "support/places.h"
+#include "support/sanitizers.h"
 #include "support/thin_shapes.h"
 
 namespace sansmesh {
@@ -100,6 +101,7 @@ class ThinShapes : public testing::TestWithParam<Thin> {};
 
 /// Gradients, and that the function is the shape that it should be.
 TEST_P(ThinShapes, StayAboutADistance) {
+  SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const SurfaceFunction s = fit(test::even_samples(GetParam().shape, GetParam().spacing));
   double usual = 0;
   EXPECT_LT(steepest(s, usual), 3);
@@ -125,6 +127,7 @@ class GyroidShells : public testing::TestWithParam<double> {};
 
 /// Their rims are as thin as supports are wide, where the walls are: single supports disagree with the far field there.
 TEST_P(GyroidShells, AreBounded) {
+  SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const double wall = GetParam();
   const test::ThinShape shape = test::gyroid_shell(wall, 0.8);
   const SurfaceFunction s = fit(test::even_samples(shape, 0.03));
@@ -149,6 +152,7 @@ INSTANTIATE_TEST_SUITE_P(GradientBound, GyroidShells, testing::Values(0.15, 0.2,
 
 /// The plates above have as many handles and walls as thin.
 TEST(ExtraGradientBound, FertilityReduced) {
+  SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const std::string file = test::shared_points("fertility_4k.off");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
   const SurfaceFunction s = fit(sample_faces(read_points(file), 60000));

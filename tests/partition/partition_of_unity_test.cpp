@@ -9,6 +9,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -95,6 +96,7 @@ TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
 }
 
 TEST(PartitionOfUnity, KnowsNoiseThatIsLargeAgainstTheSpacing) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others fit noise, too");
   // Small balls cut off what noise takes out of them; neither the noise nor the scale must be fooled by that.
   constexpr std::size_t n = 30000;
   const double spacing = std::sqrt(4 * std::numbers::pi / n);

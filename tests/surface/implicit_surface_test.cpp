@@ -10,6 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/surface/iterated_planes.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -284,6 +285,7 @@ TEST(IteratedPlanes, ApproachTheSamples) {
 }
 
 TEST(IteratedPlanes, CrossValidationSmoothsNoiseAndFollowsCleanSamples) {
+  SANSMESH_NOT_SANITIZED("judges a choice; others make it, too");
   Progress progress;
   detail::IterationOptions options;
   const auto clean = detail::choose_iterations(prepare_samples(test::torus(6000), progress), options, 0, -1);

@@ -10,6 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/search/kd_tree.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -73,6 +74,7 @@ TEST(Lop, StaysOnCleanSurfaces) {
 }
 
 TEST(Lop, EvensOutDensity) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others run the same loops");
   PointSet sphere = sample_sphere(20000, 1, 0.003f, 3), graded;
   for (std::size_t i = 0; i < sphere.size(); ++i)
     if (sphere.normals[i].z > 0 || i % 7 == 0) graded.positions.push_back(sphere.positions[i]);
@@ -90,6 +92,7 @@ TEST(Lop, EvensOutDensity) {
 }
 
 TEST(Lop, OutliersHaveNoPull) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others run the same loops");
   const PointSet clean = sample_sphere(10000, 1, 0.005f, 4);
   PointSet dirty = clean;
   std::mt19937 random(5);

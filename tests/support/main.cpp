@@ -1,0 +1,122 @@
+// What every test program does besides GoogleTest's own options (--help lists those):
+//
+//   --threads=N     loops of the library run on N threads unless the test says otherwise: one by default, because ctest
+//                   runs as many programs at a time as there are cores
+//   --simd=NAME     kernels run on this set of instructions (SCALAR, SSE4, AVX2 …) of those that the library holds
+//   --simd=others   the tests run once for every set that this processor has, but for the best one, which they take
+//   anyway
+//   --files=A,B     only tests out of these sources, in place of --gtest_filter
+//
+// Ends with the number of failed runs, at most 1.
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh::test {
+namespace {
+
+/// Value of --name=…, which is taken out of the arguments; empty if it is not there.
+std::string take(int& argc, char** argv, const std::string& name) {
+  const std::string start = "--" + name + "=";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (!argument.starts_with(start)) continue;
+    std::string value(argument.substr(start.size()));
+    for (int k = i; k < argc; ++k) argv[k] = argv[k + 1];  // the null pointer behind them as well
+    --argc;
+    return value;
+  }
+  return {};
+}
+
+bool is_one_of(std::string_view path, const std::string& files) {
+  const std::string_view name = path.substr(path.rfind('/') + 1);
+  for (std::size_t at = 0; at < files.size();) {
+    const std::size_t end = std::min(files.find(',', at), files.size());
+    if (std::string_view(files).substr(at, end - at) == name) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+/// A filter of GoogleTest for the tests of some sources.
+std::string filter_of(const std::string& files) {
+  std::string names;
+  const ::testing::UnitTest& all = *::testing::UnitTest::GetInstance();
+  for (int s = 0; s < all.total_test_suite_count(); ++s) {
+    const ::testing::TestSuite& suite = *all.GetTestSuite(s);
+    for (int t = 0; t < suite.total_test_count(); ++t) {
+      const ::testing::TestInfo& test = *suite.GetTestInfo(t);
+      if (is_one_of(test.file(), files)) names += std::string(suite.name()) + '.' + test.name() + ':';
+    }
+  }
+  return names;
+}
+
+void use_simd(std::int64_t target) {
+  hwy::SetSupportedTargetsForTest(target);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+int run(int threads) {
+  set_thread_count(threads);
+  return RUN_ALL_TESTS();
+}
+
+/// Runs the tests in a process of its own for each of the sets: some keep what they have computed.
+int run_on_others(const std::vector<std::int64_t>& targets, int threads) {
+  int failed = 0;
+  for (const std::int64_t target : targets) {
+    if (target == targets.front()) continue;  // sorted from the best on
+    std::printf("kernels: %s\n", hwy::TargetName(target));
+    std::fflush(nullptr);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      use_simd(target);
+      std::exit(run(threads));
+    }
+    int status = 0;
+    if (child < 0 || ::waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0) failed = 1;
+  }
+  return failed;
+}
+
+int main(int argc, char** argv) {
+  const std::string threads = take(argc, argv, "threads"), simd = take(argc, argv, "simd"),
+                    files = take(argc, argv, "files");
+  ::testing::InitGoogleTest(&argc, argv);
+  if (argc > 1) {
+    std::fprintf(stderr, "%s: what is %s?\n", argv[0], argv[1]);
+    return 2;
+  }
+  if (!files.empty()) GTEST_FLAG_SET(filter, filter_of(files));
+  const int count = threads.empty() ? 1 : std::atoi(threads.c_str());
+  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  if (simd == "others") return run_on_others(targets, count);
+  for (const std::int64_t target : targets) {
+    if (simd != hwy::TargetName(target)) continue;
+    use_simd(target);
+    return run(count);
+  }
+  if (!simd.empty()) {
+    std::fprintf(stderr, "%s: this processor or library has no %s\n", argv[0], simd.c_str());
+    return 2;
+  }
+  return run(count);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
+
+int main(int argc, char** argv) { return sansmesh::test::main(argc, argv); }
