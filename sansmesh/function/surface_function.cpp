@@ -7,29 +7,12 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
-#include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
 namespace {
 
 /// In the unit of a prepared cloud, which is about 1 large.
 constexpr double kMostError = 10;
-
-/// The arrays of a prepared cloud that a function keeps, in another order.
-PointSet reordered(const PointSet& points, const std::vector<std::uint32_t>& order) {
-  PointSet result;
-  result.origin = points.origin;
-  const auto take = [&](const auto& from, auto& to) {
-    if (from.empty()) return;
-    to.resize(order.size());
-    parallel_for(0, order.size(), 16384, [&](std::size_t i) { to[i] = from[order[i]]; });
-  };
-  take(points.positions, result.positions);
-  take(points.normals, result.normals);
-  take(points.colors, result.colors);
-  return result;
-}
 
 }  // namespace
 
@@ -55,9 +38,8 @@ SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options,
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
-  std::vector<std::uint32_t> order;
-  PartitionOfUnity field = fit_partition_of_unity(cloud.points, fit, progress, &order);
-  auto samples = std::make_shared<const PointSet>(reordered(cloud.points, order));
+  auto samples = std::make_shared<PointSet>();
+  PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
   return {std::move(field), cloud.origin, cloud.unit, std::move(samples), {}, std::move(cloud.warnings)};
 }
 

@@ -70,8 +70,10 @@ struct Simplifier {
   std::vector<Triangle> triangles;
   std::vector<std::uint8_t> fixed;
   std::vector<std::uint32_t> merged_into;  ///< kNone: alive
-  // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end.
-  std::vector<std::uint32_t> first, valence, around;
+  // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end; places
+  // that were given up go when they are as many as those in use.
+  std::vector<std::size_t> first;
+  std::vector<std::uint32_t> valence, around;
   // The cheapest collapse of an edge from a vertex to one of higher index.
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
@@ -106,13 +108,33 @@ struct Simplifier {
     valence.assign(x.size(), 0);
     for (const Triangle& t : triangles)
       for (const std::uint32_t v : t) ++valence[v];
-    first.resize(x.size());
-    std::uint32_t sum = 0;
-    for (std::size_t v = 0; v < x.size(); ++v) first[v] = sum, sum += valence[v];
-    around.resize(sum);
-    std::vector<std::uint32_t> next = first;
+    around.resize(place_rings(first));
+    std::vector<std::size_t> next = first;
     for (std::size_t i = 0; i < triangles.size(); ++i)
       for (const std::uint32_t v : triangles[i]) around[next[v]++] = static_cast<std::uint32_t>(i);
+  }
+
+  /// Places for all rings, one after the other; returns where they end.
+  std::size_t place_rings(std::vector<std::size_t>& place) const {
+    place.resize(x.size());
+    std::size_t sum = 0;
+    for (std::size_t v = 0; v < x.size(); ++v) place[v] = sum, sum += valence[v];
+    return sum;
+  }
+
+  /// Gives up the places of rings that were merged, if they are as many as those of the rings that are left: each
+  /// collapse needs a place for two rings, and without this they would add up to three times the mesh.
+  void pack_rings() {
+    const std::size_t used = 3 * triangles.size() - 6 * (x.size() - left);  // a collapse takes two triangles away
+    if (around.size() <= 2 * used) return;
+    std::vector<std::size_t> place;
+    std::vector<std::uint32_t> packed(place_rings(place));
+    parallel_for(0, x.size(), 8192, [&](std::size_t v) {
+      std::copy_n(around.begin() + static_cast<std::ptrdiff_t>(first[v]), valence[v],
+                  packed.begin() + static_cast<std::ptrdiff_t>(place[v]));
+    });
+    first = std::move(place);
+    around = std::move(packed);
   }
 
   /// The quadric of a vertex; and vertices whose triangles are not one closed fan stay: boundaries, and what is not
@@ -286,7 +308,7 @@ struct Simplifier {
 
   /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that those that
   /// win run at a time. `place`: room for the merged ring.
-  void collapse(std::uint32_t v, std::uint32_t place) {
+  void collapse(std::uint32_t v, std::size_t place) {
     const std::uint32_t w = to[v];
     x[w] = measure(v, w).position;
     quadric[w] += quadric[v];
@@ -326,7 +348,8 @@ struct Simplifier {
   /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` vertices.
   void collapse_all(Progress& progress, std::size_t target) {
     if (left <= target) return;
-    std::vector<std::uint32_t> changed, candidates, chosen, place;
+    std::vector<std::uint32_t> changed, candidates, chosen;
+    std::vector<std::size_t> place;
     for (std::uint32_t v = 0; v < x.size(); ++v)
       if (merged_into[v] == kNone) changed.push_back(v);
     std::vector<std::uint8_t> flag(x.size(), 0);
@@ -352,11 +375,14 @@ struct Simplifier {
       }
       for (const std::uint32_t v : candidates) drop_claim(v);
 
+      pack_rings();
       place.resize(chosen.size());
+      std::size_t end = around.size();
       for (std::size_t i = 0; i < chosen.size(); ++i) {
-        place[i] = static_cast<std::uint32_t>(around.size());
-        around.resize(around.size() + valence[chosen[i]] + valence[to[chosen[i]]]);
+        place[i] = end;
+        end += valence[chosen[i]] + valence[to[chosen[i]]];
       }
+      around.resize(end);
       std::vector<std::uint32_t> kept(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) kept[i] = to[chosen[i]];
       // A neighbour's change since the cost was found may have made it impossible. All are asked before any is made:

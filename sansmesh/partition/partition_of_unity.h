@@ -42,9 +42,10 @@ class PartitionOfUnity : public ScalarField {
 };
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
-/// ArgumentError for options out of range. `order`, if given, receives the points' indices along the Morton curve of
-/// the root cube: the order in which a refit wants them.
-PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, Progress& progress,
-                                        std::vector<std::uint32_t>* order = nullptr);
+/// ArgumentError for options out of range. `sorted`, if given, receives the points along the Morton curve of the root
+/// cube, the order in which a refit wants them: origin, positions, normals and colours. Points that are moved in are
+/// sorted in place: there is no second copy of them.
+PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
+                                        PointSet* sorted = nullptr);
 
 }  // namespace sansmesh
