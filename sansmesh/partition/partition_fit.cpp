@@ -22,7 +22,7 @@ std::vector<FittedLeaf> fit_leaves(const BlockFitter& fitter, const ScaleChoice&
   return leaves;
 }
 
-/// What the polygoniser will ask: how flat is the surface at the scale of each block?
+/// What the polygoniser will need to know: how flat is the surface at the scale of each block?
 std::vector<PartitionData::Flatness> record_flatness(const BlockFitter& fitter, const ScaleChoice& choice,
                                                      const std::vector<FittedLeaf>& leaves) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;

@@ -14,7 +14,7 @@ namespace sansmesh {
 struct SupportTree {
   std::vector<std::vector<Box3f>> levels;
 
-  /// One function a support.
+  /// One function per support.
   void build(std::span<const LocalFunction> functions);
   /// Appends the supports whose boxes meet `box`, in ascending order; false: there are more than `most`, and only some
   /// of them were appended.

@@ -18,7 +18,7 @@ struct Trial {
   float effective_count = 0;
   float dropped = 0;         ///< share of the weight on samples that face away: a second sheet
   float reach = 1;           ///< radius of the fit / radius of the support
-  std::uint32_t stride = 1;  ///< every how manieth sample was used
+  std::uint32_t stride = 1;  ///< 1: all samples were used; 2: every second one …
   std::int8_t highest = -1;
   std::uint8_t degree = 0;  ///< chosen
   bool leaf = false;

@@ -15,7 +15,7 @@
 
 namespace sansmesh {
 
-/// As for meshes (`smooth` and `point_radius` mean nothing here), and:
+/// As for meshes (`smooth` and `point_radius` have no effect here), and:
 struct SurfaceRenderOptions : RenderOptions {
   /// Share of the light that a mirror would send, 0..1. Mirror rays are cast on the surface itself.
   double reflection = 0;
@@ -27,7 +27,7 @@ struct SurfaceRenderOptions : RenderOptions {
   int bounces = 4;
   /// Shadows fall from the surface itself, not from discs around the samples: exact and slow.
   bool exact_shadows = false;
-  /// For quick frames: no shadows, no occlusion, no ground, one sample a pixel, whatever else is set.
+  /// For quick frames: no shadows, no occlusion, no ground, one sample per pixel, whatever else is set.
   bool plain = false;
   /// The view does not zoom with the direction: frames of a turntable fit together.
   bool steady = false;

@@ -24,7 +24,7 @@ class BallTree {
   /// Replaces `out` by the balls that touch the box (distance of the box to the centre <= radius), ascending.
   void touching(const Box3f& box, std::vector<std::uint32_t>& out) const;
 
-  static constexpr std::size_t kWidth = 8;  ///< balls a leaf, boxes a node
+  static constexpr std::size_t kWidth = 8;  ///< balls per leaf, boxes per node
   /// Unused lanes have negative radii.
   struct alignas(32) Leaf {
     float x[kWidth], y[kWidth], z[kWidth], radius[kWidth];

@@ -62,14 +62,15 @@ class KdTree {
   std::vector<Vec3f> positions() const;
 
   /// The k nearest points of every point (itself among them, first or after its duplicates): calls
-  /// visit(slot, neighbours) once a slot, in parallel, with the neighbours as slots in ascending order (ties by slot).
-  /// Neighbouring slots are visited one after another on the same thread: this is the fast way to treat a whole cloud.
+  /// visit(slot, neighbours) once per slot, in parallel, with the neighbours as slots in ascending order (ties by
+  /// slot). Neighbouring slots are visited one after another on the same thread: this is the fast way to treat a whole
+  /// cloud.
   using Visit = std::function<void(std::uint32_t slot, std::span<const Neighbour> neighbours)>;
   void for_each_nearest(std::size_t k, const Visit& visit) const;
   /// The same for the slots [first, last) on the calling thread.
   void for_each_nearest(std::size_t k, std::size_t first, std::size_t last, const Visit& visit) const;
 
-  static constexpr std::size_t kLeaf = 8;  ///< points a leaf, boxes a node
+  static constexpr std::size_t kLeaf = 8;  ///< points per leaf, boxes per node
 
   /// A leaf of up to eight points; unused lanes are far away.
   struct alignas(64) Leaf {
