@@ -15,7 +15,7 @@ namespace sansmesh {
 
 /// How to fit and how to mesh.
 struct ReconstructOptions : FitOptions, MeshOptions {
-  /// Another surface than the adaptive partition of unity, whose own options then mean nothing: max_depth, error,
+  /// Another surface than the adaptive partition of unity, whose own options then do not apply: max_depth, error,
   /// support, max_degree. It is cut where it leaves its domain of definition: not closed where the samples have
   /// borders.
   std::optional<SurfaceOptions> surface;

@@ -100,8 +100,8 @@ void run_eval(const EvalArguments& a, Console& console) {
                       p.x, p.y, p.z, f.value, f.gradient.x, f.gradient.y, f.gradient.z, f.k1, f.k2));
     }
   } else {
-    console.say(fmt::format("|value| {} in the mean, {} in the middle, {} at most; largest gradient {:.3f}",
-                            length(mean), length(size[n / 2]), length(size[n - 1]), steepest));
+    console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(mean),
+                            length(size[n / 2]), length(size[n - 1]), steepest));
   }
   nlohmann::ordered_json json = {{"input", {{"file", a.input}}},
                                  {"points", n},

@@ -105,7 +105,7 @@ void run_info(const std::string& file, Console& console) {
   add(points.has_colors(), "colours");
   add(!points.confidence.empty(), "confidence");
   add(!points.scanners.empty(), counted(points.scanners.size(), "scanner position"));
-  if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "besides", attributes));
+  if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "also", attributes));
 
   nlohmann::ordered_json json;
   json["file"] = file;

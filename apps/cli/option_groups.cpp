@@ -81,7 +81,7 @@ void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<doub
       ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
       ->group(group);
   c.add_option("--color-range", range,
-               "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
+               "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
       ->type_name("VALUE")
       ->check(CLI::PositiveNumber.description(""))
       ->group(group);
@@ -94,7 +94,7 @@ void add_cloud_options(CLI::App& c, FitOptions& o) {
           choices<FaceUse>({{"auto", FaceUse::automatic}, {"ignore", FaceUse::ignore}, {"sample", FaceUse::sample}}))
       ->type_name("CHOICE");
   c.add_option("--normals", o.normals,
-               "Use those given as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
+               "Use given ones as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
       ->transform(choices<NormalUse>(
           {{"auto", NormalUse::automatic}, {"given", NormalUse::as_given}, {"estimate", NormalUse::estimate}}))
       ->type_name("CHOICE");
@@ -138,7 +138,7 @@ void add_mesh_options(CLI::App& c, MeshOptions& o) {
        "--components", [&o](const std::string& text) { o.components = parse_components(text); },
        "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
       ->type_name("CHOICE");
-  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near [no value: from data]")
+  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near as this [without a value: from data]")
       ->type_name("LENGTH")
       ->expected(0, 1)
       ->default_str("0");

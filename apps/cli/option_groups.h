@@ -50,7 +50,7 @@ struct PictureArguments {
 };
 /// --width, --height, --view, --z-up
 void add_picture_options(CLI::App& command, PictureArguments& arguments);
-/// --preview FILE: draws `what` besides.
+/// --preview FILE: also draws `what`.
 void add_preview_option(CLI::App& command, std::string& file, const std::string& what);
 /// --ascii
 void add_ascii_flag(CLI::App& command, bool& ascii);

@@ -132,15 +132,16 @@ Command add_project(CLI::App& app) {
   c.add_option("--method", a.method,
                "lop (consolidation of the input) or a surface: " + listed(surface_names()) + " [curvature]")
       ->type_name("NAME");
-  c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
+  c.add_option("--points", a.points, "Spread about this many new points over the surface instead of moving those given")
       ->type_name("COUNT")
       ->check(CLI::Range(1u, 2000000000u).description(""));
-  c.add_option("--steps", a.steps, "Most steps of a point, 1..1000 [10]")->type_name("COUNT");
-  c.add_option("--tolerance", a.tolerance, "A step shorter than this, over the spacing, is the last [0.001]")
+  c.add_option("--steps", a.steps, "Steps of a point at most, 1..1000 [10]")->type_name("COUNT");
+  c.add_option("--tolerance", a.tolerance, "A point stops after a step shorter than this ratio to the spacing [0.001]")
       ->type_name("RATIO");
   c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
       ->type_name("LENGTH");
-  c.add_option("--repulsion", a.lop.repulsion, "lop: points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
+  c.add_option("--repulsion", a.lop.repulsion, "lop: how strongly points keep apart, 0..0.5 [0.45]")
+      ->type_name("SHARE");
   add_surface_details(c, a.surface);
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"

@@ -118,7 +118,7 @@ Command add_reconstruct(CLI::App& app) {
   add_mesh_options(c, a.options);
   add_cloud_options(c, a.options);
   add_fit_options(c, a.options);
-  add_surface(c, a.surface, "Cut another surface out, as it stands [partition]");
+  add_surface(c, a.surface, "Mesh another surface instead, with its gaps and borders [partition]");
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"

@@ -44,10 +44,10 @@ void add_surface_details(CLI::App& c, SurfaceArguments& a) {
   c.add_option("--iterations", o.iterations, "amls: 0 smooths most, many interpolate [from data]")
       ->type_name("COUNT")
       ->group("Surface");
-  c.add_option("--diffusion", o.diffusion, "curvature: samples far off count less: none, soft or hard [none]")
+  c.add_option("--diffusion", o.diffusion, "curvature: how much less samples far off count: none, soft or hard [none]")
       ->type_name("CHOICE")
       ->group("Surface");
-  c.add_flag("--no-sheets", a.no_sheets, "Let samples of the other side of a thin part count too")->group("Surface");
+  c.add_flag("--no-sheets", a.no_sheets, "Samples on the other side of a thin part count too")->group("Surface");
   c.add_flag("--remove-outliers", o.remove_outliers, "Leave out samples that belong to no surface, such as strays")
       ->group("Surface");
 }

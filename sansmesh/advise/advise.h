@@ -27,7 +27,7 @@ struct Advice {
   std::vector<std::string> warnings;  ///< of cleaning
 };
 
-/// What METHODS §8 and docs/methods/which-method.md say of such traits. Commands name the file `input`.
+/// What METHODS §8 and docs/methods/which-method.md say about such traits. Commands name the file `input`.
 Advice advise(const CloudTraits& traits, const std::string& input);
 
 /// Both.

@@ -33,8 +33,8 @@ constexpr std::size_t kBorderNeighbours = 24;
 constexpr std::size_t kBorderPlaces = 2000;
 constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
 
-/// Of spacings, every part of the surface counting as much as its area: samples alone would tell of the dense parts.
-/// `ascending` must be so.
+/// Of spacings, every part of the surface counting as much as its area: samples alone would describe mainly the dense
+/// parts. `ascending` must be so.
 double quantile_by_area(const std::vector<double>& ascending, double q) {
   double area = 0, passed = 0;
   for (const double s : ascending) area += s * s;

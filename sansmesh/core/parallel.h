@@ -77,7 +77,7 @@ void parallel_for(std::size_t begin, std::size_t end, std::size_t grain, Body&& 
 template <class T, class Map, class Combine>
 T parallel_reduce(std::size_t n, std::size_t chunk, const T& init, Map&& map, Combine&& combine) {
   const std::size_t chunks = (n + chunk - 1) / chunk;
-  struct Part {  // one object a chunk, whatever T: bits of std::vector<bool> share their words
+  struct Part {  // one object per chunk, whatever T: bits of std::vector<bool> share their words
     T value;
   };
   std::vector<Part> parts(chunks, Part{init});

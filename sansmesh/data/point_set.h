@@ -12,9 +12,9 @@
 
 namespace sansmesh {
 
-/// One number a sample, with a name: what was computed there.
+/// One number per sample, with a name: what was computed there.
 struct Attribute {
-  std::string name;  ///< a word, as files want it: k1, mean_curvature, …
+  std::string name;  ///< a word, as files need it: k1, mean_curvature, …
   std::vector<float> values;
 };
 

@@ -19,7 +19,7 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
   std::vector<Vec3f> normals;                       ///< Unit, outward.
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< RGB, 0..255.
-  std::vector<float> quality;  ///< One scalar a vertex (error, curvature, distance), unit of its maker.
+  std::vector<float> quality;  ///< One scalar per vertex (error, curvature, distance), unit of its maker.
 };
 
 inline Box3f bounds(const TriangleMesh& mesh) {

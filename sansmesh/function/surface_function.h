@@ -43,7 +43,7 @@ struct SurfaceFunction {
   /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty where they were not
   /// kept: such a function can be meshed and evaluated, but not refitted.
   std::shared_ptr<const PointSet> samples;
-  std::vector<std::string> history;   ///< what was done to it, a line each
+  std::vector<std::string> history;   ///< what was done to it, one line each
   std::vector<std::string> warnings;  ///< of the preparation of the samples; not kept in files
 
   Vec3 to_input(const Vec3& x) const { return origin + x * unit; }

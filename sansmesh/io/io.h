@@ -13,7 +13,7 @@
 
 namespace sansmesh {
 
-/// What a reader found besides the data.
+/// What a reader found apart from the data.
 struct ReadReport {
   std::string format;                 ///< e.g. "PLY binary little endian"
   std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"

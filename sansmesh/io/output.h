@@ -40,7 +40,7 @@ void append_rows(std::vector<std::string>& parts, std::size_t n, std::size_t mos
   });
 }
 
-/// Most characters of one number as written below.
+/// The most characters that one number takes as written below.
 inline constexpr std::size_t number_width = 48;
 
 template <class T>

@@ -198,8 +198,8 @@ class VtpReader {
     return packed > text.size() ? text.size() : encoded(header) + encoded(packed);
   }
 
-  /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes a block, bytes of the last one (0 = full),
-  /// packed bytes of each.
+  /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes per block, bytes of the last one (0 =
+  /// full), packed bytes of each.
   void unpack(Array& array, std::string_view data) const {
     const std::size_t size = wide_header_ ? 8 : 4;
     if (compressor_.empty()) {

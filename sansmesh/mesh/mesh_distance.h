@@ -11,8 +11,8 @@
 namespace sansmesh {
 
 struct DistanceOptions {
-  /// Samples on each mesh, spread evenly over its area, 1..2^31; points are compared all of them. The values of maxima
-  /// include all vertices besides.
+  /// Samples on each mesh, spread evenly over its area, 1..2^31; of a cloud every point is compared. Maxima include all
+  /// vertices as well.
   std::size_t samples = 300000;
   /// Throws ArgumentError naming the field.
   void validate() const;

@@ -243,7 +243,7 @@ struct Simplifier {
       all[n] = measure(v, w);
       n += all[n].cost <= error * error;
     }
-    while (n > 0) {  // the costly tests only for the cheapest, and the next one if it fails
+    while (n > 0) {  // the costly tests only for the cheapest one, and for the next one if it fails
       const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
         return a.cost != b.cost ? a.cost < b.cost : a.with < b.with;
       });
@@ -436,7 +436,7 @@ struct Simplifier {
         own_weight[v] = std::max(quadric[v].weight, 1e-300);
       }
     });
-    // A closed mesh has two triangles a vertex, but for the handles.
+    // A closed mesh has two triangles per vertex, apart from its handles.
     const std::size_t most = (options.triangles + triangles.size() % 2) / 2 + x.size() - triangles.size() / 2;
     const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(most, 4) : 0;
     // In stages: with all of the error at once nearly every edge would be a candidate, and most would wait for cheaper

@@ -30,8 +30,8 @@ constexpr double kAcross = 2, kLeastAcross = 1;
 constexpr std::size_t kMostBlocks = 1'000'000;
 /// Default quadric error, in cells: a tenth of what curved parts are off anyway.
 constexpr double kSimplify = 9.5e-4;
-/// By default nothing is simplified where a smaller share of the vertices could go: then the rest takes its time in
-/// vain.
+/// By default nothing is simplified where a smaller share of the vertices could go: otherwise the time would be spent
+/// in vain.
 constexpr double kLeastGain = 0.05;
 /// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
 constexpr double kFlat = 0.5;
@@ -70,7 +70,7 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
 struct Reached {
   Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
              ///< begin with
-  /// Smallest blocks that a part with a known resolution wants; infinite: there is no such part.
+  /// Smallest blocks that a part with a known resolution needs; infinite: there is no such part.
   double detail = std::numeric_limits<double>::infinity();
 };
 
@@ -104,7 +104,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
 struct Cells {
   double smooth;  ///< on curved parts of which nothing else is known
   double usual;   ///< along creases; at most `smooth`
-  double thin;    ///< along creases, as thin parts want it: `usual`, or a half, a quarter … of it
+  double thin;    ///< along creases, as thin parts need it: `usual`, or a half, a quarter … of it
 };
 
 Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
@@ -159,7 +159,7 @@ struct Blocks {
   double cell;  ///< edge of the smallest
 };
 
-/// Blocks as small as thin parts want them, or nearly, if those are not too many and small enough to show such parts.
+/// Blocks as small as thin parts need them, or nearly, if those are not too many and small enough to show such parts.
 Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
                          CreaseBlockOptions sizes, Progress& progress) {
   for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)

@@ -114,8 +114,8 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   }
 }
 
-// What is far from its zero set in the ball says little about what is there. Beyond `trusted` the weight falls to 0 at
-// |f| = R with the fourth power, so that its fourth root, by which the far field takes over, falls about linearly.
+// A function says little about places in its ball that are far from its zero set. Beyond `trusted` the weight falls to
+// 0 at |f| = R with the fourth power, so that its fourth root, by which the far field takes over, falls about linearly.
 // Values flatten from `straight` R on, to (1 + straight) / 2 of R: functions that disagree then differ by less.
 template <bool kGradient, class D, class V = hn::Vec<D>>
 HWY_INLINE void Bound(D d, float trusted, float straight, float radius, V& value, V& gx, V& gy, V& gz, V& weight, V& tx,

@@ -23,12 +23,12 @@ class PartitionOfUnity : public ScalarField {
 
   /// All that it is made of; positions relative to its origin.
   const PartitionData& data() const;
-  /// The local functions: one a support, then further pieces of those with a crease.
+  /// The local functions: one per support, then further pieces of those with a crease.
   std::span<const LocalFunction> functions() const { return data().functions.view(); }
   const PartitionReport& report() const { return data().report; }
 
   /// A tree of blocks for polygonisation: fine enough that linear interpolation over its simplices stays within about
-  /// `mesh_error` (length) of the surface in the mean, and fine at creases and where sheets come close; no finer than
+  /// `mesh_error` (length) of the surface on average, and fine at creases and where sheets come close; no finer than
   /// level `deepest`.
   BlockTree mesh_blocks(double mesh_error, int deepest = BlockTree::kMaxLevel) const;
 

@@ -24,7 +24,7 @@ constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;  // in spacings
 constexpr double kLeastCompany = 4;  ///< samples in a sample's cell, in the mean, on the finest level that is tried
 constexpr double kKnownNoise = 0.3;  ///< share of the samples around which the noise of a level must be known
 
-/// Every how manieth sample around a block is enough for its fit.
+/// The stride through the samples around a block that leaves enough for its fit: 1 takes all, 2 every second one …
 std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Neighbours& own) {
   std::size_t near = 0;
   const auto& begin = fitter.tree.level(level).begin;
@@ -111,7 +111,8 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
   return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
-/// The finest level tried is the last on which a sample typically still has company enough for a quadratic fit.
+/// The finest level tried is the last on which a sample typically still has enough others around it for a quadratic
+/// fit.
 int finest_level(const SampleTree& tree, const PartitionOptions& options) {
   const std::vector<double> company = tree.company();
   const int deepest = static_cast<int>(company.size()) - 1;
@@ -246,7 +247,7 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       noises.push_back(trials[c].noise);
       known += begin[c + 1] - begin[c];
     }
-    // Where few blocks have company enough, those few are not typical.
+    // Where few blocks hold enough samples, those few are not typical.
     if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
@@ -261,7 +262,7 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
 /// Of degrees 1 .. kMaxDegree.
 using Risks = std::array<float, kMaxDegree>;
 
-/// Mallows' estimate of the expected squared error of each degree; infinite where it is not to be had.
+/// Mallows' estimate of the expected squared error of each degree; infinite where it cannot be told.
 Risks raw_risks(const Trial& t, float noise, float radius) {
   Risks risks;
   risks.fill(kInfinite);

@@ -32,7 +32,7 @@ std::uint64_t hash_of(const Vec3f& p) {
 }
 
 // Finite samples in the order of a hash of their position: duplicates come together, the lowest index first.
-// Different positions with the same hash are told apart by whoever walks along a run.
+// Different positions with the same hash must be told apart by the code that walks along a run.
 std::vector<KeyIndex> by_position(const std::vector<Vec3f>& positions) {
   std::vector<KeyIndex> keys;
   keys.reserve(positions.size());

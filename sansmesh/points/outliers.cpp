@@ -14,7 +14,7 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
-/// Samples closer than this many times the spacing around both belong together.
+/// Samples closer to each other than this many times the spacing around both belong together.
 constexpr float kReach = 4;
 /// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread
 /// evenly in space have about 0.6.

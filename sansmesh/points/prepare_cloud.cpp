@@ -17,7 +17,7 @@
 namespace sansmesh {
 namespace {
 
-/// A local fit takes this many samples.
+/// A local fit needs this many samples.
 constexpr std::size_t kFewest = 9;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;

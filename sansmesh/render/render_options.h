@@ -21,7 +21,7 @@ struct RenderOptions {
   bool smooth = true;                        ///< interpolate normals over the triangles, except across creases
   bool shadows = true;                       ///< of the key light, on the surface itself
   bool ground = true;                        ///< let a shadow fall on the ground below
-  int samples = 3;                           ///< samples a pixel in each direction, 1..8
+  int samples = 3;                           ///< samples per pixel in each direction, 1..8
   int occlusion_rays = 1;                    ///< rays towards the sky a sample, 0..64; 0: none is blocked
   /// Radius of points, in the unit of the cloud; default: from their spacing.
   std::optional<double> point_radius;

@@ -63,8 +63,9 @@ class KdTree {
   std::vector<Vec3f> positions() const;
 
   /// The k nearest points of every point (itself among them, first or after its duplicates): calls
-  /// visit(slot, neighbours) once a slot, in parallel, with the neighbours as slots in ascending order (ties by slot).
-  /// Neighbouring slots are visited one after another on the same thread: this is the fast way to treat a whole cloud.
+  /// visit(slot, neighbours) once per slot, in parallel, with the neighbours as slots in ascending order (ties by
+  /// slot). Neighbouring slots are visited one after another on the same thread: this is the fast way to treat a whole
+  /// cloud.
   using Visit = std::function<void(std::uint32_t slot, std::span<const Neighbour> neighbours)>;
   void for_each_nearest(std::size_t k, const Visit& visit) const;
   /// The same for the slots [first, last) on the calling thread.

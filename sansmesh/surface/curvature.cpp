@@ -172,7 +172,7 @@ class CurvatureFitter {
   }
 
  private:
-  /// The row, weight and height of one neighbour (lengths in radii); false for one without say.
+  /// The row, weight and height of one neighbour (lengths in radii); false for one without weight.
   bool equation(const Vec3& d, std::array<double, kUnknowns>& row, double& weight, double& height) const {
     const double flat = d.x * d.x + d.y * d.y, squared = flat + d.z * d.z;
     constexpr double kCoincident = 1e-10;

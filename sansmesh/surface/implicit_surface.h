@@ -1,5 +1,5 @@
-// Surfaces as zero sets of weighted means of the samples: nothing is fitted beforehand but a few numbers a sample, and
-// nothing is solved (METHODS §2.1, §2.3).
+// Surfaces as zero sets of weighted means of the samples: nothing is fitted beforehand but a few numbers per sample,
+// and nothing is solved (METHODS §2.1, §2.3).
 #pragma once
 
 #include <memory>

@@ -146,10 +146,14 @@ TEST_P(EveryMethod, KeepsTwoSheetsApart) {
   std::vector<double> values(x.size());
   std::vector<std::uint8_t> inside(x.size());
   f.evaluate_in_domain(x, values, {}, inside);
+  std::size_t within = 0, above = 0, below = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!inside[i] || std::abs(std::abs(x[i].z) - 0.024) < 0.004) continue;
     EXPECT_EQ(values[i] < 0, std::abs(x[i].z) < 0.024) << x[i].z;
+    ++(std::abs(x[i].z) < 0.024 ? within : x[i].z > 0 ? above : below);
   }
+  // Steps of 0.001 at three places: at least half a spacing deep on each side of both sheets.
+  for (const std::size_t n : {within, above, below}) EXPECT_GT(n, 30u);
 }
 
 TEST_P(EveryMethod, EndsAtTheBallsOfItsBorder) {

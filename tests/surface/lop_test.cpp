@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "points/shapes.h"
 #include "sansmesh/core/error.h"
@@ -19,6 +20,9 @@ PointSet run(const PointSet& points, const LopOptions& options = {}) {
   Progress progress;
   return consolidate(points, options, progress);
 }
+
+/// What `unevenness` is of points that are independent of each other on a surface.
+const double kRandom = std::sqrt(4 / std::numbers::pi - 1);
 
 /// Standard deviation over mean of the distances to the nearest other point.
 double unevenness(const std::vector<Vec3f>& points) {
@@ -70,7 +74,7 @@ TEST(Lop, TakesNoiseAwayAndSpreadsThePoints) {
 TEST(Lop, StaysOnCleanSurfaces) {
   const PointSet result = run(sample_sphere(8000, 1, 0, 2));
   EXPECT_LT(distances(result).back(), 0.004);
-  EXPECT_LT(unevenness(result.positions), 0.32);
+  EXPECT_LT(unevenness(result.positions), 2.0 / 3 * kRandom);
 }
 
 TEST(Lop, EvensOutDensity) {
@@ -120,7 +124,7 @@ TEST(Lop, CanGiveMorePointsThanSamples) {
   const PointSet result = run(sample_sphere(3000, 1, 0, 7), options);
   EXPECT_EQ(result.size(), 6000u);
   EXPECT_LT(distances(result).back(), 0.01);
-  EXPECT_LT(unevenness(result.positions), 0.6);  // no worse than random samples, which have 0.52
+  EXPECT_LT(unevenness(result.positions), 1.15 * kRandom);  // no worse than random, but for chance
 }
 
 TEST(Lop, SurvivesDegenerateInput) {
