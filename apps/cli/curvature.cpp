@@ -10,7 +10,6 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/points/noise.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/surface/curvature.h"
@@ -58,7 +57,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
     console.warn(arguments.input, cloud.warnings);
     CurvatureOptions options = arguments.options;
-    noise = estimate_noise(cloud.points) * cloud.unit;
+    noise = *cloud.noise * cloud.unit;  // known unless normals are taken as given
     options.noise = noise / cloud.unit;
     if (options.radius) options.radius = *options.radius / cloud.unit;
     progress.begin("curvature");

@@ -87,7 +87,7 @@ void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<doub
       ->group(group);
 }
 
-void add_cloud_options(CLI::App& c, FitOptions& o) {
+void add_cloud_options(CLI::App& c, CloudUse& o) {
   c.add_option("--faces", o.faces,
                "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
       ->transform(

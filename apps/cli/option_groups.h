@@ -11,6 +11,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render/mesh_preview.h"
 
 namespace sansmesh::cli {
@@ -73,7 +74,7 @@ void add_curvature_colors(CLI::App& command, std::string& quantity, std::optiona
                           const std::string& what, const std::string& group = "Options");
 
 /// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
-void add_cloud_options(CLI::App& command, FitOptions& options);
+void add_cloud_options(CLI::App& command, CloudUse& use);
 /// --box x0,y0,z0,x1,y1,z1
 void add_box_option(CLI::App& command, std::optional<Box3>& box, const std::string& what);
 /// "2..14"

@@ -16,6 +16,7 @@ struct RenderArguments {
   PictureArguments picture;
   std::string background = "gradient";
   bool flat = false, no_shadows = false;
+  CloudUse cloud;               ///< what is done to the samples
   SurfaceArguments of_samples;  ///< of --surface: cast rays at a surface of the samples
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen

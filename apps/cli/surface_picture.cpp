@@ -53,7 +53,8 @@ SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Prog
     read.format = "function";
     return make_surface_model(read_function(arguments.input));
   }
-  return make_surface_model(read_points(arguments.input, &read), *arguments.surface, progress);
+  return make_surface_model(prepare_cloud(read_points(arguments.input, &read), arguments.cloud, progress),
+                            *arguments.surface, progress);
 }
 
 }  // namespace
@@ -77,7 +78,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
-                                                    : SurfaceCaster(model.field(), model.balls(), cast);
+                                                    : SurfaceCaster(model.field(progress), model.balls(), cast);
     const std::vector<Vec3f>& samples = model.points().positions;
     const std::vector<Vec3f>& frame = samples.empty() ? model.balls().centers : samples;
     if (arguments.frames == 0) {
@@ -96,11 +97,12 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     }
     const SurfaceReport& report = model.report();
     const CastCounts counts = caster.counts();
+    const SurfaceMethodInfo& method = surface_method_info(report.method);
     console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input, counted(report.samples, "sample"),
-                            report.method, length(report.spacing), length(report.noise)));
+                            method.name, length(report.spacing), length(report.noise)));
     if (report.smoothing > 0)
       console.say(fmt::format("weights {:.2f} spacings wide{}", report.smoothing,
-                              report.method == "amls"
+                              method.heeds(SurfaceOption::order)
                                   ? fmt::format(", order {}, {}", report.order,
                                                 counted(static_cast<unsigned>(report.iterations), "iteration"))
                                   : std::string()));
@@ -109,7 +111,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
                                                 options.width, options.height));
     nlohmann::ordered_json json;
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"samples", report.samples}};
-    json["surface"] = {{"method", report.method},       {"spacing", report.spacing}, {"noise", report.noise},
+    json["surface"] = {{"method", method.name},         {"spacing", report.spacing}, {"noise", report.noise},
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
     json["rays"] = {
         {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};

@@ -19,7 +19,7 @@ void check_range(const char* name, double value, double lowest, double highest) 
     if (text.back() == '.') text.pop_back();
     return text;
   };
-  throw ArgumentError(std::string(name) + " must be from " + shown(lowest) + " to " + shown(highest) + ", not " +
+  throw ArgumentError("`" + std::string(name) + "` must be from " + shown(lowest) + " to " + shown(highest) + ", not " +
                       (std::isfinite(value) ? shown(value) : std::to_string(value)));
 }
 
@@ -40,7 +40,7 @@ void RenderOptions::validate() const {
   check_range("samples", samples, 1, 8);
   check_range("occlusion_rays", occlusion_rays, 0, 64);
   if (point_radius && !(*point_radius > 0 && std::isfinite(*point_radius)))
-    throw ArgumentError("point_radius must be positive, not " + std::to_string(*point_radius));
+    throw ArgumentError("`point_radius` must be positive, not " + std::to_string(*point_radius));
 }
 
 Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progress& progress) {

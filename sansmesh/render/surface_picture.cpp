@@ -17,8 +17,8 @@ constexpr int kDepthTile = 32;
 
 void check_range(const char* name, double value, double lowest, double highest) {
   if (value >= lowest && value <= highest) return;
-  throw ArgumentError(std::string(name) + " must be from " + std::to_string(lowest) + " to " + std::to_string(highest) +
-                      ", not " + std::to_string(value));
+  throw ArgumentError("`" + std::string(name) + "` must be from " + std::to_string(lowest) + " to " +
+                      std::to_string(highest) + ", not " + std::to_string(value));
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ void SurfaceRenderOptions::validate() const {
   check_range("refraction_index", refraction_index, 1, 4);
   check_range("bounces", bounces, 1, 16);
   if (reflection + transmission > 1 + 1e-9)
-    throw ArgumentError("reflection + transmission must be at most 1, not " +
+    throw ArgumentError("`reflection` + `transmission` must be at most 1, not " +
                         std::to_string(reflection + transmission));
 }
 
