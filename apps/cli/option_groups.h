@@ -13,6 +13,7 @@
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::cli {
 
@@ -69,8 +70,11 @@ struct MeshOutput {
 void add_mesh_output(CLI::App& command, MeshOutput& output);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);
+using CurvatureQuantity = CurvatureColorOptions::Quantity;
+/// "mean", "gaussian", …
+const char* quantity_word(CurvatureQuantity quantity);
 /// --color-by and --color-range of curvature. `what` describes the first.
-void add_curvature_colors(CLI::App& command, std::string& quantity, std::optional<double>& range,
+void add_curvature_colors(CLI::App& command, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
                           const std::string& what, const std::string& group = "Options");
 
 /// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)

@@ -37,9 +37,9 @@ void complete(RenderArguments& a) {
   const bool function = is_function_file(a.input);
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
   if (!a.surface && !function) {
-    require(a.frames == 0 && a.color_by.empty() && !a.color_range && !s.plain && !s.exact_shadows &&
-                s.reflection == 0 && s.transmission == 0 &&
-                s.refraction_index == SurfaceRenderOptions().refraction_index && !a.cloud.remove_outliers,
+    require(a.frames == 0 && !a.color_by && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
+                s.transmission == 0 && s.refraction_index == SurfaceRenderOptions().refraction_index &&
+                !a.cloud.remove_outliers,
             "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
             "--refraction-index and --remove-outliers need --surface NAME");
   } else {

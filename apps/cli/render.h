@@ -21,9 +21,9 @@ struct RenderArguments {
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
   std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen
-  std::string color_by;                   ///< mean, gaussian, k1, k2: curvature as colour; empty: the samples' colours
-  std::optional<double> color_range;      ///< curvature with the full colour
-  int frames = 0;                         ///< of a turntable; 0: one picture
+  std::optional<CurvatureQuantity> color_by;  ///< curvature as colour; else the samples' colours
+  std::optional<double> color_range;          ///< curvature with the full colour
+  int frames = 0;                             ///< of a turntable; 0: one picture
 };
 
 /// A picture straight from samples or of a function. The arguments are complete.

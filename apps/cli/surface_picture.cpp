@@ -25,22 +25,13 @@ std::string frame_name(const std::string& output, int frame) {
 }
 
 std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress) {
-  using Quantity = CurvatureColorOptions::Quantity;
+  if (!a.color_by) return nullptr;
   CurvatureColorOptions o;
-  if (a.color_by == "mean")
-    o.quantity = Quantity::mean;
-  else if (a.color_by == "gaussian")
-    o.quantity = Quantity::gaussian;
-  else if (a.color_by == "k1")
-    o.quantity = Quantity::k1;
-  else if (a.color_by == "k2")
-    o.quantity = Quantity::k2;
-  else
-    return nullptr;
+  o.quantity = *a.color_by;
   if (a.color_range) {
     // Curvatures of the model are per model unit.
     const double unit = model.unit();
-    o.range = *a.color_range * (o.quantity == Quantity::gaussian ? unit * unit : unit);
+    o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
   }
   o.curvature.noise = model.report().noise / model.unit();
   progress.begin("curvature");

@@ -50,7 +50,7 @@ SurfaceOptions with(SurfaceMethod method, SurfaceOption option) {
       o.smoothing = 2;
       break;
     case SurfaceOption::bandwidth:
-      o.bandwidth = 0.3;
+      o.bandwidth = 0.15;
       break;
     case SurfaceOption::order:
       o.order = 2;
@@ -98,8 +98,7 @@ TEST(SurfaceMethods, OptionsAreTakenByThoseThatHeedThemOnly) {
 
 class EveryMethodOfTheTable : public testing::TestWithParam<std::string> {};
 
-/// What an option that is heeded changes: the places that samples off the surface are moved to, or the mesh. Here: that
-/// with any of them set the surface of a sphere is still one.
+/// A sphere of a surface by itself and with each option that it heeds.
 TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
   const SurfaceMethodInfo& info = surface_method_info(surface_method(GetParam()));
   const std::size_t n = 2000;
@@ -115,12 +114,12 @@ TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
     Progress progress;
     const TriangleMesh mesh = reconstruct(cloud, options, progress);
     const MeshTopology topology = measure_topology(mesh);
-    EXPECT_EQ(topology.components, 1) << what;
+    EXPECT_EQ(topology.components, 1u) << what;
     EXPECT_TRUE(topology.manifold()) << what;
     if (GetParam() != "hoppe") EXPECT_TRUE(topology.closed()) << what;  // its planes do not meet
     double sum = 0;
     for (const Vec3f& v : mesh.vertices) sum += std::abs(norm(v) - 1);
-    EXPECT_LT(sum / static_cast<double>(mesh.vertices.size()), 0.02) << what;
+    EXPECT_LT(sum / static_cast<double>(mesh.vertices.size()), 0.05) << what;
   };
   check({.method = info.method}, "by itself");
   for (const SurfaceOption option : info.options) check(with(info.method, option), field_name(option));
