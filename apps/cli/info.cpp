@@ -85,7 +85,7 @@ void run_info(const std::string& file, Console& console) {
   const std::size_t duplicates = points.size() - count_unique(points);
   const CloudShape shape = classify_shape(points);
   const double spacing = estimate_spacing(points), noise = estimate_noise(points);
-  const char* normals = normals_word(check_orientation(points));
+  const char* normals = normals_word(check_orientation(points, noise));
   const Vec3f size = box.size();
 
   console.say(fmt::format("{}: {}", file, read.format));

@@ -74,11 +74,29 @@ void add_mesh_output(CLI::App& c, MeshOutput& o) {
   add_ascii_flag(c, o.ascii);
 }
 
-void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<double>& range, const std::string& what,
-                          const std::string& group) {
+const char* quantity_word(CurvatureQuantity quantity) {
+  switch (quantity) {
+    case CurvatureQuantity::mean:
+      return "mean";
+    case CurvatureQuantity::gaussian:
+      return "gaussian";
+    case CurvatureQuantity::k1:
+      return "k1";
+    case CurvatureQuantity::k2:
+      return "k2";
+  }
+  return "";
+}
+
+void add_curvature_colors(CLI::App& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
+                          const std::string& what, const std::string& group) {
+  std::vector<std::pair<std::string, CurvatureQuantity>> words;
+  for (const auto q :
+       {CurvatureQuantity::mean, CurvatureQuantity::gaussian, CurvatureQuantity::k1, CurvatureQuantity::k2})
+    words.emplace_back(quantity_word(q), q);
   c.add_option("--color-by", quantity, what)
+      ->transform(choices<CurvatureQuantity>(std::move(words)))
       ->type_name("QUANTITY")
-      ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
       ->group(group);
   c.add_option("--color-range", range,
                "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
@@ -87,7 +105,7 @@ void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<doub
       ->group(group);
 }
 
-void add_cloud_options(CLI::App& c, FitOptions& o) {
+void add_cloud_options(CLI::App& c, CloudUse& o) {
   c.add_option("--faces", o.faces,
                "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
       ->transform(

@@ -37,9 +37,9 @@ void complete(RenderArguments& a) {
   const bool function = is_function_file(a.input);
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
   if (!a.surface && !function) {
-    require(a.frames == 0 && a.color_by.empty() && !a.color_range && !s.plain && !s.exact_shadows &&
-                s.reflection == 0 && s.transmission == 0 &&
-                s.refraction_index == SurfaceRenderOptions().refraction_index && !a.of_samples.options.remove_outliers,
+    require(a.frames == 0 && !a.color_by && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
+                s.transmission == 0 && s.refraction_index == SurfaceRenderOptions().refraction_index &&
+                !a.cloud.remove_outliers,
             "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
             "--refraction-index and --remove-outliers need --surface NAME");
   } else {
@@ -104,7 +104,7 @@ Command add_render(CLI::App& app) {
       ->type_name("COUNT")
       ->group("Picture");
   c.add_flag("--no-shadows", a.no_shadows, "No shadows")->group("Picture");
-  add_surface(c, a.of_samples, "Cast rays at this surface of the samples, without a mesh");
+  add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_curvature_colors(c, a.color_by, a.color_range,
                        "Curvature as colour: mean, gaussian, k1 or k2; red convex, blue concave", "Surface");
   SurfaceRenderOptions& s = a.options;
@@ -123,7 +123,7 @@ Command add_render(CLI::App& app) {
       ->type_name("COUNT")
       ->check(CLI::Range(1, 100000).description(""))
       ->group("Surface");
-  c.footer(std::string(kReadable) +
+  c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh render surface.ply -o surface.png --view front\n"
            "  sansmesh render scan.ply -o scan.png --surface apss\n"

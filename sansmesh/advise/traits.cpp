@@ -176,10 +176,11 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
   const Vec3f size = bounds(points).size();
   traits.diagonal = static_cast<double>(norm(size)) * cloud.unit;
   traits.spacing = estimate_spacing(points) * cloud.unit;
-  traits.noise = estimate_noise(points) * cloud.unit;
+  const double noise = estimate_noise(points);
+  traits.noise = noise * cloud.unit;
   measure_density(points, traits);
   progress.begin("check normals");
-  traits.normals = check_orientation(points);
+  traits.normals = check_orientation(points, noise);
   progress.begin("creases and borders");
   measure_creases(points, traits, cloud.unit);
   measure_borders(points, traits);

@@ -15,7 +15,7 @@ void check_range(const char* name, double value, double lowest, double highest) 
     if (text.back() == '.') text.pop_back();
     return text;
   };
-  throw ArgumentError(std::string(name) + " must be from " + shown(lowest) + " to " + shown(highest) + ", not " +
+  throw ArgumentError("`" + std::string(name) + "` must be from " + shown(lowest) + " to " + shown(highest) + ", not " +
                       (std::isfinite(value) ? shown(value) : std::to_string(value)));
 }
 

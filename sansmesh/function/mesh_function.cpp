@@ -166,12 +166,13 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   options.validate();
   MeshReport local;
   MeshReport& r = report ? *report : local;
+  r = {};
   const PartitionOfUnity& field = function.field;
   const PartitionReport& f = field.report();
   const double unit = function.unit;
   Cut cut = prepare_cut(function, options);
   r.mesh_error = cut.mesh_error * unit;
-  r.depth = cut.blocks.depth();
+  r.block_depth = cut.blocks.depth();
   std::optional<Box3> box;
   if (options.box) {
     box = {function.from_input(options.box->lower), function.from_input(options.box->upper)};

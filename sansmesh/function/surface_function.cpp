@@ -21,20 +21,23 @@ void FitOptions::validate() const {
     if (!ok) throw ArgumentError(what);
   };
   check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
-        fmt::format("max depth must lie in {}..{}", kLeastDepth, kMostDepth));
-  check(!error || (std::isfinite(*error) && *error > 0), "error must be a positive length");
-  check(!support || (*support >= 1.1 && *support <= 2), "support must lie in 1.1..2");
-  check(max_degree >= 1 && max_degree <= 4, "degree must lie in 1..4");
+        fmt::format("`max_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
+  check(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
+  check(!support || (*support >= 1.1 && *support <= 2), "`support` must lie in 1.1..2");
+  check(max_degree >= 1 && max_degree <= 4, "`max_degree` must lie in 1..4");
 }
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
-  PreparedCloud cloud =
-      prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
+  return fit_surface_function(prepare_cloud(std::move(points), {}, progress), options, progress);
+}
+
+SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress) {
+  options.validate();
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
   if (options.error) fit.error = *options.error / cloud.unit;
-  if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("error is larger than the cloud");
+  if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;

@@ -139,12 +139,12 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
 void DistanceMapOptions::validate() const {
   const auto positive = [](const std::optional<double>& value, const char* name) {
     if (value && !(*value > 0 && std::isfinite(*value)))
-      throw ArgumentError(std::string("the ") + name + " must be a positive length");
+      throw ArgumentError(std::string(name) + " must be a positive length");
   };
-  positive(max_distance, "maximum distance");
-  positive(range, "range of the colours");
+  positive(max_distance, "`max_distance`");
+  positive(range, "`range`");
   if (tolerance && !(*tolerance >= 0 && std::isfinite(*tolerance)))
-    throw ArgumentError("the tolerance must be a length, 0 or larger");
+    throw ArgumentError("`tolerance` must be a length, 0 or larger");
 }
 
 DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,

@@ -194,7 +194,7 @@ Side prepare(const TriangleMesh& mesh, const DistanceOptions& options, const cha
 
 void DistanceOptions::validate() const {
   if (samples < 1 || samples > (std::size_t{1} << 31))
-    throw ArgumentError("samples must lie in 1.." + std::to_string(std::size_t{1} << 31));
+    throw ArgumentError("`samples` must lie in 1.." + std::to_string(std::size_t{1} << 31));
 }
 
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,

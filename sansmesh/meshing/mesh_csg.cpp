@@ -56,7 +56,7 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
         endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
   if (!endless.empty())
     throw ArgumentError(fmt::format(
-        "the solid is not known to end in the directions {}: intersect it with a box, or give a box to cut it off",
+        "the solid is not known to end in the directions {}: intersect it with a box, or give a `box` to cut it off",
         endless));
   constexpr double kLargest = 1e30;  // vertices are floats, and products of two lengths must be, too
   for (std::size_t k = 0; k < 3; ++k)
@@ -123,7 +123,7 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
   }
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
-    throw ArgumentError(fmt::format("cell {} is too small for a box of {} × {} × {}: at most {} cells along a side",
+    throw ArgumentError(fmt::format("`cell` {} is too small for a box of {} × {} × {}: at most {} cells along a side",
                                     cell, size.x, size.y, size.z, kMostCells));
   const double used = std::min(cell, longest / 2);
   return {used, used, used};
@@ -212,18 +212,18 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
 }  // namespace
 
 void CsgMeshOptions::validate() const {
-  if (cell && resolution) throw ArgumentError("give the cell or the resolution, not both");
+  if (cell && resolution) throw ArgumentError("give `cell` or `resolution`, not both");
   if (cell && !(*cell > 0 && std::isfinite(*cell)))
-    throw ArgumentError(fmt::format("cell {}: must be a positive length", *cell));
+    throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
   if (resolution && (*resolution < 4 || *resolution > kMostCells))
-    throw ArgumentError(fmt::format("resolution {}: must lie in 4..{}", *resolution, kMostCells));
+    throw ArgumentError(fmt::format("`resolution` must lie in 4..{}, not be {}", kMostCells, *resolution));
   if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
-    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", *simplify));
+    throw ArgumentError(fmt::format("`simplify` must be a length, or 0, not {}", *simplify));
   if (!box) return;
-  if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("box: corners must be finite");
+  if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("`box`: its corners must be finite");
   for (std::size_t k = 0; k < 3; ++k)
     if (!(box->lower[k] < box->upper[k]))
-      throw ArgumentError(fmt::format("box: its lower corner must lie below its upper one, but {} >= {} in {}",
+      throw ArgumentError(fmt::format("`box`: its lower corner must lie below its upper one, but {} >= {} in {}",
                                       box->lower[k], box->upper[k], "xyz"[k]));
 }
 

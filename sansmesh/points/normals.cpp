@@ -122,11 +122,11 @@ class NormalFitter {
 
 void NormalOptions::validate() const {
   if (neighbours && (*neighbours < 6 || *neighbours > 500))
-    throw ArgumentError("NormalOptions::neighbours is " + std::to_string(*neighbours) + "; it must lie in 6..500");
+    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 6..500");
   if (reweightings < 0 || reweightings > 10)
-    throw ArgumentError("NormalOptions::reweightings is " + std::to_string(reweightings) + "; it must lie in 0..10");
-  if (spacing && !(*spacing >= 0)) throw ArgumentError("NormalOptions::spacing must not be negative");
-  if (noise && !(*noise >= 0)) throw ArgumentError("NormalOptions::noise must not be negative");
+    throw ArgumentError("`reweightings` is " + std::to_string(reweightings) + "; it must lie in 0..10");
+  if (spacing && !(*spacing >= 0)) throw ArgumentError("`spacing` must not be negative");
+  if (noise && !(*noise >= 0)) throw ArgumentError("`noise` must not be negative");
 }
 
 int choose_neighbours(double spacing, double noise) {

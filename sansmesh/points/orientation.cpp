@@ -259,7 +259,7 @@ bool know_scanners(const PointSet& points) {
 
 void OrientationOptions::validate() const {
   if (neighbours < 4 || neighbours > 100)
-    throw ArgumentError("OrientationOptions::neighbours is " + std::to_string(neighbours) + "; it must lie in 4..100");
+    throw ArgumentError("`neighbours` is " + std::to_string(neighbours) + "; it must lie in 4..100");
 }
 
 void orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress) {
@@ -290,7 +290,7 @@ void orient_normals(PointSet& points, const OrientationOptions& options, Progres
   progress.finish();
 }
 
-OrientationCheck check_orientation(const PointSet& points) {
+OrientationCheck check_orientation(const PointSet& points, std::optional<double> known_noise) {
   if (points.normals.size() != points.size()) return OrientationCheck::missing;
   std::vector<Vec3f> positions, normals;
   std::size_t with_normal = 0;
@@ -307,7 +307,7 @@ OrientationCheck check_orientation(const PointSet& points) {
     normals.push_back(points.normals[i]);
   }
   if (positions.empty()) return OrientationCheck::missing;
-  const double noise = estimate_noise(points);
+  const double noise = known_noise ? *known_noise : estimate_noise(points);
   const OrientationCheck judgement = judge(positions, normals, noise);
   // The sides of a thin sheet may have been taken for noise.
   if (judgement != OrientationCheck::unoriented || noise == 0) return judgement;

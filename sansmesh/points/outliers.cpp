@@ -29,8 +29,7 @@ bool looks_scattered(const KdTree& tree, std::span<const std::uint32_t> neighbou
 }  // namespace
 
 void OutlierOptions::validate() const {
-  if (!(isolation > 1))
-    throw ArgumentError("OutlierOptions::isolation is " + std::to_string(isolation) + "; it must exceed 1");
+  if (!(isolation > 1)) throw ArgumentError("`isolation` is " + std::to_string(isolation) + "; it must exceed 1");
 }
 
 std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOptions& options, Progress& progress) {

@@ -352,8 +352,8 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress) {
   if (!(options.displacement >= 0 && options.displacement < 1))
-    throw ArgumentError("polygonize: displacement must lie in [0, 1)");
-  if (!(options.simplify >= 0)) throw ArgumentError("polygonize: simplify must be a length of at least 0");
+    throw ArgumentError("polygonize: `displacement` must lie in [0, 1)");
+  if (!(options.simplify >= 0)) throw ArgumentError("polygonize: `simplify` must be a length of at least 0");
   progress.begin("balance blocks");
   blocks.balance();
   const ScalarField& place = options.placement ? *options.placement : field;

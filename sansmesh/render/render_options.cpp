@@ -26,7 +26,7 @@ void RenderOptions::validate() const {
   check_range("samples", samples, 1, 8);
   check_range("occlusion_rays", occlusion_rays, 0, 64);
   if (point_radius && !(*point_radius > 0 && std::isfinite(*point_radius)))
-    throw ArgumentError("point_radius must be positive, not " + std::to_string(*point_radius));
+    throw ArgumentError("`point_radius` must be positive, not " + std::to_string(*point_radius));
 }
 
 void SurfaceRenderOptions::validate() const {
@@ -36,7 +36,7 @@ void SurfaceRenderOptions::validate() const {
   check_range("refraction_index", refraction_index, 1, 4);
   check_range("bounces", bounces, 1, 16);
   if (reflection + transmission > 1 + 1e-9)
-    throw ArgumentError("reflection + transmission must be at most 1, not " +
+    throw ArgumentError("`reflection` + `transmission` must be at most 1, not " +
                         std::to_string(reflection + transmission));
 }
 

@@ -13,13 +13,14 @@
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
+#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
 
 SurfaceModel model_of(const PointSet& cloud, const std::string& method = "apss") {
   SurfaceOptions options;
-  options.method = method;
+  options.method = surface_method(method);
   if (method == "amls") options.order = 4, options.iterations = 3;
   Progress progress;
   return make_surface_model(cloud, options, progress);
@@ -95,7 +96,7 @@ TEST_P(EverySurfaceProjects, MovesPointsOntoIt) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Names, EverySurfaceProjects, testing::ValuesIn(surface_names()),
+INSTANTIATE_TEST_SUITE_P(Names, EverySurfaceProjects, testing::ValuesIn(test::surface_names()),
                          [](const auto& tested) { return tested.param; });
 
 TEST(ProjectPoints, TakesNoiseAway) {

@@ -11,6 +11,7 @@
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
+#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -48,7 +49,7 @@ class EveryMethod : public testing::TestWithParam<std::string> {
  protected:
   ImplicitOptions options() const {
     ImplicitOptions o;
-    o.method = implicit_method(GetParam());
+    o.method = std::get<ImplicitMethod>(surface_method_info(surface_method(GetParam())).formula);
     if (GetParam() == "amls") o.order = 4, o.iterations = 3, o.smoothing = 1.2;
     return o;
   }
@@ -203,7 +204,7 @@ TEST_P(EveryMethod, DoesNotDependOnTheThreads) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod, testing::ValuesIn(implicit_method_names()),
+INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod, testing::ValuesIn(test::surface_names(SurfaceFamily::implicit)),
                          [](const auto& test) { return test.param; });
 
 /// METHODS §2.3 to the letter, slowly: g_i fixed at x, iterated anew for each x.
@@ -251,7 +252,7 @@ TEST(IteratedPlanes, ArePrecomputedForAnyPoint) {
     for (const int iterations : {0, 1, 4, 10}) {
       ImplicitOptions o;
       o.method = ImplicitMethod::amls;
-      o.order = order, o.iterations = iterations, o.width = 0.25, o.separate_sheets = false, o.reach = 1.2;
+      o.order = order, o.iterations = iterations, o.bandwidth = 0.25, o.separate_sheets = false, o.reach = 1.2;
       const ImplicitSurface f = make_implicit_surface(samples, o, progress);
       const std::vector<Vec3> x = points_near_sphere(20, 1, 0.05, 3);
       std::vector<double> values(x.size());
@@ -315,7 +316,7 @@ TEST(ImplicitSurface, RefusesWhatItCannotUse) {
   holey.positions[3].x = NAN;
   holey.normals[5] = {};
   EXPECT_EQ(prepare_samples(holey, progress).size(), 98u);
-  EXPECT_THROW(implicit_method("poisson"), ArgumentError);
+  EXPECT_THROW(ImplicitOptions{.bandwidth = 0}.validate(), ArgumentError);
   EXPECT_THROW(ImplicitOptions{.smoothing = -1}.validate(), ArgumentError);
   EXPECT_THROW(ImplicitOptions{.order = 3}.validate(), ArgumentError);
   EXPECT_THROW(ImplicitOptions{.iterations = 1000}.validate(), ArgumentError);
