@@ -29,6 +29,8 @@ void FitOptions::validate() const {
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
+  points.attributes.clear();  // a function keeps none; before the cloud is copied about
+  points.triangle_attributes.clear();
   return fit_surface_function(prepare_cloud(std::move(points), {}, progress), options, progress);
 }
 
