@@ -38,17 +38,13 @@ void check(const PointSet& p) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  set_thread_count(1);
-  return 0;
-}
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using Reader = PointSet (*)(const io::Input&);
   static constexpr Reader readers[] = {io::read_ply,   io::read_obj, io::read_off, io::read_stl,
                                        io::read_table, io::read_pcd, io::read_las, io::read_vtp};
   static const std::string name = "fuzz.file";
   if (size < 2) return 0;  // readers are never given nothing
+  const ThreadScope one(1);
   // A copy of its own, so that the address sanitizer sees each byte beyond its end.
   const std::unique_ptr<char[]> bytes(new char[size - 1]);
   std::copy(data + 1, data + size, bytes.get());

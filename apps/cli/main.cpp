@@ -45,7 +45,7 @@ void add_common(CLI::App& command, CommonArguments& common) {
 
 /// Runs the command that was chosen.
 void run(const CLI::App& app, const std::vector<Command>& commands, const CommonArguments& common) {
-  if (common.threads > 0) set_thread_count(common.threads);
+  const ThreadScope threads(common.threads);
   Console console(common.console);
   for (const Command& command : commands)
     if (app.got_subcommand(command.app)) return command.run(console);

@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/render/ball_segments.h"
 
 #ifndef SANSMESH_BALL_SEGMENTS_ONCE
@@ -153,7 +154,7 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(s.scene, geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(s.scene);
+  lend_threads([&] { rtcCommitScene(s.scene); });
   if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
 }
 

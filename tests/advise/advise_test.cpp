@@ -8,7 +8,7 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -157,12 +157,12 @@ TEST(Advise, DoesNotDependOnUnitOrThreads) {
   const PointSet cloud = test::cube(8000);
   PointSet large = cloud;
   for (Vec3f& p : large.positions) p *= 1024.0f;
-  set_thread_count(1);
-  const Advice one = ask(cloud);
-  set_thread_count(0);
-  const Advice many = ask(cloud), scaled = ask(large);
-  EXPECT_EQ(one.findings, many.findings);
-  EXPECT_EQ(one.traits.crease_length, many.traits.crease_length);
+  test::compare_threads([&] { return ask(cloud); },
+                        [](const Advice& one, const Advice& many) {
+                          EXPECT_EQ(one.findings, many.findings);
+                          EXPECT_EQ(one.traits.crease_length, many.traits.crease_length);
+                        });
+  const Advice one = ask(cloud), scaled = ask(large);
   EXPECT_EQ(one.findings, scaled.findings);
   EXPECT_DOUBLE_EQ(1024 * one.traits.spacing, scaled.traits.spacing);
 }

@@ -13,7 +13,6 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/io/io.h"
 #include "support/clean_text.h"
 

@@ -8,10 +8,10 @@
 
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -117,15 +117,12 @@ TEST(Simplify, CarriesAttributes) {
 TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
   // Large enough, and often enough, for collapses to run beside each other.
   const TriangleMesh ring = test::torus_mesh(300, 200);
-  set_thread_count(1);
-  const TriangleMesh one = simplified(ring, 2e-3);
-  for (const int threads : {2, 8, 2, 8, 2, 8}) {
-    set_thread_count(threads);
-    const TriangleMesh many = simplified(ring, 2e-3);
-    ASSERT_EQ(one.vertices, many.vertices);
-    ASSERT_EQ(one.triangles, many.triangles);
-  }
-  set_thread_count(0);
+  for (int repeat = 0; repeat < 3; ++repeat)
+    test::compare_threads([&] { return simplified(ring, 2e-3); },
+                          [](const TriangleMesh& one, const TriangleMesh& many) {
+                            ASSERT_EQ(one.vertices, many.vertices);
+                            ASSERT_EQ(one.triangles, many.triangles);
+                          });
 }
 
 TEST(Simplify, BadOptionsAndEmptyMeshes) {

@@ -8,9 +8,9 @@
 
 #include "csg/catalogue.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "support/any_threads.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {
@@ -191,12 +191,11 @@ TEST(MeshCsg, UnboundedSolidsNeedABox) {
 TEST(MeshCsg, ThreadsMakeNoDifference) {
   const Solid solid = parsed("difference(box(1), sphere(0.4, center=(0.5,0.5,0.5)), r=0.1) | torus(R=1, r=0.1)");
   CsgMeshReport report;
-  set_thread_count(1);
-  const TriangleMesh one = meshed(solid, {.resolution = 40}, report);
-  set_thread_count(0);
-  const TriangleMesh all = meshed(solid, {.resolution = 40}, report);
-  EXPECT_EQ(one.vertices, all.vertices);
-  EXPECT_EQ(one.triangles, all.triangles);
+  test::compare_threads([&] { return meshed(solid, {.resolution = 40}, report); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          EXPECT_EQ(one.vertices, many.vertices);
+                          EXPECT_EQ(one.triangles, many.triangles);
+                        });
 }
 
 TEST(MeshCsg, FlatPartsHaveFewTriangles) {

@@ -10,8 +10,8 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/search/kd_tree.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -237,14 +237,12 @@ TEST(ResampleSurface, HasTheColoursOfTheSamples) {
 TEST(SampleSurface, IsTheSameForAnyNumberOfThreads) {
   const PointSet cloud = test::torus(4000);
   const SurfaceModel model = model_of(cloud, "curvature");
-  set_thread_count(1);
-  const PointSet a = project(cloud, model), b = resample(model, 2000);
-  set_thread_count(7);
-  const PointSet c = project(cloud, model), d = resample(model, 2000);
-  set_thread_count(0);
-  EXPECT_EQ(a.positions, c.positions);
-  EXPECT_EQ(a.normals, c.normals);
-  EXPECT_EQ(b.positions, d.positions);
+  test::compare_threads([&] { return project(cloud, model); },
+                        [](const PointSet& one, const PointSet& many) {
+                          EXPECT_EQ(one.positions, many.positions);
+                          EXPECT_EQ(one.normals, many.normals);
+                        });
+  test::expect_equal_for_any_threads([&] { return resample(model, 2000).positions; });
 }
 
 TEST(SampleSurface, RefusesBadOptions) {

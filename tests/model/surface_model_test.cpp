@@ -9,9 +9,9 @@
 #include <numbers>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/reconstruct.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -275,13 +275,11 @@ TEST(SurfaceModel, IsTheSameForAnyNumberOfThreads) {
   for (const char* method : {"apss", "curvature"}) {
     SurfaceOptions options = named(method);
     options.sharp = true;
-    set_thread_count(1);
-    const TriangleMesh one = mesh_of(cloud, options);
-    set_thread_count(5);
-    const TriangleMesh many = mesh_of(cloud, options);
-    set_thread_count(0);
-    EXPECT_EQ(one.vertices, many.vertices) << method;
-    EXPECT_EQ(one.triangles, many.triangles) << method;
+    test::compare_threads([&] { return mesh_of(cloud, options); },
+                          [&](const TriangleMesh& one, const TriangleMesh& many) {
+                            EXPECT_EQ(one.vertices, many.vertices) << method;
+                            EXPECT_EQ(one.triangles, many.triangles) << method;
+                          });
   }
 }
 

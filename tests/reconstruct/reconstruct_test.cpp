@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/triangulation/block_tree.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -166,16 +166,12 @@ TEST(Reconstruct, FewerTrianglesOnDemand) {
 
 TEST(Reconstruct, IsTheSameForAnyNumberOfThreads) {
   const PointSet cloud = test::torus(30000);
-  set_thread_count(1);
-  const TriangleMesh one = run(cloud);
-  for (const int threads : {2, 8}) {
-    set_thread_count(threads);
-    const TriangleMesh many = run(cloud);
-    ASSERT_EQ(one.vertices, many.vertices);
-    ASSERT_EQ(one.triangles, many.triangles);
-    ASSERT_EQ(one.normals, many.normals);
-  }
-  set_thread_count(0);
+  test::compare_threads([&] { return run(cloud); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          ASSERT_EQ(one.vertices, many.vertices);
+                          ASSERT_EQ(one.triangles, many.triangles);
+                          ASSERT_EQ(one.normals, many.normals);
+                        });
 }
 
 TEST(Reconstruct, StopsWhenCancelled) {

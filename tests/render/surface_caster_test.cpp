@@ -346,8 +346,8 @@ TEST(SurfaceCaster, DoesNotDependOnThreadsOrNeighbours) {
   const BallUnion balls = test::torus_balls(20000, 2);
   const auto rays = test::random_rays(5000, 1.3f);
   std::vector<CastHit> first;
-  for (const int threads : {1, 2, 7}) {
-    set_thread_count(threads);
+  for (const int threads : {1, 2, 8}) {
+    const ThreadScope scope(threads);
     const SurfaceCaster caster(torus, balls);
     const auto hits = cast(caster, rays);
     if (first.empty()) first = hits;
@@ -362,7 +362,6 @@ TEST(SurfaceCaster, DoesNotDependOnThreadsOrNeighbours) {
       ASSERT_EQ(alone.position, first[i].position);
     }
   }
-  set_thread_count(0);
 }
 
 TEST(SurfaceCaster, RefusesBadInput) {

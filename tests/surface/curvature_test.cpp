@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 #include "surface/curvature_shapes.h"
 
 namespace sansmesh {
@@ -159,11 +159,12 @@ TEST(Curvature, TurnsItsSignWithTheNormals) {
 
 TEST(Curvature, IsTheSameForAnyNumberOfThreads) {
   CurvedCloud cloud = curved_cloud(Curved::torus, 10000, 0.005, 9);
-  const auto many = curvatures(cloud.points);
-  set_thread_count(1);
-  const auto one = curvatures(cloud.points);
-  set_thread_count(0);
-  for (std::size_t i = 0; i < many.size(); ++i) ASSERT_TRUE(many[i].k1 == one[i].k1 && many[i].k2 == one[i].k2);
+  test::compare_threads([&] { return curvatures(cloud.points); },
+                        [](const auto& one, const auto& many) {
+                          ASSERT_EQ(one.size(), many.size());
+                          for (std::size_t i = 0; i < many.size(); ++i)
+                            ASSERT_TRUE(many[i].k1 == one[i].k1 && many[i].k2 == one[i].k2);
+                        });
 }
 
 TEST(Curvature, AnywhereAgreesWithThatAtSamples) {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/surface/iterated_planes.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -190,15 +190,12 @@ TEST_P(EveryMethod, TurnsAndScalesWithItsSamples) {
 TEST_P(EveryMethod, DoesNotDependOnTheThreads) {
   const PointSet cloud = test::sphere(20000, 0.01, 4);
   const std::vector<Vec3> x = points_near_sphere(3000, 1, 0.03, 2);
-  const auto values = [&](int threads) {
-    set_thread_count(threads);
+  test::expect_equal_for_any_threads([&] {
     const ImplicitSurface f = make(cloud, options());
-    std::vector<double> v(x.size());
-    f.evaluate(x, v);
-    set_thread_count(0);
-    return v;
-  };
-  EXPECT_EQ(values(1), values(4));
+    std::vector<double> values(x.size());
+    f.evaluate(x, values);
+    return values;
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod, testing::ValuesIn(implicit_method_names()),

@@ -8,8 +8,8 @@
 
 #include "points/shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/search/kd_tree.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -104,12 +104,11 @@ TEST(Lop, OutliersHaveNoPull) {
 
 TEST(Lop, IsTheSameForAnyNumberOfThreads) {
   const PointSet sphere = sample_sphere(5000, 1, 0.01f, 6);
-  const PointSet many = run(sphere);
-  set_thread_count(1);
-  const PointSet one = run(sphere);
-  set_thread_count(0);
-  EXPECT_EQ(many.positions, one.positions);
-  EXPECT_EQ(many.normals, one.normals);
+  test::compare_threads([&] { return run(sphere); },
+                        [](const PointSet& one, const PointSet& many) {
+                          EXPECT_EQ(one.positions, many.positions);
+                          EXPECT_EQ(one.normals, many.normals);
+                        });
 }
 
 TEST(Lop, CanGiveMorePointsThanSamples) {
