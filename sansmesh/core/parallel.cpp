@@ -1,4 +1,8 @@
+// On oneTBB. See parallel_watched.cpp for the thread sanitizer.
 #include "sansmesh/core/parallel.h"
+
+#include "sansmesh/core/parallel_backend.h"
+#if !SANSMESH_WATCHED_THREADS
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -11,10 +15,7 @@
 
 #include <algorithm>
 #include <mutex>
-#include <string>
 #include <utility>
-
-#include "sansmesh/core/error.h"
 
 namespace sansmesh {
 namespace {
@@ -145,8 +146,7 @@ void sort(std::vector<T>& values) {
 }  // namespace
 
 ThreadScope::ThreadScope(int threads) {
-  if (threads < 0 || threads > kMost)
-    throw ArgumentError("threads: " + std::to_string(threads) + " is not a number from 0 to " + std::to_string(kMost));
+  detail::check_thread_count(threads);
   team_ = std::make_unique<Team>(threads == 0 ? tbb::info::default_concurrency() : threads);
 }
 ThreadScope::~ThreadScope() = default;
@@ -202,3 +202,4 @@ void parallel_sort(std::vector<KeyIndex>& values) { sort(values); }
 void lend_threads(const std::function<void()>& work) { enter_as_task(work); }
 
 }  // namespace sansmesh
+#endif

@@ -1,24 +1,18 @@
 #include "sansmesh/core/parallel.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cfenv>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
+#include <cstdlib>
 #include <numeric>
-#include <optional>
 #include <random>
-#include <set>
 #include <thread>
-#include <utility>
 
+#include "core/parallel_test_tools.h"
+#include "sansmesh/core/parallel_backend.h"
 #include "sansmesh/core/progress.h"
 #include "support/any_threads.h"
 
@@ -76,48 +70,25 @@ TEST(Parallel, SortsAsOneThreadDoes) {
   }
 }
 
-/// Those who arrive wait for each other, though not for ever.
-class MeetingPlace {
- public:
-  explicit MeetingPlace(std::ptrdiff_t expected) : expected_(expected) {}
-  /// Whether all came.
-  bool arrive() {
-    std::unique_lock lock(mutex_);
-    if (++arrived_ >= expected_) all_.notify_all();
-    return all_.wait_for(lock, std::chrono::seconds(10), [&] { return arrived_ >= expected_; });
-  }
-
- private:
-  std::ptrdiff_t expected_, arrived_ = 0;
-  std::mutex mutex_;
-  std::condition_variable all_;
-};
+#if SANSMESH_WATCHED_THREADS
+TEST(Parallel, RacesOfBodiesAreSeen) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  int sum = 0;
+  const auto add = [&](std::size_t) { ++sum; };
+  EXPECT_EXIT((parallel_for(0, 2, 1, add), std::exit(0)), testing::ExitedWithCode(66), "data race");
+  EXPECT_EXIT((parallel_invoke([&] { add(0); }, [&] { add(1); }), std::exit(0)), testing::ExitedWithCode(66),
+              "data race");
+}
+#endif
 
 TEST(ThreadScope, AsManyThreadsTakePartAsWereAskedFor) {
   for (const int threads : {2, 8, 3, 8}) {
     const ThreadScope scope(threads);
     EXPECT_EQ(thread_count(), threads);
-    MeetingPlace place(threads);
+    test::MeetingPlace place(threads);
     std::atomic<int> met = 0;
     parallel_for(0, static_cast<std::size_t>(threads), 1, [&](std::size_t) { met += place.arrive(); });
     EXPECT_EQ(met, threads);
-  }
-}
-
-TEST(ThreadScope, NoMoreThreadsTakePartThanWereAskedFor) {
-  for (const int threads : {1, 2, 3}) {
-    const ThreadScope scope(threads);
-    std::mutex mutex;
-    std::set<std::thread::id> seen;
-    const auto look = [&](std::size_t) {
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
-      const std::lock_guard lock(mutex);
-      seen.insert(std::this_thread::get_id());
-    };
-    parallel_for(0, 20, 1, [&](std::size_t) { parallel_for(0, 10, 1, look); });
-    lend_threads([&] { tbb::parallel_for(std::size_t{0}, std::size_t{200}, look); });
-    EXPECT_GE(seen.size(), 1u);
-    EXPECT_LE(seen.size(), static_cast<std::size_t>(threads));
   }
 }
 
@@ -138,7 +109,7 @@ TEST(ThreadScope, HoldsForTheCallingThreadAndUntilItsEnd) {
     parallel_for(0, 5, 1, [](std::size_t) {
       const ThreadScope two(2);
       EXPECT_EQ(thread_count(), 2);
-      MeetingPlace place(2);
+      test::MeetingPlace place(2);
       parallel_for(0, 2, 1, [&](std::size_t) { EXPECT_TRUE(place.arrive()); });
     });
     parallel_for(0, 5, 1, [](std::size_t) { EXPECT_EQ(thread_count(), 5); });
@@ -149,97 +120,22 @@ TEST(ThreadScope, HoldsForTheCallingThreadAndUntilItsEnd) {
 TEST(ThreadScope, RefusesNumbersOutOfRange) {
   EXPECT_THROW(ThreadScope(-1), ArgumentError);
   EXPECT_THROW(ThreadScope(ThreadScope::kMost + 1), ArgumentError);
-  EXPECT_EQ(test::with_threads(0, thread_count), tbb::info::default_concurrency());
-}
-
-constexpr auto kWorkers = tbb::global_control::max_allowed_parallelism;
-std::size_t workers_of_process() { return tbb::global_control::active_value(kWorkers); }
-
-TEST(ThreadScope, LeavesNoTraceInTheProcess) {
-  const std::size_t before = workers_of_process();
-  const int here = tbb::this_task_arena::max_concurrency();
-  {
-    const ThreadScope outer(8);
-    const ThreadScope inner(50);
-    parallel_for(0, 100, 1, [](std::size_t) {});
-    EXPECT_EQ(tbb::this_task_arena::max_concurrency(), here) << "the arena of the calling thread";
-  }
-  test::with_threads(1, [] {
-    parallel_for(0, 100, 1, [](std::size_t) {});
-    return 0;
-  });
-  EXPECT_EQ(workers_of_process(), before);
-  EXPECT_EQ(tbb::this_task_arena::max_concurrency(), here);
-}
-
-TEST(ThreadScope, NeverRaisesNorLowersTheLimitOfAHost) {
-  const std::size_t cores = static_cast<std::size_t>(tbb::info::default_concurrency());
-  for (const std::size_t allowed : {std::size_t{1}, cores + 20}) {
-    const tbb::global_control host(kWorkers, allowed);
-    for (const int threads : {1, 2, static_cast<int>(cores) + 10}) {
-      const ThreadScope scope(threads);
-      EXPECT_EQ(workers_of_process(), allowed);
-      EXPECT_EQ(thread_count(), std::min(threads, static_cast<int>(allowed)));
-    }
-  }
-}
-
-TEST(ThreadScope, LoopsOfAHostKeepToItsArena) {
-  tbb::task_arena host(1);
-  host.execute([] {
-    EXPECT_EQ(thread_count(), 1);
-    const std::thread::id me = std::this_thread::get_id();
-    parallel_for(0, 100, 1, [&](std::size_t) { EXPECT_EQ(std::this_thread::get_id(), me); });
-  });
-}
-
-/// Says whether a thread enters a second time before it has left.
-class Door {
- public:
-  bool enter() const { return std::exchange(inside(), true); }
-  void leave() const { inside() = false; }
-
- private:
-  static bool& inside() {
-    thread_local bool inside = false;
-    return inside;
-  }
-};
-
-void wait_in_a_loop() {
-  parallel_for(0, 8, 1, [](std::size_t) { std::this_thread::sleep_for(std::chrono::microseconds(300)); });
+  EXPECT_GE(test::with_threads(0, thread_count), 1);
 }
 
 TEST(Parallel, WhoWaitsInALoopIsNotGivenTheLoopAround) {
   const ThreadScope scope(4);
   std::atomic<int> entered_again = 0;
   parallel_for(0, 100, 1, [&](std::size_t) {
-    entered_again += Door().enter();
-    wait_in_a_loop();
+    entered_again += test::Door().enter();
+    test::wait_in_a_loop();
     std::vector<std::uint64_t> values(3000);
     std::iota(values.rbegin(), values.rend(), 0);
     parallel_sort(values);
-    parallel_invoke(wait_in_a_loop, wait_in_a_loop);
-    Door().leave();
+    parallel_invoke(test::wait_in_a_loop, test::wait_in_a_loop);
+    test::Door().leave();
   });
   EXPECT_EQ(entered_again, 0);
-}
-
-TEST(Parallel, WhoWaitsInALoopIsNotGivenTasksOfAHost) {
-  const tbb::global_control workers(kWorkers, 4);
-  for (const bool own_scope : {false, true}) {
-    std::atomic<int> entered_again = 0;
-    tbb::task_arena(4).execute([&] {
-      tbb::parallel_for(0, 100, [&](int) {
-        entered_again += Door().enter();
-        std::optional<ThreadScope> scope;
-        if (own_scope) scope.emplace(2);
-        wait_in_a_loop();
-        Door().leave();
-      });
-    });
-    EXPECT_EQ(entered_again, 0);
-  }
 }
 
 TEST(Parallel, AnExceptionEndsTheLoopAndReachesTheCaller) {
@@ -267,7 +163,7 @@ TEST(Parallel, AnExceptionElsewhereLeavesNoLoopHalfDone) {
   std::atomic<std::size_t> done = 0, branches = 0;
   std::vector<std::uint64_t> values(50000);
   std::iota(values.rbegin(), values.rend(), 0);
-  MeetingPlace both(2);
+  test::MeetingPlace both(2);
   EXPECT_THROW(parallel_for(0, 2, 1,
                             [&](std::size_t i) {
                               ASSERT_TRUE(both.arrive());
@@ -300,7 +196,7 @@ TEST(Parallel, BranchesMayBranch) {
 
 TEST(Parallel, BodiesRoundAsTheCallerDoes) {
   const ThreadScope scope(4);
-  MeetingPlace first(4), then(4);
+  test::MeetingPlace first(4), then(4);
   parallel_for(0, 4, 1, [&](std::size_t) { first.arrive(); });  // workers are there already
   const int before = std::fegetround();
   ASSERT_EQ(std::fesetround(FE_UPWARD), 0);

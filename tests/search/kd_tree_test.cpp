@@ -98,8 +98,8 @@ TEST(KdTree, OrderIsAPermutationAndIndependentOfTheNumberOfThreads) {
   const std::vector<Vec3f> points = lattice_points(50000, 11);
   const KdTree one(points);
   test::expect_equal_for_any_threads([&] {
-    const auto order = KdTree(points).order();
-    return std::vector(order.begin(), order.end());
+    const KdTree tree(points);
+    return std::vector(tree.order().begin(), tree.order().end());
   });
   std::vector<bool> seen(points.size());
   for (std::uint32_t i : one.order()) {
