@@ -96,7 +96,9 @@ PointSet as_points(const TriangleMesh& mesh) {
   points.positions = mesh.vertices;
   points.normals = mesh.normals;
   points.colors = mesh.colors;
-  points.attributes = {{"distance", mesh.quality}};
+  points.attributes = mesh.attributes;
+  points.attributes.set("distance", *mesh.attributes.find<float>("quality"));
+  points.attributes.erase("quality");
   return points;
 }
 

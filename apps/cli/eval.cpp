@@ -50,6 +50,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   const SurfaceFunction function = read_function(a.input);
   PointSet points = points_of(a, console);
   points.triangles.clear();
+  points.triangle_attributes.clear();
 
   progress.begin("evaluate");
   const std::size_t n = points.size();
@@ -63,11 +64,10 @@ void run_eval(const EvalArguments& a, Console& console) {
   if (!a.output.empty()) {
     progress.begin("write");
     const auto add = [&](const char* name, auto&& get) {
-      Attribute attribute{name, std::vector<float>(n)};
-      for (std::size_t i = 0; i < n; ++i) attribute.values[i] = static_cast<float>(get(found[i]));
-      points.attributes.push_back(std::move(attribute));
+      std::vector<float> values(n);
+      for (std::size_t i = 0; i < n; ++i) values[i] = static_cast<float>(get(found[i]));
+      points.attributes.set(name, std::move(values));
     };
-    points.attributes.clear();
     add("value", [](const LevelSetPoint& p) { return p.value; });
     add("gradient_x", [](const LevelSetPoint& p) { return p.gradient.x; });
     add("gradient_y", [](const LevelSetPoint& p) { return p.gradient.y; });

@@ -38,7 +38,7 @@ TEST_P(MeshRoundTrip, KeepsWhatTheFormatHas) {
   for (const bool attributes : {true, false}) {
     const Folder folder;
     TriangleMesh mesh = made_mesh();
-    if (!attributes) mesh.normals.clear(), mesh.colors.clear(), mesh.quality.clear();
+    if (!attributes) mesh.normals.clear(), mesh.colors.clear(), mesh.attributes.clear();
     write_mesh(folder / kind.name, mesh, {.ascii = kind.ascii});
     EXPECT_EQ(folder.entries(), 1u);
     ReadReport report;
@@ -63,7 +63,7 @@ TEST_P(MeshRoundTrip, KeepsWhatTheFormatHas) {
       EXPECT_EQ(back.colors, mesh.colors);
     }
     if (kind.scalar) {
-      EXPECT_EQ(back.quality, mesh.quality);
+      EXPECT_EQ(back.attributes, mesh.attributes);
     }
   }
 }
@@ -94,7 +94,7 @@ TEST_P(PointsRoundTrip, KeepsWhatTheFormatHas) {
     PointSet points = made_points();
     if (!(attributes & 1)) points.normals.clear();
     if (!(attributes & 2)) points.colors.clear();
-    if (!(attributes & 4)) points.confidence.clear();
+    if (!(attributes & 4)) points.attributes.clear();
     write_points(folder / kind.name, points, {.ascii = kind.ascii});
     ReadReport report;
     const PointSet back = read_points(folder / kind.name, &report);
@@ -252,7 +252,7 @@ TEST(Glb, HoldsTheMesh) {
     const auto& attributes = primitive["attributes"];
     EXPECT_EQ(std::memcmp(bytes(attributes["POSITION"], 5126, "VEC3", n, 12), mesh.vertices.data(), 12 * n), 0);
     EXPECT_EQ(std::memcmp(bytes(attributes["NORMAL"], 5126, "VEC3", n, 12), mesh.normals.data(), 12 * n), 0);
-    EXPECT_EQ(std::memcmp(bytes(attributes["_QUALITY"], 5126, "SCALAR", n, 4), mesh.quality.data(), 4 * n), 0);
+    EXPECT_EQ(std::memcmp(bytes(attributes["_QUALITY"], 5126, "SCALAR", n, 4), mesh.attributes.find<float>("quality")->data(), 4 * n), 0);
     const char* colors = bytes(attributes["COLOR_0"], 5123, "VEC4", n, 8);
     for (std::size_t i = 0; i < n; ++i) {
       std::uint16_t c[4];
