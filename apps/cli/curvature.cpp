@@ -142,7 +142,7 @@ Command add_curvature(CLI::App& app) {
   auto shared = std::make_shared<CurvatureArguments>();
   CurvatureArguments& a = *shared;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv (others: colours only)")
+  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv .pcd .vtp (others: colours only)")
       ->type_name("FILE")
       ->required();
   add_preview_option(c, a.preview, "the coloured points");

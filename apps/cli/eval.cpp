@@ -132,7 +132,7 @@ Command add_eval(CLI::App& app) {
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
   c->add_option("--points", a->points, "Where: the points of this file")->type_name("FILE");
   c->add_option("--at", a->at, "Where: at this place, x,y,z")->delimiter(',')->expected(3)->type_name("POINT");
-  c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv")->type_name("FILE");
+  c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")->type_name("FILE");
   add_ascii_flag(*c, a->ascii);
   c->footer(
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"

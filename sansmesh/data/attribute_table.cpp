@@ -147,7 +147,9 @@ void AttributeTable::append_between(std::size_t a, std::size_t b, float t) {
           for (std::size_t c = 0; c < width; ++c) {
             const T from = values[a * width + c], to = values[b * width + c];
             if constexpr (std::is_floating_point_v<T>)
-              values.push_back(t <= 0 ? from : t >= 1 ? to : from * (T(1) - static_cast<T>(t)) + to * static_cast<T>(t));
+              values.push_back(t <= 0   ? from
+                               : t >= 1 ? to
+                                        : from * (T(1) - static_cast<T>(t)) + to * static_cast<T>(t));
             else
               values.push_back(t <= 0.5f ? from : to);
           }
@@ -241,9 +243,8 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
 std::vector<std::string> keep_common(AttributeTable& a, std::span<const AttributeTable* const> others) {
   std::vector<std::string> gone;
   for (const Attribute& array : a) {
-    const bool common = std::all_of(others.begin(), others.end(), [&](const AttributeTable* other) {
-      return alike(array, other->find(array.name));
-    });
+    const bool common = std::all_of(others.begin(), others.end(),
+                                    [&](const AttributeTable* other) { return alike(array, other->find(array.name)); });
     if (!common) gone.push_back(array.name);
   }
   for (const std::string& name : gone) a.erase(name);

@@ -13,13 +13,13 @@
 #include "sansmesh/data/number_type.h"
 
 namespace sansmesh {
-
 /// The alternatives stand in the order of NumberType.
+// clang-format off
 using AttributeValues = std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
                                      std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
                                      std::vector<std::int64_t>, std::vector<std::uint64_t>, std::vector<float>,
                                      std::vector<double>>;
-
+// clang-format on
 /// An empty array of a type.
 AttributeValues empty_values(NumberType type);
 
@@ -47,8 +47,8 @@ struct Attribute {
   friend bool operator==(const Attribute&, const Attribute&) = default;
 };
 
-/// Arrays of different names and the same number of rows. Its owner says what the rows are; whatever changes these calls
-/// the operations on rows below, so that all arrays follow.
+/// Arrays of different names and the same number of rows. Its owner says what the rows are; whatever changes these
+/// calls the operations on rows below, so that all arrays follow.
 ///
 /// Where rows are mixed, reals become weighted means. Integers are as a rule numbers of something, labels or flags, of
 /// which there is no mean: they take the value of the row with the largest weight (of several, the first one), and keep

@@ -74,8 +74,7 @@ Attribute decode(const NamedColumns& columns, std::size_t n) {
               out[i * a.components] = column.swap ? load<T, true>(p) : load<T>(p);
             });
           } else {
-            parallel_for(0, n, 1 << 15,
-                         [&](std::size_t i) { out[i * a.components] = nearest_value<T>(column[i]); });
+            parallel_for(0, n, 1 << 15, [&](std::size_t i) { out[i * a.components] = nearest_value<T>(column[i]); });
           }
         }
       },

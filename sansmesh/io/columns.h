@@ -31,7 +31,8 @@ struct NamedColumns {
 };
 
 /// Attributes of n records. If `join`, neighbouring single columns of one type named name_0, name_1, … become one
-/// attribute of several components. What has no name is left out, and so is, with a warning, what has the name of another.
+/// attribute of several components. What has no name is left out, and so is, with a warning, what has the name of
+/// another.
 AttributeTable decode_attributes(const Input& in, const std::vector<NamedColumns>& columns, std::size_t n,
                                  bool join = true);
 

@@ -11,8 +11,8 @@ namespace sansmesh::io {
 
 char* OutputColumn::put_text(char* p, std::size_t row) const {
   const std::size_t i = row * attribute->components + component;
-  return std::visit(
-      [&](const auto& values) { return std::to_chars(p, p + number_width, values[i]).ptr; }, attribute->values);
+  return std::visit([&](const auto& values) { return std::to_chars(p, p + number_width, values[i]).ptr; },
+                    attribute->values);
 }
 
 char* OutputColumn::put_bytes(char* p, std::size_t row) const {
@@ -28,7 +28,8 @@ char* OutputColumn::put_bytes(char* p, std::size_t row) const {
 std::string one_word(std::string_view name) {
   std::string word(name);
   for (char& c : word) {
-    const bool tears = static_cast<unsigned char>(c) <= ' ' || c == '\x7f' || c == ',' || c == ';' || c == '"' || c == '\'';
+    const bool tears =
+        static_cast<unsigned char>(c) <= ' ' || c == '\x7f' || c == ',' || c == ';' || c == '"' || c == '\'';
     if (tears) c = '_';
   }
   return word;

@@ -24,7 +24,8 @@ char* put_bytes(char* p, const T& value) {
 
 /// The names of 64 bits are not in the format's first description; readers that know no such numbers say so.
 const char* ply_type(NumberType type) {
-  constexpr const char* names[] = {"char", "uchar", "short", "ushort", "int", "uint", "int64", "uint64", "float", "double"};
+  constexpr const char* names[] = {"char", "uchar", "short",  "ushort", "int",
+                                   "uint", "int64", "uint64", "float",  "double"};
   return names[static_cast<std::size_t>(type)];
 }
 

@@ -154,7 +154,7 @@ Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t co
 struct Block {
   std::vector<double> values;
   std::vector<std::uint8_t> real;  ///< of each place in a row: whether some number is missing or not written as a whole
-  std::uint64_t announced = 0;  ///< sum of the counts met between the rows (PTS)
+  std::uint64_t announced = 0;     ///< sum of the counts met between the rows (PTS)
   std::string error;
 };
 
@@ -191,8 +191,8 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
       double& cell = block.values[base + place];
       cell = v;
       if (layout.type[column] != NumberType::f64) {
-        TextScanner number(*f);
-        read_cell(number, layout.type[column], cell);
+        TextScanner whole(*f);
+        read_cell(whole, layout.type[column], cell);
       } else if (f->empty() || f->find_first_not_of("+-0123456789") != std::string_view::npos) {
         block.real[place] = 1;
       }
@@ -218,7 +218,7 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
 
 struct Rows {
   std::vector<double> cells;
-  std::vector<std::uint8_t> real;     ///< as Block says, of all blocks
+  std::vector<std::uint8_t> real;  ///< as Block says, of all blocks
   std::uint64_t announced = 0;
 };
 
@@ -259,8 +259,8 @@ Rows read_rows(const Input& in, const Head& head, const Layout& layout) {
 }
 
 struct ColumnType {
-  NumberType type;     ///< the integer that holds all numbers, or double
-  bool exact = true;   ///< doubles have held them
+  NumberType type;    ///< the integer that holds all numbers, or double
+  bool exact = true;  ///< doubles have held them
 };
 
 /// Of a column of further numbers; nothing where there are none.
@@ -298,7 +298,8 @@ PointSet read_table(const Input& in) {
   if (head.announced) *head.announced += read.announced;
   const std::size_t width = static_cast<std::size_t>(layout.width);
 
-  // What type the further columns have shows only now; integers of 64 bits are read once more, for a double rounds them.
+  // What type the further columns have shows only now; integers of 64 bits are read once more, for a double rounds
+  // them.
   std::vector<NamedColumns> others;
   std::string without;
   bool again = false;

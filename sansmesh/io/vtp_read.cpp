@@ -81,7 +81,8 @@ class VtpReader {
         section = tag->closed ? std::string_view() : tag->name;
       } else if (tag->name == "DataArray" && !section.empty()) {
         data_array(*tag, section, xml.text());
-      } else if ((tag->name.starts_with('/') && tag->name.substr(1) == section) || tag->name == "FieldData" || tag->name == "Verts" || tag->name == "Lines") {
+      } else if ((tag->name.starts_with('/') && tag->name.substr(1) == section) || tag->name == "FieldData" ||
+                 tag->name == "Verts" || tag->name == "Lines") {
         section = {};
       }
     }

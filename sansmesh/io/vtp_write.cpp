@@ -1,4 +1,5 @@
-// VTK XML polydata (.vtp): points or a mesh with normals, colours and attributes; raw bytes appended to the XML, or text.
+// VTK XML polydata (.vtp): points or a mesh with normals, colours and attributes; raw bytes appended to the XML, or
+// text.
 #include <fmt/core.h>
 
 #include <limits>
@@ -70,7 +71,8 @@ class VtpFile {
       line(depth, tag + " format=\"ascii\">");
       std::vector<std::string> rows;
       append_rows(rows, numbers / components, components * (number_width + 1), [&](std::size_t r, char* p) {
-        for (std::size_t c = 0; c < components; ++c) p = put(put(p, at(r * components + c)), c + 1 < components ? ' ' : '\n');
+        for (std::size_t c = 0; c < components; ++c)
+          p = put(put(p, at(r * components + c)), c + 1 < components ? ' ' : '\n');
         return p;
       });
       for (const std::string& text : rows) xml_ += text;
@@ -128,8 +130,7 @@ std::vector<std::string> to_vtp(const Content& c, bool mesh, const WriteOptions&
                            n, mesh ? 0 : 1, faces));
   file.line(3, fmt::format("<PointData{}{}>", c.normals.empty() ? "" : " Normals=\"Normals\"",
                            c.colors.empty() ? "" : " Scalars=\"RGB\""));
-  if (!c.normals.empty())
-    file.array(4, "Normals", 3, 3 * n, [&](std::size_t i) { return c.normals[i / 3][i % 3]; });
+  if (!c.normals.empty()) file.array(4, "Normals", 3, 3 * n, [&](std::size_t i) { return c.normals[i / 3][i % 3]; });
   if (!c.colors.empty()) file.array(4, "RGB", 3, 3 * n, [&](std::size_t i) { return c.colors[i / 3][i % 3]; });
   for (const Attribute& a : c.attributes) file.attribute(4, a);
   file.line(3, "</PointData>");

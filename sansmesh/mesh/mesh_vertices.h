@@ -1,5 +1,5 @@
-// Vertices of a mesh with all that belongs to them: copies, new ones between two, fewer. What an operation on meshes does
-// to vertices it does through these, and no array is forgotten. Triangles are the caller's.
+// Vertices of a mesh with all that belongs to them: copies, new ones between two, fewer. What an operation on meshes
+// does to vertices it does through these, and no array is forgotten. Triangles are the caller's.
 #pragma once
 
 #include <cstddef>
