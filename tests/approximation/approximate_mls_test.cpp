@@ -233,7 +233,9 @@ TEST(ApproximateMls, ChoosesFewIterationsForNoiseAndManyForCleanValues) {
   EXPECT_GE(for_clean.iterations, 15);
   EXPECT_LE(for_noisy.iterations, 4);
   EXPECT_LT(for_clean.error, 0.005);
-  EXPECT_LT(for_noisy.error, 0.35);
+  // No prediction of a noisy value is better than the noise, which has a deviation of 1/√12; a good one hardly worse.
+  EXPECT_GT(for_noisy.error, 0.9 / std::sqrt(12.0));
+  EXPECT_LT(for_noisy.error, 1.2 / std::sqrt(12.0));
   EXPECT_LE(for_noisy.shape, for_clean.shape);
   // What is chosen for the noisy values is nearer to the truth than the samples are.
   ApproximateMlsOptions options;
