@@ -13,7 +13,7 @@
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render/mesh_picture.h"
-#include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/render_options.h"
 #include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::cli {

@@ -6,6 +6,12 @@
 namespace sansmesh {
 namespace {
 
+/// Balls for blocks with too few samples, in units of the support's radius: of twice the area, and the parent's.
+constexpr float kReaches[] = {1.41f, 2.0f};
+/// Slopes of the first plane against the mean normal for which the frame is turned. Below, the weights and residuals
+/// change by a hundredth at most; above, the plane is not that of the samples that face the mean normal.
+constexpr float kLeastSlope = 0.1f, kMostSlope = 2.0f;
+
 float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
 /// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the
@@ -81,7 +87,7 @@ float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, co
   };
   gather(fitter.tree, level, own, c, kShift * radius, ids);
   if (enough(radius) || level == 0) return 1;
-  for (const float reach : {1.41f, 2.0f}) {
+  for (const float reach : kReaches) {
     gather(fitter.tree, level - 1, parents, c, kShift * reach * radius, ids);
     if (enough(reach * radius)) return reach;
   }
@@ -115,7 +121,7 @@ DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int ma
   if (fits.highest >= 1) {
     const auto plane = monomial_coefficients(fits, 1);
     const float slope = std::hypot(plane[1], plane[2]);
-    if (slope > 0.1f && slope < 2.0f) {
+    if (slope > kLeastSlope && slope < kMostSlope) {
       set_normal(f, normalized(f.nu - f.xi * plane[1] - f.eta * plane[2]));
       middle = c + f.nu * (plane[0] * scale / std::sqrt(1 + slope * slope));
       away = project(tree, middle, ws, f);

@@ -36,7 +36,9 @@ struct Workspace {
   LocalSamples samples;
 };
 
-/// A ball shifted along the normal reaches farther from the block's centre than its radius.
+/// A ball shifted along the normal reaches farther from the block's centre than its radius: a surface through the block
+/// passes at most 1/1.5 of the radius of the default support away from the centre, and its disc around there ends
+/// √(1 + 1/1.5²) = 1.2 radii from the centre. The rest is for noise.
 constexpr float kShift = 1.3f;
 
 /// Indices of the samples in a ball (of every stride-th), from the given cells of a level.

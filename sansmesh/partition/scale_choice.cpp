@@ -18,10 +18,26 @@ constexpr float kInfinite = std::numeric_limits<float>::infinity();
 /// live near the rim, where the weights vanish, hardly take part.
 constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
 
-/// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing.
+/// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing (in spacings).
+/// Wide ones average over more noise and blur more shape: benchmarks/README.md has what each gains and loses.
 constexpr double kSupport = 1.5, kNoisySupport = 1.8;
-constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;  // in spacings
+constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;
 constexpr double kLeastCompany = 4;  ///< samples in a sample's cell, in the mean, on the finest level that is tried
+/// Noise above this share of a ball's radius is cut off by the ball: there `uncut` has a quarter to make up for.
+constexpr double kMostNoise = 0.2;
+/// Samples that a fit needs to tell noise, in units of the freedom that it takes: with fewer, what is left over says
+/// little.
+constexpr float kSpareFreedom = 1.5f;
+/// What planes leave is noise where the best degree leaves no less than this part of it.
+constexpr double kNoiseShare = 0.5;
+/// A second sheet that had all of the weight would count as if the surface were √0.1 = 0.3 radii off.
+constexpr float kSecondSheetRisk = 0.1f;
+/// A higher degree must promise at least a little less risk than a lower one, which bends less and is cheaper to
+/// evaluate; a cut 10 % less, for about four times the functions (25 % changes next to nothing: benchmarks/README.md).
+constexpr float kBetterDegree = 0.98f, kBetterCut = 0.9f;
+/// Accepted error without an option: this part of the noise, which is what a quadratic fit to 400 samples can be
+/// expected to reach; and of the diagonal, a few dozen roundings of a float coordinate.
+constexpr double kAcceptedNoise = 0.1, kAcceptedSize = 2e-6;
 constexpr double kKnownNoise = 0.3;  ///< share of the samples around which the noise of a level must be known
 
 /// The stride through the samples around a block that leaves enough for its fit: 1 takes all, 2 every second one …
@@ -35,7 +51,8 @@ std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Nei
 }
 
 /// A ball of radius 1 leaves out the samples that noise takes far off the surface: over all of the disc, offsets z have
-/// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here.
+/// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here, but by no more
+/// than 0.3: where the ball is full of noise, what is seen says nothing about it.
 float uncut(float mean_square) { return mean_square / std::max(0.3f, 1 - 6 * mean_square); }
 
 /// The residuals of fits of radius `scale`, up to a degree.
@@ -55,7 +72,7 @@ bool only_noise(std::span<const Trial> children) {
     plane += t.plane();
     best += t.residual(t.highest);
   }
-  return best > 0 && plane < 2 * best;
+  return best > 0 && kNoiseShare * plane < best;
 }
 
 Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, NeighbourWalk& walk,
@@ -101,7 +118,7 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
     const Trial& o = trials[static_cast<std::size_t>(k)];
     // The highest degree with freedom left: what it does not follow is noise, not shape.
     int d = o.highest;
-    while (d > 1 && o.effective_count < 1.5f * kFreedom[static_cast<std::size_t>(d)]) --d;
+    while (d > 1 && o.effective_count < kSpareFreedom * kFreedom[static_cast<std::size_t>(d)]) --d;
     if (d < std::min(2, max_degree) || o.reach != 1) continue;  // what planes leave is also shape
     const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
     if (freedom < 1) continue;
@@ -252,7 +269,7 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
       choice.variance = *middle;
-      if (std::sqrt(choice.variance) < 0.2 * fitter.support_radius(choice.finest)) break;
+      if (std::sqrt(choice.variance) < kMostNoise * fitter.support_radius(choice.finest)) break;
     }
     if (choice.finest <= 2) break;
   }
@@ -268,8 +285,8 @@ Risks raw_risks(const Trial& t, float noise, float radius) {
   risks.fill(kInfinite);
   for (int d = 1; d <= t.highest; ++d) {
     const auto k = static_cast<std::size_t>(d);
-    risks[k - 1] =
-        t.residual(d) - noise * (1 - 2 * kFreedom[k] / t.effective_count) + t.dropped * 0.1f * radius * radius;
+    risks[k - 1] = t.residual(d) - noise * (1 - 2 * kFreedom[k] / t.effective_count) +
+                   t.dropped * kSecondSheetRisk * radius * radius;
   }
   return risks;
 }
@@ -285,7 +302,7 @@ void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, 
       sum += raw[static_cast<std::size_t>(o)][k - 1], n += 1;
     }
     const float risk = std::max(sum / n, noise * kFreedom[k] / t.effective_count);
-    if (risk < t.risk * (d > 1 ? 0.98f : 1.0f)) t.risk = risk, t.degree = static_cast<std::uint8_t>(d);
+    if (risk < t.risk * (d > 1 ? kBetterDegree : 1.0f)) t.risk = risk, t.degree = static_cast<std::uint8_t>(d);
   }
 }
 
@@ -315,7 +332,7 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
         if (best < kInfinite) sum += m * best, n += m;
       }
       const float below = n > 0 ? static_cast<float>(sum / n) : kInfinite;
-      const bool wanted = t.risk > needed && below < 0.9f * t.risk;
+      const bool wanted = t.risk > needed && below < kBetterCut * t.risk;
       if (wanted || (t.risk == kInfinite && below < kInfinite)) t.leaf = false, t.best = below;
     };
     parallel_ranges(0, raw.size(), 1024, [&](std::size_t first, std::size_t last) {
@@ -380,7 +397,8 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
   refit_finest(fitter, choice);
   progress.begin("choose scale");
   choice.trials.resize(static_cast<std::size_t>(choice.finest) + 1);
-  choice.accepted = options.error.value_or(std::max(0.1 * std::sqrt(choice.variance), 2e-6 * diagonal));
+  choice.accepted =
+      options.error.value_or(std::max(kAcceptedNoise * std::sqrt(choice.variance), kAcceptedSize * diagonal));
   choose_cuts(fitter, choice);
   collect_leaves(tree, choice);
   if (choice.leaves.empty()) throw DataError("partition of unity: too few samples for any local fit");

@@ -330,6 +330,52 @@ struct Extraction {
   }
 };
 
+/// A surface as it comes out of the lattice.
+struct RawSurface {
+  std::vector<Triangle> triangles;
+  std::vector<Vec3f> vertices;       ///< relative to the origin
+  std::vector<std::uint8_t> on_cap;  ///< closes the mesh at a face of the cube: there is no surface to move it to
+};
+
+/// The lattice, which takes more room than the surface in it, is gone afterwards.
+RawSurface extract(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
+                   Progress& progress) {
+  Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .region = options.region};
+  progress.begin("evaluate lattice");
+  e.activate(options.seeds);
+  if (options.displacement > 0) e.displace(options.displacement);
+
+  progress.begin("march");
+  std::vector<std::uint8_t> merged;
+  if (options.cluster) merged.assign(e.values.size(), 1);
+  SurfaceChain chain = make_surface_chain([&](const std::vector<std::uint8_t>& m) { return e.march(m); }, merged);
+  const std::size_t n = chain.vertices.size();
+  RawSurface raw{std::move(chain.triangles), std::vector<Vec3f>(n), std::vector<std::uint8_t>(n)};
+  parallel_for(0, n, 4096, [&](std::size_t i) {
+    const ChainVertex v = chain.vertices[i];
+    raw.on_cap[i] = e.caps[v.a] || e.caps[v.b];
+    if (v.a == v.b) {
+      raw.vertices[i] = e.position(v.a);
+    } else {
+      const float t = e.values[v.a] / (e.values[v.a] - e.values[v.b]);
+      const Vec3f a = e.position(v.a), b = e.position(v.b);
+      raw.vertices[i] = a + (b - a) * t;
+    }
+  });
+  return raw;
+}
+
+/// Square of the longest edge at each vertex.
+std::vector<float> longest_edges(const RawSurface& raw) {
+  std::vector<float> longest(raw.vertices.size(), 0);
+  for (const Triangle& t : raw.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float d = squared_norm(raw.vertices[t[k]] - raw.vertices[t[(k + 1) % 3]]);
+      longest[t[k]] = std::max(longest[t[k]], d);
+    }
+  return longest;
+}
+
 /// Simplifies the mesh with its vertices at x; false: it is as it was.
 bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std::vector<Vec3>& x, Progress& progress) {
   if (!(options.simplify > 0)) return false;
@@ -357,47 +403,23 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   progress.begin("balance blocks");
   blocks.balance();
   const ScalarField& place = options.placement ? *options.placement : field;
-  Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .region = options.region};
-  progress.begin("evaluate lattice");
-  e.activate(options.seeds);
-  if (options.displacement > 0) e.displace(options.displacement);
-
-  progress.begin("march");
-  std::vector<std::uint8_t> merged;
-  if (options.cluster) merged.assign(e.values.size(), 1);
-  SurfaceChain chain = make_surface_chain([&](const std::vector<std::uint8_t>& m) { return e.march(m); }, merged);
+  const Box3 cube = blocks.bounds();
+  RawSurface raw = extract(field, std::move(blocks), origin, options, progress);
 
   progress.begin("place vertices");
-  TriangleMesh mesh;
-  mesh.origin = origin;
-  mesh.triangles = std::move(chain.triangles);
-  const std::size_t n = chain.vertices.size();
-  std::vector<Vec3> x(n), g(n);
-  std::vector<double> f(n);
-  std::vector<Vec3f> start(n);
-  std::vector<std::uint8_t> on_cap(n);  // closes the mesh at a face of the cube: there is no surface to move it to
-  parallel_for(0, n, 4096, [&](std::size_t i) {
-    const ChainVertex v = chain.vertices[i];
-    on_cap[i] = e.caps[v.a] || e.caps[v.b];
-    if (v.a == v.b) {
-      start[i] = e.position(v.a);
-    } else {
-      const float t = e.values[v.a] / (e.values[v.a] - e.values[v.b]);
-      const Vec3f a = e.position(v.a), b = e.position(v.b);
-      start[i] = a + (b - a) * t;
-    }
-    x[i] = origin + Vec3(start[i]);
-  });
-  mesh.normals.resize(n);
-  mesh.vertices.resize(n);
   // A root lies within half the lattice's local spacing of where its vertex starts; a longer step means a gradient
   // that cannot be trusted.
-  std::vector<float> longest(n, 0);
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float d = squared_norm(start[t[k]] - start[t[(k + 1) % 3]]);
-      longest[t[k]] = std::max(longest[t[k]], d);
-    }
+  const std::vector<float> longest = longest_edges(raw);
+  const std::vector<std::uint8_t> on_cap = std::move(raw.on_cap);
+  TriangleMesh mesh;
+  mesh.origin = origin;
+  mesh.triangles = std::move(raw.triangles);
+  mesh.vertices = std::move(raw.vertices);
+  const std::size_t n = mesh.vertices.size();
+  mesh.normals.resize(n);
+  std::vector<Vec3> x(n), g(n);
+  std::vector<double> f(n);
+  parallel_for(0, n, 8192, [&](std::size_t i) { x[i] = origin + Vec3(mesh.vertices[i]); });
   const auto to_surface = [&] {
     place.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
@@ -422,7 +444,6 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   } else if (options.balance) {
     balance_gaps(place, mesh.triangles, rings, mesh.normals, x);
   }
-  const Box3 cube = e.tree.bounds();
   parallel_for(0, x.size(), 4096, [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) x[i][k] = std::clamp(x[i][k], cube.lower[k], cube.upper[k]);
     mesh.vertices[i] = Vec3f(x[i] - origin);
