@@ -7,6 +7,7 @@
 
 namespace sansmesh {
 
+/// Spreads large batches over threads itself, as a ScalarField does.
 class ColorField {
  public:
   virtual ~ColorField() = default;

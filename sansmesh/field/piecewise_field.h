@@ -21,7 +21,8 @@ struct Surroundings {
 };
 
 /// At every point the value is that of one of several smooth functions, its pieces (combined by minima, maxima and
-/// changes of sign). Two pieces meet in a crease of the zero set where both vanish, three in a corner.
+/// changes of sign). Two pieces meet in a crease of the zero set where both vanish, three in a corner. All that is
+/// asked of many points spreads them over threads itself, as evaluate() does.
 class PiecewiseField : public ScalarField {
  public:
   /// Number of pieces, numbered from 0.

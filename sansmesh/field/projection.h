@@ -21,7 +21,8 @@ struct FootPoint {
   bool defined = false;  ///< false: too far from the samples; then position is the point itself, the rest zero
 };
 
-/// The surface is the set of points that stay where they are (METHODS §2.1, §2.2).
+/// The surface is the set of points that stay where they are (METHODS §2.1, §2.2). Spreads large batches over threads
+/// itself, as a ScalarField does.
 class Projection {
  public:
   virtual ~Projection() = default;

@@ -13,6 +13,12 @@ namespace sansmesh {
 
 /// A scalar function on space. Implicit surfaces are negative inside, positive outside, and near their zero set
 /// measured in units of length (the gradient has norm about 1).
+///
+/// Who runs in parallel: the field does. Whoever asks hands over all points that it has, and makes no loop for the sake
+/// of threads; the field spreads a large batch over the threads of its caller (parallel_ranges of core/parallel.h,
+/// which runs a batch of one range where it is asked), or hands it on to fields that do. It may be asked inside a loop
+/// all the same, there with a batch for each iteration. The same holds for all that is asked of many points in this
+/// folder: Projection, PiecewiseField, NormalField, ColorField.
 class ScalarField {
  public:
   virtual ~ScalarField() = default;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/measure/signed_distance.h"
@@ -13,6 +14,8 @@
 
 namespace sansmesh {
 namespace {
+
+constexpr std::size_t kBatch = 1024;
 
 /// A step from 1 at `a` to 0 at `b`, with its derivative.
 std::pair<double, double> fading(double t, double a, double b) {
@@ -37,6 +40,8 @@ struct FunctionDistance::Parts {
         distance(mesh),
         near(std::max(function->field.report().spacing * function->unit, 1e-6 * distance.bounds().diagonal())) {}
 
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const;
+
   std::shared_ptr<const SurfaceFunction> function;
   PlacedField field;
   TriangleMesh mesh;
@@ -51,10 +56,11 @@ FunctionDistance::~FunctionDistance() = default;
 
 Box3 FunctionDistance::bounds() const { return parts_->field.bounds(); }
 
-void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+/// Of points that go together.
+void FunctionDistance::Parts::evaluate(std::span<const Vec3> x, std::span<double> values,
+                                       std::span<Vec3> gradients) const {
   std::vector<MeasuredPoint> found(x.size());
-  parts_->distance.measure(x, std::numeric_limits<double>::max(), found);
-  const double near = parts_->near;
+  distance.measure(x, std::numeric_limits<double>::max(), found);
   // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
   std::vector<Vec3> beside(x.begin(), x.end());
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -62,7 +68,7 @@ void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> value
     if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
   }
   std::vector<double> side(x.size());
-  parts_->field.evaluate(beside, side);
+  field.evaluate(beside, side);
   for (std::size_t i = 0; i < x.size(); ++i)
     if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
   std::vector<std::size_t> close;
@@ -78,7 +84,7 @@ void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> value
   if (close.empty()) return;
   std::vector<double> value(close.size());
   std::vector<Vec3> slope(gradients.empty() ? 0 : close.size());
-  parts_->field.evaluate(at, value, slope);
+  field.evaluate(at, value, slope);
   for (std::size_t j = 0; j < close.size(); ++j) {
     const std::size_t i = close[j];
     const double d = values[i], gap = value[j] - d;
@@ -93,6 +99,14 @@ void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> value
         (away * (std::copysign(share_slope, d) * trust) + across * (std::copysign(trust_slope, gap) * share)) * gap;
     if (!is_finite(gradients[i])) gradients[i] = slope[j];
   }
+}
+
+void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  parallel_ranges(0, x.size(), kBatch, [&](std::size_t first, std::size_t last) {
+    const std::size_t n = last - first;
+    parts_->evaluate(x.subspan(first, n), values.subspan(first, n),
+                     gradients.empty() ? gradients : gradients.subspan(first, n));
+  });
 }
 
 }  // namespace sansmesh

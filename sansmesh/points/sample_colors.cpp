@@ -3,6 +3,7 @@
 #include <array>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 
@@ -25,7 +26,8 @@ SampleColors::SampleColors(const PointSet& points) : tree_(points.positions), co
 }
 
 void SampleColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const {
-  for (std::size_t i = 0; i < x.size(); ++i) colors[i] = Vec3f(mean_color(tree_, colors_, Vec3f(x[i])) / 255.0);
+  parallel_for(0, x.size(), 1024,
+               [&](std::size_t i) { colors[i] = Vec3f(mean_color(tree_, colors_, Vec3f(x[i])) / 255.0); });
 }
 
 }  // namespace sansmesh

@@ -70,7 +70,7 @@ void use_simd(std::int64_t target) {
 }
 
 int run(int threads) {
-  set_thread_count(threads);
+  const ThreadScope scope(threads);
   return RUN_ALL_TESTS();
 }
 
