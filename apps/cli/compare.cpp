@@ -96,7 +96,9 @@ PointSet as_points(const TriangleMesh& mesh) {
   points.positions = mesh.vertices;
   points.normals = mesh.normals;
   points.colors = mesh.colors;
-  points.attributes = {{"distance", mesh.quality}};
+  points.attributes = mesh.attributes;
+  points.attributes.set("distance", *mesh.attributes.find<float>("quality"));
+  points.attributes.erase("quality");
   return points;
 }
 
@@ -263,7 +265,7 @@ Command add_compare(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   c->add_option("-o,--output", a->output,
-                "The map to write, distance as quality and as colours: .ply (others: colours)")
+                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
       ->type_name("FILE");
   add_preview_option(*c, a->preview, "the map, with a scale in its --width,");
   c->add_option("--tolerance", o.tolerance, "Tell the share within ±LENGTH")->type_name("LENGTH");

@@ -74,9 +74,9 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
 
   const std::size_t n = points.size();
   const auto add = [&](const char* name, auto value) {
-    Attribute a{name, std::vector<float>(n)};
-    for (std::size_t i = 0; i < n; ++i) a.values[i] = value(curvatures[i]);
-    points.attributes.push_back(std::move(a));
+    std::vector<float> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = value(curvatures[i]);
+    points.attributes.set(name, std::move(values));
   };
   add("k1", [](const PrincipalCurvatures& c) { return c.k1; });
   add("k2", [](const PrincipalCurvatures& c) { return c.k2; });
@@ -142,7 +142,7 @@ Command add_curvature(CLI::App& app) {
   auto shared = std::make_shared<CurvatureArguments>();
   CurvatureArguments& a = *shared;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv (others: colours only)")
+  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv .pcd .vtp (others: colours only)")
       ->type_name("FILE")
       ->required();
   add_preview_option(c, a.preview, "the coloured points");

@@ -129,7 +129,7 @@ Command add_edit(CLI::App& app) {
   c->add_option("--mesh", a->mesh,
                 "The function's mesh before, by `sansmesh mesh` without options: only parts are made anew")
       ->type_name("FILE");
-  c->add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE");
+  c->add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb .vtp")->type_name("FILE");
   c->footer(
       "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what becomes of them:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"

@@ -69,7 +69,7 @@ void say_aspect_ratios(const MeshReport& report, Console& console) {
 }
 
 void add_mesh_output(CLI::App& c, MeshOutput& o) {
-  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp")->type_name("FILE")->required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);
 }

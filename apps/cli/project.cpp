@@ -126,7 +126,9 @@ Command add_project(CLI::App& app) {
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
   c.add_option("input", a.input, "Points to move")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp")
+      ->type_name("FILE")
+      ->required();
   c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
   add_ascii_flag(c, a.ascii);
   c.add_option("--method", a.method,

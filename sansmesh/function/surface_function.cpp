@@ -46,6 +46,8 @@ void FitOptions::validate() const {
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
+  points.attributes.clear();  // a function keeps none; before the cloud is copied about
+  points.triangle_attributes.clear();
   PreparedCloud cloud =
       prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
   PartitionOptions fit;

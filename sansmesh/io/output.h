@@ -80,10 +80,12 @@ std::vector<std::string> mesh_to_obj(const TriangleMesh& mesh, const WriteOption
 std::vector<std::string> mesh_to_stl(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> mesh_to_off(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> mesh_to_glb(const TriangleMesh& mesh, const WriteOptions& options);
+std::vector<std::string> mesh_to_vtp(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> points_to_ply(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_obj(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_xyz(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_csv(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options);
+std::vector<std::string> points_to_vtp(const PointSet& points, const WriteOptions& options);
 
 }  // namespace sansmesh::io

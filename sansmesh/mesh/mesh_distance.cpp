@@ -219,14 +219,4 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
   return result;
 }
 
-TriangleMesh to_mesh(const PointSet& points) {
-  TriangleMesh mesh;
-  mesh.origin = points.origin;
-  mesh.vertices = points.positions;
-  mesh.triangles = points.triangles;
-  mesh.normals = points.normals;
-  mesh.colors = points.colors;
-  return mesh;
-}
-
 }  // namespace sansmesh

@@ -42,7 +42,4 @@ struct SurfaceDistance {
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
                                  const DistanceOptions& options, Progress& progress);
 
-/// Positions, triangles, normals and colours of a cloud: the form in which to pass it on.
-TriangleMesh to_mesh(const PointSet& points);
-
 }  // namespace sansmesh

@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_vertices.h"
 
 namespace sansmesh {
 namespace {
@@ -68,6 +69,7 @@ struct Simplifier {
   std::vector<Quadric> quadric;
   std::vector<double> own_weight;  ///< before anything merged
   std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> original;  ///< in the end: the number that each triangle had
   std::vector<std::uint8_t> fixed;
   std::vector<std::uint32_t> merged_into;  ///< kNone: alive
   // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end.
@@ -423,7 +425,14 @@ struct Simplifier {
       error *= 1.5;
       collapse_all(progress, target);
     }
-    std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1]; });
+    std::size_t kept = 0;
+    original.clear();
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (triangles[i][0] == triangles[i][1]) continue;
+      triangles[kept++] = triangles[i];
+      original.push_back(static_cast<std::uint32_t>(i));
+    }
+    triangles.resize(kept);
   }
 };
 
@@ -450,12 +459,15 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
     return false;
   }
 
-  // Attributes of what was merged, then the vertices that are left.
-  std::vector<std::uint32_t> target(n);
+  // What belongs to the vertices that were merged, then those that are left.
+  std::vector<std::uint32_t> target(n), number(n, kNone), left;
   for (std::size_t v = 0; v < n; ++v) {
     std::uint32_t t = static_cast<std::uint32_t>(v);
     while (s.merged_into[t] != kNone) t = s.merged_into[t];
     target[v] = t;
+    if (t != v) continue;
+    number[v] = static_cast<std::uint32_t>(left.size());
+    left.push_back(t);
   }
   const auto merge = [&](std::size_t components, auto get, auto set) {
     std::vector<double> sum(n * components, 0), weight(n, 0);
@@ -480,27 +492,18 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
         [&](std::size_t v, std::size_t k, double value) {
           mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(value));
         });
-  if (!mesh.quality.empty())
-    merge(
-        1, [&](std::size_t v, std::size_t) { return static_cast<double>(mesh.quality[v]); },
-        [&](std::size_t v, std::size_t, double value) { mesh.quality[v] = static_cast<float>(value); });
-
-  std::vector<std::uint32_t> number(n, kNone);
-  std::uint32_t kept = 0;
-  for (std::size_t v = 0; v < n; ++v) {
-    if (s.merged_into[v] != kNone) continue;
-    number[v] = kept;
-    mesh.vertices[kept] = Vec3f(s.x[v] + middle);
-    if (!mesh.normals.empty()) mesh.normals[kept] = mesh.normals[v];
-    if (!mesh.colors.empty()) mesh.colors[kept] = mesh.colors[v];
-    if (!mesh.quality.empty()) mesh.quality[kept] = mesh.quality[v];
-    ++kept;
+  AttributeTable attributes;
+  if (!mesh.attributes.empty()) {
+    std::vector<std::uint32_t> group(n);
+    for (std::size_t v = 0; v < n; ++v) group[v] = number[target[v]];
+    attributes = mesh.attributes.means(group, s.own_weight, left.size());
   }
-  mesh.vertices.resize(kept);
-  if (!mesh.normals.empty()) mesh.normals.resize(kept);
-  if (!mesh.colors.empty()) mesh.colors.resize(kept);
-  if (!mesh.quality.empty()) mesh.quality.resize(kept);
+  mesh.attributes.clear();
+  for (const std::uint32_t v : left) mesh.vertices[v] = Vec3f(s.x[v] + middle);
+  take_vertices(mesh, left);
+  mesh.attributes = std::move(attributes);
   mesh.triangles = std::move(s.triangles);
+  if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = number[v];
   return true;

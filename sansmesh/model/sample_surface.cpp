@@ -90,6 +90,7 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
 
   PointSet result = points;
   result.triangles.clear();
+  result.triangle_attributes.clear();
   result.normals.resize(points.size());
   std::vector<std::uint8_t> gone(points.size(), 0);
   SurfaceProjection local;

@@ -118,7 +118,7 @@ TEST(DistanceMap, WhatIsLeftOutIsCounted) {
   EXPECT_LT(map.statistics.mean_absolute, 0.1);
   apply_map(part, map, 0.1);
   EXPECT_EQ(part.colors[1], (std::array<std::uint8_t, 3>{150, 150, 150}));
-  EXPECT_EQ(part.quality.size(), part.vertices.size());
+  EXPECT_EQ(part.attributes.find<float>("quality")->size(), part.vertices.size());
 
   TriangleMesh far = test::octasphere(1);
   far.origin = {1000, 0, 0};

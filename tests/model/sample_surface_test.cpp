@@ -108,12 +108,13 @@ TEST(ProjectPoints, CarriesEverythingAlongAndLeavesOutWhatIsFar) {
   const SurfaceModel model = model_of(test::sphere(4000), "curvature");
   PointSet probes = test::sphere(600, 0.01);
   probes.normals.clear();
+  std::vector<std::int32_t> number;
   for (std::size_t i = 0; i < probes.size(); ++i) {
     probes.colors.push_back({static_cast<std::uint8_t>(i % 256), static_cast<std::uint8_t>(i / 256), 7});
-    probes.confidence.push_back(static_cast<float>(i));
+    number.push_back(static_cast<std::int32_t>(i));
     probes.scan_of_point.push_back(static_cast<std::uint16_t>(i));
   }
-  probes.attributes.push_back({"number", probes.confidence});
+  probes.attributes.set("number", number);
   probes.triangles.push_back({0, 1, 2});
   std::size_t far = 0;
   for (std::size_t i = 0; i < probes.size(); i += 7, ++far) probes.positions[i] *= i % 2 == 0 ? 3.0f : 0.2f;
@@ -125,16 +126,13 @@ TEST(ProjectPoints, CarriesEverythingAlongAndLeavesOutWhatIsFar) {
   EXPECT_EQ(report.projected, probes.size() - far);
   ASSERT_EQ(feet.size(), probes.size() - far);
   ASSERT_EQ(feet.colors.size(), feet.size());
-  ASSERT_EQ(feet.confidence.size(), feet.size());
   ASSERT_EQ(feet.scan_of_point.size(), feet.size());
-  ASSERT_EQ(feet.attributes.size(), 1u);
-  EXPECT_EQ(feet.attributes[0].name, "number");
-  ASSERT_EQ(feet.attributes[0].values.size(), feet.size());
+  const auto& kept = *feet.attributes.find<std::int32_t>("number");
+  ASSERT_EQ(kept.size(), feet.size());
   EXPECT_TRUE(feet.triangles.empty());
   for (std::size_t k = 0; k < feet.size(); ++k) {
-    const auto i = static_cast<std::size_t>(feet.confidence[k]);
+    const auto i = static_cast<std::size_t>(kept[k]);
     ASSERT_NE(i % 7, 0u);
-    ASSERT_EQ(feet.attributes[0].values[k], feet.confidence[k]);
     ASSERT_EQ(feet.scan_of_point[k], i);
     ASSERT_EQ(feet.colors[k][0], i % 256);
     ASSERT_LT(norm(feet.positions[k] - probes.positions[i]), 0.06f) << "its own foot";
