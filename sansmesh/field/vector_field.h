@@ -44,8 +44,8 @@ class VectorField {
   /// vector and its derivatives are zero. Positions and moments that are not finite are not inside. If `jacobian` is
   /// not empty it gets the derivatives.
   ///
-  /// All spans have the length of x; `jacobian` may be empty. Each answer depends on x[i] and t[i] alone, not on the rest
-  /// of the batch. One call a batch: neighbouring points in neighbouring slots, of one moment or of few, evaluate
+  /// All spans have the length of x; `jacobian` may be empty. Each answer depends on x[i] and t[i] alone, not on the
+  /// rest of the batch. One call a batch: neighbouring points in neighbouring slots, of one moment or of few, evaluate
   /// fastest. Safe from several threads at a time; it starts none of its own, that is up to whoever cuts the particles
   /// into batches.
   virtual void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,

@@ -272,11 +272,12 @@ std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::
     least = std::min(least, cells[i]), most = std::max(most, cells[i]);
   }
   if (least > most) return std::nullopt;
-  const bool exact = least >= -0x1p53 && most <= 0x1p53;
+  // The largest integers of 64 bits round up to the powers of two that they just miss.
+  const bool exact = least > -0x1p53 && most < 0x1p53;
   if (real) return ColumnType{NumberType::f64};
   if (least >= -0x1p31 && most < 0x1p31) return ColumnType{NumberType::i32};
-  if (least >= -0x1p63 && most < 0x1p63) return ColumnType{NumberType::i64, exact};
-  if (least >= 0 && most < 0x1p64) return ColumnType{NumberType::u64, exact};
+  if (least >= -0x1p63 && (least < 0 ? most <= 0x1p63 : most < 0x1p63)) return ColumnType{NumberType::i64, exact};
+  if (least >= 0 && most <= 0x1p64) return ColumnType{NumberType::u64, exact};
   return ColumnType{NumberType::f64};
 }
 

@@ -2,6 +2,7 @@
 #include "sansmesh/mesh/replace_region.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "function/mesh_sets.h"

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
