@@ -65,7 +65,7 @@ PointSet bumpy_ball(std::size_t count) {
 int main(int argc, char** argv) {
   const std::size_t samples = argc > 1 ? std::stoul(argv[1]) : 400000;
   const std::size_t evaluations = argc > 2 ? std::stoul(argv[2]) : 1000000;
-  set_thread_count(argc > 3 ? std::atoi(argv[3]) : 0);
+  const ThreadScope threads(argc > 3 ? std::atoi(argv[3]) : 0);
 
   const PointSet points = bumpy_ball(samples);
   Progress progress;

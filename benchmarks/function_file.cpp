@@ -54,7 +54,7 @@ PointSet ball(std::size_t n) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  set_thread_count(argc > 3 ? std::atoi(argv[3]) : 0);
+  const ThreadScope threads(argc > 3 ? std::atoi(argv[3]) : 0);
   const std::filesystem::path folder = argc > 2 ? argv[2] : ".";
   PointSet points;
   const double load = seconds_of([&] { points = argc > 1 ? read_points(argv[1]) : ball(400000); });

@@ -107,15 +107,16 @@ void run(const std::string& folder, int runs) {
   for (const Row& row : rows()) {
     const Cloud& cloud = kClouds[row.cloud];
     SurfaceOptions options;
-    options.method = row.method;
+    options.method = surface_method(row.method);
     options.sharp = row.sharp;
-    if (options.method == "amls") options.order = row.order, options.iterations = row.iterations, options.smoothing = 1;
+    if (options.method == SurfaceMethod::amls)
+      options.order = row.order, options.iterations = row.iterations, options.smoothing = 1;
     Progress progress;
     const SurfaceModel model = make_surface_model(load(folder, cloud), options, progress);
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
-                                                    : SurfaceCaster(model.field(), model.balls(), cast);
+                                                    : SurfaceCaster(model.field(progress), model.balls(), cast);
     SurfaceRenderOptions picture;
     picture.width = row.width, picture.height = row.height;
     picture.plain = true;

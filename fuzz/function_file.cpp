@@ -68,12 +68,8 @@ void read(const std::string& bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  set_thread_count(1);
-  return 0;
-}
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const ThreadScope one(1);
   std::string bytes(reinterpret_cast<const char*>(data), size);
   read(bytes);
   std::string mended = bytes;

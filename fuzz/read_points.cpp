@@ -27,9 +27,13 @@ bool fits(std::size_t size, std::size_t n) { return size == 0 || size == n; }
 void check(const PointSet& p) {
   const std::size_t n = p.size();
   require(n > 0 && is_finite(p.origin), "no points, or no origin");
-  require(fits(p.normals.size(), n) && fits(p.colors.size(), n) && fits(p.confidence.size(), n) &&
-              fits(p.scan_of_point.size(), n),
+  require(fits(p.normals.size(), n) && fits(p.colors.size(), n) && fits(p.scan_of_point.size(), n),
           "arrays of different lengths");
+  for (const Attribute& a : p.attributes)
+    require(a.components > 0 && !a.name.empty() && a.size() == n * a.components, "an attribute of other points");
+  for (const Attribute& a : p.triangle_attributes)
+    require(a.components > 0 && !a.name.empty() && a.size() == p.triangles.size() * a.components,
+            "an attribute of other triangles");
   for (const Vec3f& x : p.positions) require(is_finite(x), "a position is not finite");
   for (const Vec3f& x : p.normals) require(is_finite(x), "a normal is not finite");
   for (const auto& t : p.triangles)
@@ -38,17 +42,13 @@ void check(const PointSet& p) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  set_thread_count(1);
-  return 0;
-}
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using Reader = PointSet (*)(const io::Input&);
   static constexpr Reader readers[] = {io::read_ply,   io::read_obj, io::read_off, io::read_stl,
                                        io::read_table, io::read_pcd, io::read_las, io::read_vtp};
   static const std::string name = "fuzz.file";
   if (size < 2) return 0;  // readers are never given nothing
+  const ThreadScope one(1);
   // A copy of its own, so that the address sanitizer sees each byte beyond its end.
   const std::unique_ptr<char[]> bytes(new char[size - 1]);
   std::copy(data + 1, data + size, bytes.get());

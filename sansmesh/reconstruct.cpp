@@ -1,6 +1,8 @@
 #include "sansmesh/reconstruct.h"
 
 #include <algorithm>
+#include <string>
+#include <utility>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/meshing/mesh_options.h"
@@ -18,11 +20,8 @@ constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 /// its domain of definition.
 TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
                                  ReconstructReport& r) {
-  SurfaceOptions choice = *options.surface;
-  choice.faces = options.faces;
-  choice.normals = options.normals;
-  choice.remove_outliers = options.remove_outliers;
-  const SurfaceModel model = make_surface_model(std::move(points), choice, progress);
+  const SurfaceOptions& choice = *options.surface;
+  const SurfaceModel model = make_surface_model(prepare_cloud(std::move(points), options, progress), choice, progress);
   r.warnings = model.warnings();
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
@@ -32,20 +31,20 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
                                 : std::max(kErrorOverSpacing * spacing, kErrorOverNoise * r.noise / unit);
   r.mesh_error = mesh_error * unit;
   PolygonizeOptions meshing = meshing_options(options, mesh_error, choice.sharp);
-  meshing.placement = model.placement();
+  const ScalarField& field = model.field(progress);
+  meshing.placement = model.placement(progress);
   meshing.seeds = model.seeds();
   const BlockTree blocks = model.blocks(1);
-  r.depth = blocks.depth();
-  TriangleMesh mesh = cut_out(model.field(), blocks, options, meshing, progress, r);
+  r.block_depth = blocks.depth();
+  TriangleMesh mesh = cut_out(field, blocks, options, meshing, progress, r);
 
   progress.begin("finish mesh");
   std::vector<Vec3> x(mesh.vertices.begin(), mesh.vertices.end());
   std::vector<double> values(x.size());
   std::vector<std::uint8_t> inside(x.size());
-  model.field().evaluate_in_domain(x, values, {}, inside);
+  field.evaluate_in_domain(x, values, {}, inside);
   if (std::find(inside.begin(), inside.end(), 0) != inside.end()) trim_mesh(mesh, inside);
-  if (options.trim && *options.trim > 0)
-    trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), *options.trim / unit));
+  if (options.trim) trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), *options.trim / unit));
   finish_mesh(mesh, model.points(), spacing, options, r);
   to_input(mesh, model.origin(), unit);
   progress.finish();
@@ -56,6 +55,22 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
 
 void ReconstructOptions::validate() const {
   if (surface) surface->validate();
+  if (other_surface()) {
+    const FitOptions none;
+    const auto unset = [&](bool ok, const char* field) {
+      if (!ok)
+        throw ArgumentError("`" + std::string(field) + "` belongs to the partition, not to the surface " +
+                            surface_method_info(surface->method).name);
+    };
+    unset(!max_depth, "max_depth");
+    unset(!error, "error");
+    unset(!support, "support");
+    unset(max_degree == none.max_degree, "max_degree");
+    unset(sharp == none.sharp, "sharp = false");
+    if (trim && *trim == 0)
+      throw ArgumentError(
+          "`trim` must be a length above 0: other surfaces than the partition end at their borders anyway");
+  }
   FitOptions::validate();
   MeshOptions::validate();
 }
@@ -66,14 +81,15 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   ReconstructReport local;
   ReconstructReport& r = report ? *report : local;
   r = {};
-  if (options.surface) return reconstruct_surface(std::move(points), options, progress, r);
-  const SurfaceFunction function = fit_surface_function(std::move(points), options, progress);
+  if (options.other_surface()) return reconstruct_surface(std::move(points), options, progress, r);
+  const SurfaceFunction function =
+      fit_surface_function(prepare_cloud(std::move(points), options, progress), options, progress);
   const PartitionReport& f = function.field.report();
+  TriangleMesh mesh = mesh_function(function, options, progress, &r);
   r.spacing = f.spacing * function.unit;
   r.noise = f.noise * function.unit;
   r.fits = f.functions;
-  TriangleMesh mesh = mesh_function(function, options, progress, &r);
-  r.depth = f.depth;
+  r.fit_depth = f.depth;
   r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());
   return mesh;
 }

@@ -10,24 +10,28 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/points/prepare_cloud.h"
 
 namespace sansmesh {
 
-/// How to fit and how to mesh.
-struct ReconstructOptions : FitOptions, MeshOptions {
-  /// Another surface than the adaptive partition of unity, whose own options then mean nothing: max_depth, error,
-  /// support, max_degree. It is cut where it leaves its domain of definition: not closed where the samples have
-  /// borders.
+/// What to do to the samples, how to fit and how to mesh.
+struct ReconstructOptions : CloudUse, FitOptions, MeshOptions {
+  /// Another surface than the adaptive partition of unity: then none of FitOptions may be set. It is cut where it
+  /// leaves its domain of definition: not closed where the samples have borders.
   std::optional<SurfaceOptions> surface;
 
-  /// Throws ArgumentError naming the option.
+  /// Whether `surface` is there and names another one than the partition.
+  bool other_surface() const { return surface && surface->method != SurfaceMethod::partition; }
+  /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
 struct ReconstructReport : MeshReport {
-  double spacing = 0;    ///< √(area / samples): edge of the square that one sample stands for (length)
-  double noise = 0;      ///< estimated standard deviation of the samples off the surface (length)
-  std::size_t fits = 0;  ///< local approximations
+  double spacing = 0;  ///< √(area / samples): edge of the square that one sample stands for (length)
+  double noise = 0;    ///< estimated standard deviation of the samples off the surface (length)
+  /// Of the function: local approximations, and the deepest level of their tree. 0 for other surfaces.
+  std::size_t fits = 0;
+  int fit_depth = 0;
 };
 
 /// Points (normals are estimated or oriented if need be) → closed manifold mesh. Throws DataError where the points

@@ -3,10 +3,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "commands.h"
+#include "flags.h"
 #include "option_groups.h"
 #include "sansmesh/advise/traits.h"
 #include "sansmesh/core/error.h"
@@ -33,7 +36,44 @@ Json to_json(const CloudTraits& t) {
           {"normals", normals_word(t.normals)}};
 }
 
-void run_advise(const std::string& file, Console& console) {
+/// A file's name as a shell takes it for one word.
+std::string quoted(const std::string& name) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) || c >= 0x80 || std::string("_-./+,:@%=").find(static_cast<char>(c)) != std::string::npos;
+  };
+  if (!name.empty() && std::all_of(name.begin(), name.end(), plain)) return name;
+  std::string text = "'";
+  for (const char c : name) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+/// The command that does what is recommended.
+std::string command_of(const Recommendation& r, const std::string& file) {
+  using Aim = Recommendation::Aim;
+  const std::string input = quoted(file), name = surface_method_info(r.surface).name;
+  std::string command;
+  switch (r.aim) {
+    case Aim::mesh:
+      command = "sansmesh reconstruct " + input + " -o surface.ply";
+      if (r.surface != SurfaceMethod::partition) command += " --surface " + name;
+      break;
+    case Aim::picture:
+      command = "sansmesh render " + input + " -o picture.png --surface " + name;
+      break;
+    case Aim::curvature:
+      return "sansmesh curvature " + input + " -o curved.ply --preview curved.png";
+    case Aim::points:
+      command = "sansmesh project " + input + " -o smooth.ply --method " + name;
+      break;
+  }
+  if (r.trim) command += " --trim";
+  if (r.sharp) command += " --sharp";
+  if (r.remove_outliers) command += " --remove-outliers";
+  return command;
+}
+
+/// `recommended`: the command whose options reasons may name.
+void run_advise(const std::string& file, const CLI::App& recommended, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
@@ -41,7 +81,7 @@ void run_advise(const std::string& file, Console& console) {
   console.warn(file, read.warnings);
   Advice advice;
   try {
-    advice = advise(points, progress, file);
+    advice = advise(points, progress);
   } catch (const DataError& error) {
     throw FileError(file, error.what());
   }
@@ -53,8 +93,8 @@ void run_advise(const std::string& file, Console& console) {
                           length(t.noise), read.format));
   for (const std::string& finding : advice.findings) console.say("  " + finding);
   for (const Recommendation& r : advice.recommendations) {
-    console.say(fmt::format("{:<10}{}", aim_word(r.aim), r.why));
-    for (const std::string& command : r.commands) console.say("  $ " + command);
+    console.say(fmt::format("{:<10}{}", aim_word(r.aim), in_flags(r.why, recommended)));
+    console.say("  $ " + command_of(r, file));
   }
 
   Json json = {{"input", {{"file", file}, {"format", read.format}, {"points", points.size()}}},
@@ -63,9 +103,9 @@ void run_advise(const std::string& file, Console& console) {
   json["recommendations"] = Json::array();
   for (const Recommendation& r : advice.recommendations)
     json["recommendations"].push_back({{"aim", aim_word(r.aim)},
-                                       {"surface", r.surface.empty() ? Json() : Json(r.surface)},
-                                       {"commands", r.commands},
-                                       {"why", r.why}});
+                                       {"surface", surface_method_info(r.surface).name},
+                                       {"commands", Json::array({command_of(r, file)})},
+                                       {"why", in_flags(r.why, recommended)}});
   std::vector<std::string> warnings = read.warnings;
   warnings.insert(warnings.end(), advice.warnings.begin(), advice.warnings.end());
   json["warnings"] = warnings;
@@ -84,7 +124,7 @@ Command add_advise(CLI::App& app) {
            "\n\nExamples:\n"
            "  sansmesh advise scan.ply\n"
            "  sansmesh advise scan.ply --json");
-  return {&c, [file](Console& console) { run_advise(*file, console); }};
+  return {&c, [file, &app](Console& console) { run_advise(*file, *app.get_subcommand("reconstruct"), console); }};
 }
 
 }  // namespace sansmesh::cli

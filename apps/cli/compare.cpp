@@ -96,7 +96,9 @@ PointSet as_points(const TriangleMesh& mesh) {
   points.positions = mesh.vertices;
   points.normals = mesh.normals;
   points.colors = mesh.colors;
-  points.attributes = {{"distance", mesh.quality}};
+  points.attributes = mesh.attributes;
+  points.attributes.set("distance", *mesh.attributes.find<float>("quality"));
+  points.attributes.erase("quality");
   return points;
 }
 
@@ -263,25 +265,25 @@ Command add_compare(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   c->add_option("-o,--output", a->output,
-                "The map to write, distance as quality and as colours: .ply (others: colours)")
+                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
       ->type_name("FILE");
   add_preview_option(*c, a->preview, "the map, with a scale in its --width,");
-  c->add_option("--tolerance", o.tolerance, "Tell the share within ±LENGTH")->type_name("LENGTH");
-  c->add_option("--range", o.range, "Distance that has the full colour [99 % are nearer]")->type_name("LENGTH");
+  c->add_option("--tolerance", o.tolerance, "Report the share within ±LENGTH")->type_name("LENGTH");
+  c->add_option("--range", o.range, "Distance that gets the full colour [99 % are nearer]")->type_name("LENGTH");
   c->add_option("--max-distance", o.max_distance,
-                "Leave out what is farther off [a tenth of the diagonal of the reference]")
+                "Leave out whatever is farther off [a tenth of the diagonal of the reference]")
       ->type_name("LENGTH");
   c->add_flag("--skip-border", o.skip_border, "Leave out what is closest to the border of an open surface");
   c->add_option("--on", a->on, "Draw the map on the part or the reference; the sign stays the part's [part]")
       ->type_name("CHOICE")
       ->check(CLI::IsMember({"part", "reference"}).description(""));
-  c->add_option("--refine", a->refine, "First cut edges of the mapped mesh that are longer in half, again and again")
+  c->add_option("--refine", a->refine, "First halve edges of the mapped mesh until none is longer")
       ->type_name("LENGTH");
   c->add_flag("--histogram", a->histogram, "Print the distribution as well");
   add_ascii_flag(*c, a->ascii);
   add_picture_options(*c, a->picture);
   c->footer(
-      "Positive distances lie outside of the reference. Statistics weigh by area. Nothing is moved: align "
+      "Positive distances lie outside of the reference. Statistics are weighted by area. Nothing is moved: align "
       "beforehand.\n\n"
       "Examples:\n"
       "  sansmesh compare made.ply design.stl --tolerance 0.05 -o map.ply --preview map.png\n"

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "flags.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh::cli {
@@ -29,8 +30,9 @@ constexpr double kBarDelay = 0.3;  // seconds of work before a bar is worth draw
 
 }  // namespace
 
-Console::Console(const ConsoleOptions& options)
+Console::Console(const ConsoleOptions& options, const CLI::App& command)
     : options_(options),
+      command_(command),
       started_(now()),
       progress_([this](const std::string& stage, double fraction) { draw(stage, fraction); }) {
   const char* kind = std::getenv("TERM");
@@ -60,7 +62,14 @@ void Console::say_json(const nlohmann::ordered_json& json) {
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {
   if (options_.quiet) return;
   clear();
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}: {}\n", file, warning);
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}: {}\n", file, in_flags(warning));
+}
+
+std::string Console::in_flags(const std::string& message) const { return cli::in_flags(message, command_); }
+
+std::vector<std::string> Console::in_flags(std::vector<std::string> messages) const {
+  for (std::string& message : messages) message = in_flags(message);
+  return messages;
 }
 
 void Console::print_timings() {

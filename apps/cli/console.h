@@ -8,6 +8,10 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/points/orientation.h"
 
+namespace CLI {
+class App;
+}
+
 namespace sansmesh::cli {
 
 struct ConsoleOptions {
@@ -18,7 +22,8 @@ struct ConsoleOptions {
 
 class Console {
  public:
-  explicit Console(const ConsoleOptions& options);
+  /// `command`: the one that runs, in whose words warnings are.
+  Console(const ConsoleOptions& options, const CLI::App& command);
   ~Console();
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -31,7 +36,11 @@ class Console {
   void say(const std::string& line);
   /// A result for programs: printed with --json. Bytes that are not UTF-8, as names of files can have, are replaced.
   void say_json(const nlohmann::ordered_json& json);
+  /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
+  /// The same for what is printed in other ways.
+  std::string in_flags(const std::string& message) const;
+  std::vector<std::string> in_flags(std::vector<std::string> messages) const;
   /// With --verbose: the table of stages.
   void print_timings();
 
@@ -40,6 +49,7 @@ class Console {
   void clear();
 
   ConsoleOptions options_;
+  const CLI::App& command_;
   bool terminal_ = false;
   bool drawn_ = false;
   double started_ = 0;

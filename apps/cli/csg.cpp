@@ -97,7 +97,7 @@ void run_csg(CsgArguments& a, Console& console) {
 }  // namespace
 
 Command add_csg(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("csg", "Functions and primitives, combined → triangle mesh with creases, closed");
+  CLI::App* c = app.add_subcommand("csg", "Functions and primitives, combined → closed triangle mesh with creases");
   auto a = std::make_shared<CsgArguments>();
   c->add_option("expression", a->expression, "What to combine, in quotes: see below")
       ->type_name("EXPRESSION")
@@ -109,14 +109,14 @@ Command add_csg(CLI::App& app) {
        "and thin parts]")
       ->type_name("COUNT");
   c->add_option("--cell", a->options.cell, "Edge of the cells instead")->type_name("LENGTH");
-  add_box_option(*c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for solids without an end");
+  add_box_option(*c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids");
   c->add_option_function<std::string>(
        "--components", [a](const std::string& text) { a->components = parse_components(text); },
-       "Parts to keep: auto (not those below 1.5 % of the largest one's area), all, largest or a number [auto with "
-       "functions, else all]")
+       "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, largest or a number [auto with "
+       "functions, otherwise all]")
       ->type_name("CHOICE");
   c->add_option("--simplify", a->options.simplify,
-                "Fewer triangles where the surface is as flat as this; 0: nowhere [about a thousandth of a cell]")
+                "Fewer triangles where the surface is flat to within this; 0: nowhere [about a thousandth of a cell]")
       ->type_name("LENGTH");
   c->footer(
       "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"

@@ -10,7 +10,6 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/points/noise.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/surface/curvature.h"
@@ -21,16 +20,23 @@ namespace {
 
 struct CurvatureArguments {
   std::string input, output, preview;
-  std::string color_by = "mean";
+  std::optional<CurvatureQuantity> color_by;
   std::optional<double> color_range;
   bool ascii = false;
   CurvatureOptions options;
 };
 
-float chosen_quantity(const PrincipalCurvatures& c, const std::string& name) {
-  if (name == "gaussian") return gaussian_curvature(c);
-  if (name == "k1") return c.k1;
-  if (name == "k2") return c.k2;
+float chosen_quantity(const PrincipalCurvatures& c, CurvatureQuantity quantity) {
+  switch (quantity) {
+    case CurvatureQuantity::gaussian:
+      return gaussian_curvature(c);
+    case CurvatureQuantity::k1:
+      return c.k1;
+    case CurvatureQuantity::k2:
+      return c.k2;
+    case CurvatureQuantity::mean:
+      break;
+  }
   return mean_curvature(c);
 }
 
@@ -58,7 +64,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
     console.warn(arguments.input, cloud.warnings);
     CurvatureOptions options = arguments.options;
-    noise = estimate_noise(cloud.points) * cloud.unit;
+    noise = *cloud.noise * cloud.unit;  // known unless normals are taken as given
     options.noise = noise / cloud.unit;
     if (options.radius) options.radius = *options.radius / cloud.unit;
     progress.begin("curvature");
@@ -74,9 +80,9 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
 
   const std::size_t n = points.size();
   const auto add = [&](const char* name, auto value) {
-    Attribute a{name, std::vector<float>(n)};
-    for (std::size_t i = 0; i < n; ++i) a.values[i] = value(curvatures[i]);
-    points.attributes.push_back(std::move(a));
+    std::vector<float> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = value(curvatures[i]);
+    points.attributes.set(name, std::move(values));
   };
   add("k1", [](const PrincipalCurvatures& c) { return c.k1; });
   add("k2", [](const PrincipalCurvatures& c) { return c.k2; });
@@ -90,12 +96,14 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   for (std::size_t k = 0; k < 3; ++k)
     add(fmt::format("d2{}", axis[k]).c_str(), [k](const PrincipalCurvatures& c) { return c.direction2[k]; });
 
+  const CurvatureQuantity quantity = arguments.color_by.value_or(CurvatureQuantity::mean);
+  const char* const word = quantity_word(quantity);
   std::vector<float> values, sizes;
   std::size_t undefined = 0;
   for (const PrincipalCurvatures& c : curvatures) {
     undefined += !c.defined;
     if (!c.defined) continue;
-    values.push_back(chosen_quantity(c, arguments.color_by));
+    values.push_back(chosen_quantity(c, quantity));
     sizes.push_back(std::abs(values.back()));
   }
   const double range = arguments.color_range.value_or(quantile(sizes, 0.95));
@@ -103,8 +111,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   for (std::size_t i = 0; i < n; ++i) {
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (curvatures[i].defined)
-      color = diverging_color(range > 0 ? chosen_quantity(curvatures[i], arguments.color_by) / static_cast<float>(range)
-                                        : 0);
+      color = diverging_color(range > 0 ? chosen_quantity(curvatures[i], quantity) / static_cast<float>(range) : 0);
     for (std::size_t k = 0; k < 3; ++k)
       points.colors[i][k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
   }
@@ -117,18 +124,18 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
 
   const double low = quantile(values, 0.05), middle = quantile(values, 0.5), high = quantile(values, 0.95);
   console.say(fmt::format("{}: {}, noise {} ({})", arguments.input, counted(n, "sample"), length(noise), read.format));
-  console.say(fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", arguments.color_by,
-                          length(low), length(middle), length(high),
-                          arguments.color_by == "gaussian" ? "1/length²" : "1/length, positive where convex"));
+  console.say(fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", word, length(low),
+                          length(middle), length(high),
+                          quantity == CurvatureQuantity::gaussian ? "1/length²" : "1/length, positive where convex"));
   if (undefined > 0) console.say(fmt::format("{} without enough neighbours: zero", counted(undefined, "sample")));
   console.say(
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
                   "up to ±{}",
-                  arguments.output, arguments.color_by, length(range)));
+                  arguments.output, word, length(range)));
   const nlohmann::ordered_json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
                                        {"noise", noise},
                                        {"undefined", undefined},
-                                       {arguments.color_by, {{"q05", low}, {"median", middle}, {"q95", high}}},
+                                       {word, {{"q05", low}, {"median", middle}, {"q95", high}}},
                                        {"color_range", range},
                                        {"output", {{"file", arguments.output}}}};
   console.say_json(json);
@@ -142,7 +149,7 @@ Command add_curvature(CLI::App& app) {
   auto shared = std::make_shared<CurvatureArguments>();
   CurvatureArguments& a = *shared;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv (others: colours only)")
+  c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv .pcd .vtp (others: colours only)")
       ->type_name("FILE")
       ->required();
   add_preview_option(c, a.preview, "the coloured points");

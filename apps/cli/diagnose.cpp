@@ -106,19 +106,21 @@ Command add_diagnose(CLI::App& app) {
   CLI::App* c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
   auto a = std::make_shared<DiagnoseArguments>();
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  c->add_option("--script", a->script, "Write a script for `sansmesh edit`, a step for each place, .json")
+  c->add_option("--script", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
       ->type_name("FILE");
-  c->add_option("--preview", a->preview, "Draw the surface with what is suspicious in colour into this PNG")
+  c->add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
       ->type_name("FILE");
   add_picture_options(*c, a->picture);
   c->add_option("--coverage", a->options.coverage_below,
-                "Suspicious below: share of a fit that samples cover, 0..1 [0.3]")
+                "Fits are suspicious if samples cover less than this share of them, 0..1 [0.3]")
       ->type_name("SHARE");
-  c->add_option("--error", a->options.error_above, "Suspicious above: rms distance of a fit's samples [from data]")
+  c->add_option("--error", a->options.error_above,
+                "Fits are suspicious if their samples lie farther off than this (rms) [from data]")
       ->type_name("LENGTH");
-  c->add_option("--gradient", a->options.gradient_above, "Suspicious above: norm of the gradient, > 1 [2]")
+  c->add_option("--gradient", a->options.gradient_above,
+                "Fits are suspicious if the gradient is longer than this, > 1 [2]")
       ->type_name("NORM");
-  c->add_option("--places", a->options.places, "Most places of each kind [20]")->type_name("COUNT");
+  c->add_option("--places", a->options.places, "Report at most this many places of each kind [20]")->type_name("COUNT");
   c->footer(
       "Examples:\n"
       "  sansmesh diagnose scan.smf --preview places.png --script edits.json\n"

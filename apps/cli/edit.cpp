@@ -127,17 +127,17 @@ Command add_edit(CLI::App& app) {
   c->add_option("--script", a->script, "What to do: JSON, see below")->type_name("FILE")->required();
   c->add_option("-o,--output", a->output, "Function to write: .smf")->type_name("FILE");
   c->add_option("--mesh", a->mesh,
-                "The function's mesh before, by `sansmesh mesh` without options: only parts are made anew")
+                "The function's mesh before the edits, by `sansmesh mesh` without options: only parts are made anew")
       ->type_name("FILE");
-  c->add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE");
+  c->add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb .vtp")->type_name("FILE");
   c->footer(
-      "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what becomes of them:\n"
+      "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what to do with them:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"
       "  {\"select\": {\"error_above\": 0.01}, \"refit\": {\"error\": 0.001, \"max_degree\": 4, \"sharp\": false}}\n"
       "  {\"select\": {\"sheets\": \"spurious\"}, \"remove\": true}\n"
       "  {\"select\": {\"sheet_at\": [1, 2, 3]}, \"constant\": \"outside\"}\n"
       "  {\"undo\": 1}\n"
-      "Further selections: box, half_space, coverage_below, samples_below, level_from, level_to; all that is said "
+      "Further selections: box, half_space, coverage_below, samples_below, level_from, level_to; all conditions "
       "must\n"
       "hold, {} is everything. `sansmesh diagnose` writes such scripts.\n\n"
       "Examples:\n"

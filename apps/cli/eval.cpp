@@ -50,6 +50,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   const SurfaceFunction function = read_function(a.input);
   PointSet points = points_of(a, console);
   points.triangles.clear();
+  points.triangle_attributes.clear();
 
   progress.begin("evaluate");
   const std::size_t n = points.size();
@@ -63,11 +64,10 @@ void run_eval(const EvalArguments& a, Console& console) {
   if (!a.output.empty()) {
     progress.begin("write");
     const auto add = [&](const char* name, auto&& get) {
-      Attribute attribute{name, std::vector<float>(n)};
-      for (std::size_t i = 0; i < n; ++i) attribute.values[i] = static_cast<float>(get(found[i]));
-      points.attributes.push_back(std::move(attribute));
+      std::vector<float> values(n);
+      for (std::size_t i = 0; i < n; ++i) values[i] = static_cast<float>(get(found[i]));
+      points.attributes.set(name, std::move(values));
     };
-    points.attributes.clear();
     add("value", [](const LevelSetPoint& p) { return p.value; });
     add("gradient_x", [](const LevelSetPoint& p) { return p.gradient.x; });
     add("gradient_y", [](const LevelSetPoint& p) { return p.gradient.y; });
@@ -100,8 +100,8 @@ void run_eval(const EvalArguments& a, Console& console) {
                       p.x, p.y, p.z, f.value, f.gradient.x, f.gradient.y, f.gradient.z, f.k1, f.k2));
     }
   } else {
-    console.say(fmt::format("|value| {} in the mean, {} in the middle, {} at most; largest gradient {:.3f}",
-                            length(mean), length(size[n / 2]), length(size[n - 1]), steepest));
+    console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(mean),
+                            length(size[n / 2]), length(size[n - 1]), steepest));
   }
   nlohmann::ordered_json json = {{"input", {{"file", a.input}}},
                                  {"points", n},
@@ -132,7 +132,7 @@ Command add_eval(CLI::App& app) {
   c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
   c->add_option("--points", a->points, "Where: the points of this file")->type_name("FILE");
   c->add_option("--at", a->at, "Where: at this place, x,y,z")->delimiter(',')->expected(3)->type_name("POINT");
-  c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv")->type_name("FILE");
+  c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")->type_name("FILE");
   add_ascii_flag(*c, a->ascii);
   c->footer(
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"

@@ -104,7 +104,7 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
             ? fmt::format(", {} in {}", counted(t.boundary_edges, "boundary edge"), counted(t.boundary_loops, "loop"))
             : ""));
     console.say(
-        fmt::format("{:<16}aspect ratio {:.3f} ± {:.3f} (worst {:.3g}), smallest angle {:.1f}° in the mean, "
+        fmt::format("{:<16}aspect ratio {:.3f} ± {:.3f} (worst {:.3g}), mean smallest angle {:.1f}°, "
                     "{:.3f} % of triangles below 10°",
                     "triangles", q.aspect_mean, q.aspect_deviation, q.aspect_max, q.smallest_angle_mean,
                     100 * q.small_angle_share));

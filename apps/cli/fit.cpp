@@ -17,6 +17,7 @@ namespace {
 struct FitArguments {
   std::string input, output;
   bool without_samples = false;
+  CloudUse cloud;
   FitOptions options;
 };
 
@@ -30,7 +31,8 @@ void run_fit(const FitArguments& a, Console& console) {
   const std::size_t given = points.size();
   console.warn(a.input, read.warnings);
   try {
-    const SurfaceFunction function = fit_surface_function(std::move(points), a.options, progress);
+    const SurfaceFunction function =
+        fit_surface_function(prepare_cloud(std::move(points), a.cloud, progress), a.options, progress);
     console.warn(a.input, function.warnings);
     progress.begin("write");
     write_function(a.output, function, !a.without_samples);
@@ -73,8 +75,8 @@ Command add_fit(CLI::App& app) {
   c->add_option("input", a->input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
   c->add_option("-o,--output", a->output, "Function to write: .smf")->type_name("FILE")->required();
   c->add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
-  c->add_flag("--remove-outliers", a->options.remove_outliers, "Leave out samples that belong to no surface");
-  add_cloud_options(*c, a->options);
+  c->add_flag("--remove-outliers", a->cloud.remove_outliers, "Leave out samples that belong to no surface");
+  add_cloud_options(*c, a->cloud);
   add_fit_options(*c, a->options);
   c->footer(std::string(kReadable) +
             "\n\nExamples:\n"

@@ -1,10 +1,15 @@
 // sansmesh info: what is in a file?
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
@@ -71,6 +76,44 @@ void run_function_info(const std::string& file, Console& console) {
   console.say_json(json);
 }
 
+/// Least and largest finite number of a component; nothing where there is none.
+std::optional<std::pair<double, double>> range_of(const Attribute& a, std::size_t component) {
+  std::optional<std::pair<double, double>> range;
+  for (std::size_t i = component; i < a.size(); i += a.components) {
+    const double v = a.number(i);
+    if (!std::isfinite(v)) continue;
+    if (!range) range = {v, v};
+    range->first = std::min(range->first, v), range->second = std::max(range->second, v);
+  }
+  return range;
+}
+
+/// A line and a JSON object for each array: name, type, components, ranges.
+void describe(const AttributeTable& table, const char* of, Console& console, nlohmann::ordered_json& list) {
+  for (const Attribute& a : table) {
+    std::string ranges;
+    nlohmann::ordered_json lower = nlohmann::ordered_json::array(), upper = nlohmann::ordered_json::array();
+    for (std::size_t c = 0; c < a.components; ++c) {
+      const auto range = range_of(a, c);
+      lower.push_back(range ? nlohmann::ordered_json(range->first) : nlohmann::ordered_json());
+      upper.push_back(range ? nlohmann::ordered_json(range->second) : nlohmann::ordered_json());
+      if (c == 9) ranges += ", …";
+      if (c >= 9) continue;
+      ranges += range ? fmt::format("{}{:.6g} to {:.6g}", c > 0 ? ", " : "", range->first, range->second)
+                      : fmt::format("{}no numbers", c > 0 ? ", " : "");
+    }
+    const std::string components = a.components > 1 ? fmt::format(" × {}", a.components) : std::string();
+    console.say(fmt::format("{:<12}{} ({}{} a {}): {}", "attribute", printable(a.name, 80), name_of(a.type()),
+                            components, of, ranges));
+    list.push_back({{"name", printable(a.name)},
+                    {"of", of},
+                    {"type", name_of(a.type())},
+                    {"components", a.components},
+                    {"lower", lower},
+                    {"upper", upper}});
+  }
+}
+
 void run_info(const std::string& file, Console& console) {
   if (is_function_file(file)) return run_function_info(file, console);
   Progress& progress = console.progress();
@@ -85,7 +128,7 @@ void run_info(const std::string& file, Console& console) {
   const std::size_t duplicates = points.size() - count_unique(points);
   const CloudShape shape = classify_shape(points);
   const double spacing = estimate_spacing(points), noise = estimate_noise(points);
-  const char* normals = normals_word(check_orientation(points));
+  const char* normals = normals_word(check_orientation(points, noise));
   const Vec3f size = box.size();
 
   console.say(fmt::format("{}: {}", file, read.format));
@@ -103,9 +146,11 @@ void run_info(const std::string& file, Console& console) {
     if (present) attributes += (attributes.empty() ? "" : ", ") + name;
   };
   add(points.has_colors(), "colours");
-  add(!points.confidence.empty(), "confidence");
   add(!points.scanners.empty(), counted(points.scanners.size(), "scanner position"));
-  if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "besides", attributes));
+  if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "also", attributes));
+  nlohmann::ordered_json tables = nlohmann::ordered_json::array();
+  describe(points.attributes, "point", console, tables);
+  describe(points.triangle_attributes, "triangle", console, tables);
 
   nlohmann::ordered_json json;
   json["file"] = file;
@@ -119,7 +164,7 @@ void run_info(const std::string& file, Console& console) {
   json["noise"] = noise;
   json["normals"] = normals;
   json["colors"] = points.has_colors();
-  json["confidence"] = !points.confidence.empty();
+  json["attributes"] = std::move(tables);
   json["scanners"] = points.scanners.size();
   json["triangles"] = points.triangles.size();
   if (!points.triangles.empty()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "flags.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
@@ -45,10 +46,12 @@ void add_common(CLI::App& command, CommonArguments& common) {
 
 /// Runs the command that was chosen.
 void run(const CLI::App& app, const std::vector<Command>& commands, const CommonArguments& common) {
-  if (common.threads > 0) set_thread_count(common.threads);
-  Console console(common.console);
-  for (const Command& command : commands)
-    if (app.got_subcommand(command.app)) return command.run(console);
+  const ThreadScope threads(common.threads);
+  for (const Command& command : commands) {
+    if (!app.got_subcommand(command.app)) continue;
+    Console console(common.console, *command.app);
+    return command.run(console);
+  }
 }
 
 int main(int argc, char** argv) {
@@ -86,7 +89,7 @@ int main(int argc, char** argv) {
     print_error("interrupted, nothing was written");
     return kInterrupted;
   } catch (const ArgumentError& error) {
-    print_error(error.what());
+    print_error(in_flags(error.what(), *app.get_subcommands().front()));
     return kUsage;
   } catch (const std::bad_alloc&) {
     print_error("not enough memory");

@@ -47,7 +47,7 @@ void run_mesh(MeshArguments& a, Console& console) {
   if (a.options.measure_quality) say_aspect_ratios(report, console);
   const nlohmann::ordered_json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
                                        {"blocks", report.blocks},
-                                       {"depth", report.depth},
+                                       {"depth", report.block_depth},
                                        {"output",
                                         {{"file", a.output.file},
                                          {"vertices", mesh.vertices.size()},
@@ -55,7 +55,7 @@ void run_mesh(MeshArguments& a, Console& console) {
                                          {"components", topology.components},
                                          {"closed", topology.closed()},
                                          {"mesh_error", report.mesh_error}}},
-                                       {"warnings", report.warnings}};
+                                       {"warnings", console.in_flags(report.warnings)}};
   console.say_json(json);
   console.print_timings();
 }

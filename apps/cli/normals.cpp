@@ -83,7 +83,9 @@ Command add_normals(CLI::App& app) {
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
   c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp")
+      ->type_name("FILE")
+      ->required();
   add_ascii_flag(c, a.ascii);
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")
       ->type_name("COUNT");

@@ -69,32 +69,50 @@ void say_aspect_ratios(const MeshReport& report, Console& console) {
 }
 
 void add_mesh_output(CLI::App& c, MeshOutput& o) {
-  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb")->type_name("FILE")->required();
+  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp")->type_name("FILE")->required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);
 }
 
-void add_curvature_colors(CLI::App& c, std::string& quantity, std::optional<double>& range, const std::string& what,
-                          const std::string& group) {
+const char* quantity_word(CurvatureQuantity quantity) {
+  switch (quantity) {
+    case CurvatureQuantity::mean:
+      return "mean";
+    case CurvatureQuantity::gaussian:
+      return "gaussian";
+    case CurvatureQuantity::k1:
+      return "k1";
+    case CurvatureQuantity::k2:
+      return "k2";
+  }
+  return "";
+}
+
+void add_curvature_colors(CLI::App& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
+                          const std::string& what, const std::string& group) {
+  std::vector<std::pair<std::string, CurvatureQuantity>> words;
+  for (const auto q :
+       {CurvatureQuantity::mean, CurvatureQuantity::gaussian, CurvatureQuantity::k1, CurvatureQuantity::k2})
+    words.emplace_back(quantity_word(q), q);
   c.add_option("--color-by", quantity, what)
+      ->transform(choices<CurvatureQuantity>(std::move(words)))
       ->type_name("QUANTITY")
-      ->check(CLI::IsMember({"mean", "gaussian", "k1", "k2"}).description(""))
       ->group(group);
   c.add_option("--color-range", range,
-               "Curvature that has the full colour, 1/length or, for gaussian, 1/length² [from data]")
+               "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
       ->type_name("VALUE")
       ->check(CLI::PositiveNumber.description(""))
       ->group(group);
 }
 
-void add_cloud_options(CLI::App& c, FitOptions& o) {
+void add_cloud_options(CLI::App& c, CloudUse& o) {
   c.add_option("--faces", o.faces,
                "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
       ->transform(
           choices<FaceUse>({{"auto", FaceUse::automatic}, {"ignore", FaceUse::ignore}, {"sample", FaceUse::sample}}))
       ->type_name("CHOICE");
   c.add_option("--normals", o.normals,
-               "Use those given as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
+               "Use given ones as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
       ->transform(choices<NormalUse>(
           {{"auto", NormalUse::automatic}, {"given", NormalUse::as_given}, {"estimate", NormalUse::estimate}}))
       ->type_name("CHOICE");
@@ -138,7 +156,7 @@ void add_mesh_options(CLI::App& c, MeshOptions& o) {
        "--components", [&o](const std::string& text) { o.components = parse_components(text); },
        "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
       ->type_name("CHOICE");
-  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near [no value: from data]")
+  c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near as this [without a value: from data]")
       ->type_name("LENGTH")
       ->expected(0, 1)
       ->default_str("0");

@@ -11,7 +11,10 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::cli {
 
@@ -50,7 +53,7 @@ struct PictureArguments {
 };
 /// --width, --height, --view, --z-up
 void add_picture_options(CLI::App& command, PictureArguments& arguments);
-/// --preview FILE: draws `what` besides.
+/// --preview FILE: also draws `what`.
 void add_preview_option(CLI::App& command, std::string& file, const std::string& what);
 /// --ascii
 void add_ascii_flag(CLI::App& command, bool& ascii);
@@ -68,12 +71,15 @@ struct MeshOutput {
 void add_mesh_output(CLI::App& command, MeshOutput& output);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);
+using CurvatureQuantity = CurvatureColorOptions::Quantity;
+/// "mean", "gaussian", …
+const char* quantity_word(CurvatureQuantity quantity);
 /// --color-by and --color-range of curvature. `what` describes the first.
-void add_curvature_colors(CLI::App& command, std::string& quantity, std::optional<double>& range,
+void add_curvature_colors(CLI::App& command, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
                           const std::string& what, const std::string& group = "Options");
 
 /// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
-void add_cloud_options(CLI::App& command, FitOptions& options);
+void add_cloud_options(CLI::App& command, CloudUse& use);
 /// --box x0,y0,z0,x1,y1,z1
 void add_box_option(CLI::App& command, std::optional<Box3>& box, const std::string& what);
 /// "2..14"

@@ -9,7 +9,6 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/names.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/surface/lop.h"
@@ -22,6 +21,7 @@ struct ProjectArguments {
   std::string input, onto, output;
   std::string method = "curvature";  ///< a projection, an implicit surface, or lop
   bool ascii = false;
+  CloudUse cloud;
   SurfaceArguments surface;
   LopOptions lop;
   int steps = 10;
@@ -39,15 +39,15 @@ void check_options_fit(const ProjectArguments& a) {
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
     check(a.onto.empty(), "--onto", what);
-    const SurfaceOptions s = a.surface.details();
+    const SurfaceOptions& s = a.surface.options;
     check(!s.sharp, "--sharp", what);
     check(!s.smoothing, "--smoothing", what);
-    check(!s.width, "--bandwidth", what);
+    check(!s.bandwidth, "--bandwidth", what);
     check(!s.order, "--order", what);
     check(!s.iterations, "--iterations", what);
     check(s.diffusion == plain.diffusion, "--diffusion", what);
     check(s.separate_sheets, "--no-sheets", what);
-    check(!s.remove_outliers, "--remove-outliers", "outliers hardly draw its points");
+    check(!a.cloud.remove_outliers, "--remove-outliers", "outliers hardly draw its points");
     check(a.steps == none.steps, "--steps", what);
     check(a.tolerance == none.tolerance, "--tolerance", what);
   } else {
@@ -81,15 +81,16 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     }
     report.projected = result.size();
   } else {
-    SurfaceOptions surface = arguments.surface.details();
-    surface.method = arguments.method;
+    SurfaceOptions surface = arguments.surface.options;
+    surface.method = surface_method(arguments.method);
     surface.validate();
     const std::string& onto = arguments.onto.empty() ? arguments.input : arguments.onto;
     ReadReport read_onto;
     PointSet samples = onto == arguments.input ? points : read_points(onto, &read_onto);
     console.warn(onto, read_onto.warnings);
     try {
-      const SurfaceModel model = make_surface_model(std::move(samples), surface, progress);
+      const SurfaceModel model =
+          make_surface_model(prepare_cloud(std::move(samples), arguments.cloud, progress), surface, progress);
       console.warn(onto, model.warnings());
       result = arguments.points ? resample_surface(model, *arguments.points, how, progress, &report)
                                 : project_points(points, model, how, progress, &report);
@@ -126,23 +127,25 @@ Command add_project(CLI::App& app) {
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
   c.add_option("input", a.input, "Points to move")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd")->type_name("FILE")->required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp")
+      ->type_name("FILE")
+      ->required();
   c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
   add_ascii_flag(c, a.ascii);
   c.add_option("--method", a.method,
-               "lop (consolidation of the input) or a surface: " + listed(surface_names()) + " [curvature]")
+               "lop (consolidation of the input) or a surface: " + surface_method_names() + " [curvature]")
       ->type_name("NAME");
-  c.add_option("--points", a.points, "Spread about so many new points over the surface instead of moving those given")
+  c.add_option("--points", a.points, "Spread about this many new points over the surface instead of moving those given")
       ->type_name("COUNT")
       ->check(CLI::Range(1u, 2000000000u).description(""));
-  c.add_option("--steps", a.steps, "Most steps of a point, 1..1000 [10]")->type_name("COUNT");
-  c.add_option("--tolerance", a.tolerance, "A step shorter than this, over the spacing, is the last [0.001]")
+  c.add_option("--steps", a.steps, "Steps of a point at most, 1..1000 [10]")->type_name("COUNT");
+  c.add_option("--tolerance", a.tolerance, "A point stops after a step shorter than this ratio to the spacing [0.001]")
       ->type_name("RATIO");
   c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
       ->type_name("LENGTH");
-  c.add_option("--repulsion", a.lop.repulsion, "lop: points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
-  add_surface_details(c, a.surface);
-  c.footer(std::string(kReadable) +
+  c.add_option("--repulsion", a.lop.repulsion, "lop: how strongly points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
+  add_surface_details(c, a.surface, a.cloud);
+  c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh project noisy.ply -o smooth.ply\n"
            "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"

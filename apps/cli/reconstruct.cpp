@@ -22,18 +22,6 @@ struct ReconstructArguments {
   SurfaceArguments surface;
 };
 
-/// What was said about the surface becomes part of the options. Throws ArgumentError where the two do not fit.
-void take_surface(ReconstructArguments& a) {
-  ReconstructOptions& o = a.options;
-  o.remove_outliers = a.surface.options.remove_outliers;
-  const std::optional<SurfaceOptions> surface = a.surface.chosen();
-  if (!surface || surface->method == "partition") return;
-  require(!o.max_depth && !o.error && !o.support && o.max_degree == ReconstructOptions().max_degree && o.sharp,
-          "--depth, --error, --support, --degree and --smooth belong to the partition, not to other surfaces");
-  require(!o.trim || *o.trim > 0, "--trim needs a LENGTH with --surface: such surfaces end at their borders anyway");
-  o.surface = surface;
-}
-
 struct InputSize {
   std::size_t points;
   Vec3f extent;
@@ -43,12 +31,14 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
                   const ReconstructReport& report, const TriangleMesh& mesh, Console& console) {
   console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input, counted(input.points, "point"),
                           length(input.extent[0]), length(input.extent[1]), length(input.extent[2]), read.format));
-  const std::optional<SurfaceOptions>& surface = arguments.options.surface;
-  console.say(fmt::format("spacing {}, noise {}, {} in {} down to depth {}", length(report.spacing),
-                          length(report.noise), surface ? surface->method : counted(report.fits, "local fit"),
-                          counted(report.blocks, "block"), report.depth));
+  const bool other = arguments.options.other_surface();
+  const std::string made =
+      other ? surface_method_info(arguments.options.surface->method).name
+            : fmt::format("{} down to depth {}", counted(report.fits, "local fit"), report.fit_depth);
+  console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(report.spacing),
+                          length(report.noise), made, counted(report.blocks, "block"), report.block_depth));
   // The partition is closed by construction.
-  const bool closed = (!surface && !arguments.options.trim) || measure_topology(mesh).closed();
+  const bool closed = (!other && !arguments.options.trim) || measure_topology(mesh).closed();
   console.say(fmt::format("{}: {}, {} in {}{}", arguments.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()) + " vertices",
                           counted(static_cast<unsigned long long>(report.components), "component"),
@@ -86,9 +76,10 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", size.points}};
     json["spacing"] = report.spacing;
     json["noise"] = report.noise;
-    json["depth"] = report.depth;
-    json["blocks"] = report.blocks;
     json["fits"] = report.fits;
+    json["fit_depth"] = report.fit_depth;
+    json["blocks"] = report.blocks;
+    json["block_depth"] = report.block_depth;
     json["output"] = {{"file", arguments.output.file},      {"vertices", mesh.vertices.size()},
                       {"triangles", mesh.triangles.size()}, {"components", report.components},
                       {"closed", topology.closed()},        {"mesh_error", report.mesh_error}};
@@ -101,7 +92,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
     std::vector<std::string> warnings = read.warnings;
     warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
-    json["warnings"] = warnings;
+    json["warnings"] = console.in_flags(std::move(warnings));
     console.say_json(json);
   }
   console.print_timings();
@@ -118,15 +109,15 @@ Command add_reconstruct(CLI::App& app) {
   add_mesh_options(c, a.options);
   add_cloud_options(c, a.options);
   add_fit_options(c, a.options);
-  add_surface(c, a.surface, "Cut another surface out, as it stands [partition]");
-  c.footer(std::string(kReadable) +
+  add_surface(c, a.surface, a.options, "Cut another surface out, as it stands [partition]");
+  c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
            "  sansmesh reconstruct terrain.las -o terrain.ply --trim\n"
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return {&c, [shared](Console& console) {
-            take_surface(*shared);
+            shared->options.surface = shared->surface.chosen();
             run_reconstruct(*shared, console);
           }};
 }

@@ -37,9 +37,9 @@ void complete(RenderArguments& a) {
   const bool function = is_function_file(a.input);
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
   if (!a.surface && !function) {
-    require(a.frames == 0 && a.color_by.empty() && !a.color_range && !s.plain && !s.exact_shadows &&
-                s.reflection == 0 && s.transmission == 0 &&
-                s.refraction_index == SurfaceRenderOptions().refraction_index && !a.of_samples.options.remove_outliers,
+    require(a.frames == 0 && !a.color_by && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
+                s.transmission == 0 && s.refraction_index == SurfaceRenderOptions().refraction_index &&
+                !a.cloud.remove_outliers,
             "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
             "--refraction-index and --remove-outliers need --surface NAME");
   } else {
@@ -96,15 +96,15 @@ Command add_render(CLI::App& app) {
       ->type_name("CHOICE")
       ->check(CLI::IsMember({"gradient", "white", "black", "transparent"}).description(""))
       ->group("Picture");
-  c.add_flag("--flat", a.flat, "Show the triangles: no interpolated normals")->group("Picture");
+  c.add_flag("--flat", a.flat, "Show the flat triangles: normals are not interpolated")->group("Picture");
   c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")
       ->type_name("LENGTH")
       ->group("Picture");
-  c.add_option("--antialiasing", o.samples, "Rays a pixel in each direction, 1..8 [3]")
+  c.add_option("--antialiasing", o.samples, "Rays per pixel in each direction, 1..8 [3]")
       ->type_name("COUNT")
       ->group("Picture");
   c.add_flag("--no-shadows", a.no_shadows, "No shadows")->group("Picture");
-  add_surface(c, a.of_samples, "Cast rays at this surface of the samples, without a mesh");
+  add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_curvature_colors(c, a.color_by, a.color_range,
                        "Curvature as colour: mean, gaussian, k1 or k2; red convex, blue concave", "Surface");
   SurfaceRenderOptions& s = a.options;
@@ -114,16 +114,16 @@ Command add_render(CLI::App& app) {
   c.add_option("--transmission", s.transmission, "Share of the light that comes through the body, 0..1 [0]")
       ->type_name("SHARE")
       ->group("Surface");
-  c.add_option("--refraction-index", s.refraction_index, "Of the body: 1.33 water, 1.5 glass [1.5]")
+  c.add_option("--refraction-index", s.refraction_index, "Refraction index of the body: 1.33 water, 1.5 glass [1.5]")
       ->type_name("RATIO")
       ->group("Surface");
   c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow")->group("Surface");
-  c.add_flag("--plain", s.plain, "Quick: one ray a pixel, no shadows, no ground")->group("Surface");
-  c.add_option("--frames", a.frames, "Pictures all around, as NAME_000.png, NAME_001.png, …")
+  c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground")->group("Surface");
+  c.add_option("--frames", a.frames, "So many pictures from all around, as NAME_000.png, NAME_001.png, …")
       ->type_name("COUNT")
       ->check(CLI::Range(1, 100000).description(""))
       ->group("Surface");
-  c.footer(std::string(kReadable) +
+  c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh render surface.ply -o surface.png --view front\n"
            "  sansmesh render scan.ply -o scan.png --surface apss\n"

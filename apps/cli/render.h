@@ -16,13 +16,14 @@ struct RenderArguments {
   PictureArguments picture;
   std::string background = "gradient";
   bool flat = false, no_shadows = false;
+  CloudUse cloud;               ///< what is done to the samples
   SurfaceArguments of_samples;  ///< of --surface: cast rays at a surface of the samples
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
   std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen
-  std::string color_by;                   ///< mean, gaussian, k1, k2: curvature as colour; empty: the samples' colours
-  std::optional<double> color_range;      ///< curvature with the full colour
-  int frames = 0;                         ///< of a turntable; 0: one picture
+  std::optional<CurvatureQuantity> color_by;  ///< curvature as colour; else the samples' colours
+  std::optional<double> color_range;          ///< curvature with the full colour
+  int frames = 0;                             ///< of a turntable; 0: one picture
 };
 
 /// A picture straight from samples or of a function. The arguments are complete.

@@ -141,20 +141,21 @@ Command add_section(CLI::App& app) {
       ->type_name("PLANE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--axis", a->axis, "Planes across x, y or z")
+  c->add_option("--axis", a->axis, "Planes perpendicular to x, y or z")
       ->type_name("AXIS")
       ->check(CLI::IsMember({"x", "y", "z"}).description(""));
-  c->add_option("--start", a->start, "Place of the first of them [half a step inside the box]")->type_name("LENGTH");
-  c->add_option("--step", a->step, "From one to the next [spread over the box]")->type_name("LENGTH");
-  c->add_option("--count", a->count, "How many, 1..100000 [1, or all that --step leads to]")->type_name("COUNT");
+  c->add_option("--start", a->start, "Position of the first of them [half a step inside the box]")->type_name("LENGTH");
+  c->add_option("--step", a->step, "Distance from one to the next [spread over the box]")->type_name("LENGTH");
+  c->add_option("--count", a->count, "How many, 1..100000 [1, or as many as --step fits into the box]")
+      ->type_name("COUNT");
   c->add_option("--resolution", a->resolution, "Of a function: lattice squares along the longer side, 2..4096 [512]")
       ->type_name("COUNT");
   c->add_option("--unit", a->unit, "mm, cm or in: the drawing is true to scale")
       ->type_name("UNIT")
       ->check(CLI::IsMember({"mm", "cm", "in"}).description(""));
   c->footer(
-      "Without --plane and --axis: three planes through the middle of the bounding box. Areas have their holes\n"
-      "subtracted. Functions are cut without a mesh.\n\n"
+      "Without --plane and --axis: three planes through the middle of the bounding box. Holes are subtracted\n"
+      "from areas. Functions are cut without a mesh.\n\n"
       "Examples:\n"
       "  sansmesh section part.ply -o part.svg\n"
       "  sansmesh section part.ply --axis z --count 10 -o slices.svg\n"

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/points/prepare_cloud.h"
 
 namespace CLI {
 class App;
@@ -14,18 +15,17 @@ namespace sansmesh::cli {
 
 struct SurfaceArguments {
   SurfaceOptions options;
-  std::string name;  ///< of --surface; empty: not given
-  bool no_sheets = false;
+  std::optional<SurfaceMethod> method;  ///< of --surface, if it was given
 
-  /// How the surface is made, whatever its name.
-  SurfaceOptions details() const;
   /// All that was said about it; nothing if it was not named. Throws ArgumentError.
   std::optional<SurfaceOptions> chosen() const;
 };
 
 /// --sharp, --smoothing, --bandwidth, …, --remove-outliers
-void add_surface_details(CLI::App& command, SurfaceArguments& arguments);
+void add_surface_details(CLI::App& command, SurfaceArguments& arguments, CloudUse& cloud);
 /// --surface, and these. `what` says what is done with it.
-void add_surface(CLI::App& command, SurfaceArguments& arguments, const std::string& what);
+void add_surface(CLI::App& command, SurfaceArguments& arguments, CloudUse& cloud, const std::string& what);
+/// All surfaces with what they are, a line each, as part of a footer.
+std::string surface_list();
 
 }  // namespace sansmesh::cli

@@ -25,22 +25,13 @@ std::string frame_name(const std::string& output, int frame) {
 }
 
 std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress) {
-  using Quantity = CurvatureColorOptions::Quantity;
+  if (!a.color_by) return nullptr;
   CurvatureColorOptions o;
-  if (a.color_by == "mean")
-    o.quantity = Quantity::mean;
-  else if (a.color_by == "gaussian")
-    o.quantity = Quantity::gaussian;
-  else if (a.color_by == "k1")
-    o.quantity = Quantity::k1;
-  else if (a.color_by == "k2")
-    o.quantity = Quantity::k2;
-  else
-    return nullptr;
+  o.quantity = *a.color_by;
   if (a.color_range) {
     // Curvatures of the model are per model unit.
     const double unit = model.unit();
-    o.range = *a.color_range * (o.quantity == Quantity::gaussian ? unit * unit : unit);
+    o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
   }
   o.curvature.noise = model.report().noise / model.unit();
   progress.begin("curvature");
@@ -53,7 +44,8 @@ SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Prog
     read.format = "function";
     return make_surface_model(read_function(arguments.input));
   }
-  return make_surface_model(read_points(arguments.input, &read), *arguments.surface, progress);
+  return make_surface_model(prepare_cloud(read_points(arguments.input, &read), arguments.cloud, progress),
+                            *arguments.surface, progress);
 }
 
 }  // namespace
@@ -77,7 +69,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
-                                                    : SurfaceCaster(model.field(), model.balls(), cast);
+                                                    : SurfaceCaster(model.field(progress), model.balls(), cast);
     const std::vector<Vec3f>& samples = model.points().positions;
     const std::vector<Vec3f>& frame = samples.empty() ? model.balls().centers : samples;
     if (arguments.frames == 0) {
@@ -96,11 +88,12 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     }
     const SurfaceReport& report = model.report();
     const CastCounts counts = caster.counts();
+    const SurfaceMethodInfo& method = surface_method_info(report.method);
     console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input, counted(report.samples, "sample"),
-                            report.method, length(report.spacing), length(report.noise)));
+                            method.name, length(report.spacing), length(report.noise)));
     if (report.smoothing > 0)
       console.say(fmt::format("weights {:.2f} spacings wide{}", report.smoothing,
-                              report.method == "amls"
+                              method.heeds(SurfaceOption::order)
                                   ? fmt::format(", order {}, {}", report.order,
                                                 counted(static_cast<unsigned>(report.iterations), "iteration"))
                                   : std::string()));
@@ -109,7 +102,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
                                                 options.width, options.height));
     nlohmann::ordered_json json;
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"samples", report.samples}};
-    json["surface"] = {{"method", report.method},       {"spacing", report.spacing}, {"noise", report.noise},
+    json["surface"] = {{"method", method.name},         {"spacing", report.spacing}, {"noise", report.noise},
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
     json["rays"] = {
         {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 
 namespace sansmesh {
@@ -41,17 +39,6 @@ Judgement judge(const CloudTraits& t) {
 }
 
 std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
-
-/// A file's name as a shell takes it for one word.
-std::string quoted(const std::string& name) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || c >= 0x80 || std::string("_-./+,:@%=").find(static_cast<char>(c)) != std::string::npos;
-  };
-  if (!name.empty() && std::all_of(name.begin(), name.end(), plain)) return name;
-  std::string text = "'";
-  for (const char c : name) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
 
 std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
   std::vector<std::string> lines;
@@ -91,13 +78,7 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
   return lines;
 }
 
-/// For all commands: stray samples would make sheets of their own.
-std::string without_strays(const Judgement& j) { return j.stray ? " --remove-outliers" : ""; }
-
-Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string& file) {
-  std::string command = "sansmesh reconstruct " + file + " -o surface.ply";
-  if (j.open) command += " --trim";
-  command += without_strays(j);
+Recommendation mesh(const Judgement& j) {
   std::string why =
       "closed, and the nearest to the truth with the fewest triangles and seconds of all that were measured";
   if (j.sharp)
@@ -107,33 +88,36 @@ Recommendation mesh(const CloudTraits& t, const Judgement& j, const std::string&
   else if (j.large)
     why = "the others need many times the time for as many samples";
   if (j.stray) why += "; without the stray samples, which would spoil a closed surface altogether";
-  if (j.open) why += "; --trim leaves open what the samples leave open";
-  return {.aim = Aim::mesh, .surface = "partition", .commands = {std::move(command)}, .why = std::move(why)};
+  if (j.open) why += "; `trim` leaves open what the samples leave open";
+  return {.aim = Aim::mesh,
+          .surface = SurfaceMethod::partition,
+          .remove_outliers = j.stray,
+          .trim = j.open,
+          .why = std::move(why)};
 }
 
-Recommendation picture(const Judgement& j, const std::string& file) {
+Recommendation picture(const Judgement& j) {
   return {.aim = Aim::picture,
-          .surface = "apss",
-          .commands = {"sansmesh render " + file + " -o picture.png --surface apss" + (j.sharp ? " --sharp" : "") +
-                       without_strays(j)},
+          .surface = SurfaceMethod::apss,
+          .sharp = j.sharp,
+          .remove_outliers = j.stray,
           .why = j.sharp ? "no mesh is needed, and bilateral normals turn sharply at edges"
                          : "no mesh is needed: rays meet algebraic spheres fitted to the samples"};
 }
 
-Recommendation curvature(const Judgement& j, const std::string& file) {
+Recommendation curvature(const Judgement& j) {
   return {.aim = Aim::curvature,
-          .surface = "curvature",
-          .commands = {"sansmesh curvature " + file + " -o curved.ply --preview curved.png"},
+          .surface = SurfaceMethod::curvature,
           .why = j.noisy
                      ? "the curvature-driven projection leaves out the nearest samples, whose noise spoils curvatures "
                        "most"
                      : "principal curvatures and directions at every sample"};
 }
 
-Recommendation points(const Judgement& j, const std::string& file) {
+Recommendation points(const Judgement& j) {
   return {.aim = Aim::points,
-          .surface = "apss",
-          .commands = {"sansmesh project " + file + " -o smooth.ply --method apss" + without_strays(j)},
+          .surface = SurfaceMethod::apss,
+          .remove_outliers = j.stray,
           .why = "moves the samples themselves onto algebraic spheres: the noise goes, normals and all"};
 }
 
@@ -153,23 +137,22 @@ const char* aim_word(Aim aim) {
   return "";
 }
 
-Advice advise(const CloudTraits& traits, const std::string& input) {
+Advice advise(const CloudTraits& traits) {
   const Judgement j = judge(traits);
   Advice advice;
   advice.traits = traits;
   advice.findings = findings_of(traits, j);
-  const std::string file = quoted(input);
-  advice.recommendations.push_back(mesh(traits, j, file));
-  advice.recommendations.push_back(picture(j, file));
-  if (j.noisy) advice.recommendations.push_back(points(j, file));
-  advice.recommendations.push_back(curvature(j, file));
+  advice.recommendations.push_back(mesh(j));
+  advice.recommendations.push_back(picture(j));
+  if (j.noisy) advice.recommendations.push_back(points(j));
+  advice.recommendations.push_back(curvature(j));
   return advice;
 }
 
-Advice advise(const PointSet& points, Progress& progress, const std::string& input) {
+Advice advise(const PointSet& points, Progress& progress) {
   std::vector<std::string> warnings;
   const CloudTraits traits = measure_traits(points, progress, &warnings);
-  Advice advice = advise(traits, input);
+  Advice advice = advise(traits);
   advice.warnings = std::move(warnings);
   return advice;
 }

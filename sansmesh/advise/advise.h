@@ -1,4 +1,4 @@
-// Which method suits these samples? What is measured, what follows from it, and the commands to run.
+// Which method suits these samples? What is measured, and what follows from it.
 #pragma once
 
 #include <string>
@@ -7,15 +7,17 @@
 #include "sansmesh/advise/traits.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/model/surface_methods.h"
 
 namespace sansmesh {
 
 struct Recommendation {
   enum class Aim { mesh, picture, curvature, points } aim;
-  std::string surface;  ///< partition or another name of `surface_names`; empty for steps before
-  /// Commands of the tool, to be run one after the other.
-  std::vector<std::string> commands;
-  std::string why;  ///< one sentence
+  SurfaceMethod surface;
+  bool sharp = false;            ///< SurfaceOptions::sharp
+  bool remove_outliers = false;  ///< CloudUse::remove_outliers
+  bool trim = false;             ///< MeshOptions::trim, the length chosen from the data
+  std::string why;               ///< one sentence, which names options as errors do (core/error.h)
 };
 
 struct Advice {
@@ -27,13 +29,13 @@ struct Advice {
   std::vector<std::string> warnings;  ///< of cleaning
 };
 
-/// What METHODS §8 and docs/methods/which-method.md say of such traits. Commands name the file `input`.
-Advice advise(const CloudTraits& traits, const std::string& input);
+/// What METHODS §8 and docs/methods/which-method.md say of such traits.
+Advice advise(const CloudTraits& traits);
 
 /// Both.
-Advice advise(const PointSet& points, Progress& progress, const std::string& input = "scan.ply");
+Advice advise(const PointSet& points, Progress& progress);
 
-/// What the tool calls it: mesh, picture, …
+/// mesh, picture, …
 const char* aim_word(Recommendation::Aim aim);
 
 }  // namespace sansmesh

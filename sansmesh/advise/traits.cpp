@@ -33,8 +33,8 @@ constexpr std::size_t kBorderNeighbours = 24;
 constexpr std::size_t kBorderPlaces = 2000;
 constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
 
-/// Of spacings, every part of the surface counting as much as its area: samples alone would tell of the dense parts.
-/// `ascending` must be so.
+/// Of spacings, every part of the surface counting as much as its area: samples alone would describe mainly the dense
+/// parts. `ascending` must be so.
 double quantile_by_area(const std::vector<double>& ascending, double q) {
   double area = 0, passed = 0;
   for (const double s : ascending) area += s * s;
@@ -176,10 +176,11 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
   const Vec3f size = bounds(points).size();
   traits.diagonal = static_cast<double>(norm(size)) * cloud.unit;
   traits.spacing = estimate_spacing(points) * cloud.unit;
-  traits.noise = estimate_noise(points) * cloud.unit;
+  const double noise = estimate_noise(points);
+  traits.noise = noise * cloud.unit;
   measure_density(points, traits);
   progress.begin("check normals");
-  traits.normals = check_orientation(points);
+  traits.normals = check_orientation(points, noise);
   progress.begin("creases and borders");
   measure_creases(points, traits, cloud.unit);
   measure_borders(points, traits);

@@ -31,7 +31,7 @@ struct CloudTraits {
   double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
 };
 
-/// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU a sample. Throws DataError where the
+/// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU per sample. Throws DataError where the
 /// points cannot be reconstructed at all.
 CloudTraits measure_traits(PointSet points, Progress& progress, std::vector<std::string>* warnings = nullptr);
 

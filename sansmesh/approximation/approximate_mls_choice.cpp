@@ -1,8 +1,9 @@
+#include "sansmesh/approximation/approximate_mls_choice.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/approximation/approximate_mls.h"
 #include "sansmesh/approximation/generating_matrix.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"

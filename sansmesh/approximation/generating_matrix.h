@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/approximation/approximate_mls.h"
+#include "sansmesh/approximation/approximate_mls_options.h"
+#include "sansmesh/approximation/generating_functions.h"
+#include "sansmesh/approximation/sample_index.h"
 
 namespace sansmesh::detail {
 

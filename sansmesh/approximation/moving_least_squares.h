@@ -43,9 +43,9 @@ class MovingLeastSquares {
   MovingLeastSquares(std::span<const Position<D>> positions, std::span<const double> values,
                      const MovingLeastSquaresOptions& options = {});
 
-  /// Values at the points; `gradients`, empty or one a point, are the exact derivatives of the values (that of the
-  /// weights included, not only that of p_x); `degrees`, empty or one a point, tell the degree used, −1 where no sample
-  /// has a weight. Points that are not finite: value NaN, degree −1. Throws ArgumentError for other lengths.
+  /// Values at the points; `gradients`, empty or one per point, are the exact derivatives of the values (that of the
+  /// weights included, not only that of p_x); `degrees`, empty or one per point, tell the degree used, −1 where no
+  /// sample has a weight. Points that are not finite: value NaN, degree −1. Throws ArgumentError for other lengths.
   void evaluate(std::span<const Position<D>> x, std::span<double> values, std::span<Position<D>> gradients = {},
                 std::span<std::int8_t> degrees = {}) const;
 

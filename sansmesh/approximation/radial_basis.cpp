@@ -95,7 +95,7 @@ struct RbfInterpolant<D>::State {
   explicit State(const RadialKernel& k) : kernel(k) {}
 
   RadialKernel kernel;
-  std::vector<System> systems;   // one, or one a ball of the cover
+  std::vector<System> systems;   // one, or one per ball of the cover
   SampleIndex<D> index;          // compact support only
   detail::RadialCover<D> cover;  // kLocal only
 

@@ -72,7 +72,7 @@ class RbfInterpolant {
   RbfInterpolant(RbfInterpolant&&) noexcept;
   RbfInterpolant& operator=(RbfInterpolant&&) noexcept;
 
-  /// Values, and gradients where asked for (empty or one a point). NaN at points that are not finite. Throws
+  /// Values, and gradients where asked for (empty or one per point). NaN at points that are not finite. Throws
   /// ArgumentError for spans of other lengths.
   void evaluate(std::span<const Position<D>> x, std::span<double> values, std::span<Position<D>> gradients = {}) const;
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxEntries = std::size_t{1} << 30;
 constexpr std::size_t kBlock = 512;            ///< rows, fixed: sums do not depend on threads
-constexpr std::size_t kFactorNeighbours = 24;  ///< entries a row of the preconditioner
+constexpr std::size_t kFactorNeighbours = 24;  ///< entries per row of the preconditioner
 
 struct Rows {
   std::vector<std::size_t> start;

@@ -53,7 +53,7 @@ std::string printable(std::string_view text, std::size_t most) {
   }
   if (begins.size() <= most) return result;
   if (most == 0) return {};
-  // What it begins with tells most, but sentences end with what they say of an excerpt.
+  // The beginning tells most, but what a sentence says about an excerpt stands at its end.
   const std::size_t tail = (most - 1) / 3, head = most - 1 - tail;
   const std::string end = tail == 0 ? std::string() : result.substr(begins[begins.size() - tail]);
   return result.substr(0, begins[head]).append(dots) + end;

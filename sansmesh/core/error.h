@@ -29,7 +29,7 @@ class FileError : public Error {
   std::string file_;
 };
 
-/// An argument or option out of its valid range: names it, its value and the remedy.
+/// An argument or option out of range. Options are named by their fields, between grave accents: `enhance = false`.
 class ArgumentError : public Error {
  public:
   using Error::Error;

@@ -1,4 +1,8 @@
+// On oneTBB. See parallel_watched.cpp for the thread sanitizer.
 #include "sansmesh/core/parallel.h"
+
+#include "sansmesh/core/parallel_backend.h"
+#if !SANSMESH_WATCHED_THREADS
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -6,39 +10,196 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
-#include <memory>
+#include <algorithm>
+#include <mutex>
+#include <utility>
 
 namespace sansmesh {
 namespace {
-std::unique_ptr<tbb::global_control>& control() {
-  static std::unique_ptr<tbb::global_control> c;
-  return c;
-}
+
+using tbb::global_control;
+
+/// oneTBB has no more workers in the whole process than cores, however large an arena is. This lifts that limit for
+/// scopes that ask for more, while there is one.
+class WorkerLimit {
+ public:
+  static void lift(int threads) {
+    const std::lock_guard lock(mutex());
+    sizes().push_back(threads);
+    renew();
+  }
+  static void restore(int threads) {
+    const std::lock_guard lock(mutex());
+    sizes().erase(std::find(sizes().begin(), sizes().end(), threads));
+    renew();
+  }
+
+ private:
+  // Never destroyed: a scope may end as late as it likes.
+  static std::mutex& mutex() {
+    static auto* const m = new std::mutex;
+    return *m;
+  }
+  static std::vector<int>& sizes() {
+    static auto* const s = new std::vector<int>;
+    return *s;
+  }
+  static std::unique_ptr<global_control>& control() {
+    static auto* const c = new std::unique_ptr<global_control>;
+    return *c;
+  }
+
+  /// Of all limits in a process the least counts: ours must never be the one that lowers a host's.
+  static void renew() {
+    if (sizes().empty()) return control().reset();
+    const auto most = static_cast<std::size_t>(*std::max_element(sizes().begin(), sizes().end()));
+    if (!control() && global_control::active_value(global_control::max_allowed_parallelism) >= most) return;
+    control() = std::make_unique<global_control>(global_control::max_allowed_parallelism, most);
+  }
+};
+
+/// What a thread is doing for us.
+struct Place {
+  ThreadScope::Team* team = nullptr;  // whose loops these are; none: where the thread happens to be
+  bool inside = false;                // in a body, and hence in the arena already
+  bool branch = false;                // in a branch of parallel_invoke
+};
+thread_local Place place;
+
 }  // namespace
 
-void set_thread_count(int threads) {
-  control().reset();
-  if (threads > 0) {
-    control() = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                      static_cast<std::size_t>(threads));
+/// The threads of a scope.
+struct ThreadScope::Team {
+  explicit Team(int count) : threads(count), arena(count) {
+    if (threads > tbb::info::default_concurrency()) WorkerLimit::lift(threads);
+    outer = std::exchange(place, {this});
   }
+  ~Team() {
+    place = outer;
+    arena.terminate();
+    if (threads > tbb::info::default_concurrency()) WorkerLimit::restore(threads);
+  }
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  int threads;
+  tbb::task_arena arena;  // starts with the first loop
+  Place outer;            // of the thread that opened the scope
+};
+
+namespace {
+
+/// Holds for the time of a body.
+class At {
+ public:
+  explicit At(const Place& here) : before_(std::exchange(place, here)) {}
+  ~At() { place = before_; }
+  At(const At&) = delete;
+  At& operator=(const At&) = delete;
+
+ private:
+  Place before_;
+};
+
+/// Belongs to one loop alone: what stops a loop around it does not leave it half done. Keeps the floating-point
+/// settings of the thread that makes it, for all who work on the loop.
+class Context : public tbb::task_group_context {
+ public:
+  Context() : task_group_context(task_group_context::isolated, task_group_context::fp_settings) {}
+};
+
+/// Calls work(context) in the arena of the thread's scope.
+template <class Work>
+void enter(const Place& here, const Work& work) {
+  Context context;  // before the thread enters the arena, which has settings of its own
+  const auto start = [&] { work(context); };
+  if (here.team != nullptr && !here.inside)
+    here.team->arena.execute(start);  // where no other work waits that the thread could be given
+  else
+    tbb::this_task_arena::isolate(start);
 }
 
+/// The same for work that starts its oneTBB loops without a context.
+template <class Work>
+void enter_as_task(const Work& work) {
+  const Place here = place;
+  enter(here, [&](tbb::task_group_context& context) {
+    tbb::task_group group(context);
+    group.run_and_wait([&] {
+      const At at({here.team, true});
+      work();
+    });
+  });
+}
+
+bool alone(const Place& here) { return here.team != nullptr && here.team->threads == 1; }
+
+template <class T>
+void sort(std::vector<T>& values) {
+  if (alone(place)) return std::sort(values.begin(), values.end());
+  enter_as_task([&] { tbb::parallel_sort(values.begin(), values.end()); });
+}
+
+}  // namespace
+
+ThreadScope::ThreadScope(int threads) {
+  detail::check_thread_count(threads);
+  team_ = std::make_unique<Team>(threads == 0 ? tbb::info::default_concurrency() : threads);
+}
+ThreadScope::~ThreadScope() = default;
+
 int thread_count() {
-  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  return static_cast<int>(allowed);
+  const auto most = static_cast<int>(
+      std::min<std::size_t>(ThreadScope::kMost, global_control::active_value(global_control::max_allowed_parallelism)));
+  return std::min(most, place.team != nullptr ? place.team->threads : tbb::this_task_arena::max_concurrency());
 }
 
 void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
                              const std::function<void(std::size_t, std::size_t)>& body) {
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(begin, end, grain),
-      [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); }, tbb::simple_partitioner());
+  const Place here = place;
+  if (alone(here)) {
+    for (std::size_t first = begin; first < end; first += std::min(grain, end - first))
+      body(first, std::min(end, first + grain));
+    return;
+  }
+  enter(here, [&](tbb::task_group_context& context) {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(begin, end, grain),
+        [&](const tbb::blocked_range<std::size_t>& r) {
+          const At at({here.team, true});
+          body(r.begin(), r.end());
+        },
+        tbb::simple_partitioner(), context);
+  });
 }
 
-void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) { tbb::parallel_invoke(a, b); }
-void parallel_sort(std::vector<std::uint64_t>& values) { tbb::parallel_sort(values.begin(), values.end()); }
-void parallel_sort(std::vector<KeyIndex>& values) { tbb::parallel_sort(values.begin(), values.end()); }
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
+  const Place here = place;
+  if (alone(here)) {
+    a();
+    b();
+    return;
+  }
+  const auto branch = [&](const std::function<void()>& work) {
+    return [&] {
+      const At at({here.team, true, true});
+      work();
+    };
+  };
+  const auto start = [&](tbb::task_group_context& context) { tbb::parallel_invoke(branch(a), branch(b), context); };
+  if (!here.branch) return enter(here, start);
+  // A whole recursion is one loop: only so can a thread that waits for one branch help with the others.
+  Context context;
+  start(context);
+}
+
+void parallel_sort(std::vector<std::uint64_t>& values) { sort(values); }
+void parallel_sort(std::vector<KeyIndex>& values) { sort(values); }
+
+void lend_threads(const std::function<void()>& work) { enter_as_task(work); }
 
 }  // namespace sansmesh
+#endif

@@ -12,10 +12,11 @@ namespace {
 /// More pairs of pieces than this are one piece together: their creases inside the blend are not resolved.
 constexpr std::uint64_t kMaxPairs = 1u << 16;
 
-/// Nodes of primitives that take longer than this say by their box how far they are: asking each primitive costs more.
-constexpr double kDear = 10;
-/// A survey with reach r need not tell how far a piece is alone beyond this many r. Whoever makes blocks of half edge r
-/// wants to know up to the half diagonal and two cells more, at most 3.8 r.
+/// Nodes of primitives that cost more than this use their box to tell how far they are: evaluating them would take
+/// longer.
+constexpr double kCostly = 10;
+/// A survey with reach r need not tell beyond this many r how far a piece is alone. What makes blocks of half edge r
+/// has to know it up to half the diagonal and two cells more, at most 3.8 r.
 constexpr double kSurveyed = 6;
 
 bool bounded_anywhere(const Extents& e) {
@@ -120,7 +121,7 @@ class CombineNode final : public SolidNode {
 
   double least(double sign, const Vec3& x) const override {
     const auto least_of_child = [&](const SolidNode& c) {
-      return c.lipschitz() && c.cost() > kDear ? c.far_value(sign, x) : c.least(sign, x);
+      return c.lipschitz() && c.cost() > kCostly ? c.far_value(sign, x) : c.least(sign, x);
     };
     const double a = least_of_child(*a_), b = least_of_child(*b_);
     // The value is that of one of both, and blends move it towards the sign of the combination, by a quarter at most.
@@ -156,8 +157,8 @@ class CombineNode final : public SolidNode {
     return t;
   }
 
-  /// Below nodes whose slopes are not known there are fields: dear ones, that know better than their boxes where they
-  /// are far.
+  /// Below nodes whose slopes are not known there are fields: costly ones, which know better than their boxes where
+  /// they are far.
   double least_of(const SolidNode& second, const Vec3& x) const {
     return !second.lipschitz() ? second.least(sign_, x) : second.far_value(sign_, x);
   }

@@ -100,7 +100,7 @@ class Parser {
     }
     if (t.is('-')) csg_error(t.at, "expected a solid, found '-'; ~ is the complement");
     if (t.kind == Token::Kind::number)
-      csg_error(t.at, fmt::format("expected a solid, found {}; numbers may want a name (r={}), file names quotes",
+      csg_error(t.at, fmt::format("expected a solid, found {}; numbers may need a name (r={}), file names quotes",
                                   shown(t), t.text));
     csg_error(t.at, fmt::format("expected a solid, found {}", shown(t)));
   }
@@ -142,7 +142,7 @@ class Parser {
         named = true;
         named_argument(*function, arguments);
       } else if (named) {
-        csg_error(token().at, fmt::format("{}: what has no name comes before what has", function->name));
+        csg_error(token().at, fmt::format("{}: arguments without a name come before those with one", function->name));
       } else if (arguments.solids.size() < function->most_solids) {
         arguments.solids.push_back(sum());
       } else if (positional < function->parameters.size()) {

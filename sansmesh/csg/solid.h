@@ -72,7 +72,7 @@ Solid capsule(const Vec3& from, const Vec3& to, double radius);
 
 // ---- Other fields ------------------------------------------------------------------------------------------------
 
-/// What may be known of a field besides its values. Asked by several threads at once, for each point: it should be
+/// What may be known of a field apart from its values. Asked by several threads at once, for each point: it should be
 /// quick.
 class FieldKnowledge {
  public:
@@ -93,7 +93,7 @@ Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const Field
 // With `blend` = r > 0 the crease between the two surfaces becomes a smooth transition: with the values a and b of the
 // two, min(a, b) becomes (a + b)/2 − (r² + (a − b)²)/(4r) where |a − b| < r and stays min(a, b) elsewhere. The gradient
 // is continuous (where those of a and b are), its norm at most the larger of both, the value changes by r/4 at most,
-// and the surface changes only within r of both. Unions and differences grow and shrink so; dually intersections.
+// and the surface changes only within r of both. So unions grow; intersections and differences shrink.
 
 Solid unite(const Solid& a, const Solid& b, double blend = 0);
 Solid intersect(const Solid& a, const Solid& b, double blend = 0);

@@ -3,20 +3,13 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
+#include "sansmesh/data/attribute_table.h"
 
 namespace sansmesh {
-
-/// One number a sample, with a name: what was computed there.
-struct Attribute {
-  std::string name;  ///< a word, as files want it: k1, mean_curvature, …
-  std::vector<float> values;
-};
 
 /// Samples of a surface as a structure of arrays. Every optional array is either empty or as long as `positions`.
 struct PointSet {
@@ -28,16 +21,16 @@ struct PointSet {
   std::vector<Vec3f> normals;
   /// RGB, 0..255.
   std::vector<std::array<std::uint8_t, 3>> colors;
-  /// Confidence or quality of each sample, larger is better, in the file's own scale.
-  std::vector<float> confidence;
-  /// Further numbers; every one as long as `positions`. Written to PLY and CSV.
-  std::vector<Attribute> attributes;
+  /// Whatever else is known of each sample (confidence, intensity, curvatures, …): a row each.
+  AttributeTable attributes;
   /// For merged range scans: which scanner position (index into `scanners`) saw the sample. May be empty.
   std::vector<std::uint16_t> scan_of_point;
   /// Scanner positions relative to `origin`, where known.
   std::vector<Vec3f> scanners;
   /// Triangles, where the file was a mesh or polygon soup (indices into positions); may be empty.
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// What is known of each triangle: a row each.
+  AttributeTable triangle_attributes;
 
   std::size_t size() const { return positions.size(); }
   bool has_normals() const { return !normals.empty(); }
@@ -50,5 +43,9 @@ inline Box3f bounds(const PointSet& points) {
   for (const Vec3f& p : points.positions) box.extend(p);
   return box;
 }
+
+/// Keeps the samples whose mask is 0, with all that belongs to them, in order. Triangles with a removed corner go.
+/// Throws ArgumentError if the mask has another length than the cloud.
+void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
 
 }  // namespace sansmesh

@@ -7,6 +7,8 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
+#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/data/point_set.h"
 
 namespace sansmesh {
 
@@ -19,7 +21,8 @@ struct TriangleMesh {
   std::vector<Triangle> triangles;
   std::vector<Vec3f> normals;                       ///< Unit, outward.
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< RGB, 0..255.
-  std::vector<float> quality;  ///< One scalar a vertex (error, curvature, distance), unit of its maker.
+  /// Whatever else is known of each vertex (quality, distance, curvatures, …) and of each triangle: a row each.
+  AttributeTable attributes, triangle_attributes;
 };
 
 inline Box3f bounds(const TriangleMesh& mesh) {
@@ -27,5 +30,8 @@ inline Box3f bounds(const TriangleMesh& mesh) {
   for (const Vec3f& p : mesh.vertices) box.extend(p);
   return box;
 }
+
+/// Positions and triangles of a cloud, with normals, colours and attributes.
+TriangleMesh to_mesh(PointSet points);
 
 }  // namespace sansmesh

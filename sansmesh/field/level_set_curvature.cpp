@@ -9,7 +9,7 @@
 namespace sansmesh {
 namespace {
 
-/// Points whose neighbours are evaluated in one batch: seven evaluations a point.
+/// Points whose neighbours are evaluated in one batch: seven evaluations per point.
 constexpr std::size_t kBatch = 1 << 17;
 
 void principal_curvatures(const Vec3 (&hessian)[3], LevelSetPoint& p) {

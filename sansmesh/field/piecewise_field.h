@@ -38,7 +38,7 @@ class PiecewiseField : public ScalarField {
   /// A bound for the norm of the gradients, if there is one that is known.
   virtual std::optional<double> slope_bound() const { return std::nullopt; }
 
-  /// Of the thinnest part or hole that is known of, infinity if there is none.
+  /// Thickness of the thinnest part or hole that is known, infinity if there is none.
   virtual double thickness() const { return std::numeric_limits<double>::infinity(); }
 
   /// Values, and what is known around each of x, of details that lie within `reach` of it. As many entries as x. Safe

@@ -20,7 +20,7 @@ class ScalarField {
   /// Where the field is defined; outside it evaluate() still returns finite values.
   virtual Box3 bounds() const = 0;
 
-  /// Values, and if `gradients` is not empty gradients, at all of x. One call a batch: neighbouring points in
+  /// Values, and if `gradients` is not empty gradients, at all of x. One call per batch: neighbouring points in
   /// neighbouring slots evaluate fastest. Sizes must agree (gradients may be empty). Safe from several threads.
   virtual void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const = 0;
 

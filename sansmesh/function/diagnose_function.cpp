@@ -236,9 +236,9 @@ void DiagnoseOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(coverage_below >= 0 && coverage_below <= 1, "the coverage must lie in 0..1");
-  check(!error_above || (std::isfinite(*error_above) && *error_above > 0), "the error must be a positive length");
-  check(std::isfinite(gradient_above) && gradient_above > 1, "the gradient must be larger than 1");
+  check(coverage_below >= 0 && coverage_below <= 1, "`coverage_below` must lie in 0..1");
+  check(!error_above || (std::isfinite(*error_above) && *error_above > 0), "`error_above` must be a positive length");
+  check(std::isfinite(gradient_above) && gradient_above > 1, "`gradient_above` must be larger than 1");
 }
 
 std::vector<Edit> Diagnosis::edits() const {

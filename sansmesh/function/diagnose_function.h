@@ -28,7 +28,7 @@ struct DiagnoseOptions {
   /// the spacing.
   std::optional<double> error_above;
   double gradient_above = 2;  ///< norm, > 1; the thesis found 1.9 to be the largest of a sound function
-  std::size_t places = 20;    ///< most places a kind
+  std::size_t places = 20;    ///< at most this many places of each kind
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -12,7 +12,7 @@
 
 namespace sansmesh {
 
-/// Which supports: all that is said must hold. Lengths and positions in the unit of the input.
+/// Which supports: all conditions that are given must hold. Lengths and positions in the unit of the input.
 struct EditSelection {
   struct Ball {
     Vec3 center;
@@ -49,7 +49,7 @@ struct SetConstant {
   double value = 1;  ///< in radii of each support; positive: outside
 };
 struct RemoveSupports {};
-/// Takes back the last so many edits.
+/// Takes back this many of the last edits.
 struct Undo {
   int steps = 1;
 };
@@ -63,7 +63,7 @@ struct EditReport {
   std::size_t chosen = 0;    ///< supports that were selected
   std::size_t supports = 0;  ///< that stand in their place
   Box3 changed;              ///< where the function may have changed (input); empty: nowhere
-  std::string what;          ///< one line for people
+  std::string what;          ///< one line for people to read
 };
 
 /// A function, and what it was before each edit.

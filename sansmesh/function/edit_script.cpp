@@ -20,10 +20,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 
-/// Looks for fields that an object has twice while the text is parsed: of such the last would win unseen.
+/// Looks for fields that an object has twice while the text is parsed: the last one would win unnoticed.
 class TwiceGiven {
  public:
-  /// What the parser tells of; true: go on.
+  /// What the parser reports; true: go on.
   bool operator()(Json::parse_event_t event, const Json& parsed) {
     using Event = Json::parse_event_t;
     if (event == Event::key) {
@@ -217,7 +217,7 @@ Edit edit_of(const Json& json, const std::string& where) {
   return edit;
 }
 
-/// What is not said is left out.
+/// Fields that are not set are left out.
 template <class T>
 void put(Json& json, const char* key, const std::optional<T>& value) {
   if (value) json[key] = *value;

@@ -25,7 +25,7 @@ constexpr double kMostWork = 0.5;
 constexpr double kSame = 0.1;
 /// Share of the triangles off the change that must agree; else the patch was not made as the mesh was.
 constexpr double kAgreement = 0.5;
-/// So many vertices of an old mesh are asked whether it belongs to the function.
+/// At so many vertices an old mesh is checked for belonging to the function.
 constexpr std::size_t kAsked = 500;
 
 /// How a function is cut out.
@@ -97,7 +97,7 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-/// Whether a mesh runs along the zero set of a function where it has not changed: some of its vertices are asked.
+/// Whether a mesh runs along the zero set of a function where it has not changed: some of its vertices are checked.
 bool belongs_to(const TriangleMesh& mesh, const SurfaceFunction& function, const Box3& change) {
   std::vector<Vec3> x;
   const std::size_t stride = 1 + mesh.vertices.size() / kAsked;
@@ -166,12 +166,13 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   options.validate();
   MeshReport local;
   MeshReport& r = report ? *report : local;
+  r = {};
   const PartitionOfUnity& field = function.field;
   const PartitionReport& f = field.report();
   const double unit = function.unit;
   Cut cut = prepare_cut(function, options);
   r.mesh_error = cut.mesh_error * unit;
-  r.depth = cut.blocks.depth();
+  r.block_depth = cut.blocks.depth();
   std::optional<Box3> box;
   if (options.box) {
     box = {function.from_input(options.box->lower), function.from_input(options.box->upper)};

@@ -12,7 +12,8 @@
 namespace sansmesh {
 
 /// The zero set of the function as a closed manifold mesh (open where it was trimmed or cut by the box), in the
-/// coordinates of the input. Throws DataError if nothing of it is left, ArgumentError for bad options.
+/// coordinates of the input. The report is written anew. Throws DataError if nothing of it is left, ArgumentError for
+/// bad options.
 TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report = nullptr);
 

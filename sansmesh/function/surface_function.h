@@ -17,11 +17,6 @@ namespace sansmesh {
 /// How samples become a function. All optional lengths are in the unit of the input; where absent they are derived from
 /// the data.
 struct FitOptions {
-  using Faces = FaceUse;
-  using Normals = NormalUse;
-  Faces faces = Faces::automatic;
-  Normals normals = Normals::automatic;
-  bool remove_outliers = false;   ///< leave out samples that belong to no surface
   std::optional<int> max_depth;   ///< deepest level of the tree of fits, kLeastDepth..kMostDepth
   std::optional<double> error;    ///< accepted rms error of a local fit (length); default: a tenth of the noise
   std::optional<double> support;  ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
@@ -43,15 +38,18 @@ struct SurfaceFunction {
   /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty where they were not
   /// kept: such a function can be meshed and evaluated, but not refitted.
   std::shared_ptr<const PointSet> samples;
-  std::vector<std::string> history;   ///< what was done to it, a line each
+  std::vector<std::string> history;   ///< what was done to it, one line each
   std::vector<std::string> warnings;  ///< of the preparation of the samples; not kept in files
 
   Vec3 to_input(const Vec3& x) const { return origin + x * unit; }
   Vec3 from_input(const Vec3& x) const { return (x - origin) * (1 / unit); }
 };
 
-/// Cleans and orients the samples (prepare_cloud) and fits. Throws DataError where the points cannot be reconstructed
-/// (fewer than 9, all coincident, collinear or in a plane), ArgumentError for bad options.
+/// The function of samples that are clean and oriented. Throws ArgumentError for bad options.
+SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress);
+
+/// The same of samples as they come: they are cleaned and oriented before (prepare_cloud, as it does by itself). Throws
+/// DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane).
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress);
 
 }  // namespace sansmesh

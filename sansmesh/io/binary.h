@@ -6,15 +6,9 @@
 #include <cstring>
 #include <string_view>
 
+#include "sansmesh/data/number_type.h"
+
 namespace sansmesh::io {
-
-enum class NumberType : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
-
-inline constexpr std::size_t size_of(NumberType t) {
-  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-  return sizes[static_cast<std::size_t>(t)];
-}
-inline constexpr bool is_real(NumberType t) { return t == NumberType::f32 || t == NumberType::f64; }
 
 static_assert(std::endian::native == std::endian::little, "the fast paths assume a little-endian machine");
 

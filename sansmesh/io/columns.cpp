@@ -1,5 +1,13 @@
 #include "sansmesh/io/columns.h"
 
+#include <fmt/core.h>
+
+#include <bit>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <set>
+
 namespace sansmesh::io {
 namespace {
 
@@ -24,7 +32,140 @@ void with_triples(const Column (&c)[3], Use&& use) {
   });
 }
 
+/// More arrays than any file means; a header of nothing but names must not take forever.
+constexpr std::size_t kMostAttributes = 4096;
+
+/// The number as it is, or the nearest that T has; 0 for what is not a number where T has no such.
+template <class T>
+T nearest_value(double v) {
+  if constexpr (std::is_floating_point_v<T>) return static_cast<T>(v);
+  if (std::isnan(v)) return 0;
+  // 2^63 and 2^64 are doubles, the largest integers of 64 bits are not.
+  if (v >= static_cast<double>(std::numeric_limits<T>::max())) return std::numeric_limits<T>::max();
+  if (v <= static_cast<double>(std::numeric_limits<T>::min())) return std::numeric_limits<T>::min();
+  return static_cast<T>(std::nearbyint(v));
+}
+
+/// "velocity", 2 for "velocity_2"; nothing for a name without a number, or with one that begins with 0.
+std::optional<std::pair<std::string_view, std::size_t>> numbered(std::string_view name) {
+  const std::size_t bar = name.rfind('_');
+  if (bar == std::string_view::npos || bar == 0 || bar + 1 == name.size() || name.size() - bar > 6) return std::nullopt;
+  std::size_t number = 0;
+  for (const char c : name.substr(bar + 1)) {
+    if (c < '0' || c > '9') return std::nullopt;
+    number = 10 * number + static_cast<std::size_t>(c - '0');
+  }
+  if (name[bar + 1] == '0' && name.size() - bar > 2) return std::nullopt;
+  return std::pair(name.substr(0, bar), number);
+}
+
+Attribute decode(const NamedColumns& columns, std::size_t n) {
+  Attribute a{columns.name, empty_values(columns.type), columns.components.size()};
+  std::visit(
+      [&](auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        values.resize(n * a.components);
+        for (std::size_t c = 0; c < a.components; ++c) {
+          const Column& column = columns.components[c];
+          T* const out = values.data() + c;
+          if (column.type == columns.type) {
+            parallel_for(0, n, 1 << 15, [&](std::size_t i) {
+              const char* const p = column.at + i * column.stride;
+              out[i * a.components] = column.swap ? load<T, true>(p) : load<T>(p);
+            });
+          } else {
+            parallel_for(0, n, 1 << 15, [&](std::size_t i) { out[i * a.components] = nearest_value<T>(column[i]); });
+          }
+        }
+      },
+      a.values);
+  return a;
+}
+
 }  // namespace
+
+AttributeTable decode_attributes(const Input& in, const std::vector<NamedColumns>& columns, std::size_t n, bool join) {
+  AttributeTable table;
+  std::set<std::string, std::less<>> names;
+  for (std::size_t k = 0; k < columns.size();) {
+    NamedColumns group = columns[k++];
+    if (group.name.empty()) continue;
+    const auto single = [&](std::size_t i, std::string_view name, std::size_t number) {
+      if (i >= columns.size() || columns[i].type != group.type || columns[i].components.size() != 1) return false;
+      return numbered(columns[i].name) == std::optional(std::pair(name, number));
+    };
+    if (const auto first = numbered(group.name); join && first && first->second == 0 && single(k, first->first, 1)) {
+      const std::string name(first->first);
+      for (; single(k, name, group.components.size()); ++k) group.components.push_back(columns[k].components[0]);
+      group.name = name;
+    }
+    if (table.size() == kMostAttributes) {
+      in.warn(fmt::format("more than {} attributes: the others were left out", grouped(kMostAttributes)));
+      break;
+    }
+    if (!names.insert(group.name).second) {
+      in.warn(fmt::format("'{}' is there twice: the second one was left out", printable(group.name, 80)));
+      continue;
+    }
+    table.set(decode(group, n));
+  }
+  return table;
+}
+
+AttributeTable join_tables(const Input& in, std::vector<AttributeTable> tables, std::string_view parts) {
+  if (tables.empty()) return {};
+  std::vector<const AttributeTable*> others;
+  std::set<std::string> gone;
+  for (std::size_t k = 1; k < tables.size(); ++k) {
+    others.push_back(&tables[k]);
+    for (const Attribute& a : tables[k])
+      if (!tables[0].find(a.name)) gone.insert(a.name);
+  }
+  AttributeTable all = std::move(tables[0]);
+  for (const std::string& name : keep_common(all, others)) gone.insert(name);
+  for (const AttributeTable* other : others) {
+    if (all.empty()) break;
+    std::vector<std::uint32_t> rows((*other)[0].rows());
+    std::iota(rows.begin(), rows.end(), 0u);
+    all.append(*other, rows);
+  }
+  for (const std::string& name : gone)
+    in.warn(fmt::format("only some of the {} have '{}', or of another type: left out", parts, printable(name, 80)));
+  return all;
+}
+
+bool read_cell(TextScanner& text, NumberType type, double& cell) {
+  const auto read_whole = [&](auto value) {
+    TextScanner ahead = text;
+    if (ahead.number(value)) {
+      const std::string_view after = ahead.rest();
+      if (after.empty() || (after[0] != '.' && after[0] != 'e' && after[0] != 'E')) {
+        text = ahead;
+        cell = std::bit_cast<double>(value);
+        return true;
+      }
+    }
+    double real = 0;
+    if (!text.number(real)) return false;
+    cell = std::bit_cast<double>(nearest_value<decltype(value)>(real));
+    return true;
+  };
+  if (type == NumberType::i64) return read_whole(std::int64_t{});
+  if (type == NumberType::u64) return read_whole(std::uint64_t{});
+  return text.number(cell);
+}
+
+double load_cell(const char* p, NumberType type, bool swap) {
+  if (type == NumberType::i64 || type == NumberType::u64)
+    return std::bit_cast<double>(swap ? load<std::uint64_t, true>(p) : load<std::uint64_t>(p));
+  return load_number(p, type, swap);
+}
+
+double cell_number(double cell, NumberType type) {
+  if (type == NumberType::i64) return static_cast<double>(std::bit_cast<std::int64_t>(cell));
+  if (type == NumberType::u64) return static_cast<double>(std::bit_cast<std::uint64_t>(cell));
+  return cell;
+}
 
 void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points, const Vec3& scale,
                     const Vec3& offset) {
@@ -39,12 +180,12 @@ void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points
       });
     }
   });
-  if (columns.normal[0] && columns.normal[1] && columns.normal[2]) {
+  if (columns.has_normals()) {
     points.normals.resize(n);
     with_triples(columns.normal,
                  [&](auto at) { parallel_for(0, n, grain, [&](std::size_t i) { points.normals[i] = Vec3f(at(i)); }); });
   }
-  if (columns.color[0] && columns.color[1] && columns.color[2]) {
+  if (columns.has_colors()) {
     const NumberType type = columns.color[0].type;
     points.colors.resize(n);
     with_triples(columns.color, [&](auto at) {
@@ -68,10 +209,6 @@ void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points
         points.colors[i] = {to_byte(c.x, factor), to_byte(c.y, factor), to_byte(c.z, factor)};
       });
     });
-  }
-  if (columns.confidence) {
-    points.confidence.resize(n);
-    parallel_for(0, n, grain, [&](std::size_t i) { points.confidence[i] = static_cast<float>(columns.confidence[i]); });
   }
 }
 

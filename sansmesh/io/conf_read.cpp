@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "sansmesh/io/columns.h"
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
 
@@ -68,11 +69,11 @@ PointSet read_conf(const Input& in) {
     }
   });
   std::size_t n = 0;
-  bool normals = true, colors = true, confidence = true;
+  bool normals = true, colors = true;
   for (const Scan& s : scans) {
     if (!s.error.empty()) in.fail("a scan that it names cannot be read: " + s.error);
     n += s.points.size();
-    normals &= s.points.has_normals(), colors &= s.points.has_colors(), confidence &= !s.points.confidence.empty();
+    normals &= s.points.has_normals(), colors &= s.points.has_colors();
     for (const std::string& w : s.report.warnings) in.warn(s.file + ": " + w);
   }
   in.report.format = fmt::format("Stanford alignment of {} scans", scans.size());
@@ -83,7 +84,6 @@ PointSet read_conf(const Input& in) {
   all.scan_of_point.resize(n);
   if (normals) all.normals.resize(n);
   if (colors) all.colors.reserve(n);
-  if (confidence) all.confidence.reserve(n);
   std::size_t first = 0;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const Scan& scan = scans[s];
@@ -99,11 +99,20 @@ PointSet read_conf(const Input& in) {
     const std::uint32_t shift = static_cast<std::uint32_t>(first);
     for (const auto& t : p.triangles) all.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
     if (colors) all.colors.insert(all.colors.end(), p.colors.begin(), p.colors.end());
-    if (confidence) all.confidence.insert(all.confidence.end(), p.confidence.begin(), p.confidence.end());
     // Range scanners of this kind look along the z axis of their scan; far away, the rays are parallel.
     eyes.push_back(box.center() + scan.rotate({0, 0, 1}) * (1000 * box.diagonal()));
     first += p.size();
   }
+  const auto joined = [&](AttributeTable PointSet::*table, bool triangles) {
+    std::vector<AttributeTable> tables;
+    for (Scan& scan : scans) {
+      if (triangles && scan.points.triangles.empty()) continue;
+      tables.push_back(std::move(scan.points.*table));
+    }
+    return join_tables(in, std::move(tables), "scans");
+  };
+  all.attributes = joined(&PointSet::attributes, false);
+  all.triangle_attributes = joined(&PointSet::triangle_attributes, true);
   place_positions(all, n, [&](std::size_t i) { return world[i]; });
   for (const Vec3& eye : eyes) all.scanners.push_back(Vec3f(eye - all.origin));
   finish(in, all);

@@ -11,11 +11,15 @@ namespace sansmesh::io {
 /// 0xffffffff, which `finish` refuses.
 class FaceSink {
  public:
-  FaceSink(const Input& in, std::vector<std::array<std::uint32_t, 3>>& triangles) : in_(in), triangles_(triangles) {}
+  /// `face_of`, if given, gets for each triangle the number of its polygon or strip: 0 for the first one added.
+  FaceSink(const Input& in, std::vector<std::array<std::uint32_t, 3>>& triangles,
+           std::vector<std::uint32_t>* face_of = nullptr)
+      : in_(in), triangles_(triangles), face_of_(face_of) {}
 
   void add_polygon(std::span<const std::int64_t> corners) {
     if (corners.size() < 3) ++degenerate_;
     for (std::size_t k = 2; k < corners.size(); ++k) triangle(corners[0], corners[k - 1], corners[k]);
+    ++face_;
   }
 
   /// Every other triangle is turned; a negative index ends one strip and begins the next.
@@ -33,6 +37,7 @@ class FaceSink {
           triangle(b, a, c);
       }
     }
+    ++face_;
   }
 
   /// Reports what was left out.
@@ -45,6 +50,7 @@ class FaceSink {
  private:
   void triangle(std::int64_t a, std::int64_t b, std::int64_t c) {
     triangles_.push_back({narrow(a), narrow(b), narrow(c)});
+    if (face_of_) face_of_->push_back(face_);
   }
   static std::uint32_t narrow(std::int64_t v) {
     return v < 0 || v > 0xfffffffe ? 0xffffffffu : static_cast<std::uint32_t>(v);
@@ -52,6 +58,8 @@ class FaceSink {
 
   const Input& in_;
   std::vector<std::array<std::uint32_t, 3>>& triangles_;
+  std::vector<std::uint32_t>* face_of_;
+  std::uint32_t face_ = 0;
   std::size_t degenerate_ = 0;
 };
 

@@ -68,6 +68,16 @@ std::vector<std::array<std::uint16_t, 4>> linear_colors(const TriangleMesh& m) {
   return colors;
 }
 
+/// What glTF does not know begins with an underscore; by custom the rest is in capitals.
+std::string attribute_name(const std::string& name) {
+  std::string result = "_";
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    result += !letter ? '_' : c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  }
+  return result;
+}
+
 template <class T>
 void append(std::string& s, T value) {
   s.append(reinterpret_cast<const char*>(&value), sizeof(T));
@@ -98,9 +108,13 @@ std::vector<std::string> mesh_to_glb(const TriangleMesh& m, const WriteOptions&)
       attributes["COLOR_0"] = body.add(colors.data(), colors.size(), 8, array_buffer,
                                        {{"componentType", component_u16}, {"type", "VEC4"}, {"normalized", true}});
     }
-    if (!m.quality.empty()) {
-      attributes["_QUALITY"] = body.add(m.quality.data(), m.quality.size(), 4, array_buffer,
-                                        {{"componentType", component_float}, {"type", "SCALAR"}});
+    for (const Attribute& a : m.attributes) {
+      const std::vector<float>* const values = a.as<float>();
+      const std::string name = attribute_name(a.name);
+      if (!values || a.components > 4 || attributes.contains(name)) continue;
+      constexpr const char* types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+      attributes[name] = body.add(values->data(), a.rows(), 4 * a.components, array_buffer,
+                                  {{"componentType", component_float}, {"type", types[a.components - 1]}});
     }
     const std::size_t corners = 3 * m.triangles.size();
     if (m.vertices.size() < 65535) {

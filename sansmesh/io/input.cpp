@@ -228,29 +228,10 @@ void finish(const Input& in, PointSet& points) {
       [](std::size_t a, std::size_t b) { return a + b; });
   if (lost == n) in.fail(fmt::format("holds no points with finite coordinates (0 of {})", grouped(n)));
   if (lost > 0) {
-    const std::uint32_t gone = 0xffffffffu;
-    std::vector<std::uint32_t> new_index(n, gone);
-    std::uint32_t kept = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (is_finite(points.positions[i])) new_index[i] = kept++;
-    }
-    const auto compact = [&](auto& values) {
-      if (values.empty()) return;
-      for (std::size_t i = 0; i < n; ++i) {
-        if (new_index[i] != gone) values[new_index[i]] = values[i];
-      }
-      values.resize(kept);
-    };
-    compact(points.positions), compact(points.normals), compact(points.colors);
-    compact(points.confidence), compact(points.scan_of_point);
+    std::vector<std::uint8_t> gone(n);
+    for (std::size_t i = 0; i < n; ++i) gone[i] = !is_finite(points.positions[i]);
     const std::size_t before = points.triangles.size();
-    std::erase_if(points.triangles, [&](std::array<std::uint32_t, 3>& t) {
-      for (std::uint32_t& v : t) {
-        v = new_index[v];
-        if (v == gone) return true;
-      }
-      return false;
-    });
+    remove_samples(points, gone);
     in.warn(fmt::format("{} of {} points are not finite and were left out", grouped(lost), grouped(n)));
     if (before > points.triangles.size()) {
       in.warn(fmt::format("{} of {} triangles referred to them and were left out",
@@ -286,9 +267,6 @@ void finish(const Input& in, PointSet& points) {
       in.warn(fmt::format("{} of {} normals are zero or not finite and count as unknown",
                           grouped(points.size() - with_direction), grouped(points.size())));
     }
-  }
-  for (float& c : points.confidence) {
-    if (!std::isfinite(c)) c = 0;
   }
 }
 

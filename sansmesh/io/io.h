@@ -13,15 +13,18 @@
 
 namespace sansmesh {
 
-/// What a reader found besides the data.
+/// What a reader found apart from the data.
 struct ReadReport {
   std::string format;                 ///< e.g. "PLY binary little endian"
   std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"
 };
 
 /// Points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file or of a Stanford .conf alignment
-/// (several scans merged with their transforms), gzipped or not. Non-finite points are left out with a warning.
-/// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
+/// (several scans merged with their transforms), gzipped or not. Non-finite points are left out with a warning. Further
+/// numbers of points and faces (PLY scalars, named columns of tables, PCD fields, VTP arrays of points and cells)
+/// become attributes of the type that the file says; text without types: int32, or int64 or uint64 where they need it,
+/// if all are whole, else double. Throws FileError where the file is missing, empty, truncated, malformed or holds no
+/// points.
 PointSet read_points(const std::string& file, ReadReport* report = nullptr);
 
 /// A mesh (polygons are triangulated as fans). Throws FileError as read_points, and where the file has no faces.
@@ -31,10 +34,13 @@ struct WriteOptions {
   bool ascii = false;  ///< text instead of binary, where the format has both
 };
 
-/// Writes PLY, OBJ, STL, OFF, GLB by the name's ending.
+/// Writes PLY, OBJ, STL, OFF, GLB, VTP by the name's ending. PLY and VTP hold all attributes, GLB those of vertices
+/// that are 1 to 4 floats, the others none. Columns of PLY are single numbers named by one word: components become
+/// name_0, name_1, …, and what would tear the header becomes '_'.
 void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options = {});
 
-/// Writes PLY, OBJ, XYZ, CSV or PCD by the name's ending.
+/// Writes PLY, OBJ, XYZ, CSV, PCD or VTP by the name's ending. PLY, CSV, PCD and VTP hold attributes (PLY, CSV and PCD
+/// as columns, see write_mesh), the others none. Triangles are not written.
 void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
 
 /// Writes a PNG.

@@ -40,7 +40,7 @@ void append_rows(std::vector<std::string>& parts, std::size_t n, std::size_t mos
   });
 }
 
-/// Most characters of one number as written below.
+/// The most characters that one number takes as written below.
 inline constexpr std::size_t number_width = 48;
 
 template <class T>
@@ -80,10 +80,12 @@ std::vector<std::string> mesh_to_obj(const TriangleMesh& mesh, const WriteOption
 std::vector<std::string> mesh_to_stl(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> mesh_to_off(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> mesh_to_glb(const TriangleMesh& mesh, const WriteOptions& options);
+std::vector<std::string> mesh_to_vtp(const TriangleMesh& mesh, const WriteOptions& options);
 std::vector<std::string> points_to_ply(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_obj(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_xyz(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_csv(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options);
+std::vector<std::string> points_to_vtp(const PointSet& points, const WriteOptions& options);
 
 }  // namespace sansmesh::io

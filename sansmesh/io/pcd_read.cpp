@@ -1,7 +1,9 @@
 // PCD (Point Cloud Library): ascii, binary and binary_compressed.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/lzf.h"
@@ -11,14 +13,15 @@ namespace sansmesh::io {
 namespace {
 
 struct Field {
-  std::string name;
+  std::string name;   ///< in lower case
+  std::string given;  ///< as in the file
   std::size_t size = 4;
   char kind = 'F';
   std::size_t count = 1;
   std::size_t offset = 0;  ///< in a record, bytes
   std::size_t first = 0;   ///< in a row of text, words
 
-  NumberType type(const Input& in) const {
+  std::optional<NumberType> known_type() const {
     if (kind == 'F' && size == 4) return NumberType::f32;
     if (kind == 'F' && size == 8) return NumberType::f64;
     if (kind == 'U' || kind == 'I') {
@@ -36,6 +39,10 @@ struct Field {
           break;
       }
     }
+    return std::nullopt;
+  }
+  NumberType type(const Input& in) const {
+    if (const auto known = known_type()) return *known;
     in.fail(fmt::format("malformed PCD header: field '{}' has type {} of {} bytes", name, kind, size));
   }
 };
@@ -80,7 +87,9 @@ Header parse_header(const Input& in) {
       seen_version = true;
     } else if (key == "FIELDS" || key == "COLUMNS") {
       for (std::string_view w = words.word(); !w.empty(); w = words.word()) {
-        h.fields.emplace_back().name = lower(w);
+        Field& f = h.fields.emplace_back();
+        f.given = std::string(w);
+        f.name = lower(w);
         if (h.fields.size() > 1000) in.fail("malformed PCD header: more than 1,000 fields");
       }
     } else if (key == "SIZE") {
@@ -143,18 +152,46 @@ void unpack_colors(PointSet& points, std::size_t n, At&& at) {
   });
 }
 
-/// column(field) gives a Column.
+/// Decodes positions, normals, colours and attributes; column(field) gives the Column of its first number. `text`: they
+/// are cells.
 template <class MakeColumn>
-CloudColumns name_columns(const Header& h, MakeColumn&& column) {
+void decode_fields(const Input& in, const Header& h, bool text, PointSet& points, MakeColumn&& column) {
+  const std::size_t n = static_cast<std::size_t>(h.points);
   CloudColumns c;
+  std::vector<const Field*> used, picked;
   const auto pick = [&](Column& target, std::initializer_list<const char*> names) {
-    if (const Field* f = h.find(names)) target = column(*f);
+    if (const Field* f = h.find(names)) target = column(*f), picked.push_back(f);
+  };
+  const auto use_picked = [&](bool complete) {
+    if (complete) used.insert(used.end(), picked.begin(), picked.end());
+    picked.clear();
   };
   pick(c.position[0], {"x"}), pick(c.position[1], {"y"}), pick(c.position[2], {"z"});
+  use_picked(true);
   pick(c.normal[0], {"normal_x", "nx"}), pick(c.normal[1], {"normal_y", "ny"}), pick(c.normal[2], {"normal_z", "nz"});
+  use_picked(c.has_normals());
   pick(c.color[0], {"r", "red"}), pick(c.color[1], {"g", "green"}), pick(c.color[2], {"b", "blue"});
-  pick(c.confidence, {"confidence", "quality"});
-  return c;
+  use_picked(c.has_colors());
+  const Field* const red = h.find({"r", "red"});
+  c.whole_colors = text && red && red->kind != 'F';
+  decode_columns(c, n, points);
+
+  std::vector<NamedColumns> others;
+  const Field* const rgb = h.find({"rgb", "rgba"});
+  for (const Field& f : h.fields) {
+    const auto type = f.known_type();
+    // "_" is padding. More numbers a point than this are histograms, descriptors and the like.
+    if (!type || &f == rgb || f.name == "_" || f.count > 64 || std::find(used.begin(), used.end(), &f) != used.end())
+      continue;
+    NamedColumns named{f.given, *type, {}};
+    const Column first = column(f);
+    for (std::size_t k = 0; k < f.count; ++k) {
+      named.components.push_back(first);
+      named.components.back().at += k * (text ? sizeof(double) : f.size);
+    }
+    others.push_back(std::move(named));
+  }
+  points.attributes = decode_attributes(in, others, n);
 }
 
 void read_records(const Input& in, const Header& h, PointSet& points) {
@@ -180,7 +217,7 @@ void read_records(const Input& in, const Header& h, PointSet& points) {
     return by_field ? Column{base + f.offset * n, f.size * f.count, f.type(in), false}
                     : Column{base + f.offset, h.record, f.type(in), false};
   };
-  decode_columns(name_columns(h, column), n, points);
+  decode_fields(in, h, false, points, column);
   if (const Field* rgb = h.find({"rgb", "rgba"}); rgb && rgb->size == 4) {
     const Column c = column(*rgb);
     unpack_colors(points, n, [&](std::size_t i) { return load<std::uint32_t>(c.at + i * c.stride); });
@@ -193,6 +230,8 @@ void read_rows(const Input& in, const Header& h, PointSet& points) {
   const Field* const rgb = h.find({"rgb", "rgba"});
   std::vector<double> table(n * h.words);
   std::vector<std::uint32_t> packed(rgb ? n : 0);
+  std::vector<NumberType> types;  // of each word
+  for (const Field& f : h.fields) types.insert(types.end(), f.count, f.known_type().value_or(NumberType::f64));
   TextScanner text(h.body);
   for (std::size_t i = 0; i < n; ++i) {
     text.skip_space();
@@ -200,15 +239,15 @@ void read_rows(const Input& in, const Header& h, PointSet& points) {
     TextScanner row(text.line());
     for (std::size_t k = 0; k < h.words; ++k) {
       const std::string_view word = row.word();
-      double& value = table[i * h.words + k];
       TextScanner number(word);
-      if (!number.number(value) || !number.at_end()) {
+      if (!read_cell(number, types[k], table[i * h.words + k]) || !number.at_end()) {
         if (word.empty())
           in.fail(fmt::format("truncated or malformed: point {} has {} of {} values", grouped(i + 1), k, h.words));
         in.fail(fmt::format("malformed PCD: '{}' in point {} is not a number", word.substr(0, 40), grouped(i + 1)));
       }
       if (rgb && k == rgb->first) {
         // Text shows the packed colour as a whole number, or as the float that has its bits.
+        const double value = cell_number(table[i * h.words + k], types[k]);
         const bool whole = rgb->kind != 'F' || word.find_first_not_of("0123456789") == std::string_view::npos;
         packed[i] = whole ? static_cast<std::uint32_t>(value >= 0 ? std::min(value, 4294967295.0) : 0.0)
                           : std::bit_cast<std::uint32_t>(static_cast<float>(value));
@@ -216,13 +255,10 @@ void read_rows(const Input& in, const Header& h, PointSet& points) {
     }
   }
   const auto column = [&](const Field& f) {
-    return Column{reinterpret_cast<const char*>(table.data() + f.first), h.words * sizeof(double), NumberType::f64,
-                  false};
+    return Column{reinterpret_cast<const char*>(table.data() + f.first), h.words * sizeof(double),
+                  cell_type(f.known_type().value_or(NumberType::f64)), false};
   };
-  CloudColumns columns = name_columns(h, column);
-  const Field* const red = h.find({"r", "red"});
-  columns.whole_colors = red && red->kind != 'F';
-  decode_columns(columns, n, points);
+  decode_fields(in, h, true, points, column);
   if (rgb) unpack_colors(points, n, [&](std::size_t i) { return packed[i]; });
 }
 

@@ -66,7 +66,8 @@ PlyHeader parse_ply_header(const Input& in) {
         type = words.word();
       }
       property.type = parse_type(in, type);
-      property.name = lower(words.word());
+      property.given = std::string(words.word());
+      property.name = lower(property.given);
       if (property.name.empty()) in.fail(fmt::format("malformed PLY header: '{}'", line.substr(0, 80)));
       header.elements.back().properties.push_back(std::move(property));
     } else {

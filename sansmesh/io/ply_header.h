@@ -7,7 +7,8 @@
 namespace sansmesh::io {
 
 struct PlyProperty {
-  std::string name;
+  std::string name;   ///< in lower case
+  std::string given;  ///< as in the file
   NumberType type = NumberType::f32;
   bool is_list = false;
   NumberType count_type = NumberType::u8;

@@ -1,5 +1,6 @@
 // PLY: ascii and binary of both byte orders. The vertex element becomes a table of columns, decoded in parallel; faces
-// and triangle strips become triangles; every other element is stepped over.
+// and triangle strips become triangles; every other element is stepped over. Scalar properties that mean nothing here
+// are attributes, of the vertices or of the triangles that a face becomes; other lists are stepped over.
 #include <fmt/core.h>
 
 #include <functional>
@@ -26,35 +27,73 @@ std::size_t find_property(const Element& e, std::initializer_list<const char*> n
   return std::string::npos;
 }
 
-/// column(k): the column of property k.
+/// The properties that are not `used`, as attributes; column(k): the column of property k.
 template <class MakeColumn>
-CloudColumns name_columns(const Input& in, const Element& e, MakeColumn&& column) {
+std::vector<NamedColumns> other_columns(const Element& e, const std::vector<std::uint8_t>& used, MakeColumn&& column) {
+  std::vector<NamedColumns> others;
+  for (std::size_t k = 0; k < e.properties.size(); ++k) {
+    const Property& q = e.properties[k];
+    if (!q.is_list && !used[k]) others.push_back({q.given, q.type, {column(k)}});
+  }
+  return others;
+}
+
+/// Marks the properties that it finds a meaning for as `used`.
+template <class MakeColumn>
+CloudColumns name_columns(const Input& in, const Element& e, MakeColumn&& column, std::vector<std::uint8_t>& used) {
   CloudColumns c;
+  std::vector<std::size_t> picked;
   const auto pick = [&](Column& target, std::initializer_list<const char*> names) {
     const std::size_t k = find_property(e, names);
-    if (k != std::string::npos) target = column(k);
+    if (k != std::string::npos) target = column(k), picked.push_back(k);
+  };
+  const auto use_picked = [&](bool complete) {
+    for (const std::size_t k : picked) used[k] = complete;
+    picked.clear();
   };
   pick(c.position[0], {"x", "posx", "px"}), pick(c.position[1], {"y", "posy", "py"});
   pick(c.position[2], {"z", "posz", "pz"});
+  use_picked(true);
   pick(c.normal[0], {"nx", "normal_x", "normalx"}), pick(c.normal[1], {"ny", "normal_y", "normaly"});
   pick(c.normal[2], {"nz", "normal_z", "normalz"});
+  use_picked(c.has_normals());
   pick(c.color[0], {"red", "r", "diffuse_red"}), pick(c.color[1], {"green", "g", "diffuse_green"});
   pick(c.color[2], {"blue", "b", "diffuse_blue"});
-  pick(c.confidence, {"confidence", "quality", "scalar_confidence", "scalar_quality"});
+  use_picked(c.has_colors());
   if (!c.position[0] || !c.position[1] || !c.position[2]) in.fail("the PLY vertices have no x, y and z");
   return c;
 }
 
-/// Decodes vertices whose numbers, list properties apart, stand in a table of doubles.
-void decode_table(const Input& in, const Element& e, const std::vector<double>& table, PointSet& points) {
-  const std::size_t width = e.properties.size();
-  const auto cell = [&](std::size_t k) {
-    return Column{reinterpret_cast<const char*>(table.data() + k), width * sizeof(double), NumberType::f64, false};
-  };
-  CloudColumns columns = name_columns(in, e, cell);
+/// Decodes vertices; column(k): the column of property k, of cells of text if `text`.
+template <class MakeColumn>
+void decode_vertices(const Input& in, const Element& e, MakeColumn&& column, bool text, PointSet& points) {
+  const std::size_t n = static_cast<std::size_t>(e.count);
+  std::vector<std::uint8_t> used(e.properties.size(), 0);
+  CloudColumns columns = name_columns(in, e, column, used);
   const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
-  columns.whole_colors = red != std::string::npos && !is_real(e.properties[red].type);
-  decode_columns(columns, table.size() / width, points);
+  columns.whole_colors = text && red != std::string::npos && !is_real(e.properties[red].type);
+  decode_columns(columns, n, points);
+  points.attributes = decode_attributes(in, other_columns(e, used, column), n);
+}
+
+/// Whether faces have numbers beside their lists.
+bool has_scalars(const Element& e) {
+  return std::any_of(e.properties.begin(), e.properties.end(), [](const Property& q) { return !q.is_list; });
+}
+
+/// Attributes of faces.
+template <class MakeColumn>
+AttributeTable decode_faces(const Input& in, const Element& e, MakeColumn&& column) {
+  const std::vector<std::uint8_t> none(e.properties.size(), 0);
+  return decode_attributes(in, other_columns(e, none, column), static_cast<std::size_t>(e.count));
+}
+
+/// Columns of a table of cells, a row for each record.
+auto columns_of(const Element& e, const std::vector<double>& table) {
+  return [&](std::size_t k) {
+    return Column{reinterpret_cast<const char*>(table.data() + k), e.properties.size() * sizeof(double),
+                  cell_type(e.properties[k].type), false};
+  };
 }
 
 /// Fails unless the records of `e`, of at least `least` bytes each, fit into `have` bytes.
@@ -144,6 +183,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
   const std::size_t list = e.index_list();
   const bool faces = e.holds_polygons() && list != std::string::npos;
   const bool strips = e.holds_strips() && list != std::string::npos;
+  const bool described = (faces || strips) && points.triangles.empty() && has_scalars(e);
 
   std::vector<std::size_t> offsets;
   const std::size_t stride = uniform_record(e, body, swap, offsets);
@@ -151,7 +191,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
     return Column{body.data() + offsets[k], stride, e.properties[k].type, swap};
   };
   if (stride > 0 && vertices) {
-    decode_columns(name_columns(in, e, column), n, points);
+    decode_vertices(in, e, column, false, points);
     return body.substr(stride * n);
   }
   if (stride > 0 && !faces && !strips) return body.substr(stride * n);
@@ -173,6 +213,7 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
                                                   static_cast<std::uint32_t>(at(p + 2 * sizeof(T)))};
         });
       });
+      if (described) points.triangle_attributes = decode_faces(in, e, column);
       return body.substr(stride * n);
     }
   }
@@ -180,15 +221,16 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
   // Records of different lengths: one after the other.
   const char* p = body.data();
   const char* const end = p + body.size();
-  FaceSink sink(in, points.triangles);
+  std::vector<std::uint32_t> face_of;
+  FaceSink sink(in, points.triangles, described ? &face_of : nullptr);
   std::vector<std::int64_t> corners;
   std::vector<double> table;
   const std::size_t width = e.properties.size();
-  if (vertices) table.resize(n * width);
+  if (vertices || described) table.resize(n * width);
   for (std::size_t i = 0; i < n; ++i) {
     p = walk_record(e, p, end, swap, [&](std::size_t k, std::uint64_t count, const char* at) {
-      if (vertices && !e.properties[k].is_list) {
-        table[i * width + k] = load_number(at, e.properties[k].type, swap);
+      if (!table.empty() && !e.properties[k].is_list) {
+        table[i * width + k] = load_cell(at, e.properties[k].type, swap);
       } else if (k == list && (faces || strips)) {
         corners.resize(count);
         with_loader(e.properties[k].type, swap, [&](auto load_one) {
@@ -204,7 +246,8 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
     if (strips) sink.add_strip(corners);
   }
   sink.done();
-  if (vertices) decode_table(in, e, table, points);
+  if (vertices) decode_vertices(in, e, columns_of(e, table), true, points);
+  if (described) points.triangle_attributes = decode_faces(in, e, columns_of(e, table)).taken(face_of);
   return {p, static_cast<std::size_t>(end - p)};
 }
 
@@ -212,7 +255,8 @@ std::string_view read_binary_element(const Input& in, const Element& e, std::str
 
 /// The rows of a fixed ascii element as a table, read in parallel, if every one of the next lines that is not blank
 /// holds exactly one record; nothing (and `text` unmoved) otherwise.
-bool read_rows(TextScanner& text, std::size_t n, std::size_t width, std::vector<double>& table) {
+bool read_rows(TextScanner& text, const Element& e, std::vector<double>& table) {
+  const std::size_t n = static_cast<std::size_t>(e.count), width = e.properties.size();
   const std::string_view all = text.rest();
   const std::size_t chunk = 1 << 13;
   std::vector<const char*> starts;  // of every chunk-th line
@@ -233,7 +277,7 @@ bool read_rows(TextScanner& text, std::size_t n, std::size_t width, std::vector<
     for (std::size_t i = c * chunk; i < last; ++i) {
       TextScanner line(lines.line());
       for (std::size_t k = 0; k < width; ++k) {
-        if (!line.number(table[i * width + k])) return;
+        if (!read_cell(line, e.properties[k].type, table[i * width + k])) return;
       }
       line.skip_blanks();
       if (!line.at_end()) return;
@@ -255,29 +299,34 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
   const std::size_t list = e.index_list();
   const bool faces = e.holds_polygons() && list != std::string::npos;
   const bool strips = e.holds_strips() && list != std::string::npos;
+  const bool described = (faces || strips) && points.triangles.empty() && has_scalars(e);
 
   std::vector<double> table;
-  const bool by_rows = vertices && e.fixed() && read_rows(text, n, width, table);
+  std::vector<std::uint32_t> face_of;
+  const bool by_rows = vertices && e.fixed() && read_rows(text, e, table);
   if (!by_rows) {
-    if (vertices) table.resize(n * width);
-    FaceSink sink(in, points.triangles);
+    if (vertices || described) table.resize(n * width);
+    FaceSink sink(in, points.triangles, described ? &face_of : nullptr);
     std::vector<std::int64_t> corners;
-    const auto next = [&](auto& value, std::size_t i) {
-      text.skip_space();
-      if (text.number(value)) return;
+    const auto complain = [&](std::size_t i) {
       if (text.at_end()) {
         in.fail(fmt::format("truncated: ends in {} {} of {}", e.name, grouped(i + 1), grouped(e.count)));
       }
       const std::string_view word = text.word();
       in.fail(fmt::format("malformed PLY: '{}' in {} {} is not a number", word.substr(0, 40), e.name, grouped(i + 1)));
     };
+    const auto next = [&](auto& value, std::size_t i) {
+      text.skip_space();
+      if (!text.number(value)) complain(i);
+    };
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = 0; k < width; ++k) {
         const Property& q = e.properties[k];
         double value = 0;
         if (!q.is_list) {
-          next(value, i);
-          if (vertices) table[i * width + k] = value;
+          text.skip_space();
+          if (!read_cell(text, q.type, value)) complain(i);
+          if (!table.empty()) table[i * width + k] = value;
           continue;
         }
         std::int64_t count = 0;
@@ -302,7 +351,8 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
     }
     sink.done();
   }
-  if (vertices) decode_table(in, e, table, points);
+  if (vertices) decode_vertices(in, e, columns_of(e, table), true, points);
+  if (described) points.triangle_attributes = decode_faces(in, e, columns_of(e, table)).taken(face_of);
 }
 
 }  // namespace
@@ -332,6 +382,12 @@ PointSet read_ply(const Input& in) {
   const bool range_image = std::any_of(header.elements.begin(), header.elements.end(),
                                        [](const Element& e) { return e.name == "range_grid"; });
   if (range_image) set_scanner(points, {0, 0, 1});
+  for (const Attribute& a : points.triangle_attributes) {
+    if (a.rows() == points.triangles.size()) continue;  // else faces of several elements
+    in.warn("attributes of faces are read where one element holds all faces: they were left out");
+    points.triangle_attributes.clear();
+    break;
+  }
   finish(in, points);
   return points;
 }

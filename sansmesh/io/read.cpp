@@ -97,14 +97,7 @@ PointSet read_points(const std::string& file, ReadReport* report) {
 TriangleMesh read_mesh(const std::string& file, ReadReport* report) {
   PointSet points = read_points(file, report);
   if (points.triangles.empty()) throw FileError(file, "holds points but no faces; a mesh is needed");
-  TriangleMesh mesh;
-  mesh.origin = points.origin;
-  mesh.vertices = std::move(points.positions);
-  mesh.triangles = std::move(points.triangles);
-  mesh.normals = std::move(points.normals);
-  mesh.colors = std::move(points.colors);
-  mesh.quality = std::move(points.confidence);
-  return mesh;
+  return to_mesh(std::move(points));
 }
 
 }  // namespace sansmesh

@@ -17,31 +17,42 @@ char guess_separator(std::string_view line) {
 std::optional<ColumnMeaning> meaning_of_names(std::string_view line) {
   while (!line.empty() && (TextScanner::is_blank(line.front()) || std::strchr("#/%!", line.front())))
     line.remove_prefix(1);
-  static constexpr const char* names[10] = {" x easting east px pos_x position_x x_coord ",
-                                            " y northing north py pos_y position_y y_coord ",
-                                            " z elevation height altitude pz pos_z position_z z_coord ",
-                                            " nx normal_x normalx ",
-                                            " ny normal_y normaly ",
-                                            " nz normal_z normalz ",
-                                            " r red ",
-                                            " g green ",
-                                            " b blue ",
-                                            " confidence quality "};
+  static constexpr const char* names[ColumnMeaning::kinds] = {
+      " x easting east px pos_x position_x x_coord ",
+      " y northing north py pos_y position_y y_coord ",
+      " z elevation height altitude pz pos_z position_z z_coord ",
+      " nx normal_x normalx ",
+      " ny normal_y normaly ",
+      " nz normal_z normalz ",
+      " r red ",
+      " g green ",
+      " b blue "};
   ColumnMeaning m;
   TableRow row(line, guess_separator(line));
   int column = 0;
+  std::vector<std::string> given;
   for (auto f = row.field(); f; f = row.field(), ++column) {
-    std::string name = lower(*f);
-    std::erase(name, '"'), std::erase(name, '\'');
+    std::string label(*f);
+    std::erase(label, '"'), std::erase(label, '\'');
+    std::string name = lower(label);
     name = name.substr(0, name.find_first_of("[("));  // a unit
     while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
-    if (name.empty() || name.find(' ') != std::string::npos) continue;
-    for (int k = 0; k < 10; ++k) {
+    given.push_back(std::move(label));
+    for (int k = 0; k < ColumnMeaning::kinds && !name.empty() && name.find(' ') == std::string::npos; ++k) {
       if (m.column[k] < 0 && std::string_view(names[k]).find(" " + name + " ") != std::string_view::npos)
         m.column[k] = column;
     }
   }
-  return m.has(0) ? std::optional(m) : std::nullopt;
+  if (!m.has(0)) return std::nullopt;
+  // Two components of a normal are no normal: numbers like others.
+  for (const int first : {3, 6}) {
+    if (!m.has(first)) std::fill(m.column + first, m.column + first + 3, no_column);
+  }
+  for (int c = 0; c < column; ++c) {
+    if (std::find(m.column, m.column + ColumnMeaning::kinds, c) == m.column + ColumnMeaning::kinds)
+      m.others.push_back({c, given[static_cast<std::size_t>(c)]});
+  }
+  return m;
 }
 
 ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sansmesh/io/text_scanner.h"
@@ -10,10 +11,17 @@ namespace sansmesh::io {
 
 inline constexpr int no_column = -1;
 
-/// Columns of the meanings, in the order x y z, nx ny nz, red green blue, confidence.
+/// Columns of the meanings, in the order x y z, nx ny nz, red green blue.
 struct ColumnMeaning {
-  int column[10] = {no_column, no_column, no_column, no_column, no_column,
-                    no_column, no_column, no_column, no_column, no_column};
+  static constexpr int kinds = 9;
+  int column[kinds] = {no_column, no_column, no_column, no_column, no_column,
+                       no_column, no_column, no_column, no_column};
+  /// Columns with other names, from left to right.
+  struct Other {
+    int column;
+    std::string name;
+  };
+  std::vector<Other> others;
   bool has(int first) const { return column[first] >= 0 && column[first + 1] >= 0 && column[first + 2] >= 0; }
   void set(int first, int at) {
     for (int k = 0; k < 3; ++k) column[first + k] = at + k;

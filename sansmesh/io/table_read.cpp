@@ -28,7 +28,7 @@ bool is_blank_line(std::string_view line) {
   return s.at_end();
 }
 
-constexpr std::size_t most_columns = 64;
+constexpr std::size_t most_columns = 256;
 
 /// Numbers of the fields of a line, NaN for the others; `bad` counts fields that are neither a number nor empty.
 std::vector<double> numbers_of(std::string_view line, char separator, std::size_t& bad) {
@@ -122,13 +122,17 @@ std::vector<std::vector<double>> first_rows(const Head& head) {
 struct Layout {
   int place[most_columns];
   bool required[most_columns] = {};  ///< coordinates: a row without them is an error
-  int width = 0, last_column = 0;
+  NumberType type[most_columns];     ///< of the cells: doubles, unless the numbers need 64 bits
+  int width = 0;
+  int last_column = 0;  ///< a row that ends before it is an error
+  int last_place = 0;   ///< of those that may be missing, too
 };
 
 Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t columns) {
   Layout layout;
   std::fill(layout.place, layout.place + most_columns, no_column);
-  for (int k = 0; k < 10; ++k) {
+  std::fill(layout.type, layout.type + most_columns, NumberType::f64);
+  for (int k = 0; k < ColumnMeaning::kinds; ++k) {
     const int c = meaning.column[k];
     if (c < 0) continue;
     if (c >= static_cast<int>(columns))
@@ -137,28 +141,36 @@ Layout make_layout(const Input& in, const ColumnMeaning& meaning, std::size_t co
     layout.required[c] = k < 3;
     layout.last_column = std::max(layout.last_column, c);
   }
+  layout.last_place = layout.last_column;
+  for (const ColumnMeaning::Other& other : meaning.others) {
+    if (other.column >= static_cast<int>(columns) || other.name.empty()) continue;
+    layout.place[other.column] = layout.width++;
+    layout.last_place = std::max(layout.last_place, other.column);
+  }
   return layout;
 }
 
 /// The rows of some of the lines.
 struct Block {
   std::vector<double> values;
-  std::uint64_t announced = 0;  ///< sum of the counts met between the rows (PTS)
+  std::vector<std::uint8_t> real;  ///< of each place in a row: whether some number is missing or not written as a whole
+  std::uint64_t announced = 0;     ///< sum of the counts met between the rows (PTS)
   std::string error;
 };
 
 Block read_block(std::string_view lines, std::size_t number, const Head& head, const Layout& layout, bool last) {
   Block block;
   const std::size_t width = static_cast<std::size_t>(layout.width);
+  block.real.assign(width, 0);
   TextScanner text(lines);
   for (; !text.at_end(); ++number) {
     const std::string_view line = text.line();
     const std::size_t base = block.values.size();
-    block.values.resize(base + width);
+    block.values.resize(base + width, std::numeric_limits<double>::quiet_NaN());
     TableRow row(line, head.separator);
     int column = 0;
     double first = 0;
-    for (; column <= layout.last_column; ++column) {
+    for (; column <= layout.last_place; ++column) {
       const auto f = row.field();
       if (!f) break;
       if (column > 0 && layout.place[column] < 0) continue;
@@ -174,9 +186,23 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
         }
       }
       if (column == 0) first = v;
-      if (layout.place[column] >= 0) block.values[base + static_cast<std::size_t>(layout.place[column])] = v;
+      if (layout.place[column] < 0) continue;
+      const std::size_t place = static_cast<std::size_t>(layout.place[column]);
+      double& cell = block.values[base + place];
+      cell = v;
+      if (layout.type[column] != NumberType::f64) {
+        TextScanner whole(*f);
+        read_cell(whole, layout.type[column], cell);
+      } else if (f->empty() || f->find_first_not_of("+-0123456789") != std::string_view::npos) {
+        block.real[place] = 1;
+      }
     }
-    if (column > layout.last_column) continue;
+    if (column > layout.last_column) {
+      for (int c = column; c <= layout.last_place; ++c) {
+        if (layout.place[c] >= 0) block.real[static_cast<std::size_t>(layout.place[c])] = 1;
+      }
+      continue;
+    }
     block.values.resize(base);
     if (column == 0) continue;                                                        // blank or comment
     if (column == 1 && head.announced && first >= 0 && first == std::floor(first)) {  // the count of another block
@@ -190,8 +216,14 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
   return block;
 }
 
-/// All rows, read in parallel, one after the other; adds to head.announced what is announced between them.
-std::vector<double> read_rows(const Input& in, Head& head, const Layout& layout) {
+struct Rows {
+  std::vector<double> cells;
+  std::vector<std::uint8_t> real;  ///< as Block says, of all blocks
+  std::uint64_t announced = 0;
+};
+
+/// All rows, read in parallel, one after the other.
+Rows read_rows(const Input& in, const Head& head, const Layout& layout) {
   const std::size_t chunk = 1 << 13;
   std::vector<const char*> starts;  // of every chunk-th line
   const char* p = head.body.data();
@@ -209,17 +241,43 @@ std::vector<double> read_rows(const Input& in, Head& head, const Layout& layout)
   });
   std::vector<std::size_t> begins;
   std::size_t size = 0;
+  Rows rows;
+  rows.real.assign(static_cast<std::size_t>(layout.width), 0);
   for (const Block& b : blocks) {
     if (!b.error.empty()) in.fail(b.error);
     begins.push_back(size);
     size += b.values.size();
-    if (head.announced) *head.announced += b.announced;
+    rows.announced += b.announced;
+    for (std::size_t k = 0; k < b.real.size(); ++k) rows.real[k] |= b.real[k];
   }
-  std::vector<double> table(size);
+  std::vector<double>& table = rows.cells;
+  table.resize(size);
   parallel_for(0, blocks.size(), 1, [&](std::size_t c) {
     std::copy(blocks[c].values.begin(), blocks[c].values.end(), table.begin() + static_cast<std::ptrdiff_t>(begins[c]));
   });
-  return table;
+  return rows;
+}
+
+struct ColumnType {
+  NumberType type;    ///< the integer that holds all numbers, or double
+  bool exact = true;  ///< doubles have held them
+};
+
+/// Of a column of further numbers; nothing where there are none.
+std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::size_t width, std::size_t place,
+                                         bool real) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (std::size_t i = place; i < cells.size(); i += width) {
+    if (std::isnan(cells[i])) continue;
+    least = std::min(least, cells[i]), most = std::max(most, cells[i]);
+  }
+  if (least > most) return std::nullopt;
+  const bool exact = least >= -0x1p53 && most <= 0x1p53;
+  if (real) return ColumnType{NumberType::f64};
+  if (least >= -0x1p31 && most < 0x1p31) return ColumnType{NumberType::i32};
+  if (least >= -0x1p63 && most < 0x1p63) return ColumnType{NumberType::i64, exact};
+  if (least >= 0 && most < 0x1p64) return ColumnType{NumberType::u64, exact};
+  return ColumnType{NumberType::f64};
 }
 
 }  // namespace
@@ -235,9 +293,36 @@ PointSet read_table(const Input& in) {
   const bool normals_by_ending =
       head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
   const ColumnMeaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
-  const Layout layout = make_layout(in, meaning, head.columns);
-  const std::vector<double> table = read_rows(in, head, layout);
+  Layout layout = make_layout(in, meaning, head.columns);
+  Rows read = read_rows(in, head, layout);
+  if (head.announced) *head.announced += read.announced;
   const std::size_t width = static_cast<std::size_t>(layout.width);
+
+  // What type the further columns have shows only now; integers of 64 bits are read once more, for a double rounds
+  // them.
+  std::vector<NamedColumns> others;
+  std::string without;
+  bool again = false;
+  for (const ColumnMeaning::Other& other : meaning.others) {
+    const int place = other.column < static_cast<int>(most_columns) ? layout.place[other.column] : no_column;
+    if (place < 0) continue;
+    const std::size_t k = static_cast<std::size_t>(place);
+    const auto type = type_of_column(read.cells, width, k, read.real[k] != 0);
+    if (!type) {
+      without += (without.empty() ? "" : ", ") + other.name;
+      continue;
+    }
+    if (!type->exact) layout.type[other.column] = type->type, again = true;
+    others.push_back({other.name, type->type, {Column{nullptr, k, layout.type[other.column], false}}});
+  }
+  if (!without.empty()) in.warn("columns without numbers were left out: " + without);
+  if (again) read = read_rows(in, head, layout);
+  const std::vector<double>& table = read.cells;
+  for (NamedColumns& other : others) {
+    Column& c = other.components[0];
+    c.at = reinterpret_cast<const char*>(table.data() + c.stride);
+    c.stride = width * sizeof(double);
+  }
   const std::size_t rows = table.size() / width;
   if (rows == 0) in.fail("holds no points");
 
@@ -266,7 +351,6 @@ PointSet read_table(const Input& in) {
       cloud.normal[k] = column(3 + k);
     if (meaning.has(6)) cloud.color[k] = column(6 + k);
   }
-  cloud.confidence = column(9);
   if (meaning.has(6)) {
     // Fractions only if some colour is not whole.
     cloud.whole_colors = true;
@@ -279,6 +363,7 @@ PointSet read_table(const Input& in) {
   }
   PointSet points;
   decode_columns(cloud, n, points);
+  points.attributes = decode_attributes(in, others, n);
   in.report.format = fmt::format("text, {} columns{}{}", head.columns, points.has_normals() ? ", normals" : "",
                                  points.has_colors() ? ", colours" : "");
   finish(in, points);

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/output_columns.h"
 
 namespace sansmesh::io {
 namespace {
@@ -88,17 +89,18 @@ std::vector<std::string> points_to_xyz(const PointSet& points, const WriteOption
 }
 
 std::vector<std::string> points_to_csv(const PointSet& points, const WriteOptions&) {
-  std::string header = "x,y,z";
-  if (points.has_normals()) header += ",nx,ny,nz";
-  if (points.has_colors()) header += ",red,green,blue";
-  if (!points.confidence.empty()) header += ",confidence";
-  for (const Attribute& a : points.attributes) header += "," + a.name;
+  std::vector<std::string> names{"x", "y", "z"};
+  if (points.has_normals()) names.insert(names.end(), {"nx", "ny", "nz"});
+  if (points.has_colors()) names.insert(names.end(), {"red", "green", "blue"});
+  const std::vector<OutputColumn> others = output_columns(points.attributes, names);
+  for (const OutputColumn& c : others) names.push_back(c.name);
+  std::string header;
+  for (const std::string& name : names) header += (header.empty() ? "" : ",") + name;
   std::vector<std::string> parts{header + "\n"};
   const WorldCoordinates world(points.origin, points.positions);
-  append_rows(parts, points.size(), (10 + points.attributes.size()) * (number_width + 1), [&](std::size_t i, char* p) {
+  append_rows(parts, points.size(), (10 + others.size()) * (number_width + 1), [&](std::size_t i, char* p) {
     p = put_point(p, points, world, i, ',');
-    if (!points.confidence.empty()) p = put(put(p, ','), points.confidence[i]);
-    for (const Attribute& a : points.attributes) p = put(put(p, ','), a.values[i]);
+    for (const OutputColumn& c : others) p = c.put_text(put(p, ','), i);
     return put(p, '\n');
   });
   return parts;

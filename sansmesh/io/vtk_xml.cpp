@@ -1,6 +1,8 @@
 #include "sansmesh/io/vtk_xml.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 
 namespace sansmesh::io {
 
@@ -43,6 +45,48 @@ std::optional<XmlTag> XmlScanner::next() {
     tag.attributes[name] = rest().substr(1, stop);
     p_ += stop + 2;
   }
+}
+
+std::string from_xml(std::string_view value) {
+  static constexpr std::pair<std::string_view, char> entities[] = {
+      {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
+  std::string text;
+  while (!value.empty()) {
+    const std::size_t stop = value.find(';');
+    if (value[0] == '&' && stop != std::string_view::npos) {
+      const std::string_view name = value.substr(1, stop - 1);
+      const auto* const known =
+          std::find_if(std::begin(entities), std::end(entities), [&](const auto& e) { return e.first == name; });
+      unsigned code = 0;
+      if (known != std::end(entities)) code = static_cast<unsigned char>(known->second);
+      if (name.size() > 1 && name[0] == '#') TextScanner(name.substr(1)).number(code);
+      if (code > 0 && code < 128) {  // beyond ASCII files hold UTF-8
+        text += static_cast<char>(code);
+        value.remove_prefix(stop + 1);
+        continue;
+      }
+    }
+    text += value[0];
+    value.remove_prefix(1);
+  }
+  return text;
+}
+
+std::string to_xml(std::string_view value) {
+  std::string text;
+  for (const char c : value) {
+    if (c == '&')
+      text += "&amp;";
+    else if (c == '<')
+      text += "&lt;";
+    else if (c == '>')
+      text += "&gt;";
+    else if (c == '"')
+      text += "&quot;";
+    else
+      text += static_cast<unsigned char>(c) < ' ' ? '_' : c;
+  }
+  return text;
 }
 
 std::vector<char> decode_base64(std::string_view text) {

@@ -40,6 +40,10 @@ class XmlScanner {
   const char* end_;
 };
 
+/// An attribute's value with its entities (&amp; &#65; …) as the characters that they stand for, and back.
+std::string from_xml(std::string_view value);
+std::string to_xml(std::string_view value);
+
 /// Decodes groups of four characters until something else comes. A group that is padded does not end it: VTK puts
 /// header and data one after the other, each padded for itself.
 std::vector<char> decode_base64(std::string_view text);

@@ -1,5 +1,5 @@
-// VTK XML polydata (.vtp): points, polygons, strips, normals and colours, inline or appended, as text, base64 or raw
-// bytes, plain or compressed by zlib.
+// VTK XML polydata (.vtp): points, polygons, strips, normals, colours and attributes of points and cells, inline or
+// appended, as text, base64 or raw bytes, plain or compressed by zlib.
 #include <fmt/core.h>
 
 #include <optional>
@@ -13,7 +13,9 @@ namespace sansmesh::io {
 namespace {
 
 struct Array {
+  std::string name;
   NumberType type = NumberType::f32;
+  NumberType declared = NumberType::f32;  ///< text is read into wider numbers
   std::size_t components = 1;
   bool swap = false;
   std::vector<char> bytes;
@@ -21,6 +23,11 @@ struct Array {
   std::size_t count() const { return bytes.size() / size_of(type); }
   Column column(std::size_t component) const {
     return {bytes.data() + component * size_of(type), components * size_of(type), type, swap};
+  }
+  NamedColumns columns() const {
+    NamedColumns c{name, declared, {}};
+    for (std::size_t k = 0; k < components; ++k) c.components.push_back(column(k));
+    return c;
   }
   std::vector<std::int64_t> integers() const {
     std::vector<std::int64_t> v(count());
@@ -30,6 +37,9 @@ struct Array {
     return v;
   }
 };
+
+/// Arrays of more numbers a row are no attributes.
+constexpr std::size_t kMostComponents = 4096;
 
 class VtpReader {
  public:
@@ -54,6 +64,10 @@ class VtpReader {
         }
       } else if (tag->name == "Piece") {
         piece_ = {};
+        TextScanner((*tag)["NumberOfVerts"]).number(piece_.other_cells);
+        std::size_t lines = 0;
+        TextScanner((*tag)["NumberOfLines"]).number(lines);
+        piece_.other_cells += lines;
       } else if (tag->name == "/Piece") {
         add_piece();
       } else if (tag->name == "AppendedData" || tag->name == "/VTKFile") {
@@ -62,12 +76,13 @@ class VtpReader {
       } else if (tag->name == "PointData") {
         section = tag->closed ? std::string_view() : tag->name;
         piece_.normals_name = (*tag)["Normals"];
-      } else if (tag->name == "Points" || tag->name == "Polys" || tag->name == "Strips") {
+        piece_.scalars_name = (*tag)["Scalars"];
+      } else if (tag->name == "Points" || tag->name == "Polys" || tag->name == "Strips" || tag->name == "CellData") {
         section = tag->closed ? std::string_view() : tag->name;
       } else if (tag->name == "DataArray" && !section.empty()) {
         data_array(*tag, section, xml.text());
-      } else if ((tag->name.starts_with('/') && tag->name.substr(1) == section) || tag->name == "CellData" ||
-                 tag->name == "FieldData" || tag->name == "Verts" || tag->name == "Lines") {
+      } else if ((tag->name.starts_with('/') && tag->name.substr(1) == section) || tag->name == "FieldData" ||
+                 tag->name == "Verts" || tag->name == "Lines") {
         section = {};
       }
     }
@@ -80,7 +95,9 @@ class VtpReader {
  private:
   struct Piece {
     std::optional<Array> points, normals, colors, poly_connectivity, poly_offsets, strip_connectivity, strip_offsets;
-    std::string_view normals_name;
+    std::vector<Array> of_points, of_cells;
+    std::string_view normals_name, scalars_name;
+    std::size_t other_cells = 0;  ///< before the polygons: vertices and lines
   };
 
   void find_appended() {
@@ -113,14 +130,18 @@ class VtpReader {
     else if (section == "PointData" && components == 3 &&
              (name == piece_.normals_name || (piece_.normals_name.empty() && lower_name == "normals")))
       target = &piece_.normals;
-    else if (section == "PointData" && (components == 3 || components == 4) && tag["type"] == "UInt8")
+    else if (section == "PointData" && !piece_.colors && (components == 3 || components == 4) &&
+             tag["type"] == "UInt8" && names_colors(lower_name, name))
       target = &piece_.colors;
-    if (!target || *target) return;
+    const bool attribute = !target && (section == "PointData" || section == "CellData");
+    if (attribute ? !find_type(tag["type"]) || components == 0 || components > kMostComponents : !target || *target)
+      return;
     if (section == "Points" && components != 3) in_.fail("malformed VTP: points without 3 components");
 
     Array array;
+    array.name = from_xml(name);
     array.components = components;
-    array.type = parse_type(tag["type"]);
+    array.type = array.declared = parse_type(tag["type"]);
     const std::string_view format = tag["format"];
     if (format == "ascii") {
       read_text(array, text);
@@ -143,10 +164,19 @@ class VtpReader {
     } else {
       in_.fail(fmt::format("malformed VTP: unknown format '{}' of an array", format));
     }
-    *target = std::move(array);
+    if (attribute)
+      (section == "CellData" ? piece_.of_cells : piece_.of_points).push_back(std::move(array));
+    else
+      *target = std::move(array);
   }
 
-  NumberType parse_type(std::string_view t) const {
+  /// Whether bytes with this name are colours: other triples of bytes are attributes.
+  bool names_colors(const std::string& lower_name, std::string_view name) const {
+    const auto has = [&](const char* word) { return lower_name.find(word) != std::string::npos; };
+    return name.empty() || name == piece_.scalars_name || has("color") || has("colour") || has("rgb") || has("diffuse");
+  }
+
+  static std::optional<NumberType> find_type(std::string_view t) {
     constexpr std::pair<std::string_view, NumberType> types[] = {
         {"Int8", NumberType::i8},    {"UInt8", NumberType::u8},   {"Int16", NumberType::i16},
         {"UInt16", NumberType::u16}, {"Int32", NumberType::i32},  {"UInt32", NumberType::u32},
@@ -155,20 +185,23 @@ class VtpReader {
     for (const auto& [name, type] : types) {
       if (name == t) return type;
     }
+    return std::nullopt;
+  }
+  NumberType parse_type(std::string_view t) const {
+    if (const auto type = find_type(t)) return *type;
     in_.fail(fmt::format("malformed VTP: unknown type '{}' of an array", t));
   }
 
   void read_text(Array& array, std::string_view text) const {
     const bool whole = !is_real(array.type);
-    array.type = whole ? NumberType::i64 : NumberType::f64;
+    array.type = array.type == NumberType::u64 ? NumberType::u64 : whole ? NumberType::i64 : NumberType::f64;
     TextScanner words(text);
     for (words.skip_space(); !words.at_end(); words.skip_space()) {
-      double real = 0;
-      std::int64_t integer = 0;
-      if (!(whole ? words.number(integer) : words.number(real))) {
+      double cell = 0;
+      if (!read_cell(words, array.type, cell)) {
         in_.fail(fmt::format("malformed VTP: '{}' is not a number", words.word().substr(0, 40)));
       }
-      const char* p = whole ? reinterpret_cast<const char*>(&integer) : reinterpret_cast<const char*>(&real);
+      const char* p = reinterpret_cast<const char*>(&cell);
       array.bytes.insert(array.bytes.end(), p, p + 8);
     }
   }
@@ -198,8 +231,8 @@ class VtpReader {
     return packed > text.size() ? text.size() : encoded(header) + encoded(packed);
   }
 
-  /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes a block, bytes of the last one (0 = full),
-  /// packed bytes of each.
+  /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes per block, bytes of the last one (0 =
+  /// full), packed bytes of each.
   void unpack(Array& array, std::string_view data) const {
     const std::size_t size = wide_header_ ? 8 : 4;
     if (compressor_.empty()) {
@@ -240,7 +273,9 @@ class VtpReader {
 
   PointSet assemble() {
     PointSet points;
-    FaceSink sink(in_, points.triangles);
+    std::vector<std::uint32_t> face_of;
+    FaceSink sink(in_, points.triangles, &face_of);
+    std::vector<AttributeTable> of_points, of_faces;
     std::vector<Vec3> positions;
     bool normals = true, colors = true;
     for (const Piece& p : pieces_) {
@@ -263,11 +298,33 @@ class VtpReader {
       }
       add_cells(p.poly_connectivity, p.poly_offsets, first, n, [&](auto corners) { sink.add_polygon(corners); });
       add_cells(p.strip_connectivity, p.strip_offsets, first, n, [&](auto corners) { sink.add_strip(corners); });
+      of_points.push_back(decode(p.of_points, n, 0, "points"));
+      const std::size_t faces = (p.poly_offsets ? p.poly_offsets->count() : 0) +  //
+                                (p.strip_offsets ? p.strip_offsets->count() : 0);
+      if (faces > 0) of_faces.push_back(decode(p.of_cells, faces, p.other_cells, "cells"));
     }
     sink.done();
+    points.attributes = join_tables(in_, std::move(of_points), "pieces");
+    points.triangle_attributes = join_tables(in_, std::move(of_faces), "pieces").taken(face_of);
     place_positions(points, positions.size(), [&](std::size_t i) { return positions[i]; });
     finish(in_, points);
     return points;
+  }
+
+  /// n rows of the arrays after those `skipped`.
+  AttributeTable decode(const std::vector<Array>& arrays, std::size_t n, std::size_t skipped, const char* of) const {
+    std::vector<NamedColumns> columns;
+    for (const Array& a : arrays) {
+      if (skipped > a.count() || a.count() != (n + skipped) * a.components) {
+        in_.warn(fmt::format("'{}' has {} numbers for {} {}: left out", printable(a.name, 80), grouped(a.count()),
+                             grouped(n + skipped), of));
+        continue;
+      }
+      NamedColumns c = a.columns();
+      for (Column& column : c.components) column.at += skipped * column.stride;
+      columns.push_back(std::move(c));
+    }
+    return decode_attributes(in_, columns, n, false);
   }
 
   template <class Add>

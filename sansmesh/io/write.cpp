@@ -23,11 +23,11 @@ struct Writer {
 
 constexpr Writer<TriangleMesh> mesh_writers[] = {
     {"ply", io::mesh_to_ply}, {"obj", io::mesh_to_obj}, {"stl", io::mesh_to_stl},
-    {"off", io::mesh_to_off}, {"glb", io::mesh_to_glb},
+    {"off", io::mesh_to_off}, {"glb", io::mesh_to_glb}, {"vtp", io::mesh_to_vtp},
 };
 constexpr Writer<PointSet> point_writers[] = {
     {"ply", io::points_to_ply}, {"obj", io::points_to_obj}, {"xyz", io::points_to_xyz},
-    {"csv", io::points_to_csv}, {"pcd", io::points_to_pcd},
+    {"csv", io::points_to_csv}, {"pcd", io::points_to_pcd}, {"vtp", io::points_to_vtp},
 };
 
 /// Throws ArgumentError's sibling for files: the ending is not one of those known.
@@ -55,18 +55,6 @@ void check_length(const char* what, std::size_t length, std::size_t n) {
   }
 }
 
-/// Throws ArgumentError unless every attribute is complete and has a name that headers can hold: one word.
-void check_attributes(const PointSet& points) {
-  for (const Attribute& a : points.attributes) {
-    const bool word = !a.name.empty() && std::all_of(a.name.begin(), a.name.end(), [](char c) {
-      return static_cast<unsigned char>(c) > ' ' && c != ',' && c != ';' && c != '"' && c != '\x7f';
-    });
-    if (!word) throw ArgumentError(fmt::format("the name of an attribute must be one word, not '{}'", a.name));
-    if (a.values.size() != points.size())
-      throw ArgumentError(fmt::format("{} values of {} for {} points", a.values.size(), a.name, points.size()));
-  }
-}
-
 template <class Triangles>
 void check_triangles(const Triangles& triangles, std::size_t n) {
   for (const auto& t : triangles) {
@@ -82,7 +70,8 @@ void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOp
   const auto& writer = find_writer(mesh_writers, file, "meshes");
   check_length("normals", mesh.normals.size(), mesh.vertices.size());
   check_length("colors", mesh.colors.size(), mesh.vertices.size());
-  check_length("quality values", mesh.quality.size(), mesh.vertices.size());
+  mesh.attributes.check_rows(mesh.vertices.size(), "vertices");
+  mesh.triangle_attributes.check_rows(mesh.triangles.size(), "triangles");
   check_triangles(mesh.triangles, mesh.vertices.size());
   io::write_whole(file, writer.write(mesh, options));
 }
@@ -91,8 +80,7 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   const auto& writer = find_writer(point_writers, file, "points");
   check_length("normals", points.normals.size(), points.size());
   check_length("colors", points.colors.size(), points.size());
-  check_length("confidences", points.confidence.size(), points.size());
-  check_attributes(points);
+  points.attributes.check_rows(points.size(), "points");
   check_triangles(points.triangles, points.size());
   io::write_whole(file, writer.write(points, options));
 }

@@ -57,8 +57,8 @@ struct SolidMeasures {
 SolidMeasures measure_solid(const TriangleMesh& mesh);
 
 /// A box around the points that no turn about one of its axes makes smaller, the smallest of those found from several
-/// beginnings: exact for boxes, elsewhere perhaps not the smallest of all. Points relative to an origin of the
-/// caller's. Throws DataError if there are no finite points.
+/// starting positions: exact for boxes, otherwise not necessarily the smallest of all. Points are relative to an origin
+/// of the caller's. Throws DataError if there are no finite points.
 OrientedBox smallest_box(const std::vector<Vec3f>& points);
 
 }  // namespace sansmesh

@@ -139,12 +139,12 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
 void DistanceMapOptions::validate() const {
   const auto positive = [](const std::optional<double>& value, const char* name) {
     if (value && !(*value > 0 && std::isfinite(*value)))
-      throw ArgumentError(std::string("the ") + name + " must be a positive length");
+      throw ArgumentError(std::string(name) + " must be a positive length");
   };
-  positive(max_distance, "maximum distance");
-  positive(range, "range of the colours");
+  positive(max_distance, "`max_distance`");
+  positive(range, "`range`");
   if (tolerance && !(*tolerance >= 0 && std::isfinite(*tolerance)))
-    throw ArgumentError("the tolerance must be a length, 0 or larger");
+    throw ArgumentError("`tolerance` must be a length, 0 or larger");
 }
 
 DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,
@@ -221,7 +221,7 @@ std::array<std::uint8_t, 3> distance_color(float distance, double range) {
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range) {
   if (map.distance.size() != part.vertices.size())
     throw ArgumentError("apply_map: the map and the mesh differ in the number of vertices");
-  part.quality = map.distance;
+  part.attributes.set("quality", map.distance);
   part.colors.resize(part.vertices.size());
   parallel_for(0, part.colors.size(), 8192,
                [&](std::size_t i) { part.colors[i] = distance_color(map.distance[i], range); });

@@ -19,18 +19,18 @@ struct DistanceMapOptions {
   /// Places farther off than this belong to something else and are left out (> 0). Default: a tenth of the diagonal of
   /// the reference's box.
   std::optional<double> max_distance = {};
-  std::optional<double> tolerance = {};  ///< of which the statistics tell the share that keeps it (>= 0)
-  /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area keep, rounded up to
-  /// two digits, but at least kSmallestRange.
+  std::optional<double> tolerance = {};  ///< the statistics tell which share keeps within it (>= 0)
+  /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area stays within, rounded
+  /// up to two digits, but at least kSmallestRange.
   std::optional<double> range = {};
   bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
-  bool reversed = false;     ///< the map lies on the reference, distances are to the part: their sign is turned round
+  bool reversed = false;     ///< the map lies on the reference, distances are to the part, with their sign reversed
   /// Throws ArgumentError saying which.
   void validate() const;
 };
 
 /// Over what was measured. On a mesh every vertex weighs as much as a third of the area of its triangles, so that dense
-/// places count no more than others; points weigh the same each. NaN where nothing was measured.
+/// places count no more than others; points all weigh the same. NaN where nothing was measured.
 struct DistanceStatistics {
   double mean = 0, mean_absolute = 0, rms = 0, deviation = 0;  ///< deviation: from the mean
   double p05 = 0, median = 0, p95 = 0;                         ///< of the signed distance
@@ -71,7 +71,8 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
 /// The colour of a distance: blue inside, white at 0, red outside, full at ±range; grey where it was left out.
 std::array<std::uint8_t, 3> distance_color(float distance, double range);
 
-/// Writes distances as the vertices' quality (left out: NaN) and their colours into the mesh.
+/// Writes distances as the attribute "quality" of the vertices (left out: NaN; the name that viewers of meshes know)
+/// and their colours into the mesh.
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
 
 }  // namespace sansmesh

@@ -228,9 +228,9 @@ Box3 common_box(const Box3& a, const Box3& b) {
 
 void FieldSectionOptions::validate() const {
   if (resolution < 2 || resolution > 4096)
-    throw ArgumentError("a section's resolution is " + std::to_string(resolution) + ": must be 2 to 4096");
+    throw ArgumentError("`resolution` must lie in 2..4096, not be " + std::to_string(resolution));
   if (box && (box->empty() || !is_finite(box->lower) || !is_finite(box->upper)))
-    throw ArgumentError("the box of a section must be finite and not empty");
+    throw ArgumentError("`box` must be finite and not empty");
 }
 
 Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options) {

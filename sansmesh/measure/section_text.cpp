@@ -63,7 +63,7 @@ void append_path(std::string& text, const Section& section, bool closed, double 
 
 void SectionSvgOptions::validate() const {
   if (!unit.empty() && unit != "mm" && unit != "cm" && unit != "in")
-    throw ArgumentError("the unit of a drawing is '" + unit + "': must be mm, cm, in or empty");
+    throw ArgumentError("`unit` is '" + unit + "': must be mm, cm, in or empty");
 }
 
 double round_length(double length) {

@@ -17,14 +17,14 @@ struct SectionSvgOptions {
   void validate() const;
 };
 
-/// A sheet with one drawing a plane, side by side, all at the same scale: the solid filled by the even-odd rule,
+/// A sheet with one drawing per plane, side by side, all at the same scale: the solid filled by the even-odd rule,
 /// outlines as hairlines. Each drawing has a viewBox in the unit of lengths, u to the right and v up (y = −v); those
 /// of planes across the same direction have the same. Where coordinates are much larger than the drawing, they are
-/// relative to a place that the group's data-origin tells.
+/// relative to the place that the group's data-origin names.
 std::string section_svg(std::span<const Section> sections, const SectionSvgOptions& options = {});
 
-/// One row a vertex: plane,curve,closed,vertex,x,y,z,u,v; planes, curves and vertices are counted from 0, lengths have
-/// 12 significant digits. Closed curves do not repeat their first vertex.
+/// One row per vertex: plane,curve,closed,vertex,x,y,z,u,v; planes, curves and vertices are counted from 0, lengths
+/// have 12 significant digits. Closed curves do not repeat their first vertex.
 std::string section_csv(std::span<const Section> sections);
 
 /// A round number (1, 2 or 5 times a power of ten) of at most `length`, which is positive.

@@ -33,8 +33,8 @@ class SignedDistance {
   virtual Box3 bounds() const = 0;
   /// false: all distances are positive, since nothing tells the sides apart.
   virtual bool has_sides() const { return true; }
-  /// Distances at all of x, one call a batch; neighbours in neighbouring slots go fastest. Sizes must agree. What lies
-  /// farther than `farthest` may be NaN. Points that are not finite are. Safe from several threads.
+  /// Distances at all of x, one call per batch; neighbours in neighbouring slots go fastest. Sizes must agree. What
+  /// lies farther than `farthest` may be NaN. Points that are not finite are. Safe from several threads.
   virtual void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const = 0;
 };
 

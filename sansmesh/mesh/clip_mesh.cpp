@@ -1,11 +1,11 @@
 #include "sansmesh/mesh/clip_mesh.h"
 
-#include <cmath>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_vertices.h"
 
 namespace sansmesh {
 namespace {
@@ -21,8 +21,13 @@ class PlaneCut {
     for (const Vec3f& v : mesh_.vertices) any_out = any_out || height(v) < 0;
     if (!any_out) return;
     std::vector<Triangle> kept;
-    for (const Triangle& t : mesh_.triangles) cut(t, kept);
+    std::vector<std::uint32_t> of;  // the triangle that each was part of
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+      cut(mesh_.triangles[i], kept);
+      of.resize(kept.size(), static_cast<std::uint32_t>(i));
+    }
     mesh_.triangles = std::move(kept);
+    if (!mesh_.triangle_attributes.empty()) mesh_.triangle_attributes = mesh_.triangle_attributes.taken(of);
   }
 
  private:
@@ -36,18 +41,7 @@ class PlaneCut {
     const float a = height(mesh_.vertices[in]), b = height(mesh_.vertices[out]), t = a / (a - b);
     Vec3f x = mesh_.vertices[in] + (mesh_.vertices[out] - mesh_.vertices[in]) * t;
     x[axis_] = at_;
-    mesh_.vertices.push_back(x);
-    if (!mesh_.normals.empty())
-      mesh_.normals.push_back(normalized(mesh_.normals[in] * (1 - t) + mesh_.normals[out] * t));
-    if (!mesh_.quality.empty()) mesh_.quality.push_back(mesh_.quality[in] * (1 - t) + mesh_.quality[out] * t);
-    if (!mesh_.colors.empty()) {
-      std::array<std::uint8_t, 3> color;
-      for (std::size_t k = 0; k < 3; ++k)
-        color[k] = static_cast<std::uint8_t>(std::lround(static_cast<float>(mesh_.colors[in][k]) * (1 - t) +
-                                                         static_cast<float>(mesh_.colors[out][k]) * t));
-      mesh_.colors.push_back(color);
-    }
-    return entry->second = static_cast<std::uint32_t>(mesh_.vertices.size() - 1);
+    return entry->second = append_vertex_between(mesh_, in, out, t, x);
   }
 
   void cut(const Triangle& t, std::vector<Triangle>& kept) {

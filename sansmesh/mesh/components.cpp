@@ -4,17 +4,13 @@
 #include <numeric>
 
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh {
 namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-template <class T>
-void copy_vertex(std::vector<T>& attribute, std::size_t from) {
-  if (!attribute.empty()) attribute.push_back(attribute[from]);
-}
 
 }  // namespace
 
@@ -49,30 +45,22 @@ MeshComponents find_components(const TriangleMesh& mesh) {
 }
 
 void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
-  std::vector<std::uint32_t> renumber(mesh.vertices.size(), kNone);
-  std::size_t kept = 0;
+  std::vector<std::uint32_t> renumber(mesh.vertices.size(), kNone), kept, used;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!keep[i]) continue;
     for (const std::uint32_t v : mesh.triangles[i]) renumber[v] = 0;
-    mesh.triangles[kept++] = mesh.triangles[i];
+    mesh.triangles[kept.size()] = mesh.triangles[i];
+    kept.push_back(static_cast<std::uint32_t>(i));
   }
-  mesh.triangles.resize(kept);
-  std::uint32_t used = 0;
-  const auto move_up = [&](auto& attribute, std::size_t from, std::size_t to) {
-    if (!attribute.empty()) attribute[to] = attribute[from];
-  };
+  if (kept.size() < mesh.triangles.size() && !mesh.triangle_attributes.empty())
+    mesh.triangle_attributes = mesh.triangle_attributes.taken(kept);
+  mesh.triangles.resize(kept.size());
   for (std::size_t v = 0; v < renumber.size(); ++v) {
     if (renumber[v] == kNone) continue;
-    move_up(mesh.vertices, v, used);
-    move_up(mesh.normals, v, used);
-    move_up(mesh.colors, v, used);
-    move_up(mesh.quality, v, used);
-    renumber[v] = used++;
+    renumber[v] = static_cast<std::uint32_t>(used.size());
+    used.push_back(static_cast<std::uint32_t>(v));
   }
-  mesh.vertices.resize(used);
-  if (!mesh.normals.empty()) mesh.normals.resize(used);
-  if (!mesh.colors.empty()) mesh.colors.resize(used);
-  if (!mesh.quality.empty()) mesh.quality.resize(used);
+  if (used.size() < renumber.size()) take_vertices(mesh, used);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = renumber[v];
 }
@@ -97,11 +85,7 @@ void separate_fans(TriangleMesh& mesh) {
       const std::uint32_t fan = fans.find(i);
       if (fan == fans.find(0)) continue;
       if (copy[fan] == kNone) {
-        copy[fan] = static_cast<std::uint32_t>(mesh.vertices.size());
-        copy_vertex(mesh.vertices, v);
-        copy_vertex(mesh.normals, v);
-        copy_vertex(mesh.colors, v);
-        copy_vertex(mesh.quality, v);
+        copy[fan] = append_vertex_copy(mesh, static_cast<std::uint32_t>(v));
       }
       renamed.emplace_back(corner[first[v] + i], copy[fan]);
     }

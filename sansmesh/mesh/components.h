@@ -18,10 +18,12 @@ struct MeshComponents {
 /// Triangles that share a vertex are connected.
 MeshComponents find_components(const TriangleMesh& mesh);
 
-/// Keeps the triangles whose entry in `keep` is not 0, and the vertices they use, in order, with their attributes.
+/// Keeps the triangles whose entry in `keep` is not 0, and the vertices they use, in order, with all that belongs to
+/// them.
 void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep);
 
-/// Cuts vertices at which several fans of triangles meet into one vertex a fan (removing triangles can leave such).
+/// Cuts vertices at which several fans of triangles meet into one vertex per fan (removing triangles can leave such
+/// vertices).
 void separate_fans(TriangleMesh& mesh);
 
 }  // namespace sansmesh

@@ -23,7 +23,7 @@ double squared_distance_to(const Vec3f& lower, const Vec3f& upper, const Vec3& p
   return sum;
 }
 
-/// Inlined into both that use it: the search does not want to know the part.
+/// Inlined into both functions that use it: the search does not need to know the part.
 inline TrianglePoint locate(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   // Voronoi regions of the corners and edges in turn, then the inside.
   const Vec3 ab = b - a, ac = c - a, ap = p - a;

@@ -194,7 +194,7 @@ Side prepare(const TriangleMesh& mesh, const DistanceOptions& options, const cha
 
 void DistanceOptions::validate() const {
   if (samples < 1 || samples > (std::size_t{1} << 31))
-    throw ArgumentError("samples must lie in 1.." + std::to_string(std::size_t{1} << 31));
+    throw ArgumentError("`samples` must lie in 1.." + std::to_string(std::size_t{1} << 31));
 }
 
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
@@ -217,16 +217,6 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
   result.from_reference = measure(b.samples, b.vertices, -shift, a.target, progress);
   progress.finish();
   return result;
-}
-
-TriangleMesh to_mesh(const PointSet& points) {
-  TriangleMesh mesh;
-  mesh.origin = points.origin;
-  mesh.vertices = points.positions;
-  mesh.triangles = points.triangles;
-  mesh.normals = points.normals;
-  mesh.colors = points.colors;
-  return mesh;
 }
 
 }  // namespace sansmesh

@@ -11,8 +11,8 @@
 namespace sansmesh {
 
 struct DistanceOptions {
-  /// Samples on each mesh, spread evenly over its area, 1..2^31; points are compared all of them. The values of maxima
-  /// include all vertices besides.
+  /// Samples on each mesh, spread evenly over its area, 1..2^31; of a cloud every point is compared. Maxima include all
+  /// vertices as well.
   std::size_t samples = 300000;
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -41,8 +41,5 @@ struct SurfaceDistance {
 /// points.
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
                                  const DistanceOptions& options, Progress& progress);
-
-/// Positions, triangles, normals and colours of a cloud: the form in which to pass it on.
-TriangleMesh to_mesh(const PointSet& points);
 
 }  // namespace sansmesh

@@ -9,7 +9,7 @@
 namespace sansmesh {
 
 /// Counts over the triangles with three different corners; others are only counted as degenerate. Vertices are told
-/// apart by index, not by position: a triangle soup has three boundary edges a triangle.
+/// apart by index, not by position: a triangle soup has three boundary edges per triangle.
 struct MeshTopology {
   std::size_t vertices = 0;              ///< used by a triangle
   std::size_t unused_vertices = 0;       ///< used by none
@@ -19,7 +19,7 @@ struct MeshTopology {
   std::size_t boundary_edges = 0;        ///< of one triangle
   std::size_t boundary_loops = 0;        ///< connected sets of boundary edges: holes, where all else is manifold
   std::size_t nonmanifold_edges = 0;     ///< of three triangles or more
-  std::size_t nonmanifold_vertices = 0;  ///< whose triangles fall apart into several fans
+  std::size_t nonmanifold_vertices = 0;  ///< whose triangles form several fans
   std::size_t inconsistent_edges = 0;    ///< of two triangles that run through it in the same direction
   std::size_t components = 0;            ///< sets of triangles connected by shared vertices
   std::size_t largest_component = 0;     ///< triangles of the largest one

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/refine_edges.h"
 
 namespace sansmesh {
@@ -11,19 +12,8 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Appends the middle of an edge, with its attributes.
 std::uint32_t add_middle(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
-  const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.push_back(Vec3f((Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5));
-  if (!mesh.normals.empty()) mesh.normals.push_back(normalized(mesh.normals[a] + mesh.normals[b]));
-  if (!mesh.quality.empty()) mesh.quality.push_back(0.5f * (mesh.quality[a] + mesh.quality[b]));
-  if (!mesh.colors.empty()) {
-    std::array<std::uint8_t, 3> color{};
-    for (std::size_t k = 0; k < 3; ++k)
-      color[k] = static_cast<std::uint8_t>((mesh.colors[a][k] + mesh.colors[b][k] + 1) / 2);
-    mesh.colors.push_back(color);
-  }
-  return middle;
+  return append_vertex_between(mesh, a, b, 0.5f, Vec3f((Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5));
 }
 
 }  // namespace
@@ -53,7 +43,10 @@ bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles)
     };
     std::vector<Triangle> finer;
     finer.reserve(after);
-    for (const Triangle& t : mesh.triangles) {
+    std::vector<std::uint32_t> of;  // the triangle that each was part of
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const Triangle t = mesh.triangles[i];
+      of.resize(finer.size(), i == 0 ? 0 : static_cast<std::uint32_t>(i - 1));
       if (t[0] >= n || t[1] >= n || t[2] >= n) {
         finer.push_back(t);
         continue;
@@ -73,7 +66,9 @@ bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles)
       if (cuts == 3)
         finer.insert(finer.end(), {{c[0], m[0], m[2]}, {m[0], c[1], m[1]}, {m[2], m[1], c[2]}, {m[0], m[1], m[2]}});
     }
+    of.resize(finer.size(), static_cast<std::uint32_t>(mesh.triangles.size() - 1));
     mesh.triangles = std::move(finer);
+    if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(of);
   }
 }
 

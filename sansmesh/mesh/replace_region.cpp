@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
@@ -74,12 +75,6 @@ struct Single {
   std::uint32_t triangle;
   bool of_patch;
 };
-
-template <class T>
-void append_mapped(std::vector<T>& to, const std::vector<T>& from, const std::vector<std::uint32_t>& vertices) {
-  if (to.empty()) return;
-  for (const std::uint32_t v : vertices) to.push_back(from.empty() ? T{} : from[v]);
-}
 
 }  // namespace
 
@@ -156,6 +151,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   std::vector<std::uint32_t> new_number(patch.vertices.size(), kNone), new_vertices;
   for (std::size_t v = 0; v < same.size(); ++v) new_number[v] = same[v];
   std::vector<Triangle> added;
+  std::vector<std::uint32_t> taken;  // triangles of the patch
   for (std::size_t i = 0; i < singles.size(); ++i) {
     if (!wanted[pieces.find(static_cast<std::uint32_t>(i))]) continue;
     const Single& s = singles[i];
@@ -173,14 +169,13 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
       v = new_number[v];
     }
     added.push_back(t);
+    taken.push_back(s.triangle);
   }
   result.added = added.size();
   result.done = true;
   if (result.removed == 0 && added.empty()) return result;
-  for (const std::uint32_t v : new_vertices) mesh.vertices.push_back(patch.vertices[v]);
-  append_mapped(mesh.normals, patch.normals, new_vertices);
-  append_mapped(mesh.colors, patch.colors, new_vertices);
-  append_mapped(mesh.quality, patch.quality, new_vertices);
+  append_vertices(mesh, patch, new_vertices);
+  mesh.triangle_attributes.append(patch.triangle_attributes, taken);
   mesh.triangles.insert(mesh.triangles.end(), added.begin(), added.end());
   keep.resize(mesh.triangles.size(), 1);
   keep_triangles(mesh, keep);

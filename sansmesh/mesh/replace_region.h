@@ -18,7 +18,8 @@ struct RegionReplacement {
 /// `patch` is the new surface within `sound` (which holds `changed` well inside) made as `mesh` was, so that away from
 /// the change the two have the same triangles, up to `tolerance` in their vertices. Where they have not, connected
 /// pieces that touch `changed` are exchanged. What joins is thus the same on both sides: a closed manifold stays one.
-/// Fails where a piece reaches out of `sound`. Boxes and both meshes are relative to the same origin.
+/// Fails where a piece reaches out of `sound`. Attributes of the mesh that the patch has not are unknown in the new
+/// part (AttributeTable::append). Boxes and both meshes are relative to the same origin.
 RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, const Box3f& sound,
                                  const Box3f& changed, float tolerance);
 

@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_vertices.h"
 
 namespace sansmesh {
 namespace {
@@ -68,10 +69,13 @@ struct Simplifier {
   std::vector<Quadric> quadric;
   std::vector<double> own_weight;  ///< before anything merged
   std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> original;  ///< in the end: the number that each triangle had
   std::vector<std::uint8_t> fixed;
   std::vector<std::uint32_t> merged_into;  ///< kNone: alive
-  // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end.
-  std::vector<std::uint32_t> first, valence, around;
+  // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end; places
+  // that were given up go when they are as many as those in use.
+  std::vector<std::size_t> first;
+  std::vector<std::uint32_t> valence, around;
   // The cheapest collapse of an edge from a vertex to one of higher index.
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
@@ -106,13 +110,33 @@ struct Simplifier {
     valence.assign(x.size(), 0);
     for (const Triangle& t : triangles)
       for (const std::uint32_t v : t) ++valence[v];
-    first.resize(x.size());
-    std::uint32_t sum = 0;
-    for (std::size_t v = 0; v < x.size(); ++v) first[v] = sum, sum += valence[v];
-    around.resize(sum);
-    std::vector<std::uint32_t> next = first;
+    around.resize(place_rings(first));
+    std::vector<std::size_t> next = first;
     for (std::size_t i = 0; i < triangles.size(); ++i)
       for (const std::uint32_t v : triangles[i]) around[next[v]++] = static_cast<std::uint32_t>(i);
+  }
+
+  /// Places for all rings, one after the other; returns where they end.
+  std::size_t place_rings(std::vector<std::size_t>& place) const {
+    place.resize(x.size());
+    std::size_t sum = 0;
+    for (std::size_t v = 0; v < x.size(); ++v) place[v] = sum, sum += valence[v];
+    return sum;
+  }
+
+  /// Gives up the places of rings that were merged, if they are as many as those of the rings that are left: each
+  /// collapse needs a place for two rings, and without this they would add up to three times the mesh.
+  void pack_rings() {
+    const std::size_t used = 3 * triangles.size() - 6 * (x.size() - left);  // a collapse takes two triangles away
+    if (around.size() <= 2 * used) return;
+    std::vector<std::size_t> place;
+    std::vector<std::uint32_t> packed(place_rings(place));
+    parallel_for(0, x.size(), 8192, [&](std::size_t v) {
+      std::copy_n(around.begin() + static_cast<std::ptrdiff_t>(first[v]), valence[v],
+                  packed.begin() + static_cast<std::ptrdiff_t>(place[v]));
+    });
+    first = std::move(place);
+    around = std::move(packed);
   }
 
   /// The quadric of a vertex; and vertices whose triangles are not one closed fan stay: boundaries, and what is not
@@ -221,7 +245,7 @@ struct Simplifier {
       all[n] = measure(v, w);
       n += all[n].cost <= error * error;
     }
-    while (n > 0) {  // the costly tests only for the cheapest, and the next one if it fails
+    while (n > 0) {  // the costly tests only for the cheapest one, and for the next one if it fails
       const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
         return a.cost != b.cost ? a.cost < b.cost : a.with < b.with;
       });
@@ -286,7 +310,7 @@ struct Simplifier {
 
   /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that those that
   /// win run at a time. `place`: room for the merged ring.
-  void collapse(std::uint32_t v, std::uint32_t place) {
+  void collapse(std::uint32_t v, std::size_t place) {
     const std::uint32_t w = to[v];
     x[w] = measure(v, w).position;
     quadric[w] += quadric[v];
@@ -326,7 +350,8 @@ struct Simplifier {
   /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` vertices.
   void collapse_all(Progress& progress, std::size_t target) {
     if (left <= target) return;
-    std::vector<std::uint32_t> changed, candidates, chosen, place;
+    std::vector<std::uint32_t> changed, candidates, chosen;
+    std::vector<std::size_t> place;
     for (std::uint32_t v = 0; v < x.size(); ++v)
       if (merged_into[v] == kNone) changed.push_back(v);
     std::vector<std::uint8_t> flag(x.size(), 0);
@@ -352,11 +377,14 @@ struct Simplifier {
       }
       for (const std::uint32_t v : candidates) drop_claim(v);
 
+      pack_rings();
       place.resize(chosen.size());
+      std::size_t end = around.size();
       for (std::size_t i = 0; i < chosen.size(); ++i) {
-        place[i] = static_cast<std::uint32_t>(around.size());
-        around.resize(around.size() + valence[chosen[i]] + valence[to[chosen[i]]]);
+        place[i] = end;
+        end += valence[chosen[i]] + valence[to[chosen[i]]];
       }
+      around.resize(end);
       std::vector<std::uint32_t> kept(chosen.size());
       for (std::size_t i = 0; i < chosen.size(); ++i) kept[i] = to[chosen[i]];
       // A neighbour's change since the cost was found may have made it impossible. All are asked before any is made:
@@ -410,7 +438,7 @@ struct Simplifier {
         own_weight[v] = std::max(quadric[v].weight, 1e-300);
       }
     });
-    // A closed mesh has two triangles a vertex, but for the handles.
+    // A closed mesh has two triangles per vertex, apart from its handles.
     const std::size_t most = (options.triangles + triangles.size() % 2) / 2 + x.size() - triangles.size() / 2;
     const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(most, 4) : 0;
     // In stages: with all of the error at once nearly every edge would be a candidate, and most would wait for cheaper
@@ -423,16 +451,23 @@ struct Simplifier {
       error *= 1.5;
       collapse_all(progress, target);
     }
-    std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1]; });
+    std::size_t kept = 0;
+    original.clear();
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (triangles[i][0] == triangles[i][1]) continue;
+      triangles[kept++] = triangles[i];
+      original.push_back(static_cast<std::uint32_t>(i));
+    }
+    triangles.resize(kept);
   }
 };
 
 }  // namespace
 
 void SimplifyOptions::validate() const {
-  if (!(std::isfinite(error) && error > 0)) throw ArgumentError("simplify: error must be a positive length");
-  if (!(least_gain >= 0 && least_gain <= 1)) throw ArgumentError("simplify: least_gain must lie in 0..1");
-  if (!(least_shape >= 0 && least_shape <= 0.9)) throw ArgumentError("simplify: least_shape must lie in 0..0.9");
+  if (!(std::isfinite(error) && error > 0)) throw ArgumentError("simplify: `error` must be a positive length");
+  if (!(least_gain >= 0 && least_gain <= 1)) throw ArgumentError("simplify: `least_gain` must lie in 0..1");
+  if (!(least_shape >= 0 && least_shape <= 0.9)) throw ArgumentError("simplify: `least_shape` must lie in 0..0.9");
 }
 
 bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress) {
@@ -450,12 +485,15 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
     return false;
   }
 
-  // Attributes of what was merged, then the vertices that are left.
-  std::vector<std::uint32_t> target(n);
+  // What belongs to the vertices that were merged, then those that are left.
+  std::vector<std::uint32_t> target(n), number(n, kNone), left;
   for (std::size_t v = 0; v < n; ++v) {
     std::uint32_t t = static_cast<std::uint32_t>(v);
     while (s.merged_into[t] != kNone) t = s.merged_into[t];
     target[v] = t;
+    if (t != v) continue;
+    number[v] = static_cast<std::uint32_t>(left.size());
+    left.push_back(t);
   }
   const auto merge = [&](std::size_t components, auto get, auto set) {
     std::vector<double> sum(n * components, 0), weight(n, 0);
@@ -480,27 +518,18 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
         [&](std::size_t v, std::size_t k, double value) {
           mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(value));
         });
-  if (!mesh.quality.empty())
-    merge(
-        1, [&](std::size_t v, std::size_t) { return static_cast<double>(mesh.quality[v]); },
-        [&](std::size_t v, std::size_t, double value) { mesh.quality[v] = static_cast<float>(value); });
-
-  std::vector<std::uint32_t> number(n, kNone);
-  std::uint32_t kept = 0;
-  for (std::size_t v = 0; v < n; ++v) {
-    if (s.merged_into[v] != kNone) continue;
-    number[v] = kept;
-    mesh.vertices[kept] = Vec3f(s.x[v] + middle);
-    if (!mesh.normals.empty()) mesh.normals[kept] = mesh.normals[v];
-    if (!mesh.colors.empty()) mesh.colors[kept] = mesh.colors[v];
-    if (!mesh.quality.empty()) mesh.quality[kept] = mesh.quality[v];
-    ++kept;
+  AttributeTable attributes;
+  if (!mesh.attributes.empty()) {
+    std::vector<std::uint32_t> group(n);
+    for (std::size_t v = 0; v < n; ++v) group[v] = number[target[v]];
+    attributes = mesh.attributes.means(group, s.own_weight, left.size());
   }
-  mesh.vertices.resize(kept);
-  if (!mesh.normals.empty()) mesh.normals.resize(kept);
-  if (!mesh.colors.empty()) mesh.colors.resize(kept);
-  if (!mesh.quality.empty()) mesh.quality.resize(kept);
+  mesh.attributes.clear();
+  for (const std::uint32_t v : left) mesh.vertices[v] = Vec3f(s.x[v] + middle);
+  take_vertices(mesh, left);
+  mesh.attributes = std::move(attributes);
   mesh.triangles = std::move(s.triangles);
+  if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = number[v];
   return true;

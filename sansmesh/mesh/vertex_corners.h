@@ -6,16 +6,22 @@
 #include <numeric>
 #include <vector>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/data/triangle_mesh.h"
 
 namespace sansmesh {
 
-/// The corners (3·triangle + k) at vertex v: corner[first[v] .. first[v + 1]], in ascending order.
+/// So many triangles have corners that 32 bits count.
+constexpr std::size_t kMostTriangles = 0xffffffff / 3;
+
+/// The corners (3·triangle + k) at vertex v: corner[first[v] .. first[v + 1]], in ascending order. Throws DataError for
+/// more than kMostTriangles.
 struct VertexCorners {
   std::vector<std::uint32_t> first, corner;
 
   VertexCorners(const std::vector<Triangle>& triangles, std::size_t vertices)
       : first(vertices + 1), corner(3 * triangles.size()) {
+    if (triangles.size() > kMostTriangles) throw DataError("the mesh has more triangles than can be counted");
     for (const Triangle& t : triangles)
       for (const std::uint32_t v : t) ++first[v + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());

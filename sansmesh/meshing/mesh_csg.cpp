@@ -30,8 +30,8 @@ constexpr double kAcross = 2, kLeastAcross = 1;
 constexpr std::size_t kMostBlocks = 1'000'000;
 /// Default quadric error, in cells: a tenth of what curved parts are off anyway.
 constexpr double kSimplify = 9.5e-4;
-/// By default nothing is simplified where a smaller share of the vertices could go: then the rest takes its time in
-/// vain.
+/// By default nothing is simplified where a smaller share of the vertices could go: otherwise the time would be spent
+/// in vain.
 constexpr double kLeastGain = 0.05;
 /// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
 constexpr double kFlat = 0.5;
@@ -56,7 +56,7 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
         endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
   if (!endless.empty())
     throw ArgumentError(fmt::format(
-        "the solid is not known to end in the directions {}: intersect it with a box, or give a box to cut it off",
+        "the solid is not known to end in the directions {}: intersect it with a box, or give a `box` to cut it off",
         endless));
   constexpr double kLargest = 1e30;  // vertices are floats, and products of two lengths must be, too
   for (std::size_t k = 0; k < 3; ++k)
@@ -70,7 +70,7 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
 struct Reached {
   Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
              ///< begin with
-  /// Smallest blocks that a part with a known resolution wants; infinite: there is no such part.
+  /// Smallest blocks that a part with a known resolution needs; infinite: there is no such part.
   double detail = std::numeric_limits<double>::infinity();
 };
 
@@ -104,7 +104,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
 struct Cells {
   double smooth;  ///< on curved parts of which nothing else is known
   double usual;   ///< along creases; at most `smooth`
-  double thin;    ///< along creases, as thin parts want it: `usual`, or a half, a quarter … of it
+  double thin;    ///< along creases, as thin parts need it: `usual`, or a half, a quarter … of it
 };
 
 Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
@@ -123,7 +123,7 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
   }
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
-    throw ArgumentError(fmt::format("cell {} is too small for a box of {} × {} × {}: at most {} cells along a side",
+    throw ArgumentError(fmt::format("`cell` {} is too small for a box of {} × {} × {}: at most {} cells along a side",
                                     cell, size.x, size.y, size.z, kMostCells));
   const double used = std::min(cell, longest / 2);
   return {used, used, used};
@@ -159,7 +159,7 @@ struct Blocks {
   double cell;  ///< edge of the smallest
 };
 
-/// Blocks as small as thin parts want them, or nearly, if those are not too many and small enough to show such parts.
+/// Blocks as small as thin parts need them, or nearly, if those are not too many and small enough to show such parts.
 Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
                          CreaseBlockOptions sizes, Progress& progress) {
   for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)
@@ -212,18 +212,18 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
 }  // namespace
 
 void CsgMeshOptions::validate() const {
-  if (cell && resolution) throw ArgumentError("give the cell or the resolution, not both");
+  if (cell && resolution) throw ArgumentError("give `cell` or `resolution`, not both");
   if (cell && !(*cell > 0 && std::isfinite(*cell)))
-    throw ArgumentError(fmt::format("cell {}: must be a positive length", *cell));
+    throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
   if (resolution && (*resolution < 4 || *resolution > kMostCells))
-    throw ArgumentError(fmt::format("resolution {}: must lie in 4..{}", *resolution, kMostCells));
+    throw ArgumentError(fmt::format("`resolution` must lie in 4..{}, not be {}", kMostCells, *resolution));
   if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
-    throw ArgumentError(fmt::format("simplify {}: must be a length, or 0", *simplify));
+    throw ArgumentError(fmt::format("`simplify` must be a length, or 0, not {}", *simplify));
   if (!box) return;
-  if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("box: corners must be finite");
+  if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("`box`: its corners must be finite");
   for (std::size_t k = 0; k < 3; ++k)
     if (!(box->lower[k] < box->upper[k]))
-      throw ArgumentError(fmt::format("box: its lower corner must lie below its upper one, but {} >= {} in {}",
+      throw ArgumentError(fmt::format("`box`: its lower corner must lie below its upper one, but {} >= {} in {}",
                                       box->lower[k], box->upper[k], "xyz"[k]));
 }
 

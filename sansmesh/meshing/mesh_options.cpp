@@ -13,18 +13,18 @@ void MeshOptions::validate() const {
   const auto check = [](bool ok, const std::string& what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "mesh error must be a positive length");
+  check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "`mesh_error` must be a positive length");
   check(!triangles || (*triangles >= 4 && enhance),
-        "the number of triangles must be at least 4, and needs enhancement");
-  check(displacement >= 0 && displacement < 1, "displacement must lie in [0, 1)");
-  check(displacement == 0 || !enhance, "displacement needs enhancement to be off: clustering undoes it");
-  check(!trim || (std::isfinite(*trim) && *trim >= 0), "trim must be a length of at least 0");
+        "`triangles` must be at least 4, and does not go with `enhance = false`");
+  check(displacement >= 0 && displacement < 1, "`displacement` must lie in [0, 1)");
+  check(displacement == 0 || !enhance, "`displacement` needs `enhance = false`: clustering undoes it");
+  check(!trim || (std::isfinite(*trim) && *trim >= 0), "`trim` must be a length of at least 0");
   check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
-        "the number of components must be at least 1");
+        "the number of `components` must be at least 1");
   check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
-        "a box must be finite, and its lower corner below its upper one");
+        "`box` must be finite, and its lower corner below its upper one");
   check(!block_depth || (*block_depth >= kLeastDepth && *block_depth <= kMostDepth),
-        fmt::format("the depth of the blocks must lie in {}..{}", kLeastDepth, kMostDepth));
+        fmt::format("`block_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
 }
 
 }  // namespace sansmesh

@@ -40,7 +40,7 @@ struct MeshOptions {
 
 struct MeshReport {
   std::size_t blocks = 0;                                      ///< leaf blocks
-  int depth = 0;                                               ///< deepest level of the block tree used
+  int block_depth = 0;                                         ///< deepest level of the tree of blocks
   int components = 0;                                          ///< of the mesh written
   double aspect_mean_before = 0, aspect_deviation_before = 0;  ///< aspect ratio of the unenhanced mesh
   double aspect_mean = 0, aspect_deviation = 0;

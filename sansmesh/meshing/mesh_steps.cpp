@@ -91,7 +91,7 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
   keep_triangles(mesh, keep);
   if (choice.kind == ComponentChoice::Kind::automatic)
     report.warnings.push_back(counted(count - kept, "component") +
-                              " too small or too far from the samples left out (--components all keeps them)");
+                              " too small or too far from the samples left out (`components = all` keeps them)");
 }
 
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples) {

@@ -18,11 +18,11 @@
 
 namespace sansmesh::detail {
 
-/// Components of a mesh are small whose samples (or, without samples, whose area) are less than this share of those of
+/// A component of a mesh is small if its samples (or, without samples, its area) are less than this share of those of
 /// the largest one.
 constexpr double kSmallComponent = 0.015;
 
-/// How to cut a mesh out that is `mesh_error` (length of the field) off in the mean.
+/// How to cut out a mesh that is `mesh_error` (length of the field) off on average.
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases);
 
 /// Whether cut_out leaves a mesh of so many blocks alone that simplification would gain little for.

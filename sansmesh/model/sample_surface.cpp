@@ -49,6 +49,7 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
   const double tolerance = options.tolerance * model.report().spacing / model.unit();
   std::vector<Foot> feet(x.size());
   const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
+  const ScalarField* const field = model.projection() ? nullptr : &model.field(progress);
   progress.begin("project", batches);
   parallel_for(0, batches, 1, [&](std::size_t b) {
     const std::size_t first = b * kBatch, count = std::min(kBatch, x.size() - first);
@@ -59,7 +60,7 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
       project_to_fixed_point(*model.projection(), part, tolerance, options.steps, found);
       for (std::size_t i = 0; i < count; ++i) out[i] = {found[i].position, found[i].normal, found[i].defined};
     } else {
-      descend(model.field(), part, tolerance, options.steps, out);
+      descend(*field, part, tolerance, options.steps, out);
     }
     progress.advance();
   });
@@ -75,8 +76,8 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
 }  // namespace
 
 void ProjectToSurface::validate() const {
-  if (steps < 1 || steps > 1000) throw ArgumentError("steps must lie in 1..1000");
-  if (!(tolerance >= 1e-6 && tolerance <= 1)) throw ArgumentError("tolerance must lie in 1e-6..1");
+  if (steps < 1 || steps > 1000) throw ArgumentError("`steps` must lie in 1..1000");
+  if (!(tolerance >= 1e-6 && tolerance <= 1)) throw ArgumentError("`tolerance` must lie in 1e-6..1");
 }
 
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
@@ -90,6 +91,7 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
 
   PointSet result = points;
   result.triangles.clear();
+  result.triangle_attributes.clear();
   result.normals.resize(points.size());
   std::vector<std::uint8_t> gone(points.size(), 0);
   SurfaceProjection local;

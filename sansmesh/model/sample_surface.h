@@ -11,7 +11,7 @@ namespace sansmesh {
 
 struct ProjectToSurface {
   int steps = 10;           ///< at most, 1..1000
-  double tolerance = 1e-3;  ///< a shorter step, over the spacing of the samples, is the last, 1e-6..1
+  double tolerance = 1e-3;  ///< a step shorter than this share of the samples' spacing is the last, 1e-6..1
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

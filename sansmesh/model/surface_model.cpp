@@ -7,36 +7,20 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/names.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/surface/bilateral_normals.h"
-#include "sansmesh/surface/implicit_surface.h"
-#include "sansmesh/surface/projection_surface.h"
 
 namespace sansmesh {
 namespace {
 
-constexpr const char* kPartition = "partition";
 /// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
 constexpr double kBlockReach = 0.4;
 /// Edge of a block over the spacing of the samples near it, for coarseness 1.
 constexpr double kBlockEdge = 1.4;
 constexpr int kDeepest = 13;
-
-bool is_one_of(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-ProjectionOptions::Diffusion diffusion_of(const std::string& name) {
-  using Diffusion = ProjectionOptions::Diffusion;
-  if (name == "none") return Diffusion::none;
-  if (name == "soft") return Diffusion::soft;
-  if (name == "hard") return Diffusion::hard;
-  throw ArgumentError("unknown diffusion '" + name + "': known are none, soft, hard");
-}
 
 /// The supports that the surface passes through.
 BallUnion support_balls(const PartitionOfUnity& partition) {
@@ -71,18 +55,18 @@ struct SurfaceModel::State {
   BallUnion balls;
   std::vector<float> spacing;  // of the samples at the balls' centres; empty for the partition
 
-  void make_field();
+  void make_field(Progress& progress);
   void use_partition();
+  Box3 bounds() const { return projection ? projection->bounds() : field->bounds(); }
 };
 
 /// What only polygonisers need: for a projection, a field that also knows on which side points are that are too far
 /// away to be projected; and where to put the vertices of sharp meshes.
-void SurfaceModel::State::make_field() {
+void SurfaceModel::State::make_field(Progress& progress) {
   if (projection) {
     ImplicitOptions beyond;
     beyond.method = ImplicitMethod::kolluri;
-    Progress unseen;
-    implicit = make_implicit_surface(projection->samples(), beyond, unseen);
+    implicit = make_implicit_surface(projection->samples(), beyond, progress);
     projection_field.emplace(*projection, &*implicit);
     field = &*projection_field;
   }
@@ -96,73 +80,95 @@ void SurfaceModel::State::use_partition() {
   report.noise = partition->report().noise * cloud.unit;
 }
 
-const std::vector<std::string>& surface_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{kPartition};
-    for (const auto* some : {&implicit_method_names(), &projection_method_names()})
-      all.insert(all.end(), some->begin(), some->end());
-    return all;
-  }();
-  return names;
+bool SurfaceOptions::is_set(SurfaceOption option) const {
+  switch (option) {
+    case SurfaceOption::smoothing:
+      return smoothing.has_value();
+    case SurfaceOption::bandwidth:
+      return bandwidth.has_value();
+    case SurfaceOption::order:
+      return order.has_value();
+    case SurfaceOption::iterations:
+      return iterations.has_value();
+    case SurfaceOption::diffusion:
+      return diffusion != Diffusion::none;
+    case SurfaceOption::separate_sheets:
+      return !separate_sheets;
+    case SurfaceOption::sharp:
+      return sharp;
+  }
+  throw ArgumentError("surfaces have no such option");
 }
 
 void SurfaceOptions::validate() const {
-  if (!is_one_of(surface_names(), method)) {
-    throw ArgumentError("unknown surface '" + method + "': known are " + listed(surface_names()));
+  const SurfaceMethodInfo& info = surface_method_info(method);
+  for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
+    const auto option = static_cast<SurfaceOption>(i);
+    if (!is_set(option) || info.heeds(option)) continue;
+    const std::string field = "`" + std::string(field_name(option)) + "`", name = info.name;
+    throw ArgumentError(*info.instead ? field + " means nothing to the surface " + name + ": " + info.instead
+                                      : field + " belongs to " + heeded_by(option) + ", not to the surface " + name);
   }
-  if (method == kPartition && (smoothing || width))
-    throw ArgumentError("smoothing and width mean nothing to the partition of unity, whose supports follow the data");
-  if (method != "amls" && (order || iterations))
-    throw ArgumentError("order and iterations belong to the surface amls, not to " + method);
-  if (method != "curvature" && diffusion != "none")
-    throw ArgumentError("diffusion belongs to the surface curvature, not to " + method);
-  diffusion_of(diffusion);
   ImplicitOptions implicit;
-  implicit.smoothing = smoothing, implicit.width = width, implicit.order = order, implicit.iterations = iterations;
+  implicit.smoothing = smoothing, implicit.bandwidth = bandwidth;
+  implicit.order = order, implicit.iterations = iterations;
   implicit.validate();
 }
 
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress) {
   options.validate();
+  return make_surface_model(prepare_cloud(std::move(points), {}, progress), options, progress);
+}
+
+SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& options, Progress& progress) {
+  options.validate();
   auto state = std::make_unique<SurfaceModel::State>();
-  state->cloud = prepare_cloud(std::move(points), {options.faces, options.normals, options.remove_outliers}, progress);
+  state->cloud = std::move(prepared);
   PointSet& cloud = state->cloud.points;
   const double unit = state->cloud.unit;
   SurfaceReport& report = state->report;
   report.method = options.method;
   report.samples = cloud.size();
   // Estimates blur edges; normals that came with the samples may be exact, and are only worse for it.
-  if (options.sharp && options.method != kPartition && state->cloud.estimated_normals) {
+  if (options.sharp && state->cloud.estimated_normals) {
     progress.begin("denoise normals");
-    denoise_normals(cloud, {}, progress);
+    denoise_normals(cloud, {.spacing = state->cloud.spacing, .noise = state->cloud.noise}, progress);
   }
-  const auto width = options.width ? std::optional<double>(*options.width / unit) : std::nullopt;
+  const auto bandwidth = options.bandwidth ? std::optional<double>(*options.bandwidth / unit) : std::nullopt;
 
   const SurfaceSamples* samples = nullptr;
-  if (options.method == kPartition) {
-    state->partition = fit_partition_of_unity(cloud, {}, progress);
-    state->use_partition();
-  } else if (is_one_of(implicit_method_names(), options.method)) {
-    ImplicitOptions o;
-    o.method = implicit_method(options.method);
-    o.smoothing = options.smoothing, o.width = width, o.order = options.order, o.iterations = options.iterations;
-    o.separate_sheets = options.separate_sheets;
-    state->implicit = make_implicit_surface(prepare_samples(cloud, progress), o, progress);
-    state->field = &*state->implicit;
-    state->balls = state->implicit->balls();
-    samples = &state->implicit->samples();
-    report.smoothing = state->implicit->report().smoothing;
-    report.order = state->implicit->report().order;
-    report.iterations = state->implicit->report().iterations;
-  } else {
-    ProjectionOptions o;
-    o.method = projection_method(options.method);
-    o.smoothing = options.smoothing, o.width = width, o.separate_sheets = options.separate_sheets;
-    o.diffusion = diffusion_of(options.diffusion);
-    state->projection = make_projection_surface(prepare_samples(cloud, progress), o, progress);
-    state->balls = state->projection->balls();
-    samples = &state->projection->samples();
-    report.smoothing = state->projection->smoothing();
+  const SurfaceMethodInfo& info = surface_method_info(options.method);
+  switch (info.family()) {
+    case SurfaceFamily::partition:
+      state->partition = fit_partition_of_unity(cloud, {}, progress);
+      state->use_partition();
+      break;
+    case SurfaceFamily::implicit: {
+      ImplicitOptions o;
+      o.method = std::get<ImplicitMethod>(info.formula);
+      o.smoothing = options.smoothing, o.bandwidth = bandwidth;
+      o.order = options.order, o.iterations = options.iterations;
+      o.separate_sheets = options.separate_sheets;
+      state->implicit = make_implicit_surface(prepare_samples(cloud, progress, state->cloud.noise), o, progress);
+      state->field = &*state->implicit;
+      state->balls = state->implicit->balls();
+      samples = &state->implicit->samples();
+      report.smoothing = state->implicit->report().smoothing;
+      report.order = state->implicit->report().order;
+      report.iterations = state->implicit->report().iterations;
+      break;
+    }
+    case SurfaceFamily::projection: {
+      ProjectionOptions o;
+      o.method = std::get<ProjectionMethod>(info.formula);
+      o.smoothing = options.smoothing, o.bandwidth = bandwidth, o.separate_sheets = options.separate_sheets;
+      o.diffusion = options.diffusion;
+      state->projection = make_projection_surface(prepare_samples(cloud, progress, state->cloud.noise), o, progress);
+      state->balls = state->projection->balls();
+      samples = &state->projection->samples();
+      report.smoothing = state->projection->smoothing();
+      break;
+    }
   }
   if (samples) {
     state->spacing = samples->spacing;
@@ -182,7 +188,7 @@ SurfaceModel make_surface_model(SurfaceFunction function) {
   state->cloud.points = *function.samples;
   state->cloud.origin = function.origin;
   state->cloud.unit = function.unit;
-  state->report.method = kPartition;
+  state->report.method = SurfaceMethod::partition;
   state->report.samples = state->cloud.points.size();
   state->partition = std::move(function.field);
   state->use_partition();
@@ -197,13 +203,13 @@ SurfaceModel& SurfaceModel::operator=(SurfaceModel&&) noexcept = default;
 
 const Vec3& SurfaceModel::origin() const { return state_->cloud.origin; }
 double SurfaceModel::unit() const { return state_->cloud.unit; }
-const ScalarField& SurfaceModel::field() const {
-  std::call_once(state_->field_made, [&] { state_->make_field(); });
+const ScalarField& SurfaceModel::field(Progress& progress) const {
+  std::call_once(state_->field_made, [&] { state_->make_field(progress); });
   return *state_->field;
 }
 const NormalField* SurfaceModel::normals() const { return state_->normals ? &*state_->normals : nullptr; }
-const ScalarField* SurfaceModel::placement() const {
-  field();
+const ScalarField* SurfaceModel::placement(Progress& progress) const {
+  field(progress);
   return state_->placement ? &*state_->placement : nullptr;
 }
 const Projection* SurfaceModel::projection() const { return state_->projection ? &*state_->projection : nullptr; }
@@ -223,7 +229,7 @@ BlockTree SurfaceModel::blocks(double coarseness) const {
     return static_cast<double>(state_->spacing.empty() ? balls.radii[i] / 4 : state_->spacing[i]);
   };
   const BallTree near(balls.centers, radii);
-  const Box3 box = field().bounds();
+  const Box3 box = state_->bounds();
   const Vec3 size = box.size();
   const double edge = 1.02 * std::max({size.x, size.y, size.z});
   const Vec3 middle = box.center();

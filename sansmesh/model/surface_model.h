@@ -16,35 +16,33 @@
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/model/surface_methods.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
 
-/// All optional values follow from the data where absent. Lengths are in the unit of the input.
+/// All optional values follow from the data where absent. Lengths are in the unit of the input. Which of them mean
+/// something to a method is in the table of surface_methods.h.
 struct SurfaceOptions {
-  /// partition (adaptive partition of unity); hoppe, adamson, kolluri, dey, extremal, apss, amls (implicit functions);
-  /// levin, alexa, curvature (projections).
-  std::string method = "apss";
-  std::optional<double> smoothing = {};  ///< width of the weights over the local spacing, 0.5..20; not for partition
-  std::optional<double> width = {};      ///< the same as one length for the whole cloud
-  std::optional<int> order = {};         ///< amls: 2, 4 or 6
-  std::optional<int> iterations = {};    ///< amls: 0..100
-  std::string diffusion = "none";        ///< curvature: none, soft or hard
-  bool separate_sheets = true;           ///< samples that look the other way than those nearby do not count
-  bool sharp = false;                    ///< normals turn sharply at edges and corners (bilateral normals)
-  FaceUse faces = FaceUse::automatic;
-  NormalUse normals = NormalUse::automatic;
-  bool remove_outliers = false;  ///< leave out samples that belong to no surface
-  /// Throws ArgumentError naming the option.
+  using Diffusion = ProjectionOptions::Diffusion;
+  SurfaceMethod method = SurfaceMethod::apss;
+  std::optional<double> smoothing = {};   ///< width of the weights over the local spacing, 0.5..20
+  std::optional<double> bandwidth = {};   ///< the same as one length for the whole cloud
+  std::optional<int> order = {};          ///< of the approximation: 2, 4 or 6
+  std::optional<int> iterations = {};     ///< of the approximation, 0..100: 0 smooths most
+  Diffusion diffusion = Diffusion::none;  ///< whether samples off the surface count less
+  bool separate_sheets = true;            ///< samples that look the other way than those nearby do not count
+  bool sharp = false;                     ///< normals turn sharply at edges and corners (bilateral normals)
+
+  /// Whether an option is other than it is by itself.
+  bool is_set(SurfaceOption option) const;
+  /// Throws ArgumentError naming the field: for values out of range, and for those that mean nothing to the method.
   void validate() const;
 };
 
-/// Every name that SurfaceOptions::method may have, in the order of its comment.
-const std::vector<std::string>& surface_names();
-
 struct SurfaceReport {
-  std::string method;
+  SurfaceMethod method = SurfaceMethod::partition;
   double spacing = 0, noise = 0;  ///< of the samples (length, unit of the input)
   double smoothing = 0;           ///< median width over the local spacing; 0 for partition
   int order = 0, iterations = 0;  ///< amls
@@ -61,12 +59,13 @@ class SurfaceModel {
   const Vec3& origin() const;
   double unit() const;
 
-  /// The surface as a field; for projections, the signed distance to the foot point.
-  const ScalarField& field() const;
+  /// The surface as a field; for projections, the signed distance to the foot point. These make it when it is first
+  /// asked for, which pictures never do: that is what the progress tells of, and may be cancelled.
+  const ScalarField& field(Progress& progress) const;
   /// Better normals than those of the field; null unless sharp ones were asked for.
   const NormalField* normals() const;
-  /// For placing the vertices of a mesh, where another field than field() is better; else null.
-  const ScalarField* placement() const;
+  /// For placing the vertices of a mesh, where another field than field() is better; else null. Makes field().
+  const ScalarField* placement(Progress& progress) const;
   /// Null unless the surface is defined by a projection.
   const Projection* projection() const;
   /// Where the surface can be.
@@ -85,14 +84,17 @@ class SurfaceModel {
   struct State;  ///< internal
 
  private:
-  friend SurfaceModel make_surface_model(PointSet, const SurfaceOptions&, Progress&);
+  friend SurfaceModel make_surface_model(PreparedCloud, const SurfaceOptions&, Progress&);
   friend SurfaceModel make_surface_model(SurfaceFunction);
   explicit SurfaceModel(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
-/// Cleans and orients the samples (prepare_cloud) and makes the surface. Throws ArgumentError for bad options,
-/// DataError where the points do not make a surface.
+/// The surface of samples that are clean and oriented. Throws ArgumentError for bad options, DataError where the points
+/// do not make a surface.
+SurfaceModel make_surface_model(PreparedCloud cloud, const SurfaceOptions& options, Progress& progress);
+
+/// The same of samples as they come: they are cleaned and oriented before (prepare_cloud, as it does by itself).
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress);
 
 /// The same of a function that was fitted before: the surface "partition".

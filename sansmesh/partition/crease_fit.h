@@ -1,5 +1,5 @@
-// Supports that hold a crease or a corner: one polynomial a side, joined by max or min (Ohtake et al. 2003, §4; METHODS
-// §2.1).
+// Supports that hold a crease or a corner: one polynomial for each side, joined by max or min (Ohtake et al. 2003, §4;
+// METHODS §2.1).
 #pragma once
 
 #include <span>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/global_sign.h"
@@ -35,8 +36,8 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
 /// so sure that what is left of a plane residual that is mostly noise could be trusted to be flat. h: edge of the
 /// block.
 float gap_of(const Trial& t, float noise, float radius, float h) {
-  if (t.plane < 0) return kInfinite;
-  const float bent = std::sqrt(std::max(0.0f, t.plane - 0.5f * noise));
+  if (t.plane() < 0) return kInfinite;
+  const float bent = std::sqrt(std::max(0.0f, t.plane() - 0.5f * noise));
   return bent / (0.097f * radius * radius) * h * h / 32;
 }
 
@@ -53,11 +54,11 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   const Trial& t = choice.trials[l][leaf.cell];
   const Vec3f c = fitter.center(leaf.level, leaf.cell);
   const float radius = fitter.support_radius(leaf.level);
+  ws.walk.go(leaf.level, leaf.cell);
   if (t.reach == 1) {
-    gather(tree, leaf.level, choice.neighbours[l][leaf.cell], c, kShift * radius, ws.block.ids, t.stride);
+    gather(tree, leaf.level, ws.walk.own(), c, kShift * radius, ws.block.ids, t.stride);
   } else {
-    const SampleTree::Neighbours& parents = choice.neighbours[l - 1][choice.parent[l][leaf.cell]];
-    gather(tree, leaf.level - 1, parents, c, kShift * t.reach * radius, ws.block.ids);
+    gather(tree, leaf.level - 1, ws.walk.parents(), c, kShift * t.reach * radius, ws.block.ids);
   }
   FittedLeaf result;
   LocalFunction& f = result.function;
@@ -89,6 +90,34 @@ LeafRef ref_of(const PartitionData& data, std::size_t support) {
 
 LeafRef ref_of(const FittedLeaf& leaf) { return {&leaf.function, &leaf.support, nullptr, &leaf.more}; }
 
+void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, std::vector<LocalFunction>& functions) {
+  std::size_t tail = support;
+  for (const LocalFunction& piece : pieces) {
+    if (functions.size() >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+      throw DataError("partition of unity: more local functions than can be counted");
+    functions.push_back(piece);
+    functions.back().next = 0;
+    functions[tail].next = static_cast<std::int32_t>(functions.size());
+    tail = functions.size() - 1;
+  }
+}
+
+void sum_up(PartitionData& data) {
+  PartitionReport& report = data.report;
+  report.functions = data.supports.size();
+  report.depth = 0;
+  report.creased = 0;
+  report.area = 0;
+  report.functions_of_degree = {};
+  for (std::size_t i = 0; i < data.supports.size(); ++i) {
+    report.depth = std::max<int>(report.depth, data.supports[i].level);
+    report.creased += data.supports[i].creased;
+    ++report.functions_of_degree[static_cast<std::size_t>(data.functions[i].degree)];
+    // Summed as the far field does it, in the precision of its patches.
+    report.area += norm(data.functions[i].nu * data.supports[i].area);
+  }
+}
+
 void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
   const std::size_t n = leaves.size();
   std::vector<LocalFunction> functions(n);
@@ -98,35 +127,17 @@ void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
     functions[i].next = 0;
     supports[i] = *leaves[i].support;
   });
-  PartitionReport& report = data.report;
-  report.functions = n;
-  report.depth = 0;
-  report.creased = 0;
-  report.area = 0;
-  report.functions_of_degree = {};
+  std::vector<LocalFunction> pieces;
   for (std::size_t i = 0; i < n; ++i) {
     const LeafRef& leaf = leaves[i];
-    report.depth = std::max<int>(report.depth, supports[i].level);
-    report.creased += supports[i].creased;
-    ++report.functions_of_degree[static_cast<std::size_t>(functions[i].degree)];
-    // Summed as the far field does it, in the precision of its patches.
-    report.area += norm(functions[i].nu * supports[i].area);
-    std::size_t tail = i;
-    const auto add = [&](const LocalFunction& piece) {
-      functions.push_back(piece);
-      functions.back().next = 0;
-      functions[tail].next = static_cast<std::int32_t>(functions.size());
-      tail = functions.size() - 1;
-    };
-    if (leaf.more) {
-      for (const LocalFunction& piece : *leaf.more) add(piece);
-    } else {
-      for (std::int32_t next = leaf.function->next; next != 0; next = leaf.chain[next - 1].next)
-        add(leaf.chain[next - 1]);
-    }
+    pieces.clear();
+    for (std::int32_t next = leaf.function->next; !leaf.more && next != 0; next = leaf.chain[next - 1].next)
+      pieces.push_back(leaf.chain[next - 1]);
+    append_pieces(i, leaf.more ? std::span<const LocalFunction>(*leaf.more) : pieces, functions);
   }
   data.functions = std::move(functions);
   data.supports = std::move(supports);
+  sum_up(data);
 }
 
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/partition/neighbour_walk.h"
 #include "sansmesh/partition/scale_choice.h"
 
 namespace sansmesh {
@@ -16,7 +17,10 @@ struct FittedLeaf {
   Support support;
 };
 
+/// Reused from leaf to leaf; quickest where these follow the curve.
 struct FitWorkspace {
+  explicit FitWorkspace(const SampleTree& tree) : walk(tree) {}
+  NeighbourWalk walk;
   Workspace block;
   std::vector<Vec3f> position, normal;
   std::vector<float> weight;
@@ -44,6 +48,13 @@ LeafRef ref_of(const FittedLeaf& leaf);
 
 /// Supports in the order of the Morton curve as the arrays of `data`, and their sums in its report.
 void assemble(std::span<const LeafRef> leaves, PartitionData& data);
+
+/// Appends the further pieces of a support to its function and those of all others. Throws DataError where there are
+/// more functions than links can name.
+void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, std::vector<LocalFunction>& functions);
+
+/// The sums over the supports in the report of `data`.
+void sum_up(PartitionData& data);
 
 /// Gap that linear triangles of half a block's edge would leave on the surface in a cell of the tree (length).
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell);

@@ -116,12 +116,12 @@ void PartitionOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(std::string("partition of unity: ") + what);
   };
-  check(!max_depth || (*max_depth >= 2 && *max_depth <= 14), "max_depth must lie in 2..14");
-  check(!error || *error > 0, "error must be positive");
-  check(!support || (*support >= 1.1 && *support <= 2), "support must lie in 1.1..2");
-  check(max_degree >= 1 && max_degree <= kMaxDegree, "max_degree must lie in 1..4");
-  check(min_samples >= 3 && min_samples <= 1000, "min_samples must lie in 3..1000");
-  check(max_samples >= 50, "max_samples must be at least 50");
+  check(!max_depth || (*max_depth >= 2 && *max_depth <= 14), "`max_depth` must lie in 2..14");
+  check(!error || *error > 0, "`error` must be positive");
+  check(!support || (*support >= 1.1 && *support <= 2), "`support` must lie in 1.1..2");
+  check(max_degree >= 1 && max_degree <= kMaxDegree, "`max_degree` must lie in 1..4");
+  check(min_samples >= 3 && min_samples <= 1000, "`min_samples` must lie in 3..1000");
+  check(max_samples >= 50, "`max_samples` must be at least 50");
 }
 
 void PartitionData::validate() const {

@@ -23,7 +23,7 @@ struct PartitionOptions {
   int max_samples = 1000;  ///< beyond this a block is subdivided without fitting (METHODS case iii);
                            ///< on the deepest level only so many of its samples are used
   std::array<double, kMaxDegree + 1> coverage{0, 0, 0.4, 0.6, 0.7};  ///< least coverage k for each degree
-  double max_eccentricity = 0.2;  ///< beyond it (a border of the data) only planes: curved fits swing off there
+  double max_eccentricity = 0.2;  ///< beyond it (a border of the data) only planes: curved fits overshoot there
   bool sharp = true;              ///< split supports at creases
 
   /// Throws ArgumentError naming the field.
@@ -84,7 +84,7 @@ struct PartitionData {
   PartitionOptions options;
   PartitionReport report;
   ScaleBasis basis;
-  SharedArray<LocalFunction> functions;  ///< one a support, then further pieces of creased ones
+  SharedArray<LocalFunction> functions;  ///< one per support, then further pieces of creased ones
   SharedArray<Support> supports;         ///< in the order of their blocks along the Morton curve
   std::vector<Flatness> flatness;        ///< of each level
 

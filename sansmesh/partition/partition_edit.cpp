@@ -185,25 +185,7 @@ SampleTree tree_around(const PartitionData& data, std::span<const BlockKey> bloc
   for (const auto& part : found)
     for (const std::uint32_t i : part) positions.push_back(samples.positions[i]), normals.push_back(samples.normals[i]);
   if (positions.empty()) throw DataError("there are no samples around the chosen supports");
-  return {positions, normals, data.lower, data.edge, data.basis.sort_depth};
-}
-
-/// Cells around a block that holds samples, and around its parent.
-struct Surroundings {
-  std::uint32_t cell = 0;
-  SampleTree::Neighbours own, parents;
-};
-Surroundings surroundings(const SampleTree& tree, int level, std::uint64_t code) {
-  Surroundings s;
-  s.own = s.parents = tree.root_neighbours();
-  for (int l = 1; l <= level; ++l) {
-    const std::int64_t c = tree.find(l, code >> (3 * (level - l)));
-    if (c < 0) throw DataError("its samples do not belong to its supports");
-    s.parents = s.own;
-    s.cell = static_cast<std::uint32_t>(c);
-    s.own = tree.child_neighbours(l - 1, s.parents, s.cell);
-  }
-  return s;
+  return {std::move(positions), std::move(normals), data.lower, data.edge, data.basis.sort_depth};
 }
 
 std::vector<BlockKey> blocks_of(const PartitionData& data, const Selection& chosen) {
@@ -284,23 +266,28 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
                       Progress& progress) {
   if (degree < 0 || degree > kMaxDegree) throw ArgumentError("the degree must lie in 0..4");
   if (chosen.empty()) return {data, {}, 0, 0};
-  const SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
+  SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
+  tree.build_levels(data.basis.finest);
   const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest};
   progress.begin("fit again", chosen.size());
   std::vector<FittedLeaf> leaves(chosen.size());
   std::atomic<std::size_t> kept{0}, lower{0};
   parallel_ranges(0, chosen.size(), 64, [&](std::size_t first, std::size_t last) {
+    NeighbourWalk walk(tree);
     Workspace ws;
     for (std::size_t i = first; i < last; ++i) {
       const Support& s = data.supports[chosen[i]];
-      const Surroundings around = surroundings(tree, s.level, s.code);
+      const std::int64_t found = tree.find(s.level, s.code);
+      if (found < 0) throw DataError("its samples do not belong to its supports");
+      const auto cell = static_cast<std::uint32_t>(found);
+      walk.go(s.level, cell);
       BlockFitter fitter = whole;
       // A refit may have given it another radius than the fit would.
       if (const float r = data.functions[chosen[i]].radius; r != whole.support_radius(s.level))
         fitter.support *= r / whole.support_radius(s.level);
-      const float reach = gather_enough(fitter, s.level, around.cell, around.own, around.parents, ws.ids);
+      const float reach = gather_enough(fitter, s.level, cell, walk.own(), walk.parents(), ws.ids);
       const Cube c = cube_of(data, s.level, s.code);
-      const Vec3f center = fitter.center(s.level, around.cell);
+      const Vec3f center = fitter.center(s.level, cell);
       const LocalFunction& old = data.functions[chosen[i]];
       FittedLeaf& leaf = leaves[i];
       leaf.support = s;
@@ -342,7 +329,8 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   options.validate();
   if (chosen.empty()) return {data, {}, 0, 0};
   const std::vector<BlockKey> roots = filled_blocks(data, chosen);
-  const SampleTree tree = tree_around(data, roots, samples);
+  SampleTree tree = tree_around(data, roots, samples);
+  tree.build_levels(data.basis.tried);
   ScaleBasis basis = data.basis;
   if (options.error) basis.accepted = *options.error;
   if (options.support) basis.support = *options.support;
@@ -353,7 +341,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   progress.begin("fit again", choice.leaves.size());
   std::vector<FittedLeaf> leaves(choice.leaves.size());
   parallel_ranges(0, leaves.size(), 64, [&](std::size_t first, std::size_t last) {
-    FitWorkspace ws;
+    FitWorkspace ws(tree);
     for (std::size_t i = first; i < last; ++i) leaves[i] = fit_leaf(fitter, choice, choice.leaves[i], ws);
     progress.advance(last - first);
   });

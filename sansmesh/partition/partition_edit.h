@@ -18,7 +18,7 @@ namespace sansmesh {
 /// Supports by their number, ascending.
 using Selection = std::vector<std::uint32_t>;
 
-/// What a support must be like to be chosen: all that is said must hold.
+/// What a support must be like to be chosen: all conditions that are given must hold.
 struct SupportQuery {
   struct Ball {
     Vec3f center;

@@ -1,4 +1,5 @@
 // Batches of points against the supports that reach them: gather supports with the box tree, then SIMD over points.
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/partition_evaluate.cpp"
 #include <hwy/foreach_target.h>
@@ -113,8 +114,8 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   }
 }
 
-// What is far from its zero set in the ball says little about what is there. Beyond `trusted` the weight falls to 0 at
-// |f| = R with the fourth power, so that its fourth root, by which the far field takes over, falls about linearly.
+// A function says little about places in its ball that are far from its zero set. Beyond `trusted` the weight falls to
+// 0 at |f| = R with the fourth power, so that its fourth root, by which the far field takes over, falls about linearly.
 // Values flatten from `straight` R on, to (1 + straight) / 2 of R: functions that disagree then differ by less.
 template <bool kGradient, class D, class V = hn::Vec<D>>
 HWY_INLINE void Bound(D d, float trusted, float straight, float radius, V& value, V& gx, V& gy, V& gz, V& weight, V& tx,
@@ -304,10 +305,9 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
                    const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarPoints& far) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
-  list.clear();
   // Lists longer than this are a sign of points too far apart to share one.
   const std::size_t most = x.size() > 8 ? 96 : x.size() > 1 ? 1024 : s.data.supports.size();
-  if (!s.tree.query(box, most, list)) {
+  if (!s.tree.touching(box, most, list)) {
     const std::size_t half = x.size() / 2;
     evaluate_tile(s, x.first(half), at.first(half), out, list, tile, far);
     evaluate_tile(s, x.subspan(half), at.subspan(half), out, list, tile, far);

@@ -10,37 +10,60 @@
 namespace sansmesh {
 namespace {
 
-std::vector<FittedLeaf> fit_leaves(const BlockFitter& fitter, const ScaleChoice& choice, Progress& progress) {
-  const std::size_t n = choice.leaves.size();
+/// The functions of the chosen blocks, as the arrays of `data`.
+void fit_leaves(const BlockFitter& fitter, const ScaleChoice& choice, PartitionData& data, Progress& progress) {
+  constexpr std::size_t kChunk = 128;
+  const std::size_t n = choice.leaves.size(), chunks = (n + kChunk - 1) / kChunk;
   progress.begin("final fits", n);
-  std::vector<FittedLeaf> leaves(n);
-  parallel_ranges(0, n, 128, [&](std::size_t first, std::size_t last) {
-    FitWorkspace ws;
-    for (std::size_t i = first; i < last; ++i) leaves[i] = fit_leaf(fitter, choice, choice.leaves[i], ws);
+  std::vector<LocalFunction> functions(n);
+  std::vector<Support> supports(n);
+  struct Pieces {
+    std::size_t support;
+    std::vector<LocalFunction> more;
+  };
+  std::vector<std::vector<Pieces>> pieces(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    FitWorkspace ws(fitter.tree);
+    const std::size_t first = c * kChunk, last = std::min(n, first + kChunk);
+    for (std::size_t i = first; i < last; ++i) {
+      FittedLeaf leaf = fit_leaf(fitter, choice, choice.leaves[i], ws);
+      functions[i] = leaf.function;
+      functions[i].next = 0;
+      supports[i] = leaf.support;
+      if (!leaf.more.empty()) pieces[c].push_back({i, std::move(leaf.more)});
+    }
     progress.advance(last - first);
   });
-  return leaves;
+  for (const auto& chunk : pieces)
+    for (const Pieces& p : chunk) append_pieces(p.support, p.more, functions);
+  data.functions = std::move(functions);
+  data.supports = std::move(supports);
+  sum_up(data);
 }
 
-/// What the polygoniser will ask: how flat is the surface at the scale of each block?
-std::vector<PartitionData::Flatness> record_flatness(const BlockFitter& fitter, const ScaleChoice& choice,
-                                                     const std::vector<FittedLeaf>& leaves) {
+/// What the polygoniser will need to know: how flat is the surface at the scale of each block? Takes the tree's levels with it,
+/// and the trials.
+std::vector<PartitionData::Flatness> record_flatness(SampleTree& tree, const BlockFitter& fitter, ScaleChoice& choice,
+                                                     const PartitionData& data) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;
   std::vector<std::vector<std::uint64_t>> code(levels);
   std::vector<std::vector<float>> gap(levels);
-  for (std::size_t l = 0; l < levels; ++l) {
-    code[l] = fitter.tree.level(static_cast<int>(l)).code;
-    gap[l].resize(choice.trials[l].size());
-    for (std::size_t c = 0; c < gap[l].size(); ++c)
-      gap[l][c] = flatness_gap(fitter, choice, static_cast<int>(l), static_cast<std::uint32_t>(c));
-  }
-  for (const FittedLeaf& leaf : leaves)
-    if (leaf.support.creased) mark_crease(code, gap, fitter.tree.edge(), leaf.support.level, leaf.support.code);
   std::vector<PartitionData::Flatness> flatness(levels);
+  for (std::size_t l = 0; l < levels; ++l) {
+    SampleTree::Level level = tree.take_level(static_cast<int>(l));
+    gap[l].resize(level.size());
+    parallel_for(0, gap[l].size(), 8192, [&](std::size_t c) {
+      gap[l][c] = flatness_gap(fitter, choice, static_cast<int>(l), static_cast<std::uint32_t>(c));
+    });
+    code[l] = std::move(level.code);
+    if (l + 1 < levels) flatness[l].child = std::move(level.child);
+    choice.trials[l] = {};
+  }
+  for (const Support& support : data.supports)
+    if (support.creased) mark_crease(code, gap, tree.edge(), support.level, support.code);
   for (std::size_t l = 0; l < levels; ++l) {
     flatness[l].code = std::move(code[l]);
     flatness[l].gap = std::move(gap[l]);
-    if (l + 1 < levels) flatness[l].child = std::vector(fitter.tree.level(static_cast<int>(l)).child);
   }
   return flatness;
 }
@@ -53,10 +76,27 @@ double estimated_accuracy(const ScaleChoice& choice, double diagonal) {
   return std::sqrt(squares / static_cast<double>(choice.leaves.size()));
 }
 
+/// All of `data` but where the cube lies.
+void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progress& progress) {
+  ScaleChoice choice = choose_scales(tree, data.options, diagonal, progress);
+  data.basis.tried = choice.tried;
+  data.basis.finest = choice.finest;
+  data.basis.variance = choice.variance;
+  data.basis.accepted = choice.accepted;
+  data.basis.support = static_cast<double>(choice.support);
+  const BlockFitter fitter{tree, data.options, choice.support, choice.finest};
+  fit_leaves(fitter, choice, data, progress);
+  data.report.spacing = std::sqrt(data.report.area / static_cast<double>(tree.positions().size()));
+  data.report.noise = std::sqrt(choice.variance);
+  data.report.error = choice.accepted;
+  data.report.accuracy = estimated_accuracy(choice, diagonal);
+  data.flatness = record_flatness(tree, fitter, choice, data);
+}
+
 }  // namespace
 
-PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, Progress& progress,
-                                        std::vector<std::uint32_t>* order) {
+PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
+                                        PointSet* sorted) {
   options.validate();
   if (points.size() < 4) throw DataError("partition of unity: at least 4 points are needed");
   if (points.normals.size() != points.size()) throw DataError("partition of unity: points need oriented normals");
@@ -75,27 +115,20 @@ PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionO
   data.basis.sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
                                          std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
                                      options.max_depth ? 2 : 3, 14);
-  const SampleTree tree(points.positions, points.normals, data.lower, data.edge, data.basis.sort_depth);
-  if (order) order->assign(tree.order().begin(), tree.order().end());
-
-  const ScaleChoice choice = choose_scales(tree, options, box.diagonal(), progress);
-  data.basis.tried = choice.tried;
-  data.basis.finest = choice.finest;
-  data.basis.variance = choice.variance;
-  data.basis.accepted = choice.accepted;
-  data.basis.support = static_cast<double>(choice.support);
-  const BlockFitter fitter{tree, options, choice.support, choice.finest};
-  std::vector<FittedLeaf> leaves = fit_leaves(fitter, choice, progress);
-  data.flatness = record_flatness(fitter, choice, leaves);
-  std::vector<LeafRef> refs;
-  refs.reserve(leaves.size());
-  for (const FittedLeaf& leaf : leaves) refs.push_back(ref_of(leaf));
-  assemble(refs, data);
-  data.report.spacing = std::sqrt(data.report.area / static_cast<double>(points.size()));
-  data.report.noise = std::sqrt(choice.variance);
-  data.report.error = choice.accepted;
-  data.report.accuracy = estimated_accuracy(choice, box.diagonal());
+  SampleTree tree(std::move(points.positions), std::move(points.normals), data.lower, data.edge, data.basis.sort_depth);
+  if (sorted) *sorted = PointSet{};
+  if (const std::vector<std::uint32_t> order = tree.take_order(); sorted && points.has_colors()) {
+    sorted->colors.resize(order.size());
+    parallel_for(0, order.size(), 16384, [&](std::size_t i) { sorted->colors[i] = points.colors[order[i]]; });
+    points.colors = {};
+  }
+  fit_samples(tree, box.diagonal(), data, progress);
   progress.finish();
+  if (sorted) {
+    sorted->origin = points.origin;
+    sorted->positions = tree.take_positions();
+    sorted->normals = tree.take_normals();
+  }
   return PartitionOfUnity(std::move(data));
 }
 

@@ -23,12 +23,12 @@ class PartitionOfUnity : public ScalarField {
 
   /// All that it is made of; positions relative to its origin.
   const PartitionData& data() const;
-  /// The local functions: one a support, then further pieces of those with a crease.
+  /// The local functions: one per support, then further pieces of those with a crease.
   std::span<const LocalFunction> functions() const { return data().functions.view(); }
   const PartitionReport& report() const { return data().report; }
 
   /// A tree of blocks for polygonisation: fine enough that linear interpolation over its simplices stays within about
-  /// `mesh_error` (length) of the surface in the mean, and fine at creases and where sheets come close; no finer than
+  /// `mesh_error` (length) of the surface on average, and fine at creases and where sheets come close; no finer than
   /// level `deepest`.
   BlockTree mesh_blocks(double mesh_error, int deepest = BlockTree::kMaxLevel) const;
 
@@ -42,9 +42,10 @@ class PartitionOfUnity : public ScalarField {
 };
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
-/// ArgumentError for options out of range. `order`, if given, receives the points' indices along the Morton curve of
-/// the root cube: the order in which a refit wants them.
-PartitionOfUnity fit_partition_of_unity(const PointSet& points, const PartitionOptions& options, Progress& progress,
-                                        std::vector<std::uint32_t>* order = nullptr);
+/// ArgumentError for options out of range. `sorted`, if given, receives the points along the Morton curve of the root
+/// cube, the order in which a refit wants them: origin, positions, normals and colours. Points that are moved in are
+/// sorted in place: there is no second copy of them.
+PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
+                                        PointSet* sorted = nullptr);
 
 }  // namespace sansmesh

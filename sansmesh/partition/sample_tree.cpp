@@ -1,8 +1,12 @@
 #include "sansmesh/partition/sample_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <string>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -26,24 +30,60 @@ std::uint32_t gather(std::uint64_t x) {
   return static_cast<std::uint32_t>((x | x >> 32) & 0x1fffff);
 }
 
+/// In halves, so that it takes twelve bytes: there are two a sample while it sorts.
 struct Item {
-  std::uint64_t key;
-  std::uint32_t index;
+  std::uint32_t low, high, index;
+  std::uint64_t key() const { return std::uint64_t{high} << 32 | low; }
 };
 
-// Least significant digit first: stable, so samples of one cell keep the caller's order and the result is unique.
+/// What a thread sorts, counts or fills at a time. Few enough of them that all their histograms are small.
+constexpr std::size_t kChunk = std::size_t{1} << 18;
+std::size_t chunks_of(std::size_t n) { return (n + kChunk - 1) / kChunk; }
+
+/// Least significant digit first: stable, so samples of one cell keep the caller's order and the result is unique.
 void radix_sort(std::vector<Item>& items, int bits) {
   constexpr int kDigit = 11;
-  std::vector<Item> other(items.size());
+  constexpr std::size_t kDigits = std::size_t{1} << kDigit;
+  constexpr std::uint64_t kMask = kDigits - 1;
+  const std::size_t n = items.size(), chunks = chunks_of(n);
+  std::vector<Item> other(n);
+  std::vector<std::uint32_t> place(chunks * kDigits);
   for (int shift = 0; shift < bits; shift += kDigit) {
-    std::array<std::uint32_t, (1 << kDigit) + 1> start{};
-    constexpr std::uint64_t mask = (1 << kDigit) - 1;
-    for (const Item& a : items) ++start[(a.key >> shift & mask) + 1];
-    for (std::size_t d = 1; d < start.size(); ++d) start[d] += start[d - 1];
-    for (const Item& a : items) other[start[a.key >> shift & mask]++] = a;
+    const auto each = [&](std::size_t chunk, auto&& treat) {
+      std::uint32_t* const at = place.data() + chunk * kDigits;
+      for (std::size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
+        treat(items[i], at[items[i].key() >> shift & kMask]);
+    };
+    std::fill(place.begin(), place.end(), 0u);
+    parallel_for(0, chunks, 1, [&](std::size_t c) { each(c, [](const Item&, std::uint32_t& count) { ++count; }); });
+    std::uint32_t sum = 0;
+    for (std::size_t d = 0; d < kDigits; ++d)
+      for (std::size_t c = 0; c < chunks; ++c) {
+        const std::uint32_t count = place[c * kDigits + d];
+        place[c * kDigits + d] = sum;
+        sum += count;
+      }
+    parallel_for(0, chunks, 1,
+                 [&](std::size_t c) { each(c, [&](const Item& item, std::uint32_t& next) { other[next++] = item; }); });
     items.swap(other);
   }
 }
+
+/// The cells of each level that begin in a chunk of the samples.
+struct Runs {
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max(), kLevels = SampleTree::kMaxDepth + 1;
+  std::array<std::size_t, kLevels> first, last;  ///< samples with which the first and the last begin
+  std::array<std::uint64_t, kLevels> squares{};  ///< Σ count² of those that end here, too
+
+  Runs() { first.fill(kNone), last.fill(kNone); }
+  void begin(std::size_t level, std::size_t at) {
+    if (first[level] == kNone)
+      first[level] = at;
+    else
+      squares[level] += std::uint64_t{at - last[level]} * (at - last[level]);
+    last[level] = at;
+  }
+};
 
 }  // namespace
 
@@ -55,94 +95,124 @@ std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
   return {gather(code), gather(code >> 1), gather(code >> 2)};
 }
 
-SampleTree::SampleTree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, const Vec3f& lower, float edge,
+SampleTree::SampleTree(std::vector<Vec3f> positions, std::vector<Vec3f> normals, const Vec3f& lower, float edge,
                        int depth)
-    : lower_(lower), edge_(edge) {
-  const std::size_t n = positions.size();
-  const float scale = static_cast<float>(1u << depth) / edge;
-  const float top = static_cast<float>((1u << depth) - 1);
+    : lower_(lower), edge_(edge), sort_depth_(depth), positions_(std::move(positions)), normals_(std::move(normals)) {
+  if (positions_.size() > kMostSamples)
+    throw DataError("partition of unity: " + std::to_string(positions_.size()) + " samples; at most " +
+                    std::to_string(kMostSamples) + " are supported");
+  sort();
+}
+
+std::uint64_t SampleTree::code_of(const Vec3f& at) const {
+  const float scale = static_cast<float>(1u << sort_depth_) / edge_;
+  const float top = static_cast<float>((1u << sort_depth_) - 1);
+  const Vec3f p = (at - lower_) * scale;
+  const auto clamp = [&](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, top)); };
+  return morton_code(clamp(p.x), clamp(p.y), clamp(p.z));
+}
+
+void SampleTree::sort() {
+  const std::size_t n = positions_.size();
   std::vector<Item> items(n);
   parallel_for(0, n, 16384, [&](std::size_t i) {
-    const Vec3f p = (positions[i] - lower) * scale;
-    const auto clamp = [&](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, top)); };
-    items[i] = {morton_code(clamp(p.x), clamp(p.y), clamp(p.z)), static_cast<std::uint32_t>(i)};
+    const std::uint64_t code = code_of(positions_[i]);
+    items[i] = {static_cast<std::uint32_t>(code), static_cast<std::uint32_t>(code >> 32),
+                static_cast<std::uint32_t>(i)};
   });
-  radix_sort(items, 3 * depth);
-
-  positions_.resize(n);
+  radix_sort(items, 3 * sort_depth_);
+  const auto rearrange = [&](std::vector<Vec3f>& values) {  // one at a time: there is never a copy of all
+    if (values.empty()) return;
+    std::vector<Vec3f> sorted(n);
+    parallel_for(0, n, 16384, [&](std::size_t i) { sorted[i] = values[items[i].index]; });
+    values = std::move(sorted);
+  };
+  rearrange(positions_);
+  rearrange(normals_);
   order_.resize(n);
-  if (!normals.empty()) normals_.resize(n);
-  parallel_for(0, n, 16384, [&](std::size_t i) {
-    order_[i] = items[i].index;
-    positions_[i] = positions[items[i].index];
-    if (!normals.empty()) normals_[i] = normals[items[i].index];
-  });
+  parallel_for(0, n, 16384, [&](std::size_t i) { order_[i] = items[i].index; });
+}
 
-  levels_.resize(static_cast<std::size_t>(depth) + 1);
-  Level& finest = levels_.back();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (i == 0 || items[i].key != items[i - 1].key) {
-      finest.code.push_back(items[i].key);
-      finest.begin.push_back(static_cast<std::uint32_t>(i));
-    }
+/// The first level on which two places along the curve lie in different cells; beyond the depth of the sort if none.
+int SampleTree::first_level_apart(std::uint64_t a, std::uint64_t b) const {
+  return a == b ? sort_depth_ + 1 : sort_depth_ - (63 - std::countl_zero(a ^ b)) / 3;
+}
+
+/// Calls seen(sample, code, level) for every sample of a chunk with which a cell begins, on that level and all below.
+template <class Seen>
+void SampleTree::for_each_start(std::size_t chunk, int deepest, Seen&& seen) const {
+  const std::size_t first = chunk * kChunk, last = std::min(positions_.size(), first + kChunk);
+  std::uint64_t before = first > 0 ? code_of(positions_[first - 1]) : 0;
+  for (std::size_t i = first; i < last; ++i) {
+    const std::uint64_t code = code_of(positions_[i]);
+    const int level = i > 0 ? first_level_apart(before, code) : 0;
+    before = code;
+    if (level <= deepest) seen(i, code, level);
   }
-  finest.begin.push_back(static_cast<std::uint32_t>(n));
-  for (int l = depth - 1; l >= 0; --l) {
-    const Level& below = level(l + 1);
-    Level& here = levels_[static_cast<std::size_t>(l)];
-    for (std::size_t c = 0; c < below.size(); ++c) {
-      const std::uint64_t code = below.code[c] >> 3;
-      if (here.code.empty() || here.code.back() != code) {
-        here.code.push_back(code);
-        here.begin.push_back(below.begin[c]);
-        here.child.push_back(static_cast<std::uint32_t>(c));
+}
+
+std::vector<double> SampleTree::company() const {
+  const std::size_t n = positions_.size(), levels = static_cast<std::size_t>(sort_depth_) + 1;
+  std::vector<Runs> parts(chunks_of(n));
+  parallel_for(0, parts.size(), 1, [&](std::size_t c) {
+    for_each_start(c, sort_depth_, [&](std::size_t i, std::uint64_t, int level) {
+      for (auto l = static_cast<std::size_t>(level); l < levels; ++l) parts[c].begin(l, i);
+    });
+  });
+  std::vector<double> result(levels);
+  for (std::size_t l = 0; l < levels; ++l) {
+    Runs whole;
+    for (const Runs& part : parts) {
+      if (part.first[l] == Runs::kNone) continue;
+      whole.begin(l, part.first[l]);
+      whole.squares[l] += part.squares[l];
+      whole.last[l] = part.last[l];
+    }
+    if (n > 0) whole.begin(l, n);
+    result[l] = n > 0 ? static_cast<double>(whole.squares[l]) / static_cast<double>(n) : 0;
+  }
+  return result;
+}
+
+void SampleTree::build_levels(int deepest) {
+  const std::size_t n = positions_.size(), levels = static_cast<std::size_t>(deepest) + 1, chunks = chunks_of(n);
+  levels_.assign(levels, {});
+  // Where the cells of each chunk begin in the tables of each level.
+  std::vector<std::array<std::uint32_t, kMaxDepth + 2>> place(chunks + 1);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    for_each_start(c, deepest, [&](std::size_t, std::uint64_t, int level) {
+      for (auto l = static_cast<std::size_t>(level); l < levels; ++l) ++place[c + 1][l];
+    });
+  });
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (std::size_t l = 0; l < levels; ++l) place[c + 1][l] += place[c][l];
+  for (std::size_t l = 0; l < levels; ++l) {
+    const std::size_t cells = place[chunks][l];
+    levels_[l].code.resize(cells);
+    levels_[l].begin.resize(cells + 1);
+    levels_[l].begin[cells] = static_cast<std::uint32_t>(n);
+    if (l + 1 == levels) continue;
+    levels_[l].child.resize(cells + 1);
+    levels_[l].child[cells] = place[chunks][l + 1];
+  }
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    auto next = place[c];
+    for_each_start(c, deepest, [&](std::size_t i, std::uint64_t code, int level) {
+      for (auto l = static_cast<std::size_t>(level); l < levels; ++l) {
+        const std::uint32_t cell = next[l]++;
+        levels_[l].code[cell] = code >> (3 * (static_cast<std::size_t>(sort_depth_) - l));
+        levels_[l].begin[cell] = static_cast<std::uint32_t>(i);
+        if (l + 1 < levels) levels_[l].child[cell] = next[l + 1];
       }
-    }
-    here.begin.push_back(static_cast<std::uint32_t>(n));
-    here.child.push_back(static_cast<std::uint32_t>(below.size()));
-  }
+    });
+  });
 }
 
 std::int64_t SampleTree::find(int l, std::uint64_t code) const {
+  if (l > depth()) return -1;
   const auto& codes = level(l).code;
   const auto it = std::lower_bound(codes.begin(), codes.end(), code);
   return it != codes.end() && *it == code ? it - codes.begin() : -1;
-}
-
-SampleTree::Neighbours SampleTree::root_neighbours() const {
-  Neighbours n;
-  n.fill(-1);
-  n[13] = 0;
-  return n;
-}
-
-SampleTree::Neighbours SampleTree::child_neighbours(int l, const Neighbours& of_parent, std::uint32_t child) const {
-  const Level& here = level(l);
-  const Level& below = level(l + 1);
-  const unsigned octant = static_cast<unsigned>(below.code[child] & 7);
-  Neighbours result;
-  std::size_t slot = 0;
-  for (int dz = -1; dz <= 1; ++dz)
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx, ++slot) {
-        // Position within the 4×4×4 … block of the parents' children: -1..2 on each axis.
-        const int x = static_cast<int>(octant & 1) + dx, y = static_cast<int>(octant >> 1 & 1) + dy,
-                  z = static_cast<int>(octant >> 2) + dz;
-        const int px = x < 0 ? -1 : x > 1 ? 1 : 0, py = y < 0 ? -1 : y > 1 ? 1 : 0, pz = z < 0 ? -1 : z > 1 ? 1 : 0;
-        const std::int32_t p = of_parent[static_cast<std::size_t>(13 + px + 3 * py + 9 * pz)];
-        result[slot] = -1;
-        if (p < 0) continue;
-        const unsigned want =
-            static_cast<unsigned>(x & 1) | static_cast<unsigned>(y & 1) << 1 | static_cast<unsigned>(z & 1) << 2;
-        const auto at = static_cast<std::size_t>(p);
-        for (std::uint32_t c = here.child[at]; c < here.child[at + 1]; ++c) {
-          if ((below.code[c] & 7) == want) {
-            result[slot] = static_cast<std::int32_t>(c);
-            break;
-          }
-        }
-      }
-  return result;
 }
 
 }  // namespace sansmesh

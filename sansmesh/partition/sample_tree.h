@@ -1,9 +1,10 @@
-// Samples sorted along the Morton curve of a cube, with every level of the octree over them as a flat table.
+// Samples sorted along the Morton curve of a cube, with the levels of the octree over them as flat tables.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/core/vec.h"
@@ -24,29 +25,49 @@ class SampleTree {
   /// The 3×3×3 cells around a cell (index 13 is the cell itself), x fastest; -1 where there is none.
   using Neighbours = std::array<std::int32_t, 27>;
 
-  /// Sorts the samples and builds levels 0 .. depth (depth <= 20). normals may be empty.
-  SampleTree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, const Vec3f& lower, float edge,
-             int depth);
+  static constexpr int kMaxDepth = 20;
+  static constexpr std::size_t kMostSamples = 0x7fffffff;  ///< cells are counted in 31 bits
 
-  int depth() const { return static_cast<int>(levels_.size()) - 1; }
+  /// Takes the samples over and sorts them in place along the curve through the cells of level `depth`
+  /// (0..kMaxDepth) of the cube [lower, lower + edge]³; samples of one cell keep their order. normals may be empty.
+  /// Throws DataError beyond kMostSamples. There are no levels yet.
+  SampleTree(std::vector<Vec3f> positions, std::vector<Vec3f> normals, const Vec3f& lower, float edge, int depth);
+
+  /// Mean number of samples that share a sample's cell, itself included, on each level 0 .. depth of the sort.
+  std::vector<double> company() const;
+
+  /// Makes levels 0 .. deepest, which is at most the depth of the sort.
+  void build_levels(int deepest);
+
+  int depth() const { return static_cast<int>(levels_.size()) - 1; }  ///< deepest level made
   const Level& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
   const Vec3f& lower() const { return lower_; }
   float edge() const { return edge_; }
 
-  /// Sorted samples; order()[i] is the caller's index of sorted sample i.
+  /// Sorted samples.
   std::span<const Vec3f> positions() const { return positions_; }
   std::span<const Vec3f> normals() const { return normals_; }
-  std::span<const std::uint32_t> order() const { return order_; }
 
   /// Index of the cell with this code on a level; -1 if it holds no sample.
   std::int64_t find(int level, std::uint64_t code) const;
-  Neighbours root_neighbours() const;
-  /// Neighbours of cell `child` (an index on level + 1), given those of its parent (on `level`).
-  Neighbours child_neighbours(int level, const Neighbours& of_parent, std::uint32_t child) const;
+
+  /// Each of these gives a part of the tree away for good, where it is not needed any more. take_order()[i] is the
+  /// caller's index of sorted sample i.
+  std::vector<std::uint32_t> take_order() { return std::move(order_); }
+  std::vector<Vec3f> take_positions() { return std::move(positions_); }
+  std::vector<Vec3f> take_normals() { return std::move(normals_); }
+  Level take_level(int l) { return std::move(levels_[static_cast<std::size_t>(l)]); }
 
  private:
+  std::uint64_t code_of(const Vec3f& p) const;
+  void sort();
+  int first_level_apart(std::uint64_t a, std::uint64_t b) const;
+  template <class Seen>
+  void for_each_start(std::size_t chunk, int deepest, Seen&& seen) const;
+
   Vec3f lower_;
   float edge_;
+  int sort_depth_;
   std::vector<Vec3f> positions_, normals_;
   std::vector<std::uint32_t> order_;
   std::vector<Level> levels_;

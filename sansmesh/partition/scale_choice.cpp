@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/neighbour_walk.h"
 
 namespace sansmesh {
 namespace {
@@ -20,9 +21,10 @@ constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f,
 /// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing.
 constexpr double kSupport = 1.5, kNoisySupport = 1.8;
 constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;  // in spacings
+constexpr double kLeastCompany = 4;  ///< samples in a sample's cell, in the mean, on the finest level that is tried
 constexpr double kKnownNoise = 0.3;  ///< share of the samples around which the noise of a level must be known
 
-/// Every how manieth sample around a block is enough for its fit.
+/// The stride through the samples around a block that leaves enough for its fit: 1 takes all, 2 every second one …
 std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Neighbours& own) {
   std::size_t near = 0;
   const auto& begin = fitter.tree.level(level).begin;
@@ -36,21 +38,31 @@ std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Nei
 /// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here.
 float uncut(float mean_square) { return mean_square / std::max(0.3f, 1 - 6 * mean_square); }
 
+/// The residuals of fits of radius `scale`, up to a degree.
+void record(const DegreeFits& fits, int most, float scale, Trial& trial) {
+  for (int d = 1; d <= std::min(most, fits.highest); ++d) {
+    const auto k = static_cast<std::size_t>(d);
+    trial.mean_square[k - 1] = uncut(static_cast<float>(fits.mean_square[k])) * scale * scale;
+  }
+}
+
 /// Case (iii) of METHODS §3.1 says: too many samples, subdivide. But where planes on half the scale leave no more than
 /// noise, only more samples make the fit better.
 bool only_noise(std::span<const Trial> children) {
   double plane = 0, best = 0;
   for (const Trial& t : children) {
     if (t.highest < 1) continue;
-    plane += t.mean_square[1];
-    best += t.mean_square[static_cast<std::size_t>(t.highest)];
+    plane += t.plane();
+    best += t.residual(t.highest);
   }
   return best > 0 && plane < 2 * best;
 }
 
-Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
-                const SampleTree::Neighbours& parents, std::span<const Trial> children, Workspace& ws) {
+Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, NeighbourWalk& walk,
+                std::span<const Trial> children, Workspace& ws) {
   Trial trial;
+  walk.go(level, cell);
+  const SampleTree::Neighbours& own = walk.own();
   const auto limit = static_cast<std::size_t>(fitter.options.max_samples);
   const bool any_number = only_noise(children);
   const std::size_t stride = any_number ? 1 : thinning(fitter, level, own);
@@ -61,26 +73,23 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, const 
     gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
     const float scale = fitter.support_radius(level);
     const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped);
-    if (fits.highest >= 1) trial.plane = uncut(static_cast<float>(fits.mean_square[1])) * scale * scale;
+    record(fits, 1, scale, trial);
     return trial;
   }
   trial.stride = static_cast<std::uint32_t>(stride);
   if (stride > 1) {
     gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
   } else {
-    trial.reach = gather_enough(fitter, level, cell, own, parents, ws.ids);
+    trial.reach = gather_enough(fitter, level, cell, own, walk.parents(), ws.ids);
   }
   if (trial.reach == 0) return trial;
   const float scale = trial.reach * fitter.support_radius(level);
   const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
-  if (fits.highest >= 1) trial.plane = uncut(static_cast<float>(fits.mean_square[1])) * scale * scale;
+  record(fits, 1, scale, trial);
   if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
-  for (int d = 0; d <= trial.highest; ++d) {
-    const auto k = static_cast<std::size_t>(d);
-    trial.mean_square[k] = uncut(static_cast<float>(fits.mean_square[k])) * scale * scale;
-  }
+  record(fits, trial.highest, scale, trial);
   return trial;
 }
 
@@ -96,70 +105,53 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
     if (d < std::min(2, max_degree) || o.reach != 1) continue;  // what planes leave is also shape
     const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
     if (freedom < 1) continue;
-    sum += o.mean_square[static_cast<std::size_t>(d)] * o.effective_count;
+    sum += o.residual(d) * o.effective_count;
     n += freedom;
   }
   return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
-/// The finest level tried is the last on which a sample typically still has company enough for a quadratic fit.
+/// The finest level tried is the last on which a sample typically still has enough others around it for a quadratic
+/// fit.
 int finest_level(const SampleTree& tree, const PartitionOptions& options) {
+  const std::vector<double> company = tree.company();
+  const int deepest = static_cast<int>(company.size()) - 1;
+  if (options.max_depth) return deepest;
   int finest = 2;
-  for (int l = 2; l <= tree.depth(); ++l) {
-    const auto& begin = tree.level(l).begin;
-    double mean = 0;
-    for (std::size_t c = 0; c + 1 < begin.size(); ++c)
-      mean += std::pow(static_cast<double>(begin[c + 1] - begin[c]), 2);
-    if (mean / static_cast<double>(tree.positions().size()) < 4.0 && l > 2 && !options.max_depth) break;
-    finest = l;
-  }
+  while (finest < deepest && company[static_cast<std::size_t>(finest) + 1] >= kLeastCompany) ++finest;
   return finest;
-}
-
-void find_neighbours(const SampleTree& tree, ScaleChoice& choice) {
-  const auto levels = static_cast<std::size_t>(choice.finest) + 1;
-  choice.neighbours.resize(levels);
-  choice.parent.resize(levels);
-  choice.neighbours[0] = {tree.root_neighbours()};
-  choice.parent[0] = {0};
-  for (std::size_t l = 1; l < levels; ++l) {
-    const int above = static_cast<int>(l) - 1;
-    const std::size_t count = tree.level(above + 1).size();
-    choice.neighbours[l].resize(count);
-    choice.parent[l].resize(count);
-    const auto& child = tree.level(above).child;
-    parallel_for(0, tree.level(above).size(), 256, [&](std::size_t p) {
-      for (std::uint32_t c = child[p]; c < child[p + 1]; ++c) {
-        choice.parent[l][c] = static_cast<std::uint32_t>(p);
-        choice.neighbours[l][c] = tree.child_neighbours(above, choice.neighbours[l - 1][p], c);
-      }
-    });
-  }
 }
 
 /// 1 for the cells of each level that must be tried for what lies below some blocks: those blocks, the blocks around
 /// them on their level, whose risks they average over, all below these, and around that the finest cells that noise is
 /// pooled over.
 using Wanted = std::vector<std::vector<std::uint8_t>>;
-Wanted wanted_below(const SampleTree& tree, const ScaleChoice& choice, std::span<const BlockKey> roots, int finest) {
-  const auto levels = choice.neighbours.size();
+Wanted wanted_below(const SampleTree& tree, std::span<const BlockKey> roots, int finest) {
+  const auto levels = static_cast<std::size_t>(tree.depth()) + 1;
   Wanted wanted(levels);
-  for (std::size_t l = 0; l < levels; ++l) wanted[l].resize(choice.neighbours[l].size());
+  for (std::size_t l = 0; l < levels; ++l) wanted[l].resize(tree.level(static_cast<int>(l)).size());
+  NeighbourWalk walk(tree);
   for (const BlockKey& root : roots) {
-    const auto l = static_cast<std::size_t>(root.level);
+    if (root.level > tree.depth()) continue;
     const std::int64_t cell = tree.find(root.level, root.code);
-    if (cell < 0 || l >= levels) continue;
-    for (const std::int32_t n : choice.neighbours[l][static_cast<std::size_t>(cell)])
-      if (n >= 0) wanted[l][static_cast<std::size_t>(n)] = 1;
+    if (cell < 0) continue;
+    walk.go(root.level, static_cast<std::uint32_t>(cell));
+    for (const std::int32_t n : walk.own())
+      if (n >= 0) wanted[static_cast<std::size_t>(root.level)][static_cast<std::size_t>(n)] = 1;
   }
   for (std::size_t l = 0; l < levels; ++l) {
-    if (l > 0)
-      for (std::size_t c = 0; c < wanted[l].size(); ++c) wanted[l][c] |= wanted[l - 1][choice.parent[l][c]];
+    for (std::size_t p = 0; l > 0 && p < wanted[l - 1].size(); ++p) {
+      const auto& child = tree.level(static_cast<int>(l) - 1).child;
+      for (std::uint32_t c = child[p]; c < child[p + 1]; ++c) wanted[l][c] |= wanted[l - 1][p];
+    }
     if (l != static_cast<std::size_t>(finest)) continue;
     const std::vector<std::uint8_t> inner = wanted[l];
-    for (std::size_t c = 0; c < inner.size(); ++c)
-      for (const std::int32_t n : choice.neighbours[l][c])
-        if (inner[c] && n >= 0) wanted[l][static_cast<std::size_t>(n)] = 1;
+    for (std::size_t c = 0; c < inner.size(); ++c) {
+      if (!inner[c]) continue;
+      walk.go(finest, static_cast<std::uint32_t>(c));
+      for (const std::int32_t n : walk.own())
+        if (n >= 0) wanted[l][static_cast<std::size_t>(n)] = 1;
+    }
   }
   return wanted;
 }
@@ -168,13 +160,14 @@ Wanted wanted_below(const SampleTree& tree, const ScaleChoice& choice, std::span
 void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress, const Wanted* wanted = nullptr) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;
   std::size_t work = 0;
-  for (const auto& cells : choice.neighbours) work += cells.size();
+  for (int l = 0; l <= choice.finest; ++l) work += fitter.tree.level(l).size();
   progress.begin("fit", work);
   choice.trials.assign(levels, {});
   for (std::size_t l = levels; l-- > 0;) {
     const int level = static_cast<int>(l);
-    choice.trials[l].resize(choice.neighbours[l].size());
+    choice.trials[l].resize(fitter.tree.level(level).size());
     parallel_ranges(0, choice.trials[l].size(), 128, [&](std::size_t first, std::size_t last) {
+      NeighbourWalk walk(fitter.tree);
       Workspace ws;
       for (std::size_t c = first; c < last; ++c) {
         if (wanted && !(*wanted)[l][c]) continue;
@@ -183,8 +176,7 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
           const auto& child = fitter.tree.level(level).child;
           children = std::span(choice.trials[l + 1]).subspan(child[c], child[c + 1] - child[c]);
         }
-        choice.trials[l][c] = try_block(fitter, level, static_cast<std::uint32_t>(c), choice.neighbours[l][c],
-                                        choice.neighbours[l > 0 ? l - 1 : 0][choice.parent[l][c]], children, ws);
+        choice.trials[l][c] = try_block(fitter, level, static_cast<std::uint32_t>(c), walk, children, ws);
       }
       progress.advance(last - first);
     });
@@ -197,13 +189,13 @@ void refit_finest(BlockFitter& fitter, ScaleChoice& choice, const Wanted* wanted
   fitter.deepest = choice.finest;
   const auto l = static_cast<std::size_t>(choice.finest);
   parallel_ranges(0, choice.trials[l].size(), 128, [&](std::size_t first, std::size_t last) {
+    NeighbourWalk walk(fitter.tree);
     Workspace ws;
     for (std::size_t c = first; c < last; ++c) {
       Trial& t = choice.trials[l][c];
       if (t.highest >= 0 || t.reach == 0 || (wanted && !(*wanted)[l][c])) continue;
       const float noise = t.noise;
-      t = try_block(fitter, choice.finest, static_cast<std::uint32_t>(c), choice.neighbours[l][c],
-                    choice.neighbours[l > 0 ? l - 1 : 0][choice.parent[l][c]], {}, ws);
+      t = try_block(fitter, choice.finest, static_cast<std::uint32_t>(c), walk, {}, ws);
       t.noise = noise;
     }
   });
@@ -213,8 +205,12 @@ void refit_finest(BlockFitter& fitter, ScaleChoice& choice, const Wanted* wanted
 void pool_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   const auto l = static_cast<std::size_t>(choice.finest);
   std::vector<Trial>& trials = choice.trials[l];
-  parallel_for(0, trials.size(), 1024, [&](std::size_t c) {
-    trials[c].noise = pooled_noise(trials, choice.neighbours[l][c], fitter.options.max_degree);
+  parallel_ranges(0, trials.size(), 1024, [&](std::size_t first, std::size_t last) {
+    NeighbourWalk walk(fitter.tree);
+    for (std::size_t c = first; c < last; ++c) {
+      walk.go(choice.finest, static_cast<std::uint32_t>(c));
+      trials[c].noise = pooled_noise(trials, walk.own(), fitter.options.max_degree);
+    }
   });
 }
 
@@ -251,7 +247,7 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       noises.push_back(trials[c].noise);
       known += begin[c + 1] - begin[c];
     }
-    // Where few blocks have company enough, those few are not typical.
+    // Where few blocks hold enough samples, those few are not typical.
     if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
@@ -263,16 +259,17 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   spread_noise(fitter, choice);
 }
 
-using Risks = std::array<float, kMaxDegree + 1>;
+/// Of degrees 1 .. kMaxDegree.
+using Risks = std::array<float, kMaxDegree>;
 
-/// Mallows' estimate of the expected squared error of each degree; infinite where it is not to be had.
+/// Mallows' estimate of the expected squared error of each degree; infinite where it cannot be told.
 Risks raw_risks(const Trial& t, float noise, float radius) {
   Risks risks;
   risks.fill(kInfinite);
   for (int d = 1; d <= t.highest; ++d) {
     const auto k = static_cast<std::size_t>(d);
-    risks[k] =
-        t.mean_square[k] - noise * (1 - 2 * kFreedom[k] / t.effective_count) + t.dropped * 0.1f * radius * radius;
+    risks[k - 1] =
+        t.residual(d) - noise * (1 - 2 * kFreedom[k] / t.effective_count) + t.dropped * 0.1f * radius * radius;
   }
   return risks;
 }
@@ -284,8 +281,8 @@ void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, 
     const auto k = static_cast<std::size_t>(d);
     float sum = 0, n = 0;
     for (const std::int32_t o : around) {
-      if (o < 0 || raw[static_cast<std::size_t>(o)][k] == kInfinite) continue;
-      sum += raw[static_cast<std::size_t>(o)][k], n += 1;
+      if (o < 0 || raw[static_cast<std::size_t>(o)][k - 1] == kInfinite) continue;
+      sum += raw[static_cast<std::size_t>(o)][k - 1], n += 1;
     }
     const float risk = std::max(sum / n, noise * kFreedom[k] / t.effective_count);
     if (risk < t.risk * (d > 1 ? 0.98f : 1.0f)) t.risk = risk, t.degree = static_cast<std::uint8_t>(d);
@@ -303,9 +300,8 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
     std::vector<Risks> raw(trials.size());
     parallel_for(0, raw.size(), 1024,
                  [&](std::size_t c) { raw[c] = raw_risks(trials[c], noise_of(trials[c]), radius); });
-    parallel_for(0, raw.size(), 1024, [&](std::size_t c) {
-      Trial& t = trials[c];
-      choose_degree(t, noise_of(t), choice.neighbours[l][c], raw);
+    const auto choose = [&](Trial& t, std::size_t c, const SampleTree::Neighbours& around) {
+      choose_degree(t, noise_of(t), around, raw);
       t.best = t.risk;
       t.leaf = true;
       if (level == choice.finest) return;
@@ -321,6 +317,13 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
       const float below = n > 0 ? static_cast<float>(sum / n) : kInfinite;
       const bool wanted = t.risk > needed && below < 0.9f * t.risk;
       if (wanted || (t.risk == kInfinite && below < kInfinite)) t.leaf = false, t.best = below;
+    };
+    parallel_ranges(0, raw.size(), 1024, [&](std::size_t first, std::size_t last) {
+      NeighbourWalk walk(fitter.tree);
+      for (std::size_t c = first; c < last; ++c) {
+        walk.go(level, static_cast<std::uint32_t>(c));
+        choose(trials[c], c, walk.own());
+      }
     });
   }
 }
@@ -355,11 +358,10 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
 
 }  // namespace
 
-ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& options, double diagonal,
-                          Progress& progress) {
+ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress) {
   ScaleChoice choice;
   const int finest = choice.tried = choice.finest = finest_level(tree, options);
-  find_neighbours(tree, choice);
+  tree.build_levels(finest);
   choice.support = static_cast<float>(options.support.value_or(kSupport));
   BlockFitter fitter{tree, options, choice.support, finest};
   try_blocks(fitter, choice, progress);
@@ -377,6 +379,7 @@ ScaleChoice choose_scales(const SampleTree& tree, const PartitionOptions& option
   }
   refit_finest(fitter, choice);
   progress.begin("choose scale");
+  choice.trials.resize(static_cast<std::size_t>(choice.finest) + 1);
   choice.accepted = options.error.value_or(std::max(0.1 * std::sqrt(choice.variance), 2e-6 * diagonal));
   choose_cuts(fitter, choice);
   collect_leaves(tree, choice);
@@ -391,11 +394,10 @@ ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& 
   choice.variance = basis.variance;
   choice.accepted = basis.accepted;
   choice.support = static_cast<float>(basis.support);
-  find_neighbours(tree, choice);
   BlockFitter fitter{tree, options, choice.support, basis.tried};
   int deepest = 0;
   for (const BlockKey& root : roots) deepest = std::max(deepest, root.level);
-  const Wanted wanted = wanted_below(tree, choice, roots, basis.finest);
+  const Wanted wanted = wanted_below(tree, roots, basis.finest);
   try_blocks(fitter, choice, progress, &wanted);
   choice.finest = basis.finest;
   pool_noise(fitter, choice);

@@ -58,7 +58,7 @@ bool same_sheet(const PartitionData& data, std::span<const Vec3f> places, std::u
   if (!a.creased && !b.creased && dot(data.functions[i].nu, data.functions[j].nu) <= 0) return false;
   const bool there = std::abs(support_value(data, i, places[j])) <= kAgreement * edge;
   const bool back = std::abs(support_value(data, j, places[i])) <= kAgreement * edge;
-  // One that saw next to nothing beyond a crease continues a face past it, where no neighbour agrees.
+  // A support with hardly any samples beyond a crease continues a face past it, where no neighbour agrees.
   return a.creased || b.creased ? there || back : there && back;
 }
 

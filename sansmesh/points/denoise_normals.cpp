@@ -157,14 +157,12 @@ class NormalDenoiser {
 
 void NormalDenoisingOptions::validate() const {
   if (neighbours && (*neighbours < 6 || *neighbours > 240))
-    throw ArgumentError("NormalDenoisingOptions::neighbours is " + std::to_string(*neighbours) +
-                        "; it must lie in 6..240");
+    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 6..240");
   if (rounds < 0 || rounds > 20)
-    throw ArgumentError("NormalDenoisingOptions::rounds is " + std::to_string(rounds) + "; it must lie in 0..20");
-  if (!(angle > 0 && angle <= std::numbers::pi / 2))
-    throw ArgumentError("NormalDenoisingOptions::angle must lie in (0, π/2]");
-  if (spacing && !(*spacing >= 0)) throw ArgumentError("NormalDenoisingOptions::spacing must not be negative");
-  if (noise && !(*noise >= 0)) throw ArgumentError("NormalDenoisingOptions::noise must not be negative");
+    throw ArgumentError("`rounds` is " + std::to_string(rounds) + "; it must lie in 0..20");
+  if (!(angle > 0 && angle <= std::numbers::pi / 2)) throw ArgumentError("`angle` must lie in (0, π/2]");
+  if (spacing && !(*spacing >= 0)) throw ArgumentError("`spacing` must not be negative");
+  if (noise && !(*noise >= 0)) throw ArgumentError("`noise` must not be negative");
 }
 
 void denoise_normals(PointSet& points, const NormalDenoisingOptions& options, Progress& progress) {

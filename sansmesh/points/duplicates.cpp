@@ -32,7 +32,7 @@ std::uint64_t hash_of(const Vec3f& p) {
 }
 
 // Finite samples in the order of a hash of their position: duplicates come together, the lowest index first.
-// Different positions with the same hash are told apart by whoever walks along a run.
+// Different positions with the same hash must be told apart by the code that walks along a run.
 std::vector<KeyIndex> by_position(const std::vector<Vec3f>& positions) {
   std::vector<KeyIndex> keys;
   keys.reserve(positions.size());
@@ -62,15 +62,6 @@ std::size_t for_each_duplicate(const std::vector<Vec3f>& positions, const Duplic
     }
   }
   return unique;
-}
-
-template <class T>
-void keep_unmarked(std::vector<T>& values, const std::vector<std::uint8_t>& mask) {
-  if (values.empty()) return;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < mask.size(); ++i)
-    if (!mask[i]) values[kept++] = values[i];
-  values.resize(kept);
 }
 
 }  // namespace
@@ -155,24 +146,6 @@ std::vector<std::uint8_t> find_duplicates(const PointSet& points) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!is_finite(points.positions[i])) mask[i] = 1;
   return mask;
-}
-
-void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask) {
-  if (mask.size() != points.size())
-    throw ArgumentError("remove_samples: a mask of " + std::to_string(mask.size()) + " entries for " +
-                        std::to_string(points.size()) + " samples");
-  std::vector<std::uint32_t> new_index(mask.size());
-  std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < mask.size(); ++i) new_index[i] = mask[i] ? 0 : kept++;
-  std::erase_if(points.triangles, [&](const auto& t) { return mask[t[0]] || mask[t[1]] || mask[t[2]]; });
-  for (auto& t : points.triangles)
-    for (std::uint32_t& corner : t) corner = new_index[corner];
-  keep_unmarked(points.normals, mask);
-  keep_unmarked(points.colors, mask);
-  keep_unmarked(points.confidence, mask);
-  for (Attribute& a : points.attributes) keep_unmarked(a.values, mask);
-  keep_unmarked(points.scan_of_point, mask);
-  keep_unmarked(points.positions, mask);
 }
 
 }  // namespace sansmesh

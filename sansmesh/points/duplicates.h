@@ -27,8 +27,4 @@ double duplicate_share(const PointSet& points);
 /// 1 where the position equals that of a sample of lower index (or is not finite), 0 elsewhere.
 std::vector<std::uint8_t> find_duplicates(const PointSet& points);
 
-/// Keeps the samples whose mask is 0, with all their attributes, in order. Triangles with a removed corner go.
-/// Throws ArgumentError if the mask has another length than the cloud.
-void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
-
 }  // namespace sansmesh

@@ -53,8 +53,8 @@ class NormalFitter {
                           products.yz * w - mean.y * mean.z, products.zz * w - mean.z * mean.z});
   }
 
-  // Samples far off the plane, measured by how far most samples and the noise are, lose their say (Geman & McClure's
-  // weights).
+  // Samples far off the plane, measured by how far most samples and the noise are, lose their influence (Geman &
+  // McClure's weights).
   Vec3 reweighted_normal(Vec3 normal, double noise) {
     const std::size_t n = offsets_.size();
     heights_.resize(n);
@@ -106,7 +106,7 @@ class NormalFitter {
     a.diagonal().array() += 1e-7 * a(0, 0);
     const Column c = a.selfadjointView<Eigen::Lower>().ldlt().solve(right);
     const Vec3 tilted = normal - t * c[1] - b * c[2];
-    // A slope past 60 degrees over the best plane is a failed fit, not a surface.
+    // A slope of more than 60 degrees over the best plane is a failed fit, not a surface.
     return std::isfinite(squared_norm(tilted)) && squared_norm(tilted) < 4 ? normalized(tilted) : normal;
   }
 
@@ -122,11 +122,11 @@ class NormalFitter {
 
 void NormalOptions::validate() const {
   if (neighbours && (*neighbours < 6 || *neighbours > 500))
-    throw ArgumentError("NormalOptions::neighbours is " + std::to_string(*neighbours) + "; it must lie in 6..500");
+    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 6..500");
   if (reweightings < 0 || reweightings > 10)
-    throw ArgumentError("NormalOptions::reweightings is " + std::to_string(reweightings) + "; it must lie in 0..10");
-  if (spacing && !(*spacing >= 0)) throw ArgumentError("NormalOptions::spacing must not be negative");
-  if (noise && !(*noise >= 0)) throw ArgumentError("NormalOptions::noise must not be negative");
+    throw ArgumentError("`reweightings` is " + std::to_string(reweightings) + "; it must lie in 0..10");
+  if (spacing && !(*spacing >= 0)) throw ArgumentError("`spacing` must not be negative");
+  if (noise && !(*noise >= 0)) throw ArgumentError("`noise` must not be negative");
 }
 
 int choose_neighbours(double spacing, double noise) {

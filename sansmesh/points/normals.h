@@ -17,7 +17,7 @@ struct NormalOptions {
   Method method = Method::jet;
   /// Samples in a neighbourhood, 6..500; default: `choose_neighbours` of the estimated spacing and noise.
   std::optional<int> neighbours = {};
-  /// Rounds of reweighting, 0..10, that take away the say of samples off the fitted plane: outliers, the other side of
+  /// Rounds of reweighting, 0..10, that reduce the weight of samples off the fitted plane: outliers, the other side of
   /// a crease or of a thin sheet. Sharper at creases, a little less steady under noise, half as fast.
   int reweightings = 0;
   /// Known spacing and noise (lengths), to save their estimation; used where `neighbours` is absent.

@@ -21,9 +21,9 @@ constexpr std::size_t kCheckSamples = 30000;
 constexpr int kExtremeDirections = 64;
 
 /// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
-/// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, be the arc flat, round
-/// or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets: these say
-/// nothing. Heights of the order of the noise count as none, else it would seem to be full of sheets.
+/// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, whether the arc is
+/// flat, round or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets:
+/// these say nothing. Heights of the order of the noise count as zero, or noise would look like many sheets.
 float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float noise) {
   const Vec3f d = q - p;
   const float length = norm(d);
@@ -86,8 +86,8 @@ class RelationGraph {
   std::vector<std::int8_t> relations_;
 };
 
-// Smooth patches first, from the surest relations to the less sure; then patch by patch, by the vote of all relations
-// between them.
+// Smooth patches first, from the most certain relations to the less certain; then patch by patch, by the vote of all
+// relations between them.
 void propagate(const RelationGraph& graph, SignForest& forest, Progress& progress) {
   for (const int sure : {118, 105, 90, 75}) {
     for (std::size_t s = 0; s < graph.size(); ++s)
@@ -259,7 +259,7 @@ bool know_scanners(const PointSet& points) {
 
 void OrientationOptions::validate() const {
   if (neighbours < 4 || neighbours > 100)
-    throw ArgumentError("OrientationOptions::neighbours is " + std::to_string(neighbours) + "; it must lie in 4..100");
+    throw ArgumentError("`neighbours` is " + std::to_string(neighbours) + "; it must lie in 4..100");
 }
 
 void orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress) {
@@ -290,13 +290,13 @@ void orient_normals(PointSet& points, const OrientationOptions& options, Progres
   progress.finish();
 }
 
-OrientationCheck check_orientation(const PointSet& points) {
+OrientationCheck check_orientation(const PointSet& points, std::optional<double> known_noise) {
   if (points.normals.size() != points.size()) return OrientationCheck::missing;
   std::vector<Vec3f> positions, normals;
   std::size_t with_normal = 0;
   for (const Vec3f& n : points.normals) with_normal += squared_norm(n) > 0.25f;
   if (with_normal * 10 < points.size() || with_normal == 0) return OrientationCheck::missing;
-  // Every so many-th sample that has a normal.
+  // Equal steps through the samples that have a normal.
   const std::size_t wanted = std::min(with_normal, kCheckSamples);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -307,7 +307,7 @@ OrientationCheck check_orientation(const PointSet& points) {
     normals.push_back(points.normals[i]);
   }
   if (positions.empty()) return OrientationCheck::missing;
-  const double noise = estimate_noise(points);
+  const double noise = known_noise ? *known_noise : estimate_noise(points);
   const OrientationCheck judgement = judge(positions, normals, noise);
   // The sides of a thin sheet may have been taken for noise.
   if (judgement != OrientationCheck::unoriented || noise == 0) return judgement;

@@ -17,7 +17,8 @@ enum class OrientationCheck {
 
 /// Judges points.normals on a fixed subsample: orients it anew and asks whether that makes whole regions agree with
 /// their surroundings that disagreed before. Single wrong signs (noise) and thin parts do not count.
-OrientationCheck check_orientation(const PointSet& points);
+/// `noise` (length), where it is known, saves its estimation.
+OrientationCheck check_orientation(const PointSet& points, std::optional<double> noise = {});
 
 struct OrientationOptions {
   /// Samples each sample is compared with, 4..100.

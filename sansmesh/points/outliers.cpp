@@ -14,7 +14,7 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
-/// Samples closer than this many times the spacing around both belong together.
+/// Samples closer to each other than this many times the spacing around both belong together.
 constexpr float kReach = 4;
 /// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread
 /// evenly in space have about 0.6.
@@ -29,8 +29,7 @@ bool looks_scattered(const KdTree& tree, std::span<const std::uint32_t> neighbou
 }  // namespace
 
 void OutlierOptions::validate() const {
-  if (!(isolation > 1))
-    throw ArgumentError("OutlierOptions::isolation is " + std::to_string(isolation) + "; it must exceed 1");
+  if (!(isolation > 1)) throw ArgumentError("`isolation` is " + std::to_string(isolation) + "; it must exceed 1");
 }
 
 std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOptions& options, Progress& progress) {

@@ -17,7 +17,7 @@
 namespace sansmesh {
 namespace {
 
-/// A local fit takes this many samples.
+/// A local fit needs this many samples.
 constexpr std::size_t kFewest = 9;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
@@ -80,38 +80,39 @@ void use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnin
   }
 }
 
-/// Returns whether the normals were estimated.
-bool prepare_normals(PointSet& points, NormalUse choice, Progress& progress, std::vector<std::string>& warnings) {
+void prepare_normals(PreparedCloud& cloud, NormalUse choice, Progress& progress) {
+  PointSet& points = cloud.points;
   if (choice == NormalUse::as_given) {
     if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
-    return false;
+    return;
   }
   if (choice == NormalUse::estimate) points.normals.clear();
-  bool estimated = false;
-  NormalOptions estimation;
-  OrientationOptions orientation;
   progress.begin("check normals");
-  switch (check_orientation(points)) {
+  cloud.noise = estimate_noise(points);
+  switch (check_orientation(points, cloud.noise)) {
     case OrientationCheck::oriented:
-      return false;
+      return;
     case OrientationCheck::inward:
-      warnings.push_back("the normals point inward: turned round");
+      cloud.warnings.push_back("the normals point inward: turned round");
       for (Vec3f& n : points.normals) n = -n;
-      return false;
-    case OrientationCheck::missing:
+      return;
+    case OrientationCheck::missing: {
       progress.begin("estimate normals");
-      estimation.spacing = estimate_spacing(points);
-      estimation.noise = orientation.noise = estimate_noise(points);
+      cloud.spacing = estimate_spacing(points);
+      NormalOptions estimation;
+      estimation.spacing = cloud.spacing, estimation.noise = cloud.noise;
       estimate_normals(points, estimation, progress);
-      estimated = true;
+      cloud.estimated_normals = true;
       break;
+    }
     case OrientationCheck::unoriented:
-      warnings.push_back("the normals are not oriented consistently: oriented anew");
+      cloud.warnings.push_back("the normals are not oriented consistently: oriented anew");
       break;
   }
   progress.begin("orient normals");
+  OrientationOptions orientation;
+  orientation.noise = cloud.noise;
   orient_normals(points, orientation, progress);
-  return estimated;
 }
 
 }  // namespace
@@ -140,7 +141,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
       result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
     }
   }
-  result.estimated_normals = prepare_normals(result.points, use.normals, progress, result.warnings);
+  prepare_normals(result, use.normals, progress);
   return result;
 }
 

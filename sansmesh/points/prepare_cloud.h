@@ -1,6 +1,7 @@
 // From what a file holds to samples that methods can use: the first half of every front door.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ enum class FaceUse { automatic, ignore, sample };
 /// estimate: they are replaced.
 enum class NormalUse { automatic, as_given, estimate };
 
+/// What is done to the samples before any method.
 struct CloudUse {
   FaceUse faces = FaceUse::automatic;
   NormalUse normals = NormalUse::automatic;
@@ -26,8 +28,10 @@ struct CloudUse {
 struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in a unit in which they are about 1 large
   Vec3 origin;      ///< of the input
+  double unit = 1;  ///< a power of two: position in the input = origin + unit · position
   bool estimated_normals = false;  ///< there were none, or they were not wanted
-  double unit = 1;                 ///< a power of two: position in the input = origin + unit · position
+  /// Of the points, in their unit, as far as it had to be estimated for the normals: saves doing so again.
+  std::optional<double> noise = {}, spacing = {};
   std::vector<std::string> warnings;
 };
 

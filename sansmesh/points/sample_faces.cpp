@@ -29,6 +29,29 @@ Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
   return is_finite(area) ? area : Vec3{};
 }
 
+/// Attributes of the vertices, interpolated, and of the triangles.
+void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& samples, PointSet& cloud) {
+  if (!mesh.attributes.empty()) {
+    std::vector<std::uint32_t> corners(3 * samples.size());
+    std::vector<double> weights(corners.size());
+    parallel_for(0, samples.size(), 8192, [&](std::size_t i) {
+      const FaceSample& s = samples[i];
+      const double u = static_cast<double>(s.u), v = static_cast<double>(s.v), weight[3] = {1 - u - v, u, v};
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[3 * i + k] = mesh.triangles[s.triangle][k];
+        weights[3 * i + k] = std::max(0.0, weight[k]);
+      }
+    });
+    cloud.attributes = mesh.attributes.blended(3, corners, weights);
+  }
+  if (!mesh.triangle_attributes.empty()) {
+    std::vector<std::uint32_t> of(samples.size());
+    for (std::size_t i = 0; i < of.size(); ++i) of[i] = samples[i].triangle;
+    for (const Attribute& a : mesh.triangle_attributes.taken(of))
+      if (!cloud.attributes.find(a.name)) cloud.attributes.set(a);
+  }
+}
+
 }  // namespace
 
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
@@ -88,6 +111,7 @@ PointSet sample_faces(const PointSet& mesh, std::size_t count) {
       cloud.colors[i][k] = static_cast<std::uint8_t>(std::lround(mixed));
     }
   });
+  carry_attributes(mesh, samples, cloud);
   return cloud;
 }
 

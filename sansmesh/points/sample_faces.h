@@ -30,7 +30,8 @@ std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::s
 /// long against the mean spacing of the vertices. True of meshed scans, not of CAD models and polygon soups.
 bool vertices_suffice(const PointSet& mesh);
 
-/// A cloud of `count` samples of the faces with the normals of the faces, and colours where the mesh has some.
+/// A cloud of `count` samples of the faces with the normals of the faces; colours and attributes of the vertices are
+/// interpolated, those of the triangles taken over (where no vertex attribute has the name).
 PointSet sample_faces(const PointSet& mesh, std::size_t count);
 
 /// Replaces the normals by the area-weighted means of those of the faces around each vertex; zero without faces.

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kPlaces = 500;
 constexpr std::size_t kNear = 24;    ///< neighbours that tell the spacing of a clean cloud
 constexpr std::size_t kWide = 200;   ///< and of one whose noise hides the surface from the nearest ones
-constexpr double kThickness = 0.35;  ///< deviation across / along the surface that tells the one from the other
+constexpr double kThickness = 0.35;  ///< deviation across / along the surface from which on a cloud is such
 
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;

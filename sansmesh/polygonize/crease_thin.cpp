@@ -51,7 +51,7 @@ struct Thinner {
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3 &a = spoke[k], &b = spoke[(k + 1) % n];
       area[k] = cross(a, b);
-      // Triangles without height have no plane that could hold them, and none that they could be seen to leave.
+      // Triangles without height have no plane that could hold them, and none that they could leave.
       const double longest = std::max({squared_norm(a), squared_norm(b), squared_norm(b - a)});
       if (!(squared_norm(area[k]) > error * error * longest)) return false;
     }

@@ -4,6 +4,8 @@
 #include <bit>
 #include <utility>
 
+#include "sansmesh/core/error.h"
+
 namespace sansmesh {
 namespace {
 
@@ -118,6 +120,7 @@ std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
   std::uint32_t& number =
       bricks_[last_brick_][(p[0] >> scale & 7) | (p[1] >> scale & 7) << 3 | (p[2] >> scale & 7) << 6];
   if (number == kUnset) {
+    if (points_.size() == kUnset) throw DataError("the blocks of the mesh have more vertices than can be counted");
     number = static_cast<std::uint32_t>(points_.size());
     points_.push_back(p);
   }

@@ -1,7 +1,7 @@
 // The vertices of the J₁ᴬ triangulation of a block tree, numbered, and the simplices of a block in terms of them.
 //
 // triangulation/j1a.h has the algebra of single simplices; here a whole block is cut at once from a table, which is
-// what an extraction that visits every crossing block wants. tests/triangulation/j1a_lattice_test.cpp holds the two
+// what an extraction that visits every crossing block needs. tests/triangulation/j1a_lattice_test.cpp holds the two
 // against each other.
 #pragma once
 

@@ -136,7 +136,7 @@ void find_meetings(const PiecewiseField& field, std::span<Meeting> all) {
     open.push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<PieceValue> queries;
-  std::vector<std::uint8_t> last(all.size(), 0);  // the step before was tiny: only the normals are wanted still
+  std::vector<std::uint8_t> last(all.size(), 0);  // the step before was tiny: only the normals are still needed
   for (int step = 0; step <= kMostSteps && !open.empty(); ++step) {
     queries.clear();
     for (const std::uint32_t i : open)

@@ -23,7 +23,7 @@ struct PieceMesh {
 void drop_unused_vertices(PieceMesh& mesh);
 
 /// Moves the vertices off creases by so little along their normals that the triangles straddle their pieces
-/// (balance_gaps for one piece a triangle).
+/// (balance_gaps with one piece per triangle).
 void balance_pieces(const PiecewiseField& field, PieceMesh& mesh);
 
 /// For a mesh whose creases are edges but that forgot its pieces (after simplification): finds the piece of each

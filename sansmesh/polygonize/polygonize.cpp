@@ -23,20 +23,21 @@ constexpr int kLayers = 4;
 struct ActiveBlock {
   std::uint32_t block;
   const BlockPattern* pattern;
-  std::uint32_t first;  ///< its lattice vertices: numbers[first ...], in the order of pattern->slots
+  std::size_t first;  ///< its lattice vertices: numbers[first ...], in the order of pattern->slots
 };
 
 struct Extraction {
   const ScalarField& field;
   BlockTree tree;
   Vec3 origin;
-  LatticeNumbering numbering;
-  PatternTable patterns;
-  std::vector<ActiveBlock> active;
-  std::vector<std::uint32_t> numbers;
-  std::vector<float> values;     ///< field at each lattice vertex; positive on the cube's faces, which closes the mesh
-  std::vector<Vec3f> positions;  ///< of each lattice vertex, relative to origin (moved by the displacement, if any)
-  std::optional<Box3> region;    ///< only blocks that meet it, and kLayers around them
+  std::optional<Box3> region = {};  ///< only blocks that meet it, and kLayers around them
+  LatticeNumbering numbering = {};
+  PatternTable patterns = {};
+  std::vector<ActiveBlock> active = {};
+  std::vector<std::uint32_t> numbers = {};
+  std::vector<float> values =
+      {};                         ///< field at each lattice vertex; positive on the cube's faces, which closes the mesh
+  std::vector<Vec3f> moved = {};  ///< of each lattice vertex, relative to origin, where there is a displacement
   std::vector<std::uint8_t> caps = {};  ///< lattice vertices on the cube's faces where the field is negative
 
   Vec3 world(const LatticePoint& p) const {
@@ -44,36 +45,49 @@ struct Extraction {
     return tree.lower() + Vec3{p[0] * unit, p[1] * unit, p[2] * unit};
   }
 
-  void add_block(std::uint32_t block) {
-    const BlockPattern& pattern = patterns.pattern(refinement_of(tree, block));
-    active.push_back({block, &pattern, static_cast<std::uint32_t>(numbers.size())});
-    const BlockTree::Block& b = tree[block];
-    const std::uint32_t edge = 2u << (tree.depth() - b.level);
-    for (const std::uint8_t s : pattern.slots) {
-      // Quarter edges exist only where the block is not on the deepest level, so the division is exact.
-      const std::uint32_t q[3] = {s % 5u, s / 5u % 5u, s / 25u};
-      numbers.push_back(numbering.number({b.cell[0] * edge + q[0] * edge / 4, b.cell[1] * edge + q[1] * edge / 4,
-                                          b.cell[2] * edge + q[2] * edge / 4}));
+  /// Of a lattice vertex, relative to origin.
+  Vec3f position(std::uint32_t number) const {
+    return moved.empty() ? Vec3f(world(numbering.points()[number]) - origin) : moved[number];
+  }
+
+  /// Their lattice vertices get numbers in the order of the blocks, and of the slots of each.
+  void add_blocks(const std::vector<std::uint32_t>& blocks) {
+    std::vector<BlockRefinement> refinement(blocks.size());
+    parallel_for(0, blocks.size(), 1024, [&](std::size_t i) { refinement[i] = refinement_of(tree, blocks[i]); });
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const BlockPattern& pattern = patterns.pattern(refinement[i]);
+      active.push_back({blocks[i], &pattern, numbers.size()});
+      const BlockTree::Block& b = tree[blocks[i]];
+      const std::uint32_t edge = 2u << (tree.depth() - b.level);
+      for (const std::uint8_t s : pattern.slots) {
+        // Quarter edges exist only where the block is not on the deepest level, so the division is exact.
+        const std::uint32_t q[3] = {s % 5u, s / 5u % 5u, s / 25u};
+        numbers.push_back(numbering.number({b.cell[0] * edge + q[0] * edge / 4, b.cell[1] * edge + q[1] * edge / 4,
+                                            b.cell[2] * edge + q[2] * edge / 4}));
+      }
     }
   }
 
   /// Evaluates the field at the lattice vertices numbered since the last call.
   void evaluate_new() {
-    const std::size_t old = values.size(), n = numbering.points().size();
-    std::vector<Vec3> x(n - old);
-    std::vector<double> f(n - old);
-    positions.resize(n);
-    parallel_for(old, n, 8192, [&](std::size_t i) {
-      x[i - old] = world(numbering.points()[i]);
-      positions[i] = Vec3f(x[i - old] - origin);
-    });
-    field.evaluate(x, f);
+    constexpr std::size_t kBatch = std::size_t{1} << 20;  // not all places at a time: they are large
+    const std::size_t n = numbering.points().size();
+    std::size_t done = values.size();
     values.resize(n);
     caps.resize(n);
-    parallel_for(old, n, 8192, [&](std::size_t i) {
-      caps[i] = on_border(static_cast<std::uint32_t>(i)) && f[i - old] < 0;
-      values[i] = static_cast<float>(caps[i] ? -f[i - old] : f[i - old]);
-    });
+    std::vector<Vec3> x;
+    std::vector<double> f;
+    for (std::size_t count; done < n; done += count) {
+      count = std::min(kBatch, n - done);
+      x.resize(count), f.resize(count);
+      parallel_for(0, count, 8192, [&](std::size_t i) { x[i] = world(numbering.points()[done + i]); });
+      field.evaluate(x, f);
+      parallel_for(0, count, 8192, [&](std::size_t i) {
+        const bool cap = f[i] < 0 && on_border(static_cast<std::uint32_t>(done + i));
+        caps[done + i] = cap;
+        values[done + i] = static_cast<float>(cap ? -f[i] : f[i]);
+      });
+    }
   }
 
   bool inside(std::uint32_t number) const { return values[number] < 0; }
@@ -87,29 +101,40 @@ struct Extraction {
   /// Activates the blocks at the seeds (without seeds, those with a small value at their centre), and from there across
   /// every face on which the sign changes, so that no simplex of the surface is missed once its neighbour is found.
   void activate(const std::vector<Vec3>& seeds) {
-    std::vector<bool> is_active(tree.size(), false);
-    if (!seeds.empty()) {
-      const double scale = static_cast<double>(1u << tree.depth()) / tree.edge();
-      for (const Vec3& seed : seeds) {
-        const Vec3 p = (seed - tree.lower()) * scale;
-        const std::int64_t at =
-            tree.find(tree.depth(), static_cast<std::int64_t>(std::floor(p.x)),
-                      static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z)));
-        if (at < 0 || is_active[static_cast<std::size_t>(at)] || !in_region(static_cast<std::size_t>(at))) continue;
-        is_active[static_cast<std::size_t>(at)] = true;
-        add_block(static_cast<std::uint32_t>(at));
-      }
-    } else {
-      look_everywhere(is_active);
-    }
+    std::vector<std::uint8_t> is_active(tree.size(), 0);
+    add_new(seeds.empty() ? blocks_with_small_values() : blocks_at(seeds), is_active);
     std::vector<std::uint32_t> beyond;
     follow(is_active, 0, beyond);
     for (int layer = 0; region && layer < kLayers; ++layer) {
       const std::size_t first = active.size();
-      for (const std::uint32_t b : std::exchange(beyond, {}))
-        if (!is_active[b]) is_active[b] = true, add_block(b);
+      add_new(std::exchange(beyond, {}), is_active);
       follow(is_active, first, beyond);
     }
+  }
+
+  /// Adds those that are not active yet.
+  void add_new(std::vector<std::uint32_t> blocks, std::vector<std::uint8_t>& is_active) {
+    std::size_t kept = 0;
+    for (const std::uint32_t b : blocks)
+      if (!std::exchange(is_active[b], std::uint8_t{1})) blocks[kept++] = b;
+    blocks.resize(kept);
+    add_blocks(blocks);
+  }
+
+  /// The block of each seed that lies in one, within the region.
+  std::vector<std::uint32_t> blocks_at(const std::vector<Vec3>& seeds) const {
+    const double scale = static_cast<double>(1u << tree.depth()) / tree.edge();
+    std::vector<std::int64_t> at(seeds.size());
+    parallel_for(0, seeds.size(), 4096, [&](std::size_t i) {
+      const Vec3 p = (seeds[i] - tree.lower()) * scale;
+      at[i] = tree.find(tree.depth(), static_cast<std::int64_t>(std::floor(p.x)),
+                        static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z)));
+      if (at[i] >= 0 && !in_region(static_cast<std::size_t>(at[i]))) at[i] = -1;
+    });
+    std::vector<std::uint32_t> blocks;
+    for (const std::int64_t b : at)
+      if (b >= 0) blocks.push_back(static_cast<std::uint32_t>(b));
+    return blocks;
   }
 
   bool in_region(std::size_t block) const {
@@ -122,61 +147,64 @@ struct Extraction {
     return true;
   }
 
-  void look_everywhere(std::vector<bool>& is_active) {
+  std::vector<std::uint32_t> blocks_with_small_values() const {
     const std::vector<std::uint32_t> leaves = tree.leaves();
     std::vector<Vec3> centres(leaves.size());
     std::vector<double> at_centre(leaves.size());
     parallel_for(0, leaves.size(), 8192, [&](std::size_t i) { centres[i] = tree.block_center(leaves[i]); });
     field.evaluate(centres, at_centre);
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-      if (!in_region(leaves[i])) continue;
-      if (std::abs(at_centre[i]) > tree.block_edge(leaves[i])) continue;
-      is_active[leaves[i]] = true;
-      add_block(leaves[i]);
-    }
+    std::vector<std::uint32_t> blocks;
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      if (in_region(leaves[i]) && std::abs(at_centre[i]) <= tree.block_edge(leaves[i])) blocks.push_back(leaves[i]);
+    return blocks;
   }
 
   /// From the active blocks from `done` on; those outside of the region that come next are only noted.
-  void follow(std::vector<bool>& is_active, std::size_t done, std::vector<std::uint32_t>& beyond) {
+  void follow(std::vector<std::uint8_t>& is_active, std::size_t done, std::vector<std::uint32_t>& beyond) {
+    constexpr std::size_t kChunk = 512;
     while (done < active.size()) {
       evaluate_new();
-      const std::size_t until = active.size();
-      for (; done < until; ++done) {
-        const ActiveBlock a = active[done];
-        bool any_in = false, any_out = false;
-        for (std::size_t s = 0; s < a.pattern->slots.size(); ++s)
-          (inside(numbers[a.first + s]) ? any_in : any_out) = true;
-        if (!any_in || !any_out) continue;
-        for (std::size_t f = 0; f < 6; ++f) {
-          any_in = any_out = false;
-          for (const std::uint8_t s : a.pattern->face[f]) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
-          if (any_in && any_out) cross_face(a.block, f, is_active, beyond);
-        }
-      }
+      const std::size_t first = std::exchange(done, active.size()), chunks = (done - first + kChunk - 1) / kChunk;
+      std::vector<std::vector<std::uint32_t>> found(chunks);
+      parallel_for(0, chunks, 1, [&](std::size_t c) {
+        for (std::size_t i = first + c * kChunk; i < std::min(done, first + (c + 1) * kChunk); ++i)
+          cross_faces(active[i], is_active, found[c]);
+      });
+      std::vector<std::uint32_t> next;
+      for (const auto& blocks : found)
+        for (const std::uint32_t b : blocks) (in_region(b) ? next : beyond).push_back(b);
+      add_new(std::move(next), is_active);
     }
   }
 
-  void cross_face(std::uint32_t block, std::size_t face, std::vector<bool>& is_active,
-                  std::vector<std::uint32_t>& beyond) {
-    const BlockTree::Block b = tree[block];
+  /// Appends the blocks that are not active yet across the faces of a block on which the sign changes.
+  void cross_faces(const ActiveBlock& a, const std::vector<std::uint8_t>& is_active,
+                   std::vector<std::uint32_t>& found) const {
+    bool any_in = false, any_out = false;
+    for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
+    if (!any_in || !any_out) return;
+    for (std::size_t face = 0; face < 6; ++face) {
+      any_in = any_out = false;
+      for (const std::uint8_t s : a.pattern->face[face]) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
+      if (any_in && any_out) cross_face(a.block, face, is_active, found);
+    }
+  }
+
+  void cross_face(std::uint32_t block, std::size_t face, const std::vector<std::uint8_t>& is_active,
+                  std::vector<std::uint32_t>& found) const {
+    const BlockTree::Block& b = tree[block];
     std::array<std::int64_t, 3> cell{b.cell[0], b.cell[1], b.cell[2]};
     const std::size_t axis = face / 2;
     cell[axis] += face % 2 ? 1 : -1;
     const std::int64_t at = tree.find(b.level, cell[0], cell[1], cell[2]);
     if (at < 0) return;
-    const auto activate_one = [&](std::uint32_t n) {
-      if (is_active[n]) return;
-      if (!in_region(n)) {
-        beyond.push_back(n);
-        return;
-      }
-      is_active[n] = true;
-      add_block(n);
+    const auto take = [&](std::uint32_t n) {
+      if (!is_active[n]) found.push_back(n);
     };
     const BlockTree::Block& n = tree[static_cast<std::size_t>(at)];
-    if (n.first_child < 0) return activate_one(static_cast<std::uint32_t>(at));
+    if (n.first_child < 0) return take(static_cast<std::uint32_t>(at));
     for (unsigned c = 0; c < 8; ++c)  // the four children that touch the face
-      if ((c >> axis & 1u) == (face % 2 ? 0u : 1u)) activate_one(static_cast<std::uint32_t>(n.first_child) + c);
+      if ((c >> axis & 1u) == (face % 2 ? 0u : 1u)) take(static_cast<std::uint32_t>(n.first_child) + c);
   }
 
   /// METHODS §3.3: lattice vertices near the surface step back from it along the gradient, by a quarter of the local
@@ -190,9 +218,13 @@ struct Extraction {
         float& e = edge[numbers[a.first + s]];
         e = std::min(e, static_cast<float>(tree.block_edge(a.block)));
       }
+    std::vector<Vec3f> positions(n);
     std::vector<Vec3> x(n), g(n);
     std::vector<double> f(n);
-    for (std::size_t i = 0; i < n; ++i) x[i] = origin + Vec3(positions[i]);
+    parallel_for(0, n, 8192, [&](std::size_t i) {
+      positions[i] = position(static_cast<std::uint32_t>(i));
+      x[i] = origin + Vec3(positions[i]);
+    });
     field.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const double slope = norm(g[i]);
@@ -210,9 +242,10 @@ struct Extraction {
       if ((f[i] < 0) == inside(v) && !on_border(v)) {
         values[i] = static_cast<float>(f[i]);
       } else {
-        positions[i] = Vec3f(world(numbering.points()[i]) - origin);
+        positions[i] = position(v);
       }
     });
+    moved = std::move(positions);
   }
 
   /// The triangles of all crossing simplices between vertices named by lattice edges, or by lattice vertices where
@@ -319,12 +352,12 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress) {
   if (!(options.displacement >= 0 && options.displacement < 1))
-    throw ArgumentError("polygonize: displacement must lie in [0, 1)");
-  if (!(options.simplify >= 0)) throw ArgumentError("polygonize: simplify must be a length of at least 0");
+    throw ArgumentError("polygonize: `displacement` must lie in [0, 1)");
+  if (!(options.simplify >= 0)) throw ArgumentError("polygonize: `simplify` must be a length of at least 0");
   progress.begin("balance blocks");
   blocks.balance();
   const ScalarField& place = options.placement ? *options.placement : field;
-  Extraction e{field, std::move(blocks), origin, {}, {}, {}, {}, {}, {}, options.region};
+  Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .region = options.region};
   progress.begin("evaluate lattice");
   e.activate(options.seeds);
   if (options.displacement > 0) e.displace(options.displacement);
@@ -347,10 +380,11 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     const ChainVertex v = chain.vertices[i];
     on_cap[i] = e.caps[v.a] || e.caps[v.b];
     if (v.a == v.b) {
-      start[i] = e.positions[v.a];
+      start[i] = e.position(v.a);
     } else {
       const float t = e.values[v.a] / (e.values[v.a] - e.values[v.b]);
-      start[i] = e.positions[v.a] + (e.positions[v.b] - e.positions[v.a]) * t;
+      const Vec3f a = e.position(v.a), b = e.position(v.b);
+      start[i] = a + (b - a) * t;
     }
     x[i] = origin + Vec3(start[i]);
   });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
@@ -13,6 +14,7 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 /// Gives every name used a number: merged lattice vertices first (ascending), then crossing points (ascending).
 SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_t lattice_vertices) {
+  if (named.size() > kMostTriangles) throw DataError("the mesh would have more triangles than can be counted");
   SurfaceChain chain;
   std::vector<std::uint32_t> of_lattice(lattice_vertices, kNone);
   std::vector<std::uint64_t> edges;

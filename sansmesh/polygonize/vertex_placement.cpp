@@ -81,7 +81,7 @@ void balance_gaps(const ScalarField& field, const std::vector<Triangle>& triangl
     centroid[i] = (x[t[0]] + x[t[1]] + x[t[2]]) * (1 / 3.0);
   });
   field.evaluate(centroid, f);
-  // The gap over a triangle of a sphere: κ e²/6 in its middle, κ e²/8 in the mean.
+  // The gap over a triangle of a sphere: κ e²/6 in its middle, κ e²/8 on average.
   constexpr double kMeanOverMiddle = 0.75;
   std::vector<double> move(x.size(), 0);
   parallel_for(0, x.size(), 4096, [&](std::size_t v) {

@@ -6,7 +6,7 @@
 
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/scalar_field.h"
-#include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/polygonize/polygonize_options.h"
 
 namespace sansmesh {
 
@@ -41,7 +41,7 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& ri
                          int rounds, std::vector<Vec3>& x);
 
 /// After simplification: vertices go back onto the surface, or straddle it, where it is smooth. At creases they are
-/// where the quadrics want them.
+/// where the quadrics put them.
 void place_again(const ScalarField& field, const PolygonizeOptions& options, TriangleMesh& mesh, std::vector<Vec3>& x);
 
 }  // namespace sansmesh

@@ -1,9 +1,8 @@
-// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/render/ball_segments.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway wants it.
+// After foreach_target.h, as Highway requires.
 #include <embree3/rtcore.h>
 #include <hwy/highway.h>
 
@@ -13,6 +12,7 @@
 #include <limits>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/render/ball_segments.h"
 
 #ifndef SANSMESH_BALL_SEGMENTS_ONCE
@@ -153,7 +153,7 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(s.scene, geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(s.scene);
+  lend_threads([&] { rtcCommitScene(s.scene); });
   if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
 }
 

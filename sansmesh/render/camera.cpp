@@ -31,7 +31,7 @@ ViewDirection named_view(const std::string& name) {
 }
 
 std::vector<ViewDirection> turntable(const ViewDirection& view, int frames) {
-  if (frames < 1) throw ArgumentError("frames must be at least 1, not " + std::to_string(frames));
+  if (frames < 1) throw ArgumentError("`frames` must be at least 1, not " + std::to_string(frames));
   std::vector<ViewDirection> views;
   views.reserve(static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i)

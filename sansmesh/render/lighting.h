@@ -3,7 +3,7 @@
 
 #include "sansmesh/core/vec.h"
 #include "sansmesh/render/camera.h"
-#include "sansmesh/render/mesh_preview.h"
+#include "sansmesh/render/render_options.h"
 
 namespace sansmesh {
 

@@ -5,79 +5,24 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/lighting.h"
+#include "sansmesh/render/pixel.h"
+#include "sansmesh/render/sample_pattern.h"
 
 namespace sansmesh {
 namespace {
 
 constexpr int kTile = 64;
 constexpr int kBlock = 17;               // pixels whose rays go together: a quarter of a tile with its rim
-constexpr int kSmooth = 2;               // pixels to each side
 constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
 constexpr float kBounce = 0.22f;         // light that what blocks the sky sends instead
-
-struct Spot {
-  float x = 0, y = 0;
-};
-
-/// Linear light → byte of sRGB, rounded up from `threshold` on.
-std::uint8_t srgb_byte(float c, float threshold = 0.5f) {
-  c = std::clamp(c, 0.0f, 1.0f);
-  const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
-  return static_cast<std::uint8_t>(255 * s + 1 - threshold);
-}
-
-/// Points of the unit disc, evenly spread from any one on: the additive recurrence by the plastic number (Roberts
-/// 2018).
-std::vector<Spot> spread_over_disc(int count) {
-  std::vector<Spot> spots;
-  for (int i = 0; i < count; ++i) {
-    const double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0), v = std::fmod(0.5 + 0.5698402909980532 * i, 1.0);
-    const double r = std::sqrt(u), angle = 2 * std::numbers::pi * v;
-    spots.push_back({static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle))});
-  }
-  return spots;
-}
-
-/// Another part of the pattern for each pixel of a 5 × 5 square, over which the picture is smoothed: wherever that
-/// window lies, it holds the whole pattern, and hence no grain is left.
-constexpr int kParts = 25;
-int pattern_part(int x, int y) {
-  x += 5 * kSmooth, y += 5 * kSmooth;  // the rim lies at negative places
-  return 5 * ((x + 2 * y) % 5) + (2 * x + y) % 5;
-}
-
-/// Directions around a unit vector.
-struct Around {
-  Vec3f n, t, b;
-  explicit Around(const Vec3f& axis) : n(axis) { tangent_frame(n, t, b); }
-  /// Spots spread evenly over the disc give directions distributed like the cosine.
-  Vec3f operator()(const Spot& p) const {
-    return p.x * t + p.y * b + std::sqrt(std::max(0.0f, 1 - p.x * p.x - p.y * p.y)) * n;
-  }
-};
-
-/// What the samples of a pixel saw: means over those on the surface, and over those that asked for `dark`.
-struct Pixel {
-  float cover = 0;               // share of samples on the surface
-  Vec3f position, normal;        // sums of unit normals are shorter than 1 where they differ
-  Vec3f color;                   // share of light reflected
-  Vec3f ambient;                 // light from all around; this down to `dark` is what few rays make noisy
-  float open = 0;                // share of the sky that is not blocked
-  float lit = 0, lit_asked = 0;  // share of the key light that is not blocked; number of samples for that
-  float dark = 0;                // loss of light on the ground
-  float asked = 0;               // number of samples for that
-  float facing = 0, fill = 0;    // cosines to the key and fill light
-  float shine = 0, sheen = 0;    // mirrored key light; sky at grazing angles
-  Vec3f beyond;                  // light from mirrors and clear bodies
-};
 
 /// Rays of a block, and their answers.
 struct Batch {
@@ -254,25 +199,11 @@ class Painter::Work {
   }
 
   std::array<std::uint8_t, 4> finish(const Pixel& pixel, int x, int y) const {
-    const Vec3f light =
-        pixel.ambient + Lighting::kFill * (pixel.fill * pixel.open) + Lighting::kKey * (pixel.facing * pixel.lit);
-    const Vec3f gloss = Lighting::kKey * (pixel.shine * pixel.lit) + Lighting::kSkyHigh * (pixel.sheen * pixel.open);
-    const Vec3f bright = product(pixel.color, light) + gloss;
-    const Vec3f surface = shoulder(bright) + pixel.beyond;
-    const float beside = 1 - pixel.cover;
-    if (options_.background == RenderOptions::Background::transparent) {
-      // The shadow is black that lets the rest through.
-      const float alpha = std::min(1.0f, pixel.cover + beside * pixel.dark);
-      if (!(alpha > 0)) return {0, 0, 0, 0};
-      const Vec3f color = surface * (pixel.cover / alpha);
-      return {srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z),
-              static_cast<std::uint8_t>(std::lround(255 * alpha))};
-    }
-    const Vec3f color = surface * pixel.cover + background(x, y) * (beside * (1 - pixel.dark));
+    if (options_.background == RenderOptions::Background::transparent) return transparent_color(pixel);
     // Without a little dither the wide gradient shows steps.
     const bool plain = options_.background == RenderOptions::Background::solid || pixel.cover > 0;
     const float threshold = plain ? 0.5f : (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
-    return {srgb_byte(color.x, threshold), srgb_byte(color.y, threshold), srgb_byte(color.z, threshold), 255};
+    return opaque_color(pixel, background(x, y), threshold);
   }
 
   Vec3f background(int x, int y) const {

@@ -7,8 +7,8 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/render/camera.h"
-#include "sansmesh/render/mesh_preview.h"
 #include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/render_options.h"
 
 namespace sansmesh {
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -66,7 +67,7 @@ struct RayScene::State {
   void commit() {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
-    rtcCommitScene(scene);
+    lend_threads([&] { rtcCommitScene(scene); });
     if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
   }
 };

@@ -1,4 +1,4 @@
-// How one ray looks for a surface: which place to ask next, and what the answers so far mean. Knows no field.
+// How one ray looks for a surface: where to evaluate next, and what the samples so far mean. Knows no field.
 #pragma once
 
 #include <limits>

@@ -49,8 +49,8 @@ double meet(const FootPoint& foot, const Vec3& x, const Vec3& direction) {
 
 void check_share(const char* name, double value, double lowest, double highest) {
   if (value >= lowest && value <= highest) return;
-  throw ArgumentError(std::string(name) + " must be from " + std::to_string(lowest) + " to " + std::to_string(highest) +
-                      ", not " + std::to_string(value));
+  throw ArgumentError("`" + std::string(name) + "` must be from " + std::to_string(lowest) + " to " +
+                      std::to_string(highest) + ", not " + std::to_string(value));
 }
 
 BallUnion usable(const BallUnion& balls) {

@@ -35,7 +35,7 @@ struct CastRay {
 };
 
 struct CastHit {
-  bool hit = false;    ///< false: the rest is worthless
+  bool hit = false;    ///< false: the rest has no meaning
   float distance = 0;  ///< along the ray
   Vec3 position;
   Vec3f normal;      ///< of the surface, unit, outward: away from the viewer where the surface is seen from behind
@@ -63,9 +63,9 @@ class SurfaceCaster {
   SurfaceCaster& operator=(SurfaceCaster&&) noexcept;
   ~SurfaceCaster();
 
-  /// The first place on the surface along each ray. Rays are advanced together, one call of the field for all of them a
-  /// round: a few hundred neighbouring rays at a time, in an order in which neighbours in space are neighbours in the
-  /// array, go fastest. What one ray finds does not depend on the others. Sizes must agree.
+  /// The first place on the surface along each ray. Rays are advanced together, one call of the field for all of them
+  /// in each round: a few hundred neighbouring rays at a time, in an order in which neighbours in space are neighbours
+  /// in the array, go fastest. What one ray finds does not depend on the others. Sizes must agree.
   void cast(std::span<const CastRay> rays, std::span<CastHit> hits) const;
 
   /// The balls that count.

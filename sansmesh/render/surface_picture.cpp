@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/painter.h"
@@ -15,24 +17,7 @@ namespace {
 
 constexpr int kDepthTile = 32;
 
-void check_range(const char* name, double value, double lowest, double highest) {
-  if (value >= lowest && value <= highest) return;
-  throw ArgumentError(std::string(name) + " must be from " + std::to_string(lowest) + " to " + std::to_string(highest) +
-                      ", not " + std::to_string(value));
-}
-
 }  // namespace
-
-void SurfaceRenderOptions::validate() const {
-  RenderOptions::validate();
-  check_range("reflection", reflection, 0, 1);
-  check_range("transmission", transmission, 0, 1);
-  check_range("refraction_index", refraction_index, 1, 4);
-  check_range("bounces", bounces, 1, 16);
-  if (reflection + transmission > 1 + 1e-9)
-    throw ArgumentError("reflection + transmission must be at most 1, not " +
-                        std::to_string(reflection + transmission));
-}
 
 Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points, const ColorField* colors,
                      const SurfaceRenderOptions& options, Progress& progress) {

@@ -167,7 +167,7 @@ void SurfaceScene::follow(Scratch& s, std::span<std::optional<SurfacePoint>> poi
   s.rays.clear();
   s.paths.clear();
   for (std::size_t k = 0; k < s.next_rays.size(); ++k) {
-    if (s.next_paths[k].weight < kLeastWeight) {  // too little to be worth a ray
+    if (s.next_paths[k].weight < kLeastWeight) {  // too little light to be worth a ray
       points[s.next_paths[k].slot]->beyond += environment(s.next_rays[k].direction) * s.next_paths[k].weight;
       continue;
     }

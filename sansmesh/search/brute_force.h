@@ -1,4 +1,4 @@
-// The obvious neighbour search, O(n) a query: what the fast one is tested against.
+// The obvious neighbour search, O(n) per query: what the fast one is tested against.
 #pragma once
 
 #include <cstddef>

@@ -25,10 +25,10 @@ void BilateralOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!height || (std::isfinite(*height) && *height > 0), "height must be a positive length");
-  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
-  check(std::isfinite(turn) && turn > 0, "turn must be positive");
-  check(iterations >= 0 && iterations <= 20, "iterations must lie in 0..20");
+  check(!height || (std::isfinite(*height) && *height > 0), "`height` must be a positive length");
+  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "`smoothing` must lie in 0.5..20");
+  check(std::isfinite(turn) && turn > 0, "`turn` must be positive");
+  check(iterations >= 0 && iterations <= 20, "`iterations` must lie in 0..20");
 }
 
 BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options)

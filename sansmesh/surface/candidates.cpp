@@ -30,7 +30,7 @@ std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing
 void check_width(const SurfaceSamples& samples, double width) {
   const double largest = static_cast<double>(*std::max_element(samples.spacing.begin(), samples.spacing.end()));
   if (width > 20 * largest)
-    throw ArgumentError("the width of the weights is " + std::to_string(width / samples.median_spacing) +
+    throw ArgumentError("`bandwidth` is " + std::to_string(width / samples.median_spacing) +
                         " times the spacing of the samples: at most 20 times the largest spacing is allowed");
 }
 

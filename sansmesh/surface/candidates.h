@@ -32,7 +32,7 @@ class Candidates {
   /// `reach`: radius of the domain's balls over the local spacing (never beyond the support).
   Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, WeightKind kind, double reach);
 
-  /// For setting what else the kernels want of each sample; positions are relative to the cloud's origin.
+  /// For setting what else the kernels need of each sample; positions are relative to the cloud's origin.
   std::vector<Candidate>& all() { return candidates_; }
   const Box3& bounds() const { return bounds_; }
   std::vector<float> reach() const;

@@ -172,7 +172,7 @@ class CurvatureFitter {
   }
 
  private:
-  /// The row, weight and height of one neighbour (lengths in radii); false for one without say.
+  /// The row, weight and height of one neighbour (lengths in radii); false for one without weight.
   bool equation(const Vec3& d, std::array<double, kUnknowns>& row, double& weight, double& height) const {
     const double flat = d.x * d.x + d.y * d.y, squared = flat + d.z * d.z;
     constexpr double kCoincident = 1e-10;
@@ -291,14 +291,11 @@ float shape_index(const PrincipalCurvatures& c) {
 }
 
 void CurvatureOptions::validate() const {
-  if (tau < 1 || tau > 4)
-    throw ArgumentError("CurvatureOptions::tau is " + std::to_string(tau) + "; it must lie in 1..4");
-  if (radius && !(*radius > 0 && std::isfinite(*radius)))
-    throw ArgumentError("CurvatureOptions::radius must be positive");
+  if (tau < 1 || tau > 4) throw ArgumentError("`tau` is " + std::to_string(tau) + "; it must lie in 1..4");
+  if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("`radius` must be positive");
   if (neighbours && (*neighbours < 8 || *neighbours > 2000))
-    throw ArgumentError("CurvatureOptions::neighbours is " + std::to_string(*neighbours) + "; it must lie in 8..2000");
-  if (noise && !(*noise >= 0 && std::isfinite(*noise)))
-    throw ArgumentError("CurvatureOptions::noise must not be negative");
+    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 8..2000");
+  if (noise && !(*noise >= 0 && std::isfinite(*noise))) throw ArgumentError("`noise` must not be negative");
 }
 
 CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOptions& options)

@@ -34,7 +34,7 @@ float shape_index(const PrincipalCurvatures& c);
 struct CurvatureOptions {
   /// Weights of the directional curvatures of neighbours at distance r.
   enum class Weights {
-    m_like,    ///< r^(2 tau) exp(−r²/h²): little say for near samples, whose directional curvatures are unsteady
+    m_like,    ///< r^(2 tau) exp(−r²/h²): little weight for near samples, whose directional curvatures are unsteady
     gaussian,  ///< exp(−r²/h²), to compare with
     uniform    ///< all alike (Huang & Menq 2001), to compare with
   };

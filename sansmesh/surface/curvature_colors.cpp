@@ -35,8 +35,7 @@ float value(const PrincipalCurvatures& c, Quantity quantity) {
 }  // namespace
 
 void CurvatureColorOptions::validate() const {
-  if (range && !(*range > 0 && std::isfinite(*range)))
-    throw ArgumentError("CurvatureColorOptions::range must be positive");
+  if (range && !(*range > 0 && std::isfinite(*range))) throw ArgumentError("`range` must be positive");
   curvature.validate();
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/names.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
 #include "sansmesh/surface/implicit_kernels.h"
@@ -18,11 +17,6 @@ namespace {
 constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
 /// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
-
-constexpr Named<ImplicitMethod> kNames[] = {
-    {ImplicitMethod::hoppe, "hoppe"}, {ImplicitMethod::adamson, "adamson"},   {ImplicitMethod::kolluri, "kolluri"},
-    {ImplicitMethod::dey, "dey"},     {ImplicitMethod::extremal, "extremal"}, {ImplicitMethod::apss, "apss"},
-    {ImplicitMethod::amls, "amls"}};
 
 detail::ImplicitFormula formula_of(ImplicitMethod method) {
   using F = detail::ImplicitFormula;
@@ -113,22 +107,15 @@ void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double>
       });
 }
 
-ImplicitMethod implicit_method(const std::string& name) { return value_of(kNames, "surface", name); }
-
-const std::vector<std::string>& implicit_method_names() {
-  static const std::vector<std::string> names = names_of(kNames);
-  return names;
-}
-
 void ImplicitOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
-  check(!width || (std::isfinite(*width) && *width > 0), "width must be a positive length");
-  check(!order || *order == 2 || *order == 4 || *order == 6, "order must be 2, 4 or 6");
-  check(!iterations || (*iterations >= 0 && *iterations <= 100), "iterations must lie in 0..100");
-  check(!reach || (*reach >= 0.5 && *reach <= 10), "reach must lie in 0.5..10");
+  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "`smoothing` must lie in 0.5..20");
+  check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
+  check(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
+  check(!iterations || (*iterations >= 0 && *iterations <= 100), "`iterations` must lie in 0..100");
+  check(!reach || (*reach >= 0.5 && *reach <= 10), "`reach` must lie in 0.5..10");
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
@@ -140,14 +127,14 @@ double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
 
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress) {
   options.validate();
-  if (options.width) detail::check_width(samples, *options.width);
+  if (options.bandwidth) detail::check_width(samples, *options.bandwidth);
   auto state = std::make_unique<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
   double smoothing = options.smoothing.value_or(default_smoothing(samples, options.method));
   smooth_noisy_normals(samples, default_smoothing(samples));
   detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0),
                                      options.separate_sheets};
-  if (amls && !options.width && (!options.smoothing || !options.iterations || !options.order)) {
+  if (amls && !options.bandwidth && (!options.smoothing || !options.iterations || !options.order)) {
     progress.begin("cross validation");
     const detail::IterationChoice choice = choose(samples, options, iteration);
     smoothing = choice.smoothing;
@@ -156,7 +143,7 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
     progress.finish();
   }
 
-  std::vector<float> widths = detail::weight_widths(samples, smoothing, options.width);
+  std::vector<float> widths = detail::weight_widths(samples, smoothing, options.bandwidth);
   if (options.method == ImplicitMethod::dey) {
     const std::vector<float> feature = estimate_feature_size(samples, progress);
     for (std::size_t i = 0; i < widths.size(); ++i)

@@ -1,11 +1,9 @@
-// Surfaces as zero sets of weighted means of the samples: nothing is fitted beforehand but a few numbers a sample, and
-// nothing is solved (METHODS §2.1, §2.3).
+// Surfaces as zero sets of weighted means of the samples: nothing is fitted beforehand but a few numbers per sample,
+// and nothing is solved (METHODS §2.1, §2.3).
 #pragma once
 
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
@@ -25,17 +23,13 @@ enum class ImplicitMethod {
   amls       ///< iterated approximate moving least squares (tejada2008 §4.3.1)
 };
 
-/// Names as users write them; throws ArgumentError naming the choices.
-ImplicitMethod implicit_method(const std::string& name);
-const std::vector<std::string>& implicit_method_names();
-
 struct ImplicitOptions {
   ImplicitMethod method = ImplicitMethod::apss;
   /// Width h of the weights, exp(−d²/h²) or the compact (1 − d²/(2h)²)⁴ that resembles it, as a multiple of the local
   /// spacing of the samples, 0.5..20; default: from the noise.
   std::optional<double> smoothing = {};
   /// Width of the weights as one length for the whole cloud, in place of `smoothing`.
-  std::optional<double> width = {};
+  std::optional<double> bandwidth = {};
   std::optional<int> order = {};       ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by
   std::optional<int> iterations = {};  ///< amls: 0..100; … leave-one-out cross validation, together with the width
   bool separate_sheets = true;         ///< samples that look the other way than those nearby do not count

@@ -293,11 +293,11 @@ void give_normals(PointSet& result, const PointSet& cloud, Progress& progress) {
 }  // namespace
 
 void LopOptions::validate() const {
-  if (points && *points == 0) throw ArgumentError("LopOptions::points is 0; it must be at least 1");
-  if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("LopOptions::radius must be positive");
-  if (!(repulsion >= 0 && repulsion < 0.5)) throw ArgumentError("LopOptions::repulsion must lie in [0, 0.5)");
+  if (points && *points == 0) throw ArgumentError("`points` is 0; it must be at least 1");
+  if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("`radius` must be positive");
+  if (!(repulsion >= 0 && repulsion < 0.5)) throw ArgumentError("`repulsion` must lie in [0, 0.5)");
   if (iterations < 1 || iterations > 1000)
-    throw ArgumentError("LopOptions::iterations is " + std::to_string(iterations) + "; it must lie in 1..1000");
+    throw ArgumentError("`iterations` is " + std::to_string(iterations) + "; it must lie in 1..1000");
 }
 
 PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress) {

@@ -4,16 +4,12 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/names.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
 
 namespace sansmesh {
 namespace {
-
-constexpr Named<ProjectionMethod> kNames[] = {
-    {ProjectionMethod::levin, "levin"}, {ProjectionMethod::alexa, "alexa"}, {ProjectionMethod::curvature, "curvature"}};
 
 /// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
 /// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
@@ -34,28 +30,21 @@ struct ProjectionSurface::State {
   double smoothing = 0;
 };
 
-ProjectionMethod projection_method(const std::string& name) { return value_of(kNames, "projection", name); }
-
-const std::vector<std::string>& projection_method_names() {
-  static const std::vector<std::string> names = names_of(kNames);
-  return names;
-}
-
 void ProjectionOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "smoothing must lie in 0.5..20");
-  check(!width || (std::isfinite(*width) && *width > 0), "width must be a positive length");
-  check(!reach || (*reach >= 0.5 && *reach <= 10), "reach must lie in 0.5..10");
-  check(std::isfinite(threshold) && threshold > 0, "threshold must be positive");
-  check(tau >= 1 && tau <= 3, "tau must be 1, 2 or 3");
+  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "`smoothing` must lie in 0.5..20");
+  check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
+  check(!reach || (*reach >= 0.5 && *reach <= 10), "`reach` must lie in 0.5..10");
+  check(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
+  check(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
 }
 
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,
                                           Progress& progress) {
   options.validate();
-  if (options.width) detail::check_width(samples, *options.width);
+  if (options.bandwidth) detail::check_width(samples, *options.bandwidth);
   auto state = std::make_unique<ProjectionSurface::State>();
   progress.begin("supports");
   const double ratio = samples.noise / samples.median_spacing;
@@ -63,7 +52,7 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   const double more = kMore - (curvature ? std::max(kFewer - ratio, 0.0) : 0.0);
   state->smoothing = options.smoothing.value_or(std::min(default_smoothing(samples) + more, kMostSmoothing));
   smooth_noisy_normals(samples, state->smoothing);
-  const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.width);
+  const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.bandwidth);
   state->candidates =
       detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach.value_or(default_reach(samples)));
   using Diffusion = ProjectionOptions::Diffusion;

@@ -3,8 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/field/ball_union.h"
@@ -19,16 +17,12 @@ enum class ProjectionMethod {
   curvature  ///< mean plane, then principal curvatures from directional ones (tejada2008 §4.2)
 };
 
-/// Names as users write them; throws ArgumentError naming the choices.
-ProjectionMethod projection_method(const std::string& name);
-const std::vector<std::string>& projection_method_names();
-
 struct ProjectionOptions {
   ProjectionMethod method = ProjectionMethod::curvature;
-  std::optional<double> smoothing =
-      {};                            ///< width of the weights over the local spacing, 0.5..20; default: from the noise
-  std::optional<double> width = {};  ///< width of the weights as one length, in place of `smoothing`
-  bool separate_sheets = true;       ///< samples that look the other way than those nearby do not count
+  /// Width of the weights over the local spacing, 0.5..20; default: from the noise.
+  std::optional<double> smoothing = {};
+  std::optional<double> bandwidth = {};  ///< width of the weights as one length, in place of `smoothing`
+  bool separate_sheets = true;           ///< samples that look the other way than those nearby do not count
   /// Radius of the domain's balls over the local spacing, 0.5..10; default: `default_reach`.
   std::optional<double> reach = {};
   /// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier

@@ -12,10 +12,10 @@
 
 namespace sansmesh::detail {
 
-/// Points are evaluated together, one a lane; more than the widest vectors have, so that groups do not depend on it.
+/// Points are evaluated together, one per lane; more than the widest vectors have, so that groups do not depend on it.
 constexpr std::size_t kGroup = 16;
 
-/// One sample as the kernels want it: a cache line, lengths relative to the group's centre.
+/// One sample as the kernels need it: a cache line, lengths relative to the group's centre.
 struct alignas(64) Candidate {
   float x, y, z;
   float inverse_support;  ///< 1 / R², or ε / h² for Gaussians

@@ -31,7 +31,7 @@ double median(std::vector<float> values) {
 
 }  // namespace
 
-SurfaceSamples prepare_samples(const PointSet& points, Progress& progress) {
+SurfaceSamples prepare_samples(const PointSet& points, Progress& progress, std::optional<double> noise) {
   if (!points.has_normals()) throw DataError("the samples have no normals: estimate and orient them first");
   progress.begin("prepare samples");
   std::vector<std::uint32_t> good;
@@ -80,7 +80,7 @@ SurfaceSamples prepare_samples(const PointSet& points, Progress& progress) {
     smooth[i] = sum / static_cast<float>(k);
   });
   s.spacing = std::move(smooth);
-  s.noise = estimate_noise(points);
+  s.noise = noise ? *noise : estimate_noise(points);
   progress.finish();
   return s;
 }

@@ -30,8 +30,8 @@ struct SurfaceSamples {
 };
 
 /// Samples without a position or a normal are left out. Throws DataError if there are no normals, or fewer than 9
-/// samples are left, or all of them coincide.
-SurfaceSamples prepare_samples(const PointSet& points, Progress& progress);
+/// samples are left, or all of them coincide. `noise` (length), where it is known, saves its estimation.
+SurfaceSamples prepare_samples(const PointSet& points, Progress& progress, std::optional<double> noise = {});
 
 /// Replaces the normals by means over neighbours with the compact weights of the given width over spacing, those that
 /// look the other way left out. Estimated normals follow the noise of the positions that they were estimated from; the

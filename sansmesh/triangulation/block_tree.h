@@ -18,7 +18,8 @@ constexpr int kLeastDepth = 2, kMostDepth = 14;
 /// (i+1,j+1,k+1)].
 class BlockTree {
  public:
-  static constexpr int kMaxLevel = 16;  ///< lattice coordinates stay within 20 bits
+  static constexpr int kMaxLevel = 16;                    ///< lattice coordinates stay within 20 bits
+  static constexpr std::size_t kMostBlocks = 0x7fffffff;  ///< children are found by 31 bits
 
   struct Block {
     std::int32_t first_child = -1;  ///< -1: a leaf
@@ -40,7 +41,8 @@ class BlockTree {
   double block_edge(std::size_t i) const { return edge_ / static_cast<double>(1u << blocks_[i].level); }
   Vec3 block_center(std::size_t i) const;
 
-  /// Cuts a leaf in eight; returns the index of its first child. Throws ArgumentError beyond kMaxLevel.
+  /// Cuts a leaf in eight; returns the index of its first child. Throws ArgumentError beyond kMaxLevel,
+  /// DataError beyond kMostBlocks.
   std::size_t subdivide(std::size_t i);
 
   /// The deepest block of at most `level` that contains cell (i, j, k) of that level; -1 outside the root.

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
@@ -17,16 +18,16 @@ namespace {
 
 using Aim = Recommendation::Aim;
 
-Advice ask(const PointSet& cloud, const std::string& input = "scan.ply") {
+Advice ask(const PointSet& cloud) {
   Progress progress;
-  return advise(cloud, progress, input);
+  return advise(cloud, progress);
 }
 
-/// The command for this aim; empty if none is recommended.
-std::string command(const Advice& advice, Aim aim) {
+/// What is recommended for this aim, if anything is.
+std::optional<Recommendation> for_aim(const Advice& advice, Aim aim) {
   for (const Recommendation& r : advice.recommendations)
-    if (r.aim == aim) return r.commands.at(0);
-  return "";
+    if (r.aim == aim) return r;
+  return std::nullopt;
 }
 
 bool says(const Advice& advice, const std::string& words) {
@@ -41,10 +42,12 @@ TEST(Advise, SeesTheEdgesOfACube) {
     EXPECT_NEAR(advice.traits.crease_length, 6.9, 3) << n;
     EXPECT_TRUE(says(advice, "sharp edges:")) << n;
     EXPECT_FALSE(says(advice, "borders"));
-    EXPECT_NE(command(advice, Aim::picture).find("--sharp"), std::string::npos) << n;
-    EXPECT_NE(command(advice, Aim::mesh).find("reconstruct scan.ply"), std::string::npos);
-    EXPECT_EQ(command(advice, Aim::mesh).find("--surface"), std::string::npos) << "the partition has creases itself";
-    EXPECT_EQ(command(advice, Aim::mesh).find("--remove-outliers"), std::string::npos);
+    const auto picture = for_aim(advice, Aim::picture), mesh = for_aim(advice, Aim::mesh);
+    ASSERT_TRUE(picture && mesh);
+    EXPECT_TRUE(picture->sharp) << n;
+    EXPECT_EQ(mesh->surface, SurfaceMethod::partition) << "has creases itself";
+    EXPECT_FALSE(mesh->sharp);
+    EXPECT_FALSE(mesh->remove_outliers);
   }
 }
 
@@ -58,8 +61,8 @@ TEST(Advise, SeesNothingWrongWithACleanSphere) {
   EXPECT_EQ(advice.traits.borders, 0);
   EXPECT_EQ(advice.findings.size(), 1u) << "that there is no noise";
   EXPECT_EQ(advice.recommendations.front().aim, Aim::mesh);
-  EXPECT_EQ(command(advice, Aim::picture).find("--sharp"), std::string::npos);
-  EXPECT_EQ(command(advice, Aim::points), "") << "nothing to smooth";
+  EXPECT_FALSE(for_aim(advice, Aim::picture).value().sharp);
+  EXPECT_FALSE(for_aim(advice, Aim::points)) << "nothing to smooth";
 }
 
 TEST(Advise, SmoothsNoise) {
@@ -71,8 +74,8 @@ TEST(Advise, SmoothsNoise) {
     EXPECT_TRUE(says(advice, "noisy")) << ratio;
     EXPECT_FALSE(says(advice, "sharp edges:")) << ratio;
     EXPECT_FALSE(says(advice, "borders")) << ratio;
-    EXPECT_NE(command(advice, Aim::points).find("project scan.ply -o smooth.ply --method apss"), std::string::npos);
-    EXPECT_NE(command(advice, Aim::curvature).find("curvature scan.ply"), std::string::npos) << ratio;
+    EXPECT_EQ(for_aim(advice, Aim::points).value().surface, SurfaceMethod::apss) << ratio;
+    EXPECT_EQ(for_aim(advice, Aim::curvature).value().surface, SurfaceMethod::curvature) << ratio;
   }
 }
 
@@ -88,8 +91,8 @@ TEST(Advise, CleansStraySamplesFirst) {
   EXPECT_GT(advice.traits.outliers, 0.006);
   EXPECT_LT(advice.traits.outliers, 0.011);
   EXPECT_TRUE(says(advice, "stray"));
-  EXPECT_NE(command(advice, Aim::mesh).find("--remove-outliers"), std::string::npos);
-  EXPECT_NE(command(advice, Aim::picture).find("--remove-outliers"), std::string::npos);
+  EXPECT_TRUE(for_aim(advice, Aim::mesh).value().remove_outliers);
+  EXPECT_TRUE(for_aim(advice, Aim::picture).value().remove_outliers);
   EXPECT_LT(advice.traits.noise_ratio(), 0.05) << "stray samples are no noise";
 }
 
@@ -118,7 +121,7 @@ TEST(Advise, SeesBorders) {
   const Advice advice = ask(half);
   EXPECT_NEAR(advice.traits.border_length, 2 * std::numbers::pi / 3, 1.2);  // diagonal of 2 × 1 × 2
   EXPECT_TRUE(says(advice, "borders"));
-  EXPECT_NE(command(advice, Aim::mesh).find("--trim"), std::string::npos);
+  EXPECT_TRUE(for_aim(advice, Aim::mesh).value().trim);
 }
 
 TEST(Advise, SeesUnevenSampling) {
@@ -136,10 +139,18 @@ TEST(Advise, SeesUnevenSampling) {
   EXPECT_LT(ask(ball).traits.density_ratio, 1.3);
 }
 
-TEST(Advise, QuotesNamesForTheShell) {
-  const PointSet cloud = test::sphere(2000);
-  EXPECT_NE(command(ask(cloud, "my scan's.ply"), Aim::mesh).find(R"('my scan'\''s.ply')"), std::string::npos);
-  EXPECT_NE(command(ask(cloud, "a/b-1.ply"), Aim::mesh).find(" a/b-1.ply "), std::string::npos);
+TEST(Advise, RecommendsWhatTheMethodHeeds) {
+  PointSet strays = test::cube(6000);
+  for (int i = 0; i < 60; ++i) {
+    strays.positions.push_back({3 * std::cos(0.1f * float(i)), 3 * std::sin(0.1f * float(i)), 0.05f * float(i)});
+    strays.normals.push_back({0, 0, 1});
+  }
+  for (const PointSet& cloud : {test::cube(6000), test::sphere(6000, 0.02), strays})
+    for (const Recommendation& r : ask(cloud).recommendations) {
+      EXPECT_TRUE(!r.sharp || surface_method_info(r.surface).heeds(SurfaceOption::sharp)) << aim_word(r.aim);
+      EXPECT_TRUE(!r.trim || r.aim == Aim::mesh);
+      EXPECT_GT(r.why.size(), 10u);
+    }
 }
 
 TEST(Advise, RefusesWhatIsNoSurface) {
@@ -159,12 +170,12 @@ TEST(Advise, DoesNotDependOnUnitOrThreads) {
   const PointSet cloud = test::cube(8000);
   PointSet large = cloud;
   for (Vec3f& p : large.positions) p *= 1024.0f;
-  set_thread_count(1);
-  const Advice one = ask(cloud);
-  set_thread_count(0);
-  const Advice many = ask(cloud), scaled = ask(large);
-  EXPECT_EQ(one.findings, many.findings);
-  EXPECT_EQ(one.traits.crease_length, many.traits.crease_length);
+  test::compare_threads([&] { return ask(cloud); },
+                        [](const Advice& one, const Advice& many) {
+                          EXPECT_EQ(one.findings, many.findings);
+                          EXPECT_EQ(one.traits.crease_length, many.traits.crease_length);
+                        });
+  const Advice one = ask(cloud), scaled = ask(large);
   EXPECT_EQ(one.findings, scaled.findings);
   EXPECT_DOUBLE_EQ(1024 * one.traits.spacing, scaled.traits.spacing);
 }

@@ -1,4 +1,5 @@
 #include "sansmesh/approximation/approximate_mls.h"
+#include "sansmesh/approximation/approximate_mls_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,7 @@
 
 #include "approximation/approximation_samples.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -232,7 +233,9 @@ TEST(ApproximateMls, ChoosesFewIterationsForNoiseAndManyForCleanValues) {
   EXPECT_GE(for_clean.iterations, 15);
   EXPECT_LE(for_noisy.iterations, 4);
   EXPECT_LT(for_clean.error, 0.005);
-  EXPECT_LT(for_noisy.error, 0.35);
+  // No prediction of a noisy value is better than the noise, which has a deviation of 1/√12; a good one hardly worse.
+  EXPECT_GT(for_noisy.error, 0.9 / std::sqrt(12.0));
+  EXPECT_LT(for_noisy.error, 1.2 / std::sqrt(12.0));
   EXPECT_LE(for_noisy.shape, for_clean.shape);
   // What is chosen for the noisy values is nearer to the truth than the samples are.
   ApproximateMlsOptions options;
@@ -263,12 +266,8 @@ TEST(ApproximateMls, DoesNotDependOnThreads) {
   const auto points = test::random_positions<3>(500, 62);
   ApproximateMlsSearch search;
   search.shapes = {2, 3}, search.max_iterations = 3, search.left_out = 20, search.max_samples = 1000;
-  set_thread_count(1);
-  const auto one = evaluated<3>(ApproximateMls<3>(x, f), points);
-  const auto choice = choose_shape_and_iterations<3>(x, f, {}, search);
-  set_thread_count(0);
-  EXPECT_EQ(one, evaluated<3>(ApproximateMls<3>(x, f), points));
-  EXPECT_EQ(choice.errors, (choose_shape_and_iterations<3>(x, f, {}, search).errors));
+  test::expect_equal_for_any_threads([&] { return evaluated<3>(ApproximateMls<3>(x, f), points); });
+  test::expect_equal_for_any_threads([&] { return choose_shape_and_iterations<3>(x, f, {}, search).errors; });
 }
 
 TEST(ApproximateMls, BadInput) {

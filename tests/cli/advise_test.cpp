@@ -61,6 +61,30 @@ TEST_F(AdviseCommand, SaysWhyAndWhat) {
   EXPECT_EQ(run({"advise", "a part.xyz", "--quiet"}).out, "");
 }
 
+TEST_F(AdviseCommand, QuotesNamesForTheShell) {
+  const PointSet cloud = sphere(2000);
+  std::filesystem::create_directory(path("a"));
+  write_points(path("my scan's.ply"), cloud);
+  write_points(path("a/b-1.ply"), cloud);
+  EXPECT_NE(run({"advise", "my scan's.ply"}).out.find(R"( 'my scan'\''s.ply' )"), std::string::npos);
+  EXPECT_NE(run({"advise", "a/b-1.ply"}).out.find(" a/b-1.ply "), std::string::npos);
+}
+
+TEST_F(AdviseCommand, NamesOptionsAsTheToolDoes) {
+  PointSet half;
+  const PointSet ball = sphere(12000);
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    if (ball.positions[i].y < 0) continue;
+    half.positions.push_back(ball.positions[i]);
+    half.normals.push_back(ball.normals[i]);
+  }
+  write_points(path("half.ply"), half);
+  const Outcome outcome = run({"advise", "half.ply"});
+  EXPECT_NE(outcome.out.find("; --trim leaves open what the samples leave open\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("-o surface.ply --trim\n"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find('`'), std::string::npos) << outcome.out;
+}
+
 TEST_F(AdviseCommand, BadInputIsOneLine) {
   write("few.xyz", "1 2 3\n4 5 6\n7 8 0\n");
   for (const auto& [file, cause] : {std::pair{"few.xyz", "3 points"}, std::pair{"absent.ply", "no such file"}}) {

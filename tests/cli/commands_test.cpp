@@ -56,6 +56,7 @@ TEST_F(Commands, ReconstructsTheBundledScan) {
 }
 
 TEST_F(Commands, OutputDoesNotDependOnThreads) {
+  SANSMESH_NOT_SANITIZED("the same commands several times");
   std::string first;
   for (const char* threads : {"1", "2", "8"}) {
     const Outcome outcome = run({"reconstruct", kOwl, "-o", "out.ply", "--threads", threads});
@@ -180,6 +181,41 @@ TEST_F(Commands, InfoDescribes) {
   EXPECT_EQ(json["normals"], "oriented outward");
   EXPECT_NEAR(json["upper"][2].get<double>(), 1, 1e-3);
   EXPECT_EQ(run({"info", "nothing.ply"}).code, 1);
+}
+
+TEST_F(Commands, AttributesAreToldAndStayWithTheirPoints) {
+  PointSet cloud = sphere(3000);
+  std::vector<std::uint16_t> id(cloud.size());
+  std::vector<double> place;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    id[i] = static_cast<std::uint16_t>(i);
+    for (std::size_t k = 0; k < 3; ++k) place.push_back(static_cast<double>(cloud.positions[i][k]));
+  }
+  cloud.attributes.set("id", id);
+  cloud.attributes.set("place", place, 3);
+  write_points(path("with.ply"), cloud);
+  const Json attributes = Json::parse(run({"info", "with.ply", "--json"}).out)["attributes"];
+  ASSERT_EQ(attributes.size(), 2u);
+  EXPECT_EQ(attributes[0]["name"], "id");
+  EXPECT_EQ(attributes[0]["of"], "point");
+  EXPECT_EQ(attributes[0]["type"], "uint16");
+  EXPECT_EQ(attributes[0]["lower"], Json::array({0.0}));
+  EXPECT_EQ(attributes[0]["upper"], Json::array({2999.0}));
+  EXPECT_EQ(attributes[1]["type"], "double");
+  EXPECT_EQ(attributes[1]["components"], 3);
+  EXPECT_NE(run({"info", "with.ply"}).out.find("id (uint16 a point): 0 to 2999"), std::string::npos);
+
+  // Through other formats and a command that moves points, each number stays where its point went.
+  ASSERT_EQ(run({"project", "with.ply", "-o", "moved.vtp"}).code, 0);
+  const PointSet moved = read_points(path("moved.vtp"));
+  const auto& number = *moved.attributes.find<std::uint16_t>("id");
+  const auto& before = *moved.attributes.find<double>("place");
+  ASSERT_GT(moved.size(), 2900u);
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const Vec3 at{before[3 * i], before[3 * i + 1], before[3 * i + 2]};
+    ASSERT_EQ(Vec3f(at), cloud.positions[number[i]]);
+    ASSERT_LT(norm(moved.origin + Vec3(moved.positions[i]) - at), 0.1);
+  }
 }
 
 TEST_F(Commands, RenderDraws) {

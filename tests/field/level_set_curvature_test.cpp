@@ -8,8 +8,8 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_of_unity.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -140,15 +140,11 @@ TEST(LevelSetCurvature, OfAFittedSphereAtAQuarterOfTheSpacing) {
 TEST(LevelSetCurvature, ManyPointsAndAnyNumberOfThreads) {
   // More than one batch.
   std::vector<Vec3> x = directions((1 << 17) + 100);
-  std::vector<LevelSetPoint> one;
-  for (const int threads : {1, 4}) {
-    set_thread_count(threads);
-    const std::vector<LevelSetPoint> found = points_of(kSphere, x, 1e-3);
-    if (threads == 1) one = found;
-    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(found[i].k1, one[i].k1);
-  }
-  set_thread_count(0);
-  EXPECT_NEAR(one.back().k2, 1, 1e-4);
+  test::compare_threads([&] { return points_of(kSphere, x, 1e-3); },
+                        [&](const auto& one, const auto& many) {
+                          for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(one[i].k1, many[i].k1);
+                          EXPECT_NEAR(one.back().k2, 1, 1e-4);
+                        });
 }
 
 TEST(LevelSetCurvature, StepsMustBePositive) {

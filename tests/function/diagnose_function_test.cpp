@@ -72,9 +72,9 @@ TEST(Diagnose, AShiftedPatchHasHighErrorsAlongItsRim) {
   const std::size_t n = cloud.size();
   for (std::size_t i = 0; i < n; i += 2)
     if (cloud.positions[i].z > 0.6f) cloud.positions[i] *= 1.05f;
-  FitOptions given;
-  given.normals = NormalUse::as_given;
-  const Diagnosis d = diagnose(fit(cloud, given));
+  Progress progress;
+  const Diagnosis d =
+      diagnose(fit_surface_function(prepare_cloud(cloud, {.normals = NormalUse::as_given}, progress), {}, progress));
   const auto errors = of_kind(d, Suspicion::high_error);
   ASSERT_FALSE(errors.empty());
   for (const SuspiciousPlace& p : errors) {

@@ -129,10 +129,9 @@ TEST(FunctionEditor, Sheets) {
     cloud.positions.push_back(Vec3f{0, 3, 0} + Vec3f{gauss(random), gauss(random), gauss(random)} * 0.1f);
     cloud.normals.push_back(normalized(Vec3f{gauss(random), gauss(random), gauss(random)}));
   }
-  FitOptions options;
-  options.normals = NormalUse::as_given;
-  const SurfaceFunction function = fitted(cloud, options);
   Progress progress;
+  const SurfaceFunction function =
+      fit_surface_function(prepare_cloud(cloud, {.normals = NormalUse::as_given}, progress), {}, progress);
   const auto left = [&](const EditSelection& select) {
     FunctionEditor editor(copy_of(function));
     editor.apply({select, RemoveSupports{}}, progress);

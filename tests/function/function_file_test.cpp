@@ -8,6 +8,8 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/reconstruct.h"
+#include "sansmesh/surface_function.h"
+#include "support/any_threads.h"
 #include "support/same_bytes.h"
 
 namespace sansmesh {
@@ -145,15 +147,10 @@ TEST(FunctionFile, HistoryIsKeptLineByLine) {
 TEST(FunctionFile, SameBytesWhateverTheThreads) {
   const Folder folder;
   const PointSet cloud = colored(torus(3000));
-  std::string one;
-  for (const int threads : {1, 2, 8}) {
-    set_thread_count(threads);
+  expect_equal_for_any_threads([&] {
     write_function(folder / "f.smf", fitted(cloud));
-    const std::string bytes = slurp(folder / "f.smf");
-    if (threads == 1) one = bytes;
-    EXPECT_TRUE(bytes == one) << threads << " threads";
-  }
-  set_thread_count(0);
+    return slurp(folder / "f.smf");
+  });
 }
 
 TEST(FunctionFile, EveryValueIsFinite) {

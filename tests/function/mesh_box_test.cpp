@@ -109,16 +109,19 @@ TEST(ClipMesh, ZonesOfASphere) {
 TEST(ClipMesh, AttributesAreInterpolated) {
   TriangleMesh mesh = octasphere(3);
   mesh.normals = mesh.vertices;
+  std::vector<float> linear;
   for (const Vec3f& v : mesh.vertices) {
-    mesh.quality.push_back(3 * v.x - v.z);
+    linear.push_back(3 * v.x - v.z);
     mesh.colors.push_back({static_cast<std::uint8_t>(128 + 100 * v.x), 7, static_cast<std::uint8_t>(128 + 100 * v.z)});
   }
+  mesh.attributes.set("linear", std::move(linear));
   clip_mesh(mesh, {{-0.4f, -0.2f, -2}, {0.35f, 2, 0.6f}});
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
-  ASSERT_EQ(mesh.quality.size(), mesh.vertices.size());
+  const std::vector<float>& clipped = *mesh.attributes.find<float>("linear");
+  ASSERT_EQ(clipped.size(), mesh.vertices.size());
   ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    EXPECT_NEAR(mesh.quality[v], 3 * mesh.vertices[v].x - mesh.vertices[v].z, 1e-5);
+    EXPECT_NEAR(clipped[v], 3 * mesh.vertices[v].x - mesh.vertices[v].z, 1e-5);
     EXPECT_NEAR(mesh.colors[v][0], 128 + 100 * mesh.vertices[v].x, 3);
     EXPECT_EQ(mesh.colors[v][1], 7);
     EXPECT_NEAR(norm(mesh.normals[v]), 1, 1e-5);

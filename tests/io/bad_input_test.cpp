@@ -23,7 +23,8 @@ bool readable(const std::string& file) {
     }
     EXPECT_TRUE(p.normals.empty() || p.normals.size() == p.size());
     EXPECT_TRUE(p.colors.empty() || p.colors.size() == p.size());
-    EXPECT_TRUE(p.confidence.empty() || p.confidence.size() == p.size());
+    EXPECT_NO_THROW(p.attributes.check_rows(p.size(), "points"));
+    EXPECT_NO_THROW(p.triangle_attributes.check_rows(p.triangles.size(), "triangles"));
     EXPECT_TRUE(p.scan_of_point.empty() || p.scan_of_point.size() == p.size());
     return true;
   } catch (const FileError& e) {

@@ -13,6 +13,7 @@ const TriangleMesh& shape() {
   static const TriangleMesh mesh = made_mesh(4);
   return mesh;
 }
+const std::vector<float>& qualities() { return *shape().attributes.find<float>("quality"); }
 
 /// printf for one line of numbers.
 template <class... T>
@@ -94,7 +95,7 @@ std::string zippered() {
   s += element("face", shape().triangles.size()) + "property list uchar int vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < shape().vertices.size(); ++i) {
     const Vec3f v = shape().vertices[i];
-    s += line("%.7g %.7g %.7g %.7g 0.5 \n", double(v.x), double(v.y), double(v.z), double(shape().quality[i]));
+    s += line("%.7g %.7g %.7g %.7g 0.5 \n", double(v.x), double(v.y), double(v.z), double(qualities()[i]));
   }
   return s + triangles("3 %u %u %u \n");
 }
@@ -107,7 +108,7 @@ std::string plyop() {
   s += "property list uint8 int32 vertex_indices\nend_header\n";
   for (std::size_t i = 0; i < shape().vertices.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) s += raw(shape().vertices[i][k], true);
-    s += raw(shape().quality[i], true);
+    s += raw(qualities()[i], true);
     for (const std::uint8_t c : shape().colors[i]) s += raw(c);
   }
   for (const Triangle& t : shape().triangles) {
@@ -239,8 +240,10 @@ TEST_P(Dialects, AreRead) {
   EXPECT_EQ(p.colors, d.holds & kColors ? truth.colors : decltype(p.colors){});
   ASSERT_EQ(p.normals.size(), d.holds & kNormals ? truth.normals.size() : 0u);
   for (std::size_t i = 0; i < p.normals.size(); ++i) EXPECT_LT(norm(p.normals[i] - truth.normals[i]), 2e-6f);
-  ASSERT_EQ(p.confidence.size(), d.holds & kConfidence ? truth.quality.size() : 0u);
-  for (std::size_t i = 0; i < p.confidence.size(); ++i) EXPECT_NEAR(p.confidence[i], truth.quality[i], 1e-5);
+  const Attribute* const confidence = p.attributes.find("confidence");
+  ASSERT_EQ(confidence ? confidence->size() : 0, d.holds & kConfidence ? truth.vertices.size() : 0u);
+  for (std::size_t i = 0; confidence && i < confidence->size(); ++i)
+    EXPECT_NEAR(confidence->number(i), static_cast<double>(qualities()[i]), 1e-5);
   EXPECT_EQ(p.scanners.size(), d.holds & kScanner ? 1u : 0u);
 }
 

@@ -13,7 +13,6 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/io/io.h"
 #include "support/clean_text.h"
 
@@ -87,6 +86,7 @@ inline TriangleMesh made_mesh(int m = 12, Vec3 origin = {}) {
   TriangleMesh mesh;
   mesh.origin = origin;
   const int columns = 2 * m;
+  std::vector<float> quality;
   const auto vertex = [&](double theta, double phi) {
     const Vec3 d{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
     const double r = 1 + 0.1 * std::sin(3 * phi) * std::sin(theta);
@@ -95,7 +95,7 @@ inline TriangleMesh made_mesh(int m = 12, Vec3 origin = {}) {
     mesh.normals.push_back(n);
     const auto byte = [](double v) { return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * v)); };
     mesh.colors.push_back({byte(d.x), byte(d.y), byte(d.z)});
-    mesh.quality.push_back(static_cast<float>(theta * 0.3 + phi));
+    quality.push_back(static_cast<float>(theta * 0.3 + phi));
   };
   const double pi = std::acos(-1.0);
   vertex(0, 0);
@@ -113,6 +113,7 @@ inline TriangleMesh made_mesh(int m = 12, Vec3 origin = {}) {
     }
     mesh.triangles.push_back({at(m - 1, j), south, at(m - 1, j + 1)});
   }
+  mesh.attributes.set("quality", std::move(quality));
   return mesh;
 }
 
@@ -121,7 +122,7 @@ inline PointSet made_points(int m = 12, Vec3 origin = {}) {
   TriangleMesh mesh = made_mesh(m, origin);
   PointSet p;
   p.origin = origin;
-  p.positions = mesh.vertices, p.normals = mesh.normals, p.colors = mesh.colors, p.confidence = mesh.quality;
+  p.positions = mesh.vertices, p.normals = mesh.normals, p.colors = mesh.colors, p.attributes = mesh.attributes;
   return p;
 }
 

@@ -36,7 +36,9 @@ TEST_P(PlyEncodings, PropertiesInAnyOrderAndOfAnyType) {
   EXPECT_EQ(p.positions, (std::vector<Vec3f>{{0.25f, -4, 2.5f}, {8, 16, -1}}));
   EXPECT_EQ(p.normals, (std::vector<Vec3f>{{0, 0, 1}, {0, -1, 0}}));
   EXPECT_EQ(p.colors, (std::vector<std::array<std::uint8_t, 3>>{{1, 2, 3}, {0, 128, 255}}));
-  EXPECT_EQ(p.confidence, (std::vector<float>{0.75f, 2}));
+  EXPECT_EQ(*p.attributes.find<float>("quality"), (std::vector<float>{0.75f, 2}));
+  EXPECT_EQ(*p.attributes.find<std::int16_t>("intensity"), (std::vector<std::int16_t>{-7, 9}));
+  EXPECT_EQ(p.attributes.size(), 2u);
 }
 
 TEST_P(PlyEncodings, PolygonsBecomeFansAndExtrasAreSteppedOver) {
@@ -87,7 +89,7 @@ TEST_P(PlyEncodings, VerticesWithLists) {
   v.add({{1}, {4, 5}, {2}, {3}, {0.5}}).add({{4}, {}, {5}, {6}, {1}});
   const PointSet p = read({v});
   EXPECT_EQ(p.positions, (std::vector<Vec3f>{{1, 2, 3}, {4, 5, 6}}));
-  EXPECT_EQ(p.confidence, (std::vector<float>{0.5f, 1}));
+  EXPECT_EQ(*p.attributes.find<float>("confidence"), (std::vector<float>{0.5f, 1}));
 }
 
 TEST_P(PlyEncodings, ColoursOfOtherTypes) {
@@ -127,12 +129,13 @@ TEST_P(PlyEncodings, SurveyCoordinatesKeepMillimetres) {
 TEST_P(PlyEncodings, NonFinitePointsGoWithTheirTriangles) {
   const double nan = std::nan(""), inf = HUGE_VAL;
   PlyElement v("vertex", {"float x", "float y", "float z", "float confidence"}),
-      f("face", {"list uchar int vertex_indices"});
+      f("face", {"list uchar int vertex_indices", "ushort part"});
   v.row({nan, 0, 0, 9}).row({0, 0, 0, 1}).row({1, 0, 0, 2}).row({0, 1, 0, 3}).row({0, 0, inf, 9}).row({1, 1, 1, 4});
-  f.add({{0, 1, 2}}).add({{1, 2, 3}}).add({{5, 3, 2}}).add({{4, 1, 2}});
+  f.add({{0, 1, 2}, {5}}).add({{1, 2, 3}, {6}}).add({{5, 3, 2}, {7}}).add({{4, 1, 2}, {8}});
   const PointSet p = read({v, f});
   EXPECT_EQ(p.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}));
-  EXPECT_EQ(p.confidence, (std::vector<float>{1, 2, 3, 4}));
+  EXPECT_EQ(*p.attributes.find<float>("confidence"), (std::vector<float>{1, 2, 3, 4}));
+  EXPECT_EQ(*p.triangle_attributes.find<std::uint16_t>("part"), (std::vector<std::uint16_t>{6, 7}));
   EXPECT_EQ(p.triangles, (std::vector<Triangle>{{0, 1, 2}, {3, 2, 1}}));
   ASSERT_EQ(report_.warnings.size(), 2u);
   EXPECT_EQ(report_.warnings[0], "2 of 6 points are not finite and were left out");

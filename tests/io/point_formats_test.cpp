@@ -38,13 +38,40 @@ TEST_F(Table, ColumnsByName) {
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
   EXPECT_EQ(p.normals, (Positions{{1, 0, 0}, {0, 1, 0}}));
   EXPECT_EQ(p.colors, (Colors{{10, 20, 30}, {40, 50, 60}}));
-  EXPECT_EQ(p.confidence, (std::vector<float>{0.5f, 0.25f}));
+  EXPECT_EQ(*p.attributes.find<double>("quality"), (std::vector<double>{0.5, 0.25}));
+  EXPECT_EQ(*p.attributes.find<std::int32_t>("id"), (std::vector<std::int32_t>{1, 2}));
+  EXPECT_EQ(p.attributes.size(), 2u);
+  EXPECT_EQ(report_.warnings, (std::vector<std::string>{"columns without numbers were left out: label"}));
   p = read("a.txt", "//X Y Z R G B Nx Ny Nz\n1 2 3 1 0 1 0 0 1\n4 5 6 0 0 1 0 0 -1\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
   EXPECT_EQ(p.colors, (Colors{{1, 0, 1}, {0, 0, 1}}));  // whole numbers: nearly black
   EXPECT_EQ(p.normals, (Positions{{0, 0, 1}, {0, 0, -1}}));
   p = read("a.csv", "Easting;Northing;Elevation\n1;2;3\n4;5;6\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
+}
+
+TEST_F(Table, FurtherColumnsHaveTheTypeThatHoldsThem) {
+  const PointSet p = read("a.csv",
+                          "x,y,z,nx,whole,large,largest,beyond,mixed,gap,v_0,v_1,Case [K],whole\n"
+                          "1,2,3,0,-7,9007199254740993,18446744073709551615,1e300,1,5,1,4,1.5,1\n# a remark\n\n"
+                          "4,5,6,1,8,-9223372036854775807,0,-3,2.5,,2,5,oops,2\n7,8,9,0,9,0,1,2,3\n");
+  ASSERT_EQ(p.size(), 3u);
+  EXPECT_TRUE(p.normals.empty());
+  const auto& t = p.attributes;
+  EXPECT_EQ(*t.find<std::int32_t>("nx"), (std::vector<std::int32_t>{0, 1, 0}));  // alone it is no normal
+  EXPECT_EQ(*t.find<std::int32_t>("whole"), (std::vector<std::int32_t>{-7, 8, 9}));
+  EXPECT_EQ(*t.find<std::int64_t>("large"), (std::vector<std::int64_t>{9007199254740993, -9223372036854775807, 0}));
+  EXPECT_EQ(*t.find<std::uint64_t>("largest"), (std::vector<std::uint64_t>{18446744073709551615u, 0, 1}));
+  EXPECT_EQ(*t.find<double>("beyond"), (std::vector<double>{1e300, -3, 2}));
+  EXPECT_EQ(*t.find<double>("mixed"), (std::vector<double>{1, 2.5, 3}));
+  // What a row lacks is no number; a column with such is real.
+  const auto& gap = *t.find<double>("gap");
+  EXPECT_TRUE(gap[0] == 5 && std::isnan(gap[1]) && std::isnan(gap[2]));
+  ASSERT_TRUE(t.find<double>("v") && t.find("v")->components == 2);
+  EXPECT_EQ(t.find("v")->number(3), 5);
+  const auto& with_unit = *t.find<double>("Case [K]");
+  EXPECT_TRUE(with_unit[0] == 1.5 && std::isnan(with_unit[1]));
+  EXPECT_EQ(report_.warnings, (std::vector<std::string>{"'whole' is there twice: the second one was left out"}));
 }
 
 TEST_F(Table, ColumnsByTheirValues) {

@@ -6,9 +6,10 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/field/placed_field.h"
+#include "sansmesh/measure/placed_field.h"
 #include "sansmesh/measure/section.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -133,14 +134,12 @@ TEST(MeasureSolid, SoupsAndBadTriangles) {
 
 TEST(MeasureSolid, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh torus = turned(test::torus_mesh(300, 150), {1, 1, 0}, 0.3);
-  set_thread_count(1);
-  const SolidMeasures one = measure_solid(torus);
-  set_thread_count(4);
-  const SolidMeasures four = measure_solid(torus);
-  set_thread_count(0);
-  EXPECT_EQ(one.whole.mass->volume, four.whole.mass->volume);
-  EXPECT_EQ(one.whole.mass->moments, four.whole.mass->moments);
-  EXPECT_EQ(one.smallest_box.sizes, four.smallest_box.sizes);
+  test::compare_threads([&] { return measure_solid(torus); },
+                        [](const SolidMeasures& one, const SolidMeasures& many) {
+                          EXPECT_EQ(one.whole.mass->volume, many.whole.mass->volume);
+                          EXPECT_EQ(one.whole.mass->moments, many.whole.mass->moments);
+                          EXPECT_EQ(one.smallest_box.sizes, many.smallest_box.sizes);
+                        });
 }
 
 TEST(SmallestBox, HoldsAllPointsAndIsNoLargerThanTheUpright) {

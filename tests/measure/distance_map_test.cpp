@@ -7,8 +7,8 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/refine_edges.h"
+#include "support/any_threads.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {
@@ -118,7 +118,7 @@ TEST(DistanceMap, WhatIsLeftOutIsCounted) {
   EXPECT_LT(map.statistics.mean_absolute, 0.1);
   apply_map(part, map, 0.1);
   EXPECT_EQ(part.colors[1], (std::array<std::uint8_t, 3>{150, 150, 150}));
-  EXPECT_EQ(part.quality.size(), part.vertices.size());
+  EXPECT_EQ(part.attributes.find<float>("quality")->size(), part.vertices.size());
 
   TriangleMesh far = test::octasphere(1);
   far.origin = {1000, 0, 0};
@@ -174,14 +174,12 @@ TEST(DistanceMap, PointsAgainstPoints) {
 
 TEST(DistanceMap, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh part = test::torus_mesh(300, 150), reference = test::torus_mesh(170, 90);
-  set_thread_count(1);
-  const DistanceMap one = compare(part, reference, {.tolerance = 1e-4});
-  set_thread_count(4);
-  const DistanceMap four = compare(part, reference, {.tolerance = 1e-4});
-  set_thread_count(0);
-  EXPECT_EQ(one.distance, four.distance);
-  EXPECT_EQ(one.statistics.rms, four.statistics.rms);
-  EXPECT_EQ(one.statistics.histogram, four.statistics.histogram);
+  test::compare_threads([&] { return compare(part, reference, {.tolerance = 1e-4}); },
+                        [](const DistanceMap& one, const DistanceMap& many) {
+                          EXPECT_EQ(one.distance, many.distance);
+                          EXPECT_EQ(one.statistics.rms, many.statistics.rms);
+                          EXPECT_EQ(one.statistics.histogram, many.statistics.histogram);
+                        });
 }
 
 TEST(DistanceMap, IdenticalSurfacesAreAtZero) {

@@ -4,8 +4,8 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/measure/section.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -104,13 +104,14 @@ TEST(SectionField, WrongGradientsDoNotMislead) {
 
 TEST(SectionField, DoesNotDependOnTheNumberOfThreads) {
   const test::TorusField torus;
-  set_thread_count(1);
-  const Section one = section_field(torus, cut_plane({1, 1, 1}, 0.1));
-  set_thread_count(4);
-  const Section four = section_field(torus, cut_plane({1, 1, 1}, 0.1));
-  set_thread_count(0);
-  ASSERT_EQ(one.curves.size(), four.curves.size());
-  for (std::size_t c = 0; c < one.curves.size(); ++c) EXPECT_EQ(one.curves[c].plane, four.curves[c].plane);
+  test::compare_threads(
+      [&] {
+        return section_field(torus, cut_plane({1, 1, 1}, 0.1));
+      },
+      [](const Section& one, const Section& many) {
+        ASSERT_EQ(one.curves.size(), many.curves.size());
+        for (std::size_t c = 0; c < one.curves.size(); ++c) EXPECT_EQ(one.curves[c].plane, many.curves[c].plane);
+      });
 }
 
 }  // namespace

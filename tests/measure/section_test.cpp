@@ -8,7 +8,7 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -186,16 +186,15 @@ TEST(SectionMesh, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh torus = test::torus_mesh(400, 200);
   Progress progress;
   const std::vector<CutPlane> planes = plane_series(1, -1, 0.13, 16);
-  set_thread_count(1);
-  const auto one = section_mesh(torus, planes, progress);
-  set_thread_count(4);
-  const auto four = section_mesh(torus, planes, progress);
-  set_thread_count(0);
-  ASSERT_EQ(one.size(), 16u);
-  for (std::size_t i = 0; i < one.size(); ++i) {
-    ASSERT_EQ(one[i].curves.size(), four[i].curves.size());
-    for (std::size_t c = 0; c < one[i].curves.size(); ++c) EXPECT_EQ(one[i].curves[c].plane, four[i].curves[c].plane);
-  }
+  test::compare_threads([&] { return section_mesh(torus, planes, progress); },
+                        [](const auto& one, const auto& many) {
+                          ASSERT_EQ(one.size(), 16u);
+                          for (std::size_t i = 0; i < one.size(); ++i) {
+                            ASSERT_EQ(one[i].curves.size(), many[i].curves.size());
+                            for (std::size_t c = 0; c < one[i].curves.size(); ++c)
+                              EXPECT_EQ(one[i].curves[c].plane, many[i].curves[c].plane);
+                          }
+                        });
 }
 
 TEST(CutPlane, FramesAreRightHanded) {

@@ -8,8 +8,9 @@
 
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/polygonize/mesh_closest.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -173,15 +174,13 @@ TEST(MeshDistance, SamplesAreEvenInArea) {
 
 TEST(MeshDistance, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh a = test::torus_mesh(200, 100), b = test::torus_mesh(90, 40);
-  set_thread_count(1);
-  const SurfaceDistance one = measure(a, b);
-  set_thread_count(4);
-  const SurfaceDistance four = measure(a, b);
-  set_thread_count(0);
-  EXPECT_EQ(one.to_reference.mean, four.to_reference.mean);
-  EXPECT_EQ(one.from_reference.rms, four.from_reference.rms);
-  EXPECT_EQ(one.to_reference.max, four.to_reference.max);
-  EXPECT_EQ(*one.from_reference.angle, *four.from_reference.angle);
+  test::compare_threads([&] { return measure(a, b); },
+                        [](const SurfaceDistance& one, const SurfaceDistance& many) {
+                          EXPECT_EQ(one.to_reference.mean, many.to_reference.mean);
+                          EXPECT_EQ(one.from_reference.rms, many.from_reference.rms);
+                          EXPECT_EQ(one.to_reference.max, many.to_reference.max);
+                          EXPECT_EQ(*one.from_reference.angle, *many.from_reference.angle);
+                        });
 }
 
 TEST(MeshDistance, BadInput) {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "polygonize/mesh_shapes.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {
@@ -111,14 +111,12 @@ TEST(MeshTopology, AgreesWithTheObviousCountOnRandomTriangles) {
 TEST(MeshTopology, DoesNotDependOnTheNumberOfThreads) {
   TriangleMesh mesh = test::octasphere(6);
   mesh.triangles.resize(mesh.triangles.size() / 2);
-  set_thread_count(1);
-  const MeshTopology one = measure_topology(mesh);
-  set_thread_count(4);
-  const MeshTopology four = measure_topology(mesh);
-  set_thread_count(0);
-  EXPECT_EQ(one.boundary_edges, four.boundary_edges);
-  EXPECT_EQ(one.euler, four.euler);
-  EXPECT_GT(one.boundary_edges, 0u);
+  test::compare_threads([&] { return measure_topology(mesh); },
+                        [](const MeshTopology& one, const MeshTopology& many) {
+                          EXPECT_EQ(one.boundary_edges, many.boundary_edges);
+                          EXPECT_EQ(one.euler, many.euler);
+                          EXPECT_GT(one.boundary_edges, 0u);
+                        });
 }
 
 }  // namespace

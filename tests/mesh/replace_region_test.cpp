@@ -128,19 +128,32 @@ TEST(ReplaceRegion, ToleratesRoundingButNotCoincidence) {
 TEST(ReplaceRegion, AttributesComeAlong) {
   TriangleMesh mesh = lattice(20, flat), patch = lattice(14, hill, 3);
   mesh.normals.assign(mesh.vertices.size(), {0, 0, 1});
-  mesh.quality.assign(mesh.vertices.size(), 1);
+  mesh.attributes.set("quality", std::vector<float>(mesh.vertices.size(), 1));
+  mesh.attributes.set("id", std::vector<std::int32_t>(mesh.vertices.size(), 5));
+  mesh.triangle_attributes.set("part", std::vector<std::uint8_t>(mesh.triangles.size(), 1));
+  patch.triangle_attributes.set("part", std::vector<std::uint8_t>(patch.triangles.size(), 2));
   mesh.colors.assign(mesh.vertices.size(), {1, 2, 3});
   patch.normals.assign(patch.vertices.size(), {1, 0, 0});
-  patch.colors.assign(patch.vertices.size(), {9, 8, 7});  // and no quality
+  patch.colors.assign(patch.vertices.size(), {9, 8, 7});  // and no attributes of vertices
   ASSERT_TRUE(replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f).done);
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
-  ASSERT_EQ(mesh.quality.size(), mesh.vertices.size());
+  const auto& quality = *mesh.attributes.find<float>("quality");
+  const auto& id = *mesh.attributes.find<std::int32_t>("id");
+  const auto& part = *mesh.triangle_attributes.find<std::uint8_t>("part");
+  ASSERT_EQ(quality.size(), mesh.vertices.size());
+  ASSERT_EQ(part.size(), mesh.triangles.size());
   ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const bool is_new = mesh.vertices[v].z > 0;
     EXPECT_EQ(mesh.normals[v], is_new ? (Vec3f{1, 0, 0}) : (Vec3f{0, 0, 1}));
     EXPECT_EQ(mesh.colors[v][0], is_new ? 9 : 1);
-    EXPECT_EQ(mesh.quality[v], is_new ? 0 : 1);
+    EXPECT_TRUE(is_new ? std::isnan(quality[v]) : quality[v] == 1);  // unknown
+    EXPECT_EQ(id[v], is_new ? 0 : 5);
+  }
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    bool is_new = false;
+    for (const std::uint32_t v : mesh.triangles[i]) is_new = is_new || mesh.vertices[v].z > 0;
+    EXPECT_EQ(part[i], is_new ? 2 : 1);
   }
 }
 

@@ -8,10 +8,13 @@
 
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/polygonize/mesh_quality.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -98,34 +101,52 @@ TEST(Simplify, LeavesBoundariesAlone) {
 TEST(Simplify, CarriesAttributes) {
   TriangleMesh ball = test::octasphere(5);
   ball.normals = ball.vertices;
+  std::vector<double> heights;
+  std::vector<std::uint16_t> numbers;
   for (const Vec3f& v : ball.vertices) {
     ball.colors.push_back({static_cast<std::uint8_t>(127 + 120 * v[0]), 40, 0});
-    ball.quality.push_back(v[1]);
+    heights.push_back(v[1]);
+    numbers.push_back(static_cast<std::uint16_t>(numbers.size()));
   }
+  ball.attributes.set("height", heights);
+  ball.attributes.set("number", numbers);
+  std::vector<std::uint32_t> faces(ball.triangles.size());
+  std::iota(faces.begin(), faces.end(), 0u);
+  ball.triangle_attributes.set("face", faces);
   const TriangleMesh few = simplified(ball, 3e-3);
   ASSERT_EQ(few.normals.size(), few.vertices.size());
   ASSERT_EQ(few.colors.size(), few.vertices.size());
-  ASSERT_EQ(few.quality.size(), few.vertices.size());
+  few.attributes.check_rows(few.vertices.size(), "vertices");
+  few.triangle_attributes.check_rows(few.triangles.size(), "triangles");
+  const auto& height = *few.attributes.find<double>("height");
+  const auto& number = *few.attributes.find<std::uint16_t>("number");
+  const auto& face = *few.triangle_attributes.find<std::uint32_t>("face");
   for (std::size_t i = 0; i < few.vertices.size(); ++i) {
     EXPECT_GT(dot(few.normals[i], normalized(few.vertices[i])), 0.98f);
     EXPECT_NEAR(few.colors[i][0], 127 + 120 * few.vertices[i][0], 16);
     EXPECT_EQ(few.colors[i][1], 40);
-    EXPECT_NEAR(few.quality[i], few.vertices[i][1], 0.12);
+    EXPECT_NEAR(height[i], few.vertices[i][1], 0.12);
+    // The number of a vertex that was merged there, not a mean of numbers.
+    EXPECT_LT(norm(ball.vertices[number[i]] - few.vertices[i]), 0.3f);
+  }
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    EXPECT_TRUE(i == 0 || face[i - 1] < face[i]);
+    const auto middle = [](const TriangleMesh& m, const Triangle& t) {
+      return (m.vertices[t[0]] + m.vertices[t[1]] + m.vertices[t[2]]) * (1 / 3.0f);
+    };
+    EXPECT_LT(norm(middle(ball, ball.triangles[face[i]]) - middle(few, few.triangles[i])), 0.4f);
   }
 }
 
 TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
   // Large enough, and often enough, for collapses to run beside each other.
   const TriangleMesh ring = test::torus_mesh(300, 200);
-  set_thread_count(1);
-  const TriangleMesh one = simplified(ring, 2e-3);
-  for (const int threads : {2, 8, 2, 8, 2, 8}) {
-    set_thread_count(threads);
-    const TriangleMesh many = simplified(ring, 2e-3);
-    ASSERT_EQ(one.vertices, many.vertices);
-    ASSERT_EQ(one.triangles, many.triangles);
-  }
-  set_thread_count(0);
+  for (int repeat = 0; repeat < 3; ++repeat)
+    test::compare_threads([&] { return simplified(ring, 2e-3); },
+                          [](const TriangleMesh& one, const TriangleMesh& many) {
+                            ASSERT_EQ(one.vertices, many.vertices);
+                            ASSERT_EQ(one.triangles, many.triangles);
+                          });
 }
 
 TEST(Simplify, BadOptionsAndEmptyMeshes) {

@@ -9,11 +9,15 @@
 #include <numbers>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/reconstruct.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
+#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -32,7 +36,7 @@ TriangleMesh mesh_of(const PointSet& cloud, const SurfaceOptions& surface, Recon
 
 SurfaceOptions named(const std::string& method) {
   SurfaceOptions options;
-  options.method = method;
+  options.method = surface_method(method);
   if (method == "amls") options.order = 4, options.iterations = 3;  // cross validation takes its time
   return options;
 }
@@ -170,11 +174,13 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   for (Vec3f& p : cloud.positions) p = p * 200.0f;
   cloud.origin = {5e5, 4e6, 300};
   const SurfaceModel model = model_of(cloud, named(GetParam()));
-  EXPECT_EQ(model.report().method, GetParam());
+  EXPECT_EQ(model.report().method, surface_method(GetParam()));
   EXPECT_EQ(model.report().samples, cloud.size());
-  EXPECT_EQ(model.projection() != nullptr, GetParam() == "levin" || GetParam() == "alexa" || GetParam() == "curvature");
+  EXPECT_EQ(model.projection() != nullptr,
+            surface_method_info(surface_method(GetParam())).family() == SurfaceFamily::projection);
   EXPECT_EQ(model.normals(), nullptr);
-  EXPECT_EQ(model.placement(), nullptr);
+  Progress progress;
+  EXPECT_EQ(model.placement(progress), nullptr);
   EXPECT_EQ(model.colors(), nullptr);
   EXPECT_FALSE(model.seeds().empty());
   EXPECT_GT(model.blocks(1).leaves().size(), model.blocks(4).leaves().size());
@@ -189,7 +195,7 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
   std::vector<std::uint8_t> inside(x.size());
-  model.field().evaluate_in_domain(x, values, gradients, inside);
+  model.field(progress).evaluate_in_domain(x, values, gradients, inside);
   for (std::size_t i = 0; i < x.size(); ++i) {
     ASSERT_TRUE(inside[i]);
     ASSERT_EQ(values[i] > 0, i % 2 == 1) << "positive outside";
@@ -201,7 +207,7 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Names, EverySurface, testing::ValuesIn(surface_names()),
+INSTANTIATE_TEST_SUITE_P(Names, EverySurface, testing::ValuesIn(test::surface_names()),
                          [](const auto& tested) { return tested.param; });
 
 TEST(SurfaceModel, TakesNoiseAway) {
@@ -258,7 +264,7 @@ TEST(SurfaceModel, OptionsMeanWhatTheySay) {
   // The width is a length of the input, whatever the unit of the model.
   PointSet large = cloud;
   for (Vec3f& p : large.positions) p *= 5000.0f;
-  same.width = 5000 * 0.15;
+  same.bandwidth = 5000 * 0.15;
   const SurfaceModel by_width = model_of(large, same);
   EXPECT_NEAR(by_width.report().smoothing * by_width.report().spacing, 5000 * 0.15, 5000 * 0.01);
   SurfaceOptions amls = named("amls");
@@ -270,7 +276,8 @@ TEST(SurfaceModel, OptionsMeanWhatTheySay) {
   sharp.sharp = true;
   const SurfaceModel s = model_of(cloud, sharp);
   EXPECT_NE(s.normals(), nullptr);
-  EXPECT_NE(s.placement(), nullptr);
+  Progress progress;
+  EXPECT_NE(s.placement(progress), nullptr);
 }
 
 TEST(SurfaceModel, IsTheSameForAnyNumberOfThreads) {
@@ -278,20 +285,74 @@ TEST(SurfaceModel, IsTheSameForAnyNumberOfThreads) {
   for (const char* method : {"apss", "curvature"}) {
     SurfaceOptions options = named(method);
     options.sharp = true;
-    set_thread_count(1);
-    const TriangleMesh one = mesh_of(cloud, options);
-    set_thread_count(5);
-    const TriangleMesh many = mesh_of(cloud, options);
-    set_thread_count(0);
-    EXPECT_EQ(one.vertices, many.vertices) << method;
-    EXPECT_EQ(one.triangles, many.triangles) << method;
+    test::compare_threads([&] { return mesh_of(cloud, options); },
+                          [&](const TriangleMesh& one, const TriangleMesh& many) {
+                            EXPECT_EQ(one.vertices, many.vertices) << method;
+                            EXPECT_EQ(one.triangles, many.triangles) << method;
+                          });
   }
+}
+
+TEST(SurfaceModel, MakesTheFieldOfAProjectionWhereItCanBeSeenAndStopped) {
+  const PointSet cloud = test::sphere(2000);
+  const SurfaceModel model = model_of(cloud, named("alexa"));
+  Progress* watched = nullptr;
+  Progress stopped([&](const std::string&, double) { watched->cancel(); });
+  watched = &stopped;
+  EXPECT_THROW(model.field(stopped), Cancelled);
+  EXPECT_THROW(model.placement(stopped), Cancelled);
+  // Nothing is left of that: it is made by the next who asks, and only once.
+  Progress seen;
+  const ScalarField& field = model.field(seen);
+  const std::size_t stages = seen.timings().size();
+  EXPECT_GT(stages, 0u);
+  EXPECT_EQ(&model.field(seen), &field);
+  EXPECT_EQ(seen.timings().size(), stages);
+  const SurfaceModel other = model_of(cloud, named("alexa"));
+  Progress progress;
+  std::vector<Vec3> x;
+  for (const Vec3f& p : cloud.positions) x.push_back((Vec3(p) * 1.3 - model.origin()) * (1 / model.unit()));
+  std::vector<double> a(x.size()), b(x.size());
+  field.evaluate(x, a);
+  other.field(progress).evaluate(x, b);
+  EXPECT_EQ(a, b);
+}
+
+TEST(SurfaceModel, KnownNoiseAndSpacingAreWhatWouldBeEstimated) {
+  PointSet given = test::torus(3000);
+  for (std::size_t i = 0; i < given.size(); ++i)
+    given.positions[i] += given.normals[i] * (0.006f * static_cast<float>(static_cast<int>(i % 5) - 2));
+  PointSet none = given, mixed = given;
+  none.normals.clear();
+  for (std::size_t i = 0; i < mixed.size(); ++i)
+    if (mixed.positions[i].x > 0.2f) mixed.normals[i] = -mixed.normals[i];
+  for (const PointSet& cloud : {given, none, mixed})
+    for (const char* method : {"apss", "curvature"}) {
+      SurfaceOptions options = named(method);
+      options.sharp = true;
+      Progress progress;
+      PreparedCloud known = prepare_cloud(cloud, {}, progress), unknown = known;
+      ASSERT_TRUE(known.noise);
+      EXPECT_EQ(*known.noise, estimate_noise(known.points));
+      if (known.spacing) EXPECT_EQ(*known.spacing, estimate_spacing(known.points));
+      unknown.noise = unknown.spacing = std::nullopt;
+      const SurfaceModel a = make_surface_model(std::move(known), options, progress),
+                         b = make_surface_model(std::move(unknown), options, progress);
+      EXPECT_EQ(a.report().noise, b.report().noise);
+      EXPECT_EQ(a.report().smoothing, b.report().smoothing);
+      EXPECT_EQ(a.points().normals, b.points().normals);
+      std::vector<Vec3> x(a.points().positions.begin(), a.points().positions.end());
+      std::vector<double> va(x.size()), vb(x.size());
+      a.field(progress).evaluate(x, va);
+      b.field(progress).evaluate(x, vb);
+      EXPECT_EQ(va, vb) << method;
+    }
 }
 
 TEST(SurfaceModel, RefusesOptionsOfOtherMethods) {
   const auto refused = [](auto change, const std::string& method, const std::string& part) {
     SurfaceOptions options;
-    options.method = method;
+    options.method = surface_method(method);
     change(options);
     try {
       options.validate();
@@ -302,31 +363,31 @@ TEST(SurfaceModel, RefusesOptionsOfOtherMethods) {
     EXPECT_THROW(model_of(test::sphere(500), options), ArgumentError);
     EXPECT_THROW(mesh_of(test::sphere(500), options), ArgumentError);
   };
-  refused([](SurfaceOptions&) {}, "poisson", "curvature");
-  refused([](SurfaceOptions&) {}, "", "known are");
   refused([](SurfaceOptions& o) { o.smoothing = 2; }, "partition", "smoothing");
-  refused([](SurfaceOptions& o) { o.width = 2; }, "partition", "width");
-  refused([](SurfaceOptions& o) { o.order = 2; }, "apss", "order");
-  refused([](SurfaceOptions& o) { o.iterations = 2; }, "levin", "iterations");
+  refused([](SurfaceOptions& o) { o.bandwidth = 2; }, "partition", "bandwidth means nothing");
+  refused([](SurfaceOptions& o) { o.sharp = true; }, "partition", "its supports and its creases follow the data");
+  refused([](SurfaceOptions& o) { o.separate_sheets = false; }, "hoppe", "separate_sheets belongs to adamson, ");
+  refused([](SurfaceOptions& o) { o.order = 2; }, "apss", "order belongs to amls, not to the surface apss");
+  refused([](SurfaceOptions& o) { o.iterations = 2; }, "levin", "iterations belongs to amls");
   refused([](SurfaceOptions& o) { o.order = 3; }, "amls", "order");
   refused([](SurfaceOptions& o) { o.iterations = -1; }, "amls", "iterations");
-  refused([](SurfaceOptions& o) { o.diffusion = "soft"; }, "alexa", "diffusion");
-  refused([](SurfaceOptions& o) { o.diffusion = "strong"; }, "curvature", "strong");
+  refused([](SurfaceOptions& o) { o.diffusion = SurfaceOptions::Diffusion::soft; }, "alexa", "diffusion");
+  refused([](SurfaceOptions& o) { o.method = static_cast<SurfaceMethod>(99); }, "apss", "partition, hoppe, ");
   refused([](SurfaceOptions& o) { o.smoothing = 0.1; }, "apss", "smoothing");
   refused([](SurfaceOptions& o) { o.smoothing = 50; }, "curvature", "smoothing");
   refused([](SurfaceOptions& o) { o.smoothing = std::nan(""); }, "kolluri", "smoothing");
-  refused([](SurfaceOptions& o) { o.width = -1; }, "apss", "width");
+  refused([](SurfaceOptions& o) { o.bandwidth = -1; }, "apss", "bandwidth");
 }
 
 TEST(SurfaceModel, RefusesCloudsWithoutASurface) {
   PointSet plane, none, same;
   for (int i = 0; i < 400; ++i) plane.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 2});
   same.positions.assign(50, {1, 2, 3});
-  for (const std::string& method : surface_names())
+  for (const std::string& method : test::surface_names())
     for (const PointSet* cloud : {&plane, &none, &same})
       EXPECT_THROW(model_of(*cloud, named(method)), DataError) << method << ", " << cloud->size() << " points";
   // Few samples give something or a clear error.
-  for (const std::string& method : surface_names())
+  for (const std::string& method : test::surface_names())
     for (const std::size_t n : {9u, 20u, 60u}) {
       try {
         const TriangleMesh mesh = mesh_of(test::sphere(n), named(method));

@@ -27,10 +27,9 @@ struct Fitted {
 
 inline Fitted fit(const PointSet& cloud, const PartitionOptions& options = {}) {
   Progress progress;
-  std::vector<std::uint32_t> order;
-  Fitted f{fit_partition_of_unity(cloud, options, progress, &order).data(), {}, {}};
-  for (const std::uint32_t i : order) f.positions.push_back(cloud.positions[i]), f.normals.push_back(cloud.normals[i]);
-  return f;
+  PointSet sorted;
+  const PartitionData data = fit_partition_of_unity(cloud, options, progress, &sorted).data();
+  return {data, std::move(sorted.positions), std::move(sorted.normals)};
 }
 
 inline void expect_same(const PartitionData& a, const PartitionData& b) {

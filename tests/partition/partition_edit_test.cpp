@@ -8,8 +8,9 @@
 
 #include "partition/edit_checks.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/polygonize/mesh_topology.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -227,17 +228,15 @@ TEST(Edits, DoNotDependOnTheThreads) {
   const Selection chosen = in_ball(f.data, {1, 1, 1}, 0.9f);
   PartitionOptions other = f.data.options;
   other.max_degree = 3;
-  std::vector<PartitionData> results[2];
-  for (const unsigned threads : {1u, 2u}) {
-    set_thread_count(static_cast<int>(threads));
-    auto& r = results[threads - 1];
-    r.push_back(refit(f.data, chosen, other, f.samples(), progress).data);
-    r.push_back(set_degree(f.data, chosen, 2, f.samples(), progress).data);
-    r.push_back(set_constant(f.data, chosen, 1).data);
-    r.push_back(remove_supports(f.data, chosen).data);
-  }
-  set_thread_count(0);
-  for (std::size_t i = 0; i < 4; ++i) expect_same(results[0][i], results[1][i]);
+  test::compare_threads(
+      [&] {
+        return std::vector{refit(f.data, chosen, other, f.samples(), progress).data,
+                           set_degree(f.data, chosen, 2, f.samples(), progress).data,
+                           set_constant(f.data, chosen, 1).data, remove_supports(f.data, chosen).data};
+      },
+      [](const auto& one, const auto& many) {
+        for (std::size_t i = 0; i < one.size(); ++i) expect_same(one[i], many[i]);
+      });
 }
 
 TEST(Edits, CanBeCancelled) {

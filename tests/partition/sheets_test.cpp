@@ -4,7 +4,7 @@
 #include <random>
 
 #include "partition/edit_checks.h"
-#include "sansmesh/core/parallel.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -119,14 +119,12 @@ TEST(FindSheets, ConstantsAreOnNone) {
 
 TEST(FindSheets, DoNotDependOnTheThreads) {
   const Fitted f = fit(cube(8000));
-  set_thread_count(1);
-  const Sheets one = find_sheets(f.data, f.positions);
-  set_thread_count(2);
-  const Sheets two = find_sheets(f.data, f.positions);
-  set_thread_count(0);
-  EXPECT_EQ(one.of_support, two.of_support);
-  EXPECT_EQ(one.area, two.area);
-  EXPECT_EQ(one.evidence, two.evidence);
+  test::compare_threads([&] { return find_sheets(f.data, f.positions); },
+                        [](const Sheets& one, const Sheets& many) {
+                          EXPECT_EQ(one.of_support, many.of_support);
+                          EXPECT_EQ(one.area, many.area);
+                          EXPECT_EQ(one.evidence, many.evidence);
+                        });
 }
 
 }  // namespace

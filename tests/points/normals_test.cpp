@@ -4,8 +4,8 @@
 
 #include "points/shapes.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -94,21 +94,23 @@ TEST(Normals, ReweightingKeepsCreasesSharp) {
 }
 
 TEST(Normals, WithstandNoise) {
-  // Noise as large as the spacing.
+  // Noise as large as the spacing. The tilt of a plane through k samples falls with 1/k, so the 110 neighbours that
+  // such noise asks for beat a dozen by far.
   const PointSet points = sample_sphere(20000, 1, 0.025f, 6);
-  EXPECT_LT(angle_error(points, {}), 8);
-  EXPECT_GT(angle_error(points, {.neighbours = 14}), 25);
+  EXPECT_LT(angle_error(points, {}), angle_error(points, {.neighbours = 14}) / 3);
 }
 
 TEST(Normals, DoNotDependOnScaleOrThreads) {
-  PointSet points = sample_torus(5000, 1, 0.3f, 7), scaled = points;
+  const PointSet points = sample_torus(5000, 1, 0.3f, 7);
+  PointSet scaled = points;
   for (Vec3f& p : scaled.positions) p *= std::ldexp(1.0f, -40);
-  Progress progress;
-  set_thread_count(1);
-  estimate_normals(points, {}, progress);
-  set_thread_count(0);
-  estimate_normals(scaled, {}, progress);
-  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(points.normals[i], scaled.normals[i]);
+  const auto normals_of = [](PointSet cloud) {
+    Progress progress;
+    estimate_normals(cloud, {}, progress);
+    return cloud.normals;
+  };
+  EXPECT_EQ(normals_of(points), normals_of(scaled));
+  test::expect_equal_for_any_threads([&] { return normals_of(points); });
 }
 
 TEST(Normals, OfDegenerateNeighbourhoodsAreZeroOrUnit) {

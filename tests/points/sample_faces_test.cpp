@@ -1,11 +1,10 @@
 #include "sansmesh/points/sample_faces.h"
+#include "support/any_threads.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
-
-#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -41,12 +40,11 @@ TEST(SampleFaces, LieOnTheirTriangleAndAreEvenOverTheArea) {
 
 TEST(SampleFaces, SameForAnyNumberOfThreads) {
   const PointSet mesh = rectangles();
-  set_thread_count(1);
-  const auto one = sample_triangles(mesh.positions, mesh.triangles, 30000);
-  set_thread_count(4);
-  const auto four = sample_triangles(mesh.positions, mesh.triangles, 30000);
-  set_thread_count(0);
-  for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(one[i].position, four[i].position);
+  test::compare_threads([&] { return sample_triangles(mesh.positions, mesh.triangles, 30000); },
+                        [](const auto& one, const auto& many) {
+                          ASSERT_EQ(one.size(), many.size());
+                          for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(one[i].position, many[i].position);
+                        });
 }
 
 TEST(SampleFaces, NothingToSample) {

@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "points/shapes.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 #include "sansmesh/search/brute_force.h"
+#include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
@@ -81,12 +81,11 @@ TEST(NeighbourhoodSample, HoldsAllSamplesNearItsPlaces) {
 
 TEST(NeighbourhoodSample, DoesNotDependOnTheNumberOfThreads) {
   const PointSet points = sample_torus(150000, 1, 0.4f, 6);
-  set_thread_count(1);
-  const auto one = sample_neighbourhoods(points.positions, 60, 80);
-  set_thread_count(0);
-  const auto many = sample_neighbourhoods(points.positions, 60, 80);
-  ASSERT_EQ(one.size(), many.size());
-  for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(one[i].offsets, many[i].offsets);
+  test::compare_threads([&] { return sample_neighbourhoods(points.positions, 60, 80); },
+                        [](const auto& one, const auto& many) {
+                          ASSERT_EQ(one.size(), many.size());
+                          for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(one[i].offsets, many[i].offsets);
+                        });
 }
 
 }  // namespace

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "polygonize/piece_solids.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/polygonize/mesh_quality.h"
+#include "support/any_threads.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {
@@ -307,14 +308,12 @@ TEST(CreaseMeshOf, TheSameForAnyNumberOfThreads) {
   const auto axes = tilted_axes();
   const SolidField field(subtract(intersect({box({0, 0, 0}, {0.5, 0.5, 0.5}, axes), ball({0, 0, 0}, 0.65)}),
                                   unite({cylinder({0, 0, 0}, axes[0], 0.3), cylinder({0, 0, 0}, axes[1], 0.3)})));
-  set_thread_count(1);
-  const TriangleMesh one = mesh_of(field);
-  set_thread_count(2);
-  const TriangleMesh two = mesh_of(field);
-  set_thread_count(0);
-  EXPECT_EQ(one.triangles, two.triangles);
-  EXPECT_EQ(one.vertices, two.vertices);
-  EXPECT_EQ(one.normals, two.normals);
+  test::compare_threads([&] { return mesh_of(field); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          EXPECT_EQ(one.triangles, many.triangles);
+                          EXPECT_EQ(one.vertices, many.vertices);
+                          EXPECT_EQ(one.normals, many.normals);
+                        });
 }
 
 }  // namespace

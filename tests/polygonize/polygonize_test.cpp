@@ -7,8 +7,9 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/polygonize/components.h"
+#include "support/any_threads.h"
 #include "support/mesh_checks.h"
 
 namespace sansmesh {
@@ -214,14 +215,12 @@ TEST(Polygonize, FollowsOnlyTheSheetsThatSeedsLeadTo) {
 
 TEST(Polygonize, IsTheSameForAnyNumberOfThreads) {
   const BlockTree tree = random_tree(2, 4, 6);
-  set_thread_count(1);
-  const TriangleMesh one = extract(kGyroid, tree);
-  set_thread_count(8);
-  const TriangleMesh eight = extract(kGyroid, tree);
-  set_thread_count(0);
-  EXPECT_EQ(one.vertices, eight.vertices);
-  EXPECT_EQ(one.triangles, eight.triangles);
-  EXPECT_EQ(one.normals, eight.normals);
+  test::compare_threads([&] { return extract(kGyroid, tree); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          EXPECT_EQ(one.triangles, many.triangles);
+                          EXPECT_EQ(one.vertices, many.vertices);
+                          EXPECT_EQ(one.normals, many.normals);
+                        });
 }
 
 }  // namespace

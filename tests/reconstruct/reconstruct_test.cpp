@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/polygonize/mesh_distance.h"
+#include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/triangulation/block_tree.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -45,7 +47,7 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     ASSERT_GT(dot(mesh.normals[i], normalized(mesh.vertices[i])), 0.95f);
   ReconstructOptions anew;
-  anew.normals = ReconstructOptions::Normals::estimate;
+  anew.normals = NormalUse::estimate;
   EXPECT_TRUE(measure_topology(run(cloud, anew)).closed());
 }
 
@@ -166,16 +168,12 @@ TEST(Reconstruct, FewerTrianglesOnDemand) {
 
 TEST(Reconstruct, IsTheSameForAnyNumberOfThreads) {
   const PointSet cloud = test::torus(30000);
-  set_thread_count(1);
-  const TriangleMesh one = run(cloud);
-  for (const int threads : {2, 8}) {
-    set_thread_count(threads);
-    const TriangleMesh many = run(cloud);
-    ASSERT_EQ(one.vertices, many.vertices);
-    ASSERT_EQ(one.triangles, many.triangles);
-    ASSERT_EQ(one.normals, many.normals);
-  }
-  set_thread_count(0);
+  test::compare_threads([&] { return run(cloud); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          ASSERT_EQ(one.vertices, many.vertices);
+                          ASSERT_EQ(one.triangles, many.triangles);
+                          ASSERT_EQ(one.normals, many.normals);
+                        });
 }
 
 TEST(Reconstruct, StopsWhenCancelled) {
@@ -238,6 +236,39 @@ TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   for (std::size_t i = 0; i < 100; ++i)
     cloud.positions[i] = {static_cast<float>(i % 10), static_cast<float>(i / 10), 0};
   EXPECT_THROW(run(cloud), DataError);
+}
+
+TEST(MeshFunction, WritesItsReportAnew) {
+  PointSet cloud = test::sphere(3000);
+  const PointSet small = test::sphere(60);
+  for (std::size_t i = 0; i < small.size(); ++i) {  // left out, with a warning
+    cloud.positions.push_back(small.positions[i] * 0.05f + Vec3f{3, 0, 0});
+    cloud.normals.push_back(small.normals[i]);
+  }
+  Progress progress;
+  const SurfaceFunction two = fit_surface_function(cloud, {}, progress),
+                        one = fit_surface_function(test::sphere(3000), {}, progress);
+  MeshOptions measured;
+  measured.measure_quality = true;
+  MeshReport used, fresh;
+  mesh_function(two, measured, progress, &used);
+  EXPECT_FALSE(used.warnings.empty());
+  mesh_function(one, {}, progress, &used);
+  mesh_function(one, {}, progress, &fresh);
+  EXPECT_EQ(used.warnings, fresh.warnings);
+  EXPECT_EQ(used.aspect_mean_before, fresh.aspect_mean_before);
+  EXPECT_EQ(used.components, fresh.components);
+  EXPECT_EQ(used.blocks, fresh.blocks);
+  EXPECT_EQ(used.block_depth, fresh.block_depth);
+  // Beside what reconstruct adds.
+  ReconstructReport whole;
+  for (int round = 0; round < 2; ++round) {
+    reconstruct(cloud, {}, progress, &whole);
+    EXPECT_EQ(whole.warnings.size(), 1u);
+    EXPECT_EQ(whole.fits, two.field.report().functions);
+    EXPECT_EQ(whole.fit_depth, two.field.report().depth);
+    EXPECT_GT(whole.spacing, 0);
+  }
 }
 
 }  // namespace

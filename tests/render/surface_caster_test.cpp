@@ -21,6 +21,10 @@ using test::Spheres;
 
 constexpr double kTolerance = 1e-3;
 
+std::size_t count_hits(const std::vector<CastHit>& hits) {
+  return static_cast<std::size_t>(std::count_if(hits.begin(), hits.end(), [](const CastHit& h) { return h.hit; }));
+}
+
 TEST(SurfaceCaster, FindsASphereWhereItIs) {
   const Spheres sphere({1});
   for (const double reach : {0.8, 1.5, 4.0}) {
@@ -28,6 +32,7 @@ TEST(SurfaceCaster, FindsASphereWhereItIs) {
     const SurfaceCaster caster(sphere, balls);
     const auto rays = test::random_rays(20000, 1.2f);
     const auto hits = cast(caster, rays);
+    EXPECT_GT(count_hits(hits), rays.size() / 4);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const SphereCrossings exact(rays[i], 1);
       const double radius = balls.radii[0], graze = std::abs(exact.closest - 1);
@@ -120,6 +125,8 @@ TEST(SurfaceCaster, StartsAnywhere) {
       rays.push_back({out * static_cast<float>(height), out});
     }
     const auto hits = cast(caster, rays);
+    // Nothing leaves the outer sphere unseen.
+    EXPECT_GT(count_hits(hits), height < 1 ? rays.size() * 99 / 100 : 0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       double expected = std::numeric_limits<double>::infinity();
       bool grazes = false;
@@ -285,6 +292,7 @@ TEST(SurfaceCaster, FollowsProjections) {
       const test::SphereProjection projection(1, curvature, rate);
       const SurfaceCaster caster(projection, balls);
       const auto hits = cast(caster, rays);
+      EXPECT_GT(count_hits(hits), rays.size() / 4);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const SphereCrossings exact(rays[i], 1);
         // Next to the silhouette the ray comes within the tolerance of the surface without touching it.
@@ -346,8 +354,8 @@ TEST(SurfaceCaster, DoesNotDependOnThreadsOrNeighbours) {
   const BallUnion balls = test::torus_balls(20000, 2);
   const auto rays = test::random_rays(5000, 1.3f);
   std::vector<CastHit> first;
-  for (const int threads : {1, 2, 7}) {
-    set_thread_count(threads);
+  for (const int threads : {1, 2, 8}) {
+    const ThreadScope scope(threads);
     const SurfaceCaster caster(torus, balls);
     const auto hits = cast(caster, rays);
     if (first.empty()) first = hits;
@@ -362,7 +370,6 @@ TEST(SurfaceCaster, DoesNotDependOnThreadsOrNeighbours) {
       ASSERT_EQ(alone.position, first[i].position);
     }
   }
-  set_thread_count(0);
 }
 
 TEST(SurfaceCaster, RefusesBadInput) {

@@ -7,10 +7,11 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/surface/iterated_planes.h"
+#include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
+#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -48,7 +49,7 @@ class EveryMethod : public testing::TestWithParam<std::string> {
  protected:
   ImplicitOptions options() const {
     ImplicitOptions o;
-    o.method = implicit_method(GetParam());
+    o.method = std::get<ImplicitMethod>(surface_method_info(surface_method(GetParam())).formula);
     if (GetParam() == "amls") o.order = 4, o.iterations = 3, o.smoothing = 1.2;
     return o;
   }
@@ -146,10 +147,14 @@ TEST_P(EveryMethod, KeepsTwoSheetsApart) {
   std::vector<double> values(x.size());
   std::vector<std::uint8_t> inside(x.size());
   f.evaluate_in_domain(x, values, {}, inside);
+  std::size_t within = 0, above = 0, below = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!inside[i] || std::abs(std::abs(x[i].z) - 0.024) < 0.004) continue;
     EXPECT_EQ(values[i] < 0, std::abs(x[i].z) < 0.024) << x[i].z;
+    ++(std::abs(x[i].z) < 0.024 ? within : x[i].z > 0 ? above : below);
   }
+  // Steps of 0.001 at three places: at least half a spacing deep on each side of both sheets.
+  for (const std::size_t n : {within, above, below}) EXPECT_GT(n, 30u);
 }
 
 TEST_P(EveryMethod, EndsAtTheBallsOfItsBorder) {
@@ -191,18 +196,15 @@ TEST_P(EveryMethod, TurnsAndScalesWithItsSamples) {
 TEST_P(EveryMethod, DoesNotDependOnTheThreads) {
   const PointSet cloud = test::sphere(20000, 0.01, 4);
   const std::vector<Vec3> x = points_near_sphere(3000, 1, 0.03, 2);
-  const auto values = [&](int threads) {
-    set_thread_count(threads);
+  test::expect_equal_for_any_threads([&] {
     const ImplicitSurface f = make(cloud, options());
-    std::vector<double> v(x.size());
-    f.evaluate(x, v);
-    set_thread_count(0);
-    return v;
-  };
-  EXPECT_EQ(values(1), values(4));
+    std::vector<double> values(x.size());
+    f.evaluate(x, values);
+    return values;
+  });
 }
 
-INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod, testing::ValuesIn(implicit_method_names()),
+INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod, testing::ValuesIn(test::surface_names(SurfaceFamily::implicit)),
                          [](const auto& test) { return test.param; });
 
 /// METHODS §2.3 to the letter, slowly: g_i fixed at x, iterated anew for each x.
@@ -250,7 +252,7 @@ TEST(IteratedPlanes, ArePrecomputedForAnyPoint) {
     for (const int iterations : {0, 1, 4, 10}) {
       ImplicitOptions o;
       o.method = ImplicitMethod::amls;
-      o.order = order, o.iterations = iterations, o.width = 0.25, o.separate_sheets = false, o.reach = 1.2;
+      o.order = order, o.iterations = iterations, o.bandwidth = 0.25, o.separate_sheets = false, o.reach = 1.2;
       const ImplicitSurface f = make_implicit_surface(samples, o, progress);
       const std::vector<Vec3> x = points_near_sphere(20, 1, 0.05, 3);
       std::vector<double> values(x.size());
@@ -314,7 +316,7 @@ TEST(ImplicitSurface, RefusesWhatItCannotUse) {
   holey.positions[3].x = NAN;
   holey.normals[5] = {};
   EXPECT_EQ(prepare_samples(holey, progress).size(), 98u);
-  EXPECT_THROW(implicit_method("poisson"), ArgumentError);
+  EXPECT_THROW(ImplicitOptions{.bandwidth = 0}.validate(), ArgumentError);
   EXPECT_THROW(ImplicitOptions{.smoothing = -1}.validate(), ArgumentError);
   EXPECT_THROW(ImplicitOptions{.order = 3}.validate(), ArgumentError);
   EXPECT_THROW(ImplicitOptions{.iterations = 1000}.validate(), ArgumentError);

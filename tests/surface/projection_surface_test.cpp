@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "support/clouds.h"
+#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -27,7 +28,9 @@ std::vector<Vec3> near_samples(const PointSet& cloud, double spread, unsigned se
 
 class EveryProjection : public testing::TestWithParam<std::string> {
  protected:
-  ProjectionOptions options() const { return {.method = projection_method(GetParam())}; }
+  ProjectionOptions options() const {
+    return {.method = std::get<ProjectionMethod>(surface_method_info(surface_method(GetParam())).formula)};
+  }
 };
 
 TEST_P(EveryProjection, LandsOnASphereOfTheRightCurvature) {
@@ -116,7 +119,7 @@ TEST_P(EveryProjection, ActsAsAFieldWithItsNormalAsGradient) {
   EXPECT_NEAR(mean, 0.01, 3e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Projection, EveryProjection, testing::ValuesIn(projection_method_names()),
+INSTANTIATE_TEST_SUITE_P(Projection, EveryProjection, testing::ValuesIn(test::surface_names(SurfaceFamily::projection)),
                          [](const auto& test) { return test.param; });
 
 TEST(Projection, LevinAgreesWithAlexaOnceItStandsStill) {
@@ -160,7 +163,7 @@ TEST(CurvatureProjection, RefusesBadOptions) {
   EXPECT_THROW(ProjectionOptions{.threshold = 0}.validate(), ArgumentError);
   EXPECT_THROW(ProjectionOptions{.tau = 4}.validate(), ArgumentError);
   EXPECT_THROW(ProjectionOptions{.reach = 100}.validate(), ArgumentError);
-  EXPECT_THROW(projection_method("lop"), ArgumentError);
+  EXPECT_THROW(ProjectionOptions{.bandwidth = -1}.validate(), ArgumentError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "sansmesh/render/preview_scene.h"
+#include "sansmesh/render/mesh_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,7 +79,7 @@ Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
   return subject;
 }
 
-PreviewScene::PreviewScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)
+MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)
     : subject_(std::move(subject)),
       rays_(make_rays(subject_, toward_viewer)),
       linear_(256),
@@ -93,12 +93,12 @@ PreviewScene::PreviewScene(Subject subject, const RenderOptions& options, const 
   }
 }
 
-Vec3f PreviewScene::vertex_color(std::uint32_t vertex) const {
+Vec3f MeshScene::vertex_color(std::uint32_t vertex) const {
   const auto& c = subject_.mesh.colors[vertex];
   return {linear_[c[0]], linear_[c[1]], linear_[c[2]]};
 }
 
-SurfacePoint PreviewScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
+SurfacePoint MeshScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
   const TriangleMesh& mesh = subject_.mesh;
   const Triangle& t = mesh.triangles[hit.primitive];
   const float weight[3] = {1 - hit.u - hit.v, hit.u, hit.v};
@@ -123,7 +123,7 @@ SurfacePoint PreviewScene::on_triangle(const RayHit& hit, const Vec3f& at) const
   return point;
 }
 
-std::optional<SurfacePoint> PreviewScene::closest(const Vec3f& origin, const Vec3f& direction) const {
+std::optional<SurfacePoint> MeshScene::closest(const Vec3f& origin, const Vec3f& direction) const {
   const std::optional<RayHit> hit = rays_.closest(origin, direction);
   if (!hit) return std::nullopt;
   const Vec3f at = origin + hit->distance * direction;
@@ -139,12 +139,12 @@ std::optional<SurfacePoint> PreviewScene::closest(const Vec3f& origin, const Vec
   return point;
 }
 
-void PreviewScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
-                           std::span<std::optional<SurfacePoint>> points) const {
+void MeshScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
+                        std::span<std::optional<SurfacePoint>> points) const {
   for (std::size_t i = 0; i < directions.size(); ++i) points[i] = closest(eye, directions[i]);
 }
 
-void PreviewScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {
+void MeshScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {
   for (std::size_t i = 0; i < rays.size(); ++i)
     answers[i] = rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length);
 }

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/render/mesh_preview.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
+#include "sansmesh/render/render_options.h"
 
 namespace sansmesh {
 
@@ -22,10 +22,10 @@ struct Subject {
 /// Throws DataError where nothing is left.
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options);
 
-class PreviewScene : public PictureScene {
+class MeshScene : public PictureScene {
  public:
   /// `toward_viewer`: normal of discs that have none.
-  PreviewScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer);
+  MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer);
   void closest(const Vec3f& eye, std::span<const Vec3f> directions,
                std::span<std::optional<SurfacePoint>> points) const override;
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;

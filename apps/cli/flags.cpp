@@ -1,0 +1,59 @@
+#include "flags.h"
+
+#include <CLI/CLI.hpp>
+#include <string_view>
+
+namespace sansmesh::cli {
+namespace {
+
+struct FlagOfField {
+  std::string_view field, flag;
+};
+
+/// Where the flag is not the field's name with dashes. Of several, the first that a command has.
+constexpr FlagOfField kFlags[] = {
+    {"max_depth", "--depth"},           {"block_depth", "--depth"},          {"max_degree", "--degree"},
+    {"sharp = false", "--smooth"},      {"enhance = false", "--no-enhance"}, {"carry_colors = false", "--no-colors"},
+    {"separate_sheets", "--no-sheets"}, {"coverage_below", "--coverage"},    {"error_above", "--error"},
+    {"gradient_above", "--gradient"},   {"range", "--color-range"},          {"samples", "--antialiasing"},
+    {"view.azimuth", "--azimuth"},      {"view.elevation", "--elevation"}};
+
+/// What the command calls a field; empty if it has no option for it.
+std::string flag_of(std::string_view field, const CLI::App& command) {
+  const auto known = [&](std::string_view flag) {
+    return command.get_option_no_throw(std::string(flag)) != nullptr ? std::string(flag) : std::string();
+  };
+  for (const FlagOfField& f : kFlags)
+    if (f.field == field)
+      if (std::string flag = known(f.flag); !flag.empty()) return flag;
+  std::string dashed = "--";
+  for (const char c : field) dashed += c == '_' ? '-' : c;
+  return known(dashed);
+}
+
+/// A field, or one with a value.
+std::string translated(std::string_view code, const CLI::App& command) {
+  std::string flag = flag_of(code, command);
+  if (!flag.empty()) return flag;
+  constexpr std::string_view kIs = " = ";
+  const std::size_t is = code.find(kIs);
+  if (is != std::string_view::npos) flag = flag_of(code.substr(0, is), command);
+  return flag.empty() ? std::string(code) : flag + " " + std::string(code.substr(is + kIs.size()));
+}
+
+}  // namespace
+
+std::string in_flags(const std::string& message, const CLI::App& command) {
+  std::string text;
+  std::size_t at = 0;
+  for (;;) {
+    const std::size_t opens = message.find('`', at);
+    const std::size_t closes = opens == std::string::npos ? opens : message.find('`', opens + 1);
+    if (closes == std::string::npos) return text + message.substr(at);
+    text += message.substr(at, opens - at);
+    text += translated(std::string_view(message).substr(opens + 1, closes - opens - 1), command);
+    at = closes + 1;
+  }
+}
+
+}  // namespace sansmesh::cli

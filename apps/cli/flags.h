@@ -1,0 +1,17 @@
+// What the command line calls the options that messages of the library name by their fields.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace sansmesh::cli {
+
+/// A message in which options are named between grave accents (core/error.h), in the words of a command: `max_depth`
+/// becomes --depth, `enhance = false` --no-enhance, `components = all` --components all. Names for which the command
+/// has no option stay as they are, without the accents.
+std::string in_flags(const std::string& message, const CLI::App& command);
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,22 @@
+#include "sansmesh/core/check_range.h"
+
+#include <cmath>
+#include <string>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+
+void check_range(const char* name, double value, double lowest, double highest) {
+  if (value >= lowest && value <= highest) return;
+  const auto shown = [](double v) {
+    std::string text = std::to_string(v);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+  };
+  throw ArgumentError("`" + std::string(name) + "` must be from " + shown(lowest) + " to " + shown(highest) + ", not " +
+                      (std::isfinite(value) ? shown(value) : std::to_string(value)));
+}
+
+}  // namespace sansmesh

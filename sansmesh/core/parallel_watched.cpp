@@ -1,0 +1,101 @@
+// The loops of parallel.h in builds with the thread sanitizer, on threads of the standard library. oneTBB is not built
+// with the sanitizer, which would take what it does not see for races; and to silence whatever has oneTBB on its stack
+// would silence every race of our own. Here it sees all, and is shown as much as can be: every thread has chunks of its
+// own, whichever comes first, so that neighbours are always on different threads, and nothing but its start and its end
+// orders what two threads do.
+#include "sansmesh/core/parallel_backend.h"
+#if SANSMESH_WATCHED_THREADS
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace sansmesh {
+namespace {
+
+/// Without a scope: more than there are cores, perhaps, for the sake of what can be seen.
+constexpr int kThreads = 4;
+/// Loops in loops in loops run as plain ones: threads would come to be without number.
+constexpr int kDeepest = 2;
+
+struct Place {
+  int threads = kThreads;
+  int depth = 0;  // of loops around
+};
+thread_local Place place;
+
+/// Calls work(c) for all c < count.
+template <class Work>
+void run(std::size_t count, const Work& work) {
+  const Place here = place;
+  const auto threads = here.depth < kDeepest ? std::min(count, static_cast<std::size_t>(here.threads)) : 1;
+  if (threads <= 1) {
+    for (std::size_t c = 0; c < count; ++c) work(c);
+    return;
+  }
+  std::mutex mutex;
+  std::exception_ptr error;
+  std::atomic<bool> failed = false;
+  const auto share = [&](std::size_t thread) {
+    const Place before = std::exchange(place, {here.threads, here.depth + 1});
+    try {
+      for (std::size_t c = thread; c < count && !failed.load(std::memory_order_relaxed); c += threads) work(c);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!error) error = std::current_exception();
+      failed.store(true, std::memory_order_relaxed);
+    }
+    place = before;
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t thread = 1; thread < threads; ++thread) others.emplace_back(share, thread);
+    share(0);
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace
+
+struct ThreadScope::Team {
+  explicit Team(int threads) : outer(std::exchange(place, {threads, 0})) {}
+  ~Team() { place = outer; }
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+
+  Place outer;
+};
+
+ThreadScope::ThreadScope(int threads) {
+  detail::check_thread_count(threads);
+  team_ = std::make_unique<Team>(threads == 0 ? kThreads : threads);
+}
+ThreadScope::~ThreadScope() = default;
+
+int thread_count() { return place.threads; }
+
+void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
+                             const std::function<void(std::size_t, std::size_t)>& body) {
+  run((end - begin + grain - 1) / grain, [&](std::size_t c) {
+    const std::size_t first = begin + c * grain;
+    body(first, first + std::min(grain, end - first));
+  });
+}
+
+void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
+  run(2, [&](std::size_t c) { c == 0 ? a() : b(); });
+}
+
+void parallel_sort(std::vector<std::uint64_t>& values) { std::sort(values.begin(), values.end()); }
+void parallel_sort(std::vector<KeyIndex>& values) { std::sort(values.begin(), values.end()); }
+
+void lend_threads(const std::function<void()>& work) { tbb::task_arena(1).execute(work); }
+
+}  // namespace sansmesh
+#endif

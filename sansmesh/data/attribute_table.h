@@ -1,0 +1,116 @@
+// Named arrays of numbers beside the positions: what files and methods know of each sample, vertex or triangle.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "sansmesh/data/number_type.h"
+
+namespace sansmesh {
+/// The alternatives stand in the order of NumberType.
+// clang-format off
+using AttributeValues = std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
+                                     std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
+                                     std::vector<std::int64_t>, std::vector<std::uint64_t>, std::vector<float>,
+                                     std::vector<double>>;
+// clang-format on
+/// An empty array of a type.
+AttributeValues empty_values(NumberType type);
+
+/// One array: `components` numbers a row, row after row.
+struct Attribute {
+  std::string name;  ///< not empty; writers turn what their format cannot hold in a name into '_'
+  AttributeValues values = std::vector<float>{};
+  std::size_t components = 1;  ///< at least 1
+
+  NumberType type() const { return static_cast<NumberType>(values.index()); }
+  std::size_t size() const {
+    return std::visit([](const auto& v) { return v.size(); }, values);
+  }
+  std::size_t rows() const { return size() / components; }
+  /// Number `i` (component i % components of row i / components); integers beyond 2^53 are rounded.
+  double number(std::size_t i) const {
+    return std::visit([i](const auto& v) { return static_cast<double>(v[i]); }, values);
+  }
+  /// The numbers if they are of this type; null otherwise.
+  template <class T>
+  const std::vector<T>* as() const {
+    return std::get_if<std::vector<T>>(&values);
+  }
+
+  friend bool operator==(const Attribute&, const Attribute&) = default;
+};
+
+/// Arrays of different names and the same number of rows. Its owner says what the rows are; whatever changes these
+/// calls the operations on rows below, so that all arrays follow.
+///
+/// Where rows are mixed, reals become weighted means. Integers are as a rule numbers of something, labels or flags, of
+/// which there is no mean: they take the value of the row with the largest weight (of several, the first one), and keep
+/// their type.
+class AttributeTable {
+ public:
+  bool empty() const { return arrays_.empty(); }
+  std::size_t size() const { return arrays_.size(); }  ///< number of arrays
+  const Attribute& operator[](std::size_t k) const { return arrays_[k]; }
+  std::vector<Attribute>::const_iterator begin() const { return arrays_.begin(); }
+  std::vector<Attribute>::const_iterator end() const { return arrays_.end(); }
+
+  /// The array of that name, or null.
+  const Attribute* find(std::string_view name) const;
+  /// Its numbers, or null where there is none of that name or it is of another type.
+  template <class T>
+  const std::vector<T>* find(std::string_view name) const {
+    const Attribute* const a = find(name);
+    return a ? a->as<T>() : nullptr;
+  }
+
+  /// Appends an array, or puts it in the place of the one of that name. Throws ArgumentError where the name is empty,
+  /// there are no components, or the numbers are not whole rows or not as many rows as the other arrays have.
+  void set(Attribute attribute);
+  template <class T>
+  void set(std::string name, std::vector<T> values, std::size_t components = 1) {
+    set(Attribute{std::move(name), std::move(values), components});
+  }
+  /// Removes the array of that name; returns whether there was one.
+  bool erase(std::string_view name);
+  void clear() { arrays_.clear(); }
+
+  /// Throws ArgumentError unless every array has `rows` rows; `of` names these: "points".
+  void check_rows(std::size_t rows, std::string_view of) const;
+
+  // Operations on the rows. Row numbers must exist.
+
+  /// Removes the rows whose entry in `mask` (one for each) is not 0.
+  void remove_rows(std::span<const std::uint8_t> mask);
+  /// Row i is row rows[i] of this table.
+  AttributeTable taken(std::span<const std::uint32_t> rows) const;
+  /// Appends a copy of a row.
+  void append_copy(std::size_t row);
+  /// Appends (1 − t) row a + t row b, 0 ≤ t ≤ 1.
+  void append_between(std::size_t a, std::size_t b, float t);
+  /// Appends these rows of another table. Arrays that it has not, or of another type or number of components, are
+  /// unknown there: NaN, or 0 if they are integers. Arrays that only it has are left out.
+  void append(const AttributeTable& other, std::span<const std::uint32_t> rows);
+  /// Row i is Σ_j weights[k i + j] · row rows[k i + j] with j < k = `share`. Weights are ≥ 0 and sum to one for each i;
+  /// where one is 0, its row does not matter.
+  AttributeTable blended(std::size_t share, std::span<const std::uint32_t> rows, std::span<const double> weights) const;
+  /// Row g is the mean of the rows r with group[r] = g, weighted by weight[r] > 0. Every group below `groups` has rows.
+  AttributeTable means(std::span<const std::uint32_t> group, std::span<const double> weight, std::size_t groups) const;
+
+  friend bool operator==(const AttributeTable&, const AttributeTable&) = default;
+
+ private:
+  std::vector<Attribute> arrays_;
+};
+
+/// Takes the arrays out of `a` that not every one of the `others` has with its type and number of components; returns
+/// their names.
+std::vector<std::string> keep_common(AttributeTable& a, std::span<const AttributeTable* const> others);
+
+}  // namespace sansmesh

@@ -1,0 +1,19 @@
+#include "sansmesh/data/triangle_mesh.h"
+
+#include <utility>
+
+namespace sansmesh {
+
+TriangleMesh to_mesh(PointSet points) {
+  TriangleMesh mesh;
+  mesh.origin = points.origin;
+  mesh.vertices = std::move(points.positions);
+  mesh.triangles = std::move(points.triangles);
+  mesh.normals = std::move(points.normals);
+  mesh.colors = std::move(points.colors);
+  mesh.attributes = std::move(points.attributes);
+  mesh.triangle_attributes = std::move(points.triangle_attributes);
+  return mesh;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,178 @@
+// VTK XML polydata (.vtp): points or a mesh with normals, colours and attributes; raw bytes appended to the XML, or
+// text.
+#include <fmt/core.h>
+
+#include <limits>
+
+#include "sansmesh/io/output.h"
+#include "sansmesh/io/vtk_xml.h"
+
+namespace sansmesh::io {
+namespace {
+
+const char* vtk_type(NumberType type) {
+  constexpr const char* names[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+  return names[static_cast<std::size_t>(type)];
+}
+
+template <class T>
+constexpr NumberType type_of() {
+  if constexpr (std::is_same_v<T, float>) return NumberType::f32;
+  if constexpr (std::is_same_v<T, double>) return NumberType::f64;
+  if constexpr (std::is_same_v<T, std::uint8_t>) return NumberType::u8;
+  if constexpr (std::is_same_v<T, std::int32_t>) return NumberType::i32;
+  return NumberType::i64;
+}
+
+/// The XML and what is appended to it, array by array.
+class VtpFile {
+ public:
+  explicit VtpFile(bool ascii) : ascii_(ascii) {}
+
+  void line(int depth, const std::string& text) {
+    xml_.append(static_cast<std::size_t>(2 * depth), ' ');
+    xml_ += text + "\n";
+  }
+
+  /// `numbers` numbers from at(i), `components` each row.
+  template <class At>
+  void array(int depth, std::string_view name, std::size_t components, std::size_t numbers, At&& at) {
+    using T = std::decay_t<decltype(at(std::size_t{}))>;
+    add(depth, name, type_of<T>(), components, numbers, at);
+  }
+
+  void attribute(int depth, const Attribute& a) {
+    std::visit(
+        [&](const auto& values) {
+          add(depth, a.name, a.type(), a.components, values.size(), [&](std::size_t i) { return values[i]; });
+        },
+        a.values);
+  }
+
+  std::vector<std::string> finish() {
+    if (!ascii_) {
+      line(1, "<AppendedData encoding=\"raw\">");
+      xml_ += "   _";
+      for (std::string& block : appended_) parts_.push_back(std::move(block));
+    }
+    parts_.front() = std::move(xml_);
+    parts_.push_back(ascii_ ? "</VTKFile>\n" : "\n  </AppendedData>\n</VTKFile>\n");
+    return std::move(parts_);
+  }
+
+ private:
+  template <class At>
+  void add(int depth, std::string_view name, NumberType type, std::size_t components, std::size_t numbers, At&& at) {
+    using T = std::decay_t<decltype(at(std::size_t{}))>;
+    const std::string tag = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"", vtk_type(type),
+                                        to_xml(name), components);
+    if (ascii_) {
+      line(depth, tag + " format=\"ascii\">");
+      std::vector<std::string> rows;
+      append_rows(rows, numbers / components, components * (number_width + 1), [&](std::size_t r, char* p) {
+        for (std::size_t c = 0; c < components; ++c)
+          p = put(put(p, at(r * components + c)), c + 1 < components ? ' ' : '\n');
+        return p;
+      });
+      for (const std::string& text : rows) xml_ += text;
+      line(depth, "</DataArray>");
+      return;
+    }
+    line(depth, fmt::format("{} format=\"appended\" offset=\"{}\"/>", tag, offset_));
+    const std::uint64_t bytes = numbers * sizeof(T);
+    std::string block(sizeof(bytes) + bytes, '\0');
+    std::memcpy(block.data(), &bytes, sizeof(bytes));
+    char* const out = block.data() + sizeof(bytes);
+    parallel_for(0, numbers, 1 << 15, [&](std::size_t i) {
+      const T value = at(i);
+      std::memcpy(out + i * sizeof(T), &value, sizeof(T));
+    });
+    offset_ += block.size();
+    appended_.push_back(std::move(block));
+  }
+
+  bool ascii_;
+  std::string xml_;
+  std::vector<std::string> parts_{1}, appended_;
+  std::uint64_t offset_ = 0;
+};
+
+struct Content {
+  const Vec3& origin;
+  const std::vector<Vec3f>& positions;
+  const std::vector<Vec3f>& normals;
+  const std::vector<std::array<std::uint8_t, 3>>& colors;
+  const AttributeTable& attributes;
+  const std::vector<std::array<std::uint32_t, 3>>& triangles;
+  const AttributeTable& triangle_attributes;
+};
+
+/// Indices as small as they can be.
+template <class Write>
+void with_index_type(std::size_t largest, Write&& write) {
+  if (largest <= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+    write(std::int32_t{});
+  else
+    write(std::int64_t{});
+}
+
+std::vector<std::string> to_vtp(const Content& c, bool mesh, const WriteOptions& options) {
+  const std::size_t n = c.positions.size(), faces = c.triangles.size();
+  const WorldCoordinates world(c.origin, c.positions);
+  VtpFile file(options.ascii);
+  file.line(0, "<?xml version=\"1.0\"?>");
+  file.line(0, "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
+  file.line(1, "<PolyData>");
+  // Points without faces are one vertex cell, or no viewer would draw them.
+  file.line(2, fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+                           "NumberOfPolys=\"{}\">",
+                           n, mesh ? 0 : 1, faces));
+  file.line(3, fmt::format("<PointData{}{}>", c.normals.empty() ? "" : " Normals=\"Normals\"",
+                           c.colors.empty() ? "" : " Scalars=\"RGB\""));
+  if (!c.normals.empty()) file.array(4, "Normals", 3, 3 * n, [&](std::size_t i) { return c.normals[i / 3][i % 3]; });
+  if (!c.colors.empty()) file.array(4, "RGB", 3, 3 * n, [&](std::size_t i) { return c.colors[i / 3][i % 3]; });
+  for (const Attribute& a : c.attributes) file.attribute(4, a);
+  file.line(3, "</PointData>");
+  file.line(3, "<CellData>");
+  for (const Attribute& a : c.triangle_attributes) file.attribute(4, a);
+  file.line(3, "</CellData>");
+  file.line(3, "<Points>");
+  if (world.needs_double())
+    file.array(4, "Points", 3, 3 * n, [&](std::size_t i) { return world.world(i / 3)[i % 3]; });
+  else
+    file.array(4, "Points", 3, 3 * n, [&](std::size_t i) { return world.world_float(i / 3)[i % 3]; });
+  file.line(3, "</Points>");
+  file.line(3, mesh ? "<Polys>" : "<Verts>");
+  if (mesh) {
+    with_index_type(std::max(n, 3 * faces), [&](auto index) {
+      using Index = decltype(index);
+      file.array(4, "connectivity", 1, 3 * faces,
+                 [&](std::size_t i) { return static_cast<Index>(c.triangles[i / 3][i % 3]); });
+      file.array(4, "offsets", 1, faces, [](std::size_t i) { return static_cast<Index>(3 * i + 3); });
+    });
+  } else {
+    with_index_type(n, [&](auto index) {
+      using Index = decltype(index);
+      file.array(4, "connectivity", 1, n, [](std::size_t i) { return static_cast<Index>(i); });
+      file.array(4, "offsets", 1, 1, [&](std::size_t) { return static_cast<Index>(n); });
+    });
+  }
+  file.line(3, mesh ? "</Polys>" : "</Verts>");
+  file.line(2, "</Piece>");
+  file.line(1, "</PolyData>");
+  return file.finish();
+}
+
+}  // namespace
+
+std::vector<std::string> mesh_to_vtp(const TriangleMesh& m, const WriteOptions& options) {
+  return to_vtp({m.origin, m.vertices, m.normals, m.colors, m.attributes, m.triangles, m.triangle_attributes}, true,
+                options);
+}
+
+std::vector<std::string> points_to_vtp(const PointSet& p, const WriteOptions& options) {
+  return to_vtp({p.origin, p.positions, p.normals, p.colors, p.attributes, {}, {}}, false, options);
+}
+
+}  // namespace sansmesh::io

@@ -1,0 +1,55 @@
+// What a picture is to look like.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/render/camera.h"
+
+namespace sansmesh {
+
+struct RenderOptions {
+  int width = 1280, height = 960;  ///< pixels, 1..16384
+  ViewDirection view;              ///< degrees; `named_view` gives the usual ones
+  UpAxis up = UpAxis::y;
+  double field_of_view = 30;  ///< degrees over the shorter side, 1..120
+  enum class Background { gradient, solid, transparent } background = Background::gradient;
+  Vec3f background_color{1, 1, 1};           ///< sRGB 0..1, for a solid background
+  Vec3f surface_color{0.87f, 0.84f, 0.80f};  ///< sRGB 0..1, where there are no vertex colours
+  bool use_colors = true;                    ///< take the vertex colours where there are some
+  bool smooth = true;                        ///< interpolate normals over the triangles, except across creases
+  bool shadows = true;                       ///< of the key light, on the surface itself
+  bool ground = true;                        ///< let a shadow fall on the ground below
+  int samples = 3;                           ///< samples per pixel in each direction, 1..8
+  int occlusion_rays = 1;                    ///< rays towards the sky a sample, 0..64; 0: none is blocked
+  /// Radius of points, in the unit of the cloud; default: from their spacing.
+  std::optional<double> point_radius;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// As for meshes (`smooth` and `point_radius` mean nothing here), and:
+struct SurfaceRenderOptions : RenderOptions {
+  /// Share of the light that a mirror would send, 0..1. Mirror rays are cast on the surface itself.
+  double reflection = 0;
+  /// Share of the light that comes through, 0..1: the surface bounds a clear body. reflection + transmission <= 1.
+  double transmission = 0;
+  /// Of the body against what is around it, 1..4: 1.33 water, 1.5 glass. Mirrors what Fresnel's formulas say on top.
+  double refraction_index = 1.5;
+  /// Mirror and refraction rays in sequence, 1..16.
+  int bounces = 4;
+  /// Shadows fall from the surface itself, not from discs around the samples: exact and slow.
+  bool exact_shadows = false;
+  /// For quick frames: no shadows, no occlusion, no ground, one sample a pixel, whatever else is set.
+  bool plain = false;
+  /// The view does not zoom with the direction: frames of a turntable fit together.
+  bool steady = false;
+  /// What mirrors and glass show where a ray leaves: linear light (1 is white) from a unit direction. Default: the
+  /// background in front, a bright sky elsewhere.
+  std::function<Vec3f(const Vec3f& direction)> environment;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,180 @@
+#include "sansmesh/data/attribute_table.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+/// 0, 1, …, n·components − 1 in every type, with one and with three components.
+AttributeTable every_type(std::size_t n) {
+  AttributeTable table;
+  for (int t = 0; t < 10; ++t)
+    for (const std::size_t components : {1, 3}) {
+      Attribute a{std::string(name_of(static_cast<NumberType>(t))) + " " + std::to_string(components),
+                  empty_values(static_cast<NumberType>(t)), components};
+      std::visit(
+          [&](auto& values) {
+            values.resize(n * components);
+            std::iota(values.begin(), values.end(), typename std::decay_t<decltype(values)>::value_type{0});
+          },
+          a.values);
+      table.set(std::move(a));
+    }
+  return table;
+}
+
+TEST(AttributeTable, TypesAreThoseOfTheirNumbers) {
+  for (int t = 0; t < 10; ++t) {
+    const auto type = static_cast<NumberType>(t);
+    const Attribute a{"a", empty_values(type)};
+    EXPECT_EQ(a.type(), type);
+    std::visit(
+        [&](const auto& values) {
+          using T = typename std::decay_t<decltype(values)>::value_type;
+          EXPECT_EQ(sizeof(T), size_of(type));
+          EXPECT_EQ(std::is_floating_point_v<T>, is_real(type));
+          EXPECT_EQ(std::is_signed_v<T>, is_signed(type));
+        },
+        a.values);
+  }
+}
+
+TEST(AttributeTable, NamesAreUnique) {
+  AttributeTable table;
+  table.set("a", std::vector<float>{1, 2});
+  table.set("b", std::vector<std::int8_t>{3, 4, 5, 6}, 2);
+  table.set("a", std::vector<double>{7, 8});
+  ASSERT_EQ(table.size(), 2u);
+  EXPECT_EQ(table[0].name, "a");
+  EXPECT_EQ(*table.find<double>("a"), (std::vector<double>{7, 8}));
+  EXPECT_EQ(table.find<float>("a"), nullptr);
+  EXPECT_EQ(table.find("c"), nullptr);
+  EXPECT_TRUE(table.erase("a"));
+  EXPECT_FALSE(table.erase("a"));
+  EXPECT_EQ(table.size(), 1u);
+  // Alone, it may change its length.
+  table.set("b", std::vector<float>{1});
+  EXPECT_EQ(table[0].rows(), 1u);
+}
+
+TEST(AttributeTable, RefusesWhatFitsNot) {
+  AttributeTable table;
+  table.set("a", std::vector<float>{1, 2});
+  EXPECT_THROW(table.set("", std::vector<float>{1, 2}), ArgumentError);
+  EXPECT_THROW(table.set("b", std::vector<float>{1}), ArgumentError);
+  EXPECT_THROW(table.set("b", std::vector<float>{1, 2, 3}, 2), ArgumentError);
+  EXPECT_THROW(table.set("b", std::vector<float>{1, 2}, 0), ArgumentError);
+  EXPECT_EQ(table.size(), 1u);
+  EXPECT_NO_THROW(table.check_rows(2, "points"));
+  EXPECT_THROW(table.check_rows(3, "points"), ArgumentError);
+}
+
+TEST(AttributeTable, RowsMoveAsTheyAreInEveryType) {
+  const AttributeTable table = every_type(30);
+  std::vector<std::uint8_t> mask(30);
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    mask[i] = i % 4 == 1;
+    if (!mask[i]) kept.push_back(i);
+  }
+  AttributeTable fewer = table;
+  fewer.remove_rows(mask);
+  EXPECT_EQ(fewer, table.taken(kept));
+  for (const Attribute& a : fewer) {
+    EXPECT_EQ(a.type(), table.find(a.name)->type());
+    ASSERT_EQ(a.rows(), kept.size());
+    for (std::size_t i = 0; i < a.size(); ++i)
+      ASSERT_EQ(a.number(i), static_cast<double>(kept[i / a.components] * a.components + i % a.components));
+  }
+  AttributeTable joined = table.taken(std::vector<std::uint32_t>{0, 1});
+  joined.append(table, std::vector<std::uint32_t>{29, 5});
+  joined.append_copy(1);
+  EXPECT_EQ(joined, table.taken(std::vector<std::uint32_t>{0, 1, 29, 5, 1}));
+}
+
+TEST(AttributeTable, RealsAreMixedIntegersAreNot) {
+  AttributeTable table = every_type(8);
+  table.append_between(2, 6, 0.25f);
+  table.append_between(2, 6, 0.75f);
+  table.append_between(6, 2, 0.5f);
+  table.append_between(3, 4, 0);
+  table.append_between(3, 4, 1);
+  const double real[] = {3, 5, 4, 3, 4}, whole[] = {2, 6, 6, 3, 4};
+  for (const Attribute& a : table) {
+    const double width = static_cast<double>(a.components);
+    ASSERT_EQ(a.rows(), 13u);
+    for (std::size_t r = 0; r < 5; ++r)
+      for (std::size_t c = 0; c < a.components; ++c)
+        EXPECT_EQ(a.number((8 + r) * a.components + c),
+                  (is_real(a.type()) ? real[r] : whole[r]) * width + static_cast<double>(c))
+            << a.name;
+  }
+  const AttributeTable blend = every_type(8).blended(3, std::vector<std::uint32_t>{1, 2, 5, 0, 7, 7},
+                                                     std::vector<double>{0.25, 0.25, 0.5, 1, 0, 0});
+  for (const Attribute& a : blend) {
+    ASSERT_EQ(a.rows(), 2u);
+    for (std::size_t c = 0; c < a.components; ++c) {
+      const double width = static_cast<double>(a.components), at = static_cast<double>(c);
+      EXPECT_EQ(a.number(c), (is_real(a.type()) ? 3.25 : 5) * width + at) << a.name;
+      EXPECT_EQ(a.number(a.components + c), at) << a.name;
+    }
+  }
+  const AttributeTable mean =
+      every_type(5).means(std::vector<std::uint32_t>{1, 0, 0, 1, 1}, std::vector<double>{1, 1, 3, 2, 2}, 2);
+  for (const Attribute& a : mean) {
+    ASSERT_EQ(a.rows(), 2u);
+    for (std::size_t c = 0; c < a.components; ++c) {
+      const double width = static_cast<double>(a.components), at = static_cast<double>(c);
+      // Of equal weights the first one's integer.
+      EXPECT_NEAR(a.number(c), (is_real(a.type()) ? 1.75 : 2) * width + at, 1e-6) << a.name;
+      EXPECT_NEAR(a.number(a.components + c), (is_real(a.type()) ? 14.0 / 5 : 3) * width + at, 1e-6) << a.name;
+    }
+  }
+}
+
+TEST(AttributeTable, WhatHasNoWeightDoesNotMatter) {
+  AttributeTable table;
+  table.set("a", std::vector<float>{1, std::numeric_limits<float>::quiet_NaN()});
+  table.append_between(0, 1, 0);
+  const AttributeTable blend = table.blended(2, std::vector<std::uint32_t>{0, 1}, std::vector<double>{1, 0});
+  EXPECT_EQ((*table.find<float>("a"))[2], 1);
+  EXPECT_EQ((*blend.find<float>("a"))[0], 1);
+}
+
+TEST(AttributeTable, WhatAnotherHasNotIsUnknown) {
+  AttributeTable a, b;
+  a.set("real", std::vector<double>{1});
+  a.set("whole", std::vector<std::int16_t>{2});
+  a.set("shared", std::vector<float>{3});
+  b.set("real", std::vector<float>{4, 5});  // another type
+  b.set("shared", std::vector<float>{6, 7});
+  b.set("extra", std::vector<float>{8, 9});
+  AttributeTable joined = a;
+  joined.append(b, std::vector<std::uint32_t>{1});
+  EXPECT_EQ(joined.size(), 3u);
+  EXPECT_TRUE(std::isnan((*joined.find<double>("real"))[1]));
+  EXPECT_EQ((*joined.find<std::int16_t>("whole"))[1], 0);
+  EXPECT_EQ((*joined.find<float>("shared"))[1], 7);
+  const AttributeTable* const others[] = {&b};
+  EXPECT_EQ(keep_common(a, others), (std::vector<std::string>{"real", "whole"}));
+  EXPECT_EQ(a.size(), 1u);
+}
+
+TEST(AttributeTable, IntegersOf64BitsLoseNothing) {
+  const std::int64_t large = std::numeric_limits<std::int64_t>::max() - 1;
+  AttributeTable table;
+  table.set("id", std::vector<std::int64_t>{large, large - 1});
+  table.append_between(0, 1, 0.3f);
+  const AttributeTable mean = table.means(std::vector<std::uint32_t>{0, 0, 0}, std::vector<double>{1, 2, 1}, 1);
+  EXPECT_EQ((*table.find<std::int64_t>("id"))[2], large);
+  EXPECT_EQ((*mean.find<std::int64_t>("id"))[0], large - 1);
+}
+
+}  // namespace
+}  // namespace sansmesh
