@@ -16,10 +16,6 @@ endif()
 # Bit-identical results: the compiler may not fuse a*b+c differently from one build or call site to the next.
 add_compile_options(-ffp-contract=off)
 
-# Highway's SSSE3 is for processors of 2006 to 2009 alone; they take the kernels without vectors, which are right there,
-# too. Every set of instructions costs a fifth of the time that kernels take to compile.
-add_compile_definitions(HWY_DISABLED_TARGETS=HWY_SSSE3)
-
 # Clang writes the time into precompiled headers, which a compiler cache could then never hand out.
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   add_compile_options("SHELL:-Xclang -fno-pch-timestamp")

@@ -9,6 +9,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -211,6 +212,7 @@ TEST_F(SurfaceCommands, RenderTurnsAround) {
 }
 
 TEST_F(SurfaceCommands, OutputDoesNotDependOnThreads) {
+  SANSMESH_NOT_SANITIZED("the same commands several times");
   PointSet cloud = torus(2500);
   write_points(path("ring.ply"), cloud);
   for (const std::vector<std::string>& command :

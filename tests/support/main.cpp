@@ -3,13 +3,15 @@
 //   --threads=N     loops of the library run on N threads unless the test says otherwise: one by default, because ctest
 //                   runs as many programs at a time as there are cores
 //   --simd=NAME     kernels run on this set of instructions (SCALAR, SSE4, AVX2 …) of those that the library holds
-//   --simd=others   the tests run once for every set that this processor has, but for the best one, which they take
-//   anyway
+//   --simd=others   the tests run once for every set that this processor has but the best one, which they take
+//                   anyway
 //   --files=A,B     only tests out of these sources, in place of --gtest_filter
 //
 // Ends with the number of failed runs, at most 1.
+#include "sansmesh/core/simd_targets.h"
+// After simd_targets.h, which says what the library holds.
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
+#include <hwy/targets.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
