@@ -8,7 +8,6 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/reconstruct.h"
-#include "sansmesh/surface_function.h"
 #include "support/any_threads.h"
 #include "support/same_bytes.h"
 

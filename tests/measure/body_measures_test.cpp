@@ -7,7 +7,6 @@
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/placed_field.h"
-#include "sansmesh/measure/placed_field.h"
 #include "sansmesh/measure/section.h"
 #include "support/any_threads.h"
 

@@ -9,7 +9,6 @@
 #include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/polygonize/mesh_closest.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 

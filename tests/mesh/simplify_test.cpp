@@ -12,9 +12,6 @@
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/polygonize/mesh_quality.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "support/any_threads.h"
 
 namespace sansmesh {

@@ -10,7 +10,6 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"

@@ -12,7 +12,6 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"

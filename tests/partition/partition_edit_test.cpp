@@ -9,7 +9,6 @@
 #include "partition/edit_checks.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "support/any_threads.h"
 
 namespace sansmesh {

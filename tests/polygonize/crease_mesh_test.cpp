@@ -13,7 +13,6 @@
 
 #include "polygonize/piece_solids.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/polygonize/mesh_quality.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 

@@ -8,7 +8,6 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/polygonize/components.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 

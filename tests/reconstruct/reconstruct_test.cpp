@@ -9,8 +9,6 @@
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/polygonize/mesh_distance.h"
-#include "sansmesh/polygonize/mesh_topology.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
