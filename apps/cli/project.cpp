@@ -143,7 +143,8 @@ Command add_project(CLI::App& app) {
       ->type_name("RATIO");
   c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
       ->type_name("LENGTH");
-  c.add_option("--repulsion", a.lop.repulsion, "lop: how strongly points keep apart, 0..0.5 [0.45]")->type_name("SHARE");
+  c.add_option("--repulsion", a.lop.repulsion, "lop: how strongly points keep apart, 0..0.5 [0.45]")
+      ->type_name("SHARE");
   add_surface_details(c, a.surface, a.cloud);
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"

@@ -33,9 +33,9 @@ class SignedDistance {
   virtual Box3 bounds() const = 0;
   /// false: all distances are positive, since nothing tells the sides apart.
   virtual bool has_sides() const { return true; }
-  /// Distances at all of x, one call per batch; neighbours in neighbouring slots go fastest. Sizes must agree. What lies
-  /// farther than `farthest` may be NaN. Points that are not finite are. Safe from several threads: whoever has many
-  /// points cuts them into batches and asks in a loop, since this, unlike a field, has none.
+  /// Distances at all of x, one call per batch; neighbours in neighbouring slots go fastest. Sizes must agree. What
+  /// lies farther than `farthest` may be NaN. Points that are not finite are. Safe from several threads: whoever has
+  /// many points cuts them into batches and asks in a loop, since this, unlike a field, has none.
   virtual void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const = 0;
 };
 

@@ -41,8 +41,8 @@ void fit_leaves(const BlockFitter& fitter, const ScaleChoice& choice, PartitionD
   sum_up(data);
 }
 
-/// What the polygoniser will need to know: how flat is the surface at the scale of each block? Takes the tree's levels with it,
-/// and the trials.
+/// What the polygoniser will need to know: how flat is the surface at the scale of each block? Takes the tree's levels
+/// with it, and the trials.
 std::vector<PartitionData::Flatness> record_flatness(SampleTree& tree, const BlockFitter& fitter, ScaleChoice& choice,
                                                      const PartitionData& data) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;

@@ -14,6 +14,7 @@
 
 #include "sansmesh/advise/advise.h"
 #include "sansmesh/approximation/approximate_mls.h"
+#include "sansmesh/approximation/approximate_mls_choice.h"
 #include "sansmesh/approximation/moving_least_squares.h"
 #include "sansmesh/approximation/radial_basis.h"
 #include "sansmesh/csg/csg_functions.h"
@@ -50,6 +51,7 @@
 #include "sansmesh/surface/lop.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
+#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -230,9 +232,9 @@ class EverySurface : public testing::TestWithParam<std::string> {};
 TEST_P(EverySurface, IsShownAndSampled) {
   const PointSet cloud = colored_torus(3000);
   SurfaceOptions options;
-  options.method = GetParam();
-  options.sharp = options.method == "apss" || options.method == "levin";
-  if (options.method == "amls") options.order = 4, options.iterations = 3;
+  options.method = surface_method(GetParam());
+  options.sharp = options.method == SurfaceMethod::apss || options.method == SurfaceMethod::levin;
+  if (options.method == SurfaceMethod::amls) options.order = 4, options.iterations = 3;
   test::expect_equal_for_any_threads([&] {
     Progress progress;
     const SurfaceModel model = make_surface_model(cloud, options, progress);
@@ -241,14 +243,14 @@ TEST_P(EverySurface, IsShownAndSampled) {
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
-                                                    : SurfaceCaster(model.field(), model.balls(), cast);
+                                                    : SurfaceCaster(model.field(progress), model.balls(), cast);
     Findings found;
     found << render_surface(caster, model.points().positions, model.colors(), picture, progress);
     return found << project_points(cloud, model, {}, progress) << resample_surface(model, 1000, {}, progress);
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Named, EverySurface, testing::ValuesIn(surface_names()),
+INSTANTIATE_TEST_SUITE_P(Named, EverySurface, testing::ValuesIn(test::surface_names()),
                          [](const auto& tested) { return tested.param; });
 
 TEST(EveryRoom, SurfacesWithoutAMeshAreMeshed) {
@@ -256,7 +258,7 @@ TEST(EveryRoom, SurfacesWithoutAMeshAreMeshed) {
     Progress progress;
     Findings found;
     ReconstructOptions options;
-    for (const char* method : {"apss", "curvature"}) {
+    for (const SurfaceMethod method : {SurfaceMethod::apss, SurfaceMethod::curvature}) {
       options.surface = SurfaceOptions{};
       options.surface->method = method;
       options.surface->sharp = true;
