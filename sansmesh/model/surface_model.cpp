@@ -64,11 +64,14 @@ struct SurfaceModel::State {
 /// away to be projected; and where to put the vertices of sharp meshes.
 void SurfaceModel::State::make_field(Progress& progress) {
   if (projection) {
+    progress.begin("sides of the surface");
+    progress.check();
     ImplicitOptions beyond;
     beyond.method = ImplicitMethod::kolluri;
     implicit = make_implicit_surface(projection->samples(), beyond, progress);
     projection_field.emplace(*projection, &*implicit);
     field = &*projection_field;
+    progress.finish();
   }
   if (normals) placement.emplace(*field, *normals);
 }

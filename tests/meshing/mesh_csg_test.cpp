@@ -173,7 +173,7 @@ TEST(MeshCsg, UnboundedSolidsNeedABox) {
   // A half-space ends on one side only: the message names the other five, and what to do.
   EXPECT_EQ(
       message("plane(z)", {}),
-      "the solid is not known to end in the directions -x, +x, -y, +y, -z: intersect it with a box, or give a box "
+      "the solid is not known to end in the directions -x, +x, -y, +y, -z: intersect it with a box, or give a `box` "
       "to cut it off");
   EXPECT_NE(message("cylinder(1)", {}).find("directions -z, +z:"), std::string::npos);
   EXPECT_NE(message("sphere(1) & sphere(1, center=(3,0,0))", {}).find("empty"), std::string::npos);

@@ -317,7 +317,7 @@ TEST(SurfacePicture, RefusesBadOptions) {
   refused("width", [](auto& o) { o.width = 0; });
   refused("reflection", [](auto& o) { o.reflection = -0.1; });
   refused("transmission", [](auto& o) { o.transmission = 1.1; });
-  refused("reflection + transmission", [](auto& o) { o.transmission = o.reflection = 0.6; });
+  refused("`reflection` + `transmission`", [](auto& o) { o.transmission = o.reflection = 0.6; });
   refused("refraction_index", [](auto& o) { o.refraction_index = 0.9; });
   refused("bounces", [](auto& o) { o.bounces = 0; });
   Progress progress;
