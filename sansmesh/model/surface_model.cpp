@@ -1,5 +1,7 @@
 #include "sansmesh/model/surface_model.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -108,9 +110,10 @@ void SurfaceOptions::validate() const {
   for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
     const auto option = static_cast<SurfaceOption>(i);
     if (!is_set(option) || info.heeds(option)) continue;
-    const std::string field = "`" + std::string(field_name(option)) + "`", name = info.name;
-    throw ArgumentError(*info.instead ? field + " means nothing to the surface " + name + ": " + info.instead
-                                      : field + " belongs to " + heeded_by(option) + ", not to the surface " + name);
+    const char* const field = field_name(option);
+    throw ArgumentError(
+        *info.instead ? fmt::format("`{}` means nothing to the surface {}: {}", field, info.name, info.instead)
+                      : fmt::format("`{}` belongs to {}, not to the surface {}", field, heeded_by(option), info.name));
   }
   ImplicitOptions implicit;
   implicit.smoothing = smoothing, implicit.bandwidth = bandwidth;

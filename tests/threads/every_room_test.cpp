@@ -10,6 +10,7 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sansmesh/advise/advise.h"
@@ -63,8 +64,13 @@ class Findings {
  public:
   template <class T>
   Findings& operator<<(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
     const auto* bytes = reinterpret_cast<const char*>(values.data());
     bytes_.append(bytes, bytes + values.size() * sizeof(T));
+    return *this;
+  }
+  Findings& operator<<(const std::vector<std::vector<double>>& rows) {
+    for (const std::vector<double>& row : rows) *this << row;
     return *this;
   }
   Findings& operator<<(double value) { return *this << std::vector<double>{value}; }
