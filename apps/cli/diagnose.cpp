@@ -116,7 +116,7 @@ Command add_diagnose(CLI::App& app) {
       ->type_name("SHARE");
   c->add_option("--error", a->options.error_above, "Suspicious above: rms distance of a fit's samples [from data]")
       ->type_name("LENGTH");
-  c->add_option("--gradient", a->options.gradient_above, "Suspicious above: norm of the gradient, > 1 [2]")
+  c->add_option("--gradient", a->options.gradient_above, "Suspicious above: norm of the gradient, > 1 [3]")
       ->type_name("NORM");
   c->add_option("--places", a->options.places, "Most places of each kind [20]")->type_name("COUNT");
   c->footer(

@@ -37,6 +37,23 @@ struct FunctionDistance::Parts {
         distance(mesh),
         near(std::max(function->field.report().spacing * function->unit, 1e-6 * distance.bounds().diagonal())) {}
 
+  /// Distances to the mesh, with the function's sign.
+  std::vector<MeasuredPoint> measure(std::span<const Vec3> x) const {
+    std::vector<MeasuredPoint> found(x.size());
+    distance.measure(x, std::numeric_limits<double>::max(), found);
+    // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
+    std::vector<Vec3> beside(x.begin(), x.end());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double d = std::abs(found[i].distance);
+      if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
+    }
+    std::vector<double> side(x.size());
+    field.evaluate(beside, side);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
+    return found;
+  }
+
   std::shared_ptr<const SurfaceFunction> function;
   PlacedField field;
   TriangleMesh mesh;
@@ -52,19 +69,8 @@ FunctionDistance::~FunctionDistance() = default;
 Box3 FunctionDistance::bounds() const { return parts_->field.bounds(); }
 
 void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
-  std::vector<MeasuredPoint> found(x.size());
-  parts_->distance.measure(x, std::numeric_limits<double>::max(), found);
+  const std::vector<MeasuredPoint> found = parts_->measure(x);
   const double near = parts_->near;
-  // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
-  std::vector<Vec3> beside(x.begin(), x.end());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double d = std::abs(found[i].distance);
-    if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
-  }
-  std::vector<double> side(x.size());
-  parts_->field.evaluate(beside, side);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
   std::vector<std::size_t> close;
   std::vector<Vec3> at;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -92,6 +98,25 @@ void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> value
         away + across * weight +
         (away * (std::copysign(share_slope, d) * trust) + across * (std::copysign(trust_slope, gap) * share)) * gap;
     if (!is_finite(gradients[i])) gradients[i] = slope[j];
+  }
+}
+
+void FunctionDistance::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  const std::vector<MeasuredPoint> measured = parts_->measure(x);
+  std::vector<std::size_t> close;
+  std::vector<Vec3> at;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double d = measured[i].distance;
+    found[i] = {d - radius, d + radius};
+    if (!(std::abs(d) < 2 * parts_->near + radius)) continue;
+    close.push_back(i);
+    at.push_back(x[i]);
+  }
+  std::vector<ValueRange> of_function(close.size());
+  if (!close.empty()) parts_->field.ranges(at, radius, of_function);
+  for (std::size_t j = 0; j < close.size(); ++j) {
+    ValueRange& r = found[close[j]];
+    r = {std::min(r.least, of_function[j].least), std::max(r.most, of_function[j].most)};
   }
 }
 

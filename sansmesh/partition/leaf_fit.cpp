@@ -127,6 +127,7 @@ void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
   }
   data.functions = std::move(functions);
   data.supports = std::move(supports);
+  data.find_slopes();
 }
 
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell) {
