@@ -118,7 +118,7 @@ Command add_diagnose(CLI::App& app) {
                 "Fits are suspicious if their samples lie farther off than this (rms) [from data]")
       ->type_name("LENGTH");
   c->add_option("--gradient", a->options.gradient_above,
-                "Fits are suspicious if the gradient is longer than this, > 1 [2]")
+                "Fits are suspicious if the gradient is longer than this, > 1 [3]")
       ->type_name("NORM");
   c->add_option("--places", a->options.places, "Report at most this many places of each kind [20]")->type_name("COUNT");
   c->footer(

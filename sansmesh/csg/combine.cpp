@@ -18,6 +18,8 @@ constexpr double kCostly = 10;
 /// A survey with reach r need not tell beyond this many r how far a piece is alone. What makes blocks of half edge r
 /// has to know it up to half the diagonal and two cells more, at most 3.8 r.
 constexpr double kSurveyed = 6;
+/// How fast the difference of two values can change whose slopes are 1 at most, and with it the weights of both.
+constexpr double kSlopes = 2;
 
 bool bounded_anywhere(const Extents& e) {
   return std::any_of(e.begin(), e.end(), [](double v) { return v < kUnbounded; });
@@ -38,7 +40,8 @@ class CombineNode final : public SolidNode {
     const SolidNode& first = swapped ? *b_ : *a_;
     const SolidNode& second = swapped ? *a_ : *b_;
     first.evaluate(x, values, gradients, active);
-    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, values);
+    const auto highest = [&](std::size_t i) { return sign_ * values[i] + radius_; };
+    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, highest, 0);
     const std::size_t n = wanted.size();
     std::vector<Vec3> at(n), slope(gradients.empty() ? 0 : n);
     std::vector<double> value(n);
@@ -89,44 +92,72 @@ class CombineNode final : public SolidNode {
     }
   }
 
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-              std::span<Surroundings> around) const override {
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
     const bool swapped = b_->cost() < a_->cost();
     const SolidNode& first = swapped ? *b_ : *a_;
     const SolidNode& second = swapped ? *a_ : *b_;
-    first.survey(x, reach, values, around);
-    // How fast the difference of both values can change, and with it the weights of both.
-    const double slopes = a_->slope() + b_->slope();
-    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, values, kSurveyed * reach * slopes);
+    first.survey(x, reach, values, around, ranges);
+    // How far apart both values must be, for the second not to matter: within the reach each changes by no more than
+    // that, or lies in its range.
+    const double room = lipschitz() ? kSurveyed * reach.detail * kSlopes : 0;
+    if (!lipschitz()) by_slope(first, values, reach.alone, ranges);
+    const auto highest = [&](std::size_t i) {
+      return lipschitz() ? sign_ * values[i] + radius_ + room : turned(ranges[i]).most + radius_;
+    };
+    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, highest, lipschitz() ? 0 : reach.alone);
     std::vector<Vec3> at(wanted.size());
     std::vector<double> value(wanted.size());
     std::vector<Surroundings> other(wanted.size());
+    std::vector<ValueRange> other_range(lipschitz() ? 0 : wanted.size());
     for (std::size_t j = 0; j < wanted.size(); ++j) at[j] = x[wanted[j]];
-    if (!at.empty()) second.survey(at, reach, value, other);
+    if (!at.empty()) second.survey(at, reach, value, other, other_range);
+    if (!lipschitz()) by_slope(second, value, reach.alone, other_range);
     for (std::size_t i = 0, j = 0; i < x.size(); ++i) {
       if (j == wanted.size() || wanted[j] != i) {
-        const double gap = least_of(second, x[i]) - sign_ * values[i];
-        around[i].alone = std::min(around[i].alone, (gap - radius_) / slopes);
+        if (!lipschitz()) continue;
+        const double gap = least_of(second, x[i], 0) - sign_ * values[i];
+        around[i].alone = std::min(around[i].alone, (gap - radius_) / kSlopes);
         continue;
       }
       const double gap = sign_ * (value[j] - values[i]);  // below 0: the second one counts
       Surroundings both = {std::min(around[i].alone, other[j].alone), std::min(around[i].detail, other[j].detail)};
       if (std::abs(gap) >= radius_) both = gap >= 0 ? around[i] : other[j];
-      both.alone = std::min(both.alone, std::abs(std::abs(gap) - radius_) / slopes);
+      if (lipschitz()) {
+        both.alone = std::min(both.alone, std::abs(std::abs(gap) - radius_) / kSlopes);
+      } else {
+        if (!apart(ranges[i], other_range[j])) both.alone = 0;
+        ranges[i] = combined(ranges[i], other_range[j]);
+      }
       around[i] = both;
       values[i] = combined(values[i], value[j]);
       ++j;
     }
   }
 
-  double least(double sign, const Vec3& x) const override {
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    if (lipschitz()) return SolidNode::ranges(x, radius, found);
+    const bool swapped = b_->cost() < a_->cost();
+    const SolidNode& first = swapped ? *b_ : *a_;
+    const SolidNode& second = swapped ? *a_ : *b_;
+    first.ranges(x, radius, found);
+    const auto highest = [&](std::size_t i) { return turned(found[i]).most + radius_; };
+    const std::vector<std::uint32_t> wanted = where_to_ask(second, x, highest, radius);
+    std::vector<Vec3> at(wanted.size());
+    std::vector<ValueRange> other(wanted.size());
+    for (std::size_t j = 0; j < wanted.size(); ++j) at[j] = x[wanted[j]];
+    if (!at.empty()) second.ranges(at, radius, other);
+    for (std::size_t j = 0; j < wanted.size(); ++j) found[wanted[j]] = combined(found[wanted[j]], other[j]);
+  }
+
+  double least(double sign, const Vec3& x, double radius) const override {
     const auto least_of_child = [&](const SolidNode& c) {
-      return c.lipschitz() && c.cost() > kCostly ? c.far_value(sign, x) : c.least(sign, x);
+      return c.lipschitz() && c.cost() > kCostly ? c.far_value(sign, x, radius) : c.least(sign, x, radius);
     };
     const double a = least_of_child(*a_), b = least_of_child(*b_);
     // The value is that of one of both, and blends move it towards the sign of the combination, by a quarter at most.
     const double both = sign == sign_ ? std::min(a, b) - radius_ / 4 : std::max(a, b);
-    return std::max(both, far_value(sign, x));
+    return std::max(both, far_value(sign, x, radius));
   }
 
   double support(const Vec3& n) const override {
@@ -159,21 +190,35 @@ class CombineNode final : public SolidNode {
 
   /// Below nodes whose slopes are not known there are fields: costly ones, which know better than their boxes where
   /// they are far.
-  double least_of(const SolidNode& second, const Vec3& x) const {
-    return !second.lipschitz() ? second.least(sign_, x) : second.far_value(sign_, x);
+  double least_of(const SolidNode& second, const Vec3& x, double radius) const {
+    return !second.lipschitz() ? second.least(sign_, x, radius) : second.far_value(sign_, x, radius);
   }
 
-  /// All points but those where `second` is so far away that the value of the first is known to be all, by `room` more
-  /// than it must be.
-  std::vector<std::uint32_t> where_to_ask(const SolidNode& second, std::span<const Vec3> x,
-                                          std::span<const double> values, double room = 0) const {
+  /// All points but those where `second` is so far away that the value of the first is known to be all, within
+  /// `radius`: highest(i) says below what the second's sign times values must not come.
+  template <class Highest>
+  std::vector<std::uint32_t> where_to_ask(const SolidNode& second, std::span<const Vec3> x, const Highest& highest,
+                                          double radius) const {
     const bool known = !second.lipschitz() || bounded_anywhere(sign_ > 0 ? second.extents() : second.hollow_extents());
     std::vector<std::uint32_t> wanted;
     wanted.reserve(x.size());
     for (std::size_t i = 0; i < x.size(); ++i)
-      if (!known || !(sign_ * values[i] + radius_ + room < least_of(second, x[i])))
-        wanted.push_back(static_cast<std::uint32_t>(i));
+      if (!known || !(highest(i) < least_of(second, x[i], radius))) wanted.push_back(static_cast<std::uint32_t>(i));
     return wanted;
+  }
+
+  /// The ranges of a child whose slope is known, within `radius`; those of others are there already.
+  static void by_slope(const SolidNode& child, std::span<const double> values, double radius,
+                       std::span<ValueRange> ranges) {
+    if (!child.lipschitz()) return;
+    for (std::size_t i = 0; i < values.size(); ++i) ranges[i] = {values[i] - radius, values[i] + radius};
+  }
+
+  /// With the values' sign turned for intersections.
+  ValueRange turned(const ValueRange& r) const { return sign_ > 0 ? r : ValueRange{-r.most, -r.least}; }
+  /// Whether one of both counts alone wherever in their ranges both are.
+  bool apart(const ValueRange& a, const ValueRange& b) const {
+    return turned(a).most + radius_ < turned(b).least || turned(b).most + radius_ < turned(a).least;
   }
 
   bool pairs() const { return pairs_of(*a_, *b_) > 0; }
@@ -193,6 +238,10 @@ class CombineNode final : public SolidNode {
     const double d = a - b;
     if (radius_ > 0 && std::abs(d) < radius_) return (a + b) / 2 - sign_ * (radius_ * radius_ + d * d) / (4 * radius_);
     return sign_ > 0 ? std::min(a, b) : std::max(a, b);
+  }
+  /// It grows with both.
+  ValueRange combined(const ValueRange& a, const ValueRange& b) const {
+    return {combined(a.least, b.least), combined(a.most, b.most)};
   }
 
   NodePtr a_, b_;
@@ -214,12 +263,17 @@ class ComplementNode final : public SolidNode {
     child_->evaluate_piece(piece, x, values, gradients);
     turn(values, gradients);
   }
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-              std::span<Surroundings> around) const override {
-    child_->survey(x, reach, values, around);
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
+    child_->survey(x, reach, values, around, ranges);
     turn(values, {});
+    turn(ranges);
   }
-  double least(double sign, const Vec3& x) const override { return child_->least(-sign, x); }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    child_->ranges(x, radius, found);
+    turn(found);
+  }
+  double least(double sign, const Vec3& x, double radius) const override { return child_->least(-sign, x, radius); }
   double support(const Vec3& n) const override { return child_->hollow_support(n); }
   double hollow_support(const Vec3& n) const override { return child_->support(n); }
 
@@ -232,6 +286,9 @@ class ComplementNode final : public SolidNode {
   static void turn(std::span<double> values, std::span<Vec3> gradients) {
     for (double& v : values) v = -v;
     for (Vec3& g : gradients) g = -g;
+  }
+  static void turn(std::span<ValueRange> ranges) {
+    for (ValueRange& r : ranges) r = {-r.most, -r.least};
   }
   NodePtr child_;
 };
@@ -258,12 +315,19 @@ class OffsetNode final : public SolidNode {
     child_->evaluate_piece(piece, x, values, gradients);
     for (double& v : values) v -= distance_;
   }
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-              std::span<Surroundings> around) const override {
-    child_->survey(x, reach, values, around);
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
+    child_->survey(x, reach, values, around, ranges);
     for (double& v : values) v -= distance_;
+    for (ValueRange& r : ranges) r = {r.least - distance_, r.most - distance_};
   }
-  double least(double sign, const Vec3& x) const override { return child_->least(sign, x) - sign * distance_; }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    child_->ranges(x, radius, found);
+    for (ValueRange& r : found) r = {r.least - distance_, r.most - distance_};
+  }
+  double least(double sign, const Vec3& x, double radius) const override {
+    return child_->least(sign, x, radius) - sign * distance_;
+  }
   double support(const Vec3& n) const override { return moved(*child_, child_->support(n), distance_); }
   double hollow_support(const Vec3& n) const override { return moved(*child_, child_->hollow_support(n), -distance_); }
 
@@ -304,14 +368,23 @@ class ShellNode final : public SolidNode {
     if (inner)
       for (Vec3& g : gradients) g = -g;
   }
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-              std::span<Surroundings> around) const override {
-    child_->survey(x, reach, values, around);
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
+    child_->survey(x, reach, values, around, ranges);
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double from_middle = std::abs(values[i] - middle_);
-      around[i].alone = std::min(around[i].alone, from_middle / child_->slope());
+      if (lipschitz()) {
+        around[i].alone = std::min(around[i].alone, from_middle);
+      } else if (ranges[i].least <= middle_ && ranges[i].most >= middle_) {
+        around[i].alone = 0;
+      }
       values[i] = from_middle - half_;
     }
+    if (!lipschitz()) fold(ranges);
+  }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    child_->ranges(x, radius, found);
+    fold(found);
   }
   double support(const Vec3& n) const override {
     return std::min(moved(*child_, child_->support(n), middle_ + half_),
@@ -328,6 +401,13 @@ class ShellNode final : public SolidNode {
     t.thickness = thinner(2 * half, thinner(s + 2 * (middle + half), h - 2 * (middle - half)));
     t.hollow_thickness = thinner(s + 2 * (middle - half), h - 2 * (middle + half));
     return t;
+  }
+  void fold(std::span<ValueRange> ranges) const {
+    for (ValueRange& r : ranges) {
+      const double a = std::abs(r.least - middle_), b = std::abs(r.most - middle_);
+      const bool both_sides = r.least <= middle_ && r.most >= middle_;
+      r = {(both_sides ? 0 : std::min(a, b)) - half_, std::max(a, b) - half_};
+    }
   }
   NodePtr child_;
   double middle_, half_;

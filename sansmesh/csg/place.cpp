@@ -31,16 +31,23 @@ class PlacedNode final : public SolidNode {
     child_->evaluate_piece(piece, map_.back(x), values, gradients);
     map_.carry(values, gradients);
   }
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-              std::span<Surroundings> around) const override {
-    child_->survey(map_.back(x), reach / map_.scale, values, around);
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
+    child_->survey(map_.back(x), {reach.detail / map_.scale, reach.alone / map_.scale}, values, around, ranges);
     map_.carry(values, {});
     for (Surroundings& s : around) {
       s.alone *= map_.scale;
       s.detail *= map_.scale;
     }
+    carry(ranges);
   }
-  double least(double sign, const Vec3& x) const override { return map_.scale * child_->least(sign, map_.back(x)); }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    child_->ranges(map_.back(x), radius / map_.scale, found);
+    carry(found);
+  }
+  double least(double sign, const Vec3& x, double radius) const override {
+    return map_.scale * child_->least(sign, map_.back(x), radius / map_.scale);
+  }
   double support(const Vec3& n) const override { return placed(n, child_->support(map_.turn_back(n))); }
   double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.turn_back(n))); }
 
@@ -52,13 +59,16 @@ class PlacedNode final : public SolidNode {
     t.hollow_thickness *= scale;
     return t;
   }
+  void carry(std::span<ValueRange> ranges) const {
+    for (ValueRange& r : ranges) r = {r.least * map_.scale, r.most * map_.scale};
+  }
   double placed(const Vec3& n, double support) const { return dot(n, map_.translation) + map_.scale * support; }
 
   NodePtr child_;
   Similarity map_;
 };
 
-/// A field of others, wherever it is asked. Nothing is known of it but its values.
+/// A field of others, wherever it is asked. Nothing is known of it but its values and what they lie between.
 class LeafNode final : public SolidNode {
  public:
   LeafNode(std::shared_ptr<const ScalarField> field, std::shared_ptr<const csg::FieldKnowledge> known)
@@ -81,18 +91,24 @@ class LeafNode final : public SolidNode {
     if (piecewise_) return piecewise_->evaluate_piece(piece, x, values, gradients);
     field_->evaluate(x, values, gradients);
   }
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-              std::span<Surroundings> around) const override {
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
     if (piecewise_) {
       piecewise_->survey(x, reach, values, around);
     } else {
       field_->evaluate(x, values);
       std::fill(around.begin(), around.end(), Surroundings{kUnbounded, 0});
     }
+    field_->ranges(x, reach.alone, ranges);
     if (known_)
-      for (std::size_t i = 0; i < x.size(); ++i) around[i].detail = known_->detail(x[i], reach);
+      for (std::size_t i = 0; i < x.size(); ++i) around[i].detail = known_->detail(x[i], reach.detail);
   }
-  double least(double sign, const Vec3& x) const override { return known_ ? known_->least(sign, x) : -kUnbounded; }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    field_->ranges(x, radius, found);
+  }
+  double least(double sign, const Vec3& x, double radius) const override {
+    return known_ ? known_->least(sign, x, radius) : -kUnbounded;
+  }
   double support(const Vec3&) const override { return kUnbounded; }
   double hollow_support(const Vec3&) const override { return kUnbounded; }
 

@@ -78,8 +78,8 @@ class PrimitiveNode final : public SolidNode {
     }
   }
 
-  void survey(std::span<const Vec3> x, double, std::span<double> values,
-              std::span<Surroundings> around) const override {
+  void survey(std::span<const Vec3> x, const SurveyReach&, std::span<double> values, std::span<Surroundings> around,
+              std::span<ValueRange>) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       Sample s;
       const std::uint32_t piece = shape_.choose(x[i], s);
@@ -88,10 +88,10 @@ class PrimitiveNode final : public SolidNode {
     }
   }
 
-  double least(double sign, const Vec3& x) const override {
+  double least(double sign, const Vec3& x, double radius) const override {
     Sample s;
     shape_.choose(x, s);
-    return sign * s.value;
+    return sign * s.value - radius;
   }
   double support(const Vec3& n) const override { return shape_.support(n); }
   double hollow_support(const Vec3& n) const override { return shape_.hollow_support(n); }

@@ -64,11 +64,17 @@ void SolidNode::keep_extents() {
   }
 }
 
-double SolidNode::far_value(double sign, const Vec3& x) const {
+void SolidNode::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  std::vector<double> values(x.size());
+  evaluate(x, values, {}, {});
+  for (std::size_t i = 0; i < x.size(); ++i) found[i] = {values[i] - radius, values[i] + radius};
+}
+
+double SolidNode::far_value(double sign, const Vec3& x, double radius) const {
   const Extents& e = sign > 0 ? extents_ : hollow_extents_;
   double outside = 0;
   for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
-  return outside > 0 ? rise_ * outside : -kUnbounded;
+  return outside > radius ? rise_ * (outside - radius) : -kUnbounded;
 }
 
 double thinner(double a, double b) { return (a > 0) == (b > 0) ? std::min(a, b) : std::max(a, b); }
@@ -129,10 +135,17 @@ double Solid::thickness() const {
   return thinnest > 0 ? thinnest : kUnbounded;
 }
 
-void Solid::survey(std::span<const Vec3> x, double reach, std::span<double> values,
+void Solid::survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
                    std::span<Surroundings> around) const {
   in_batches(x.size(), [&](std::size_t first, std::size_t last) {
-    node_->survey(part(x, first, last), reach, part(values, first, last), part(around, first, last));
+    std::vector<ValueRange> ranges(last - first);
+    node_->survey(part(x, first, last), reach, part(values, first, last), part(around, first, last), ranges);
+  });
+}
+
+void Solid::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  in_batches(x.size(), [&](std::size_t first, std::size_t last) {
+    node_->ranges(part(x, first, last), radius, part(found, first, last));
   });
 }
 

@@ -38,8 +38,10 @@ class Solid final : public PiecewiseField {
   /// Of the thinnest primitive or shell, hole of a torus, or tool that was taken away; offsets counted. What an
   /// offset made vanish is left out, and with it what is as thick and in the same part of the expression.
   double thickness() const override;
-  void survey(std::span<const Vec3> x, double reach, std::span<double> values,
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
               std::span<Surroundings> around) const override;
+  /// Put together from those of its fields.
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
   const std::shared_ptr<const SolidNode>& node() const { return node_; }
 
@@ -79,9 +81,9 @@ class FieldKnowledge {
   virtual ~FieldKnowledge() = default;
   /// Edge of blocks that resolve the field within `reach` of x.
   virtual double detail(const Vec3& x, double reach) const = 0;
-  /// A bound from below for sign (±1) times the value at x, −infinity where there is none: where another solid decides
-  /// anyway, the field is not evaluated.
-  virtual double least(double sign, const Vec3& x) const = 0;
+  /// A bound from below for sign (±1) times the values within `radius` of x, −infinity where there is none: where
+  /// another solid decides anyway, the field is not evaluated.
+  virtual double least(double sign, const Vec3& x, double radius) const = 0;
 };
 
 /// Any field, as a solid that ends at the field's bounds, where those are finite: a field that is still negative there

@@ -37,13 +37,16 @@ class SolidNode {
   virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                               std::span<Vec3> gradients) const = 0;
 
-  /// As PiecewiseField::survey.
-  virtual void survey(std::span<const Vec3> x, double reach, std::span<double> values,
-                      std::span<Surroundings> around) const = 0;
+  /// As PiecewiseField::survey. Where gradients are not known to be 1 at most, `ranges` gets what the values within
+  /// reach.alone lie between; else it is left as it is.
+  virtual void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+                      std::span<Surroundings> around, std::span<ValueRange> ranges) const = 0;
+  /// As ScalarField::ranges. To be overridden where gradients are not known to be 1 at most.
+  virtual void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
 
-  /// A bound from below for sign (±1) times the value at x, found without evaluating fields; −infinity where there is
-  /// none.
-  virtual double least(double sign, const Vec3& x) const { return far_value(sign, x); }
+  /// A bound from below for sign (±1) times the values within `radius` of x, found without evaluating fields; −infinity
+  /// where there is none.
+  virtual double least(double sign, const Vec3& x, double radius) const { return far_value(sign, x, radius); }
 
   virtual double support(const Vec3& n) const = 0;
   virtual double hollow_support(const Vec3& n) const = 0;
@@ -52,8 +55,6 @@ class SolidNode {
   double rise() const { return rise_; }
   /// Gradients are known to be 1 at most.
   bool lipschitz() const { return lipschitz_; }
-  /// What they are taken to be at most.
-  double slope() const { return lipschitz_ ? 1 : kLikelySlope; }
   /// Rough time of one evaluation; a primitive takes 1.
   double cost() const { return cost_; }
   int depth() const { return depth_; }
@@ -63,7 +64,7 @@ class SolidNode {
   /// Of the thinnest hole: the complement's thickness.
   double hollow_thickness() const { return hollow_thickness_; }
   /// The same from the extents alone: the least effort.
-  double far_value(double sign, const Vec3& x) const;
+  double far_value(double sign, const Vec3& x, double radius) const;
   const Extents& extents() const { return extents_; }
   const Extents& hollow_extents() const { return hollow_extents_; }
 

@@ -13,11 +13,18 @@ namespace sansmesh {
 
 /// What is known of a field around a point: how large blocks of a mesh may be there.
 struct Surroundings {
-  /// Radius of a ball around the point within which the field is one piece; 0 where that is not known.
+  /// Radius of a ball around the point within which the field is one piece: of no use beyond SurveyReach::alone, 0
+  /// where nothing is known.
   double alone = 0;
   /// Edge of blocks that resolve the piece: 0 where that is not known, infinity where the piece is a formula without
   /// any detail that values and gradients at a few points would miss.
   double detail = 0;
+};
+
+/// How far around a point a survey looks (lengths).
+struct SurveyReach {
+  double detail = 0;  ///< for details
+  double alone = 0;   ///< for other pieces
 };
 
 /// At every point the value is that of one of several smooth functions, its pieces (combined by minima, maxima and
@@ -36,23 +43,25 @@ class PiecewiseField : public ScalarField {
   virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                               std::span<Vec3> gradients) const = 0;
 
-  /// A bound for the norm of the gradients, if there is one that is known.
+  /// A bound for the norm of the gradients, if there is one that is known. Where there is none, ranges() says how the
+  /// values change.
   virtual std::optional<double> slope_bound() const { return std::nullopt; }
 
   /// Thickness of the thinnest part or hole that is known, infinity if there is none.
   virtual double thickness() const { return std::numeric_limits<double>::infinity(); }
 
-  /// Values, and what is known around each of x, of details that lie within `reach` of it. As many entries as x. Safe
-  /// from several threads. Nothing is known unless this is overridden.
-  virtual void survey(std::span<const Vec3> x, [[maybe_unused]] double reach, std::span<double> values,
+  /// Values, and what is known around each of x. As many entries as x. Safe from several threads. Nothing is known
+  /// unless this is overridden.
+  virtual void survey(std::span<const Vec3> x, [[maybe_unused]] const SurveyReach& reach, std::span<double> values,
                       std::span<Surroundings> around) const {
     evaluate(x, values);
     std::fill(around.begin(), around.end(), Surroundings{});
   }
-};
 
-/// Fitted functions are taken to be no steeper than this next to their surface: it is not known, but they are about
-/// distances there.
-constexpr double kLikelySlope = 1.5;
+  /// From the slope, if that is known.
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    detail::ranges_by_slope(*this, slope_bound().value_or(kAssumedSlope), x, radius, found);
+  }
+};
 
 }  // namespace sansmesh

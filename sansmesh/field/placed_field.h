@@ -28,6 +28,10 @@ class PlacedField : public ScalarField {
     field_.evaluate_in_domain(place_.back(x), values, gradients, inside);
     place_.carry(values, gradients);
   }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    field_.ranges(place_.back(x), radius / place_.scale, found);
+    for (ValueRange& r : found) r = {r.least * place_.scale, r.most * place_.scale};
+  }
 
  private:
   const ScalarField& field_;

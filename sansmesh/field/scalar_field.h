@@ -11,6 +11,15 @@
 
 namespace sansmesh {
 
+/// What values lie between, both ends included.
+struct ValueRange {
+  double least, most;
+  bool holds_zero() const { return least <= 0 && most >= 0; }
+};
+
+/// Fields that know nothing of their slopes are taken to be no steeper than this. It is not known.
+constexpr double kAssumedSlope = 1.5;
+
 /// A scalar function on space. Implicit surfaces are negative inside, positive outside, and near their zero set
 /// measured in units of length (the gradient has norm about 1).
 ///
@@ -37,6 +46,17 @@ class ScalarField {
     evaluate(x, values, gradients);
     std::fill(inside.begin(), inside.end(), std::uint8_t{1});
   }
+
+  /// What all values within `radius` (>= 0) of each of x lie between: where that does not hold 0, no surface is so
+  /// near. As many entries as x; infinite ends where nothing is known. Fields that do not override this are taken to be
+  /// no steeper than kAssumedSlope; of all others it is proven. Safe from several threads.
+  virtual void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
 };
+
+namespace detail {
+/// ScalarField::ranges of a field whose gradients are no longer than `slope`.
+void ranges_by_slope(const ScalarField& field, double slope, std::span<const Vec3> x, double radius,
+                     std::span<ValueRange> found);
+}  // namespace detail
 
 }  // namespace sansmesh

@@ -27,8 +27,8 @@ struct DiagnoseOptions {
   /// rms distance of a support's samples (length, input); default: six times the median of all, at least a quarter of
   /// the spacing.
   std::optional<double> error_above;
-  double gradient_above = 2;  ///< norm, > 1; the thesis found 1.9 to be the largest of a sound function
-  std::size_t places = 20;    ///< at most this many places of each kind
+  double gradient_above = kSoundSlope;  ///< norm, > 1
+  std::size_t places = 20;              ///< at most this many places of each kind
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -41,6 +41,23 @@ struct FunctionDistance::Parts {
         near(std::max(function->field.report().spacing * function->unit, 1e-6 * distance.bounds().diagonal())) {}
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const;
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
+  /// Distances to the mesh, with the function's sign.
+  std::vector<MeasuredPoint> measure(std::span<const Vec3> x) const {
+    std::vector<MeasuredPoint> found(x.size());
+    distance.measure(x, std::numeric_limits<double>::max(), found);
+    // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
+    std::vector<Vec3> beside(x.begin(), x.end());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double d = std::abs(found[i].distance);
+      if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
+    }
+    std::vector<double> side(x.size());
+    field.evaluate(beside, side);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
+    return found;
+  }
 
   std::shared_ptr<const SurfaceFunction> function;
   PlacedField field;
@@ -59,18 +76,7 @@ Box3 FunctionDistance::bounds() const { return parts_->field.bounds(); }
 /// Of points that go together.
 void FunctionDistance::Parts::evaluate(std::span<const Vec3> x, std::span<double> values,
                                        std::span<Vec3> gradients) const {
-  std::vector<MeasuredPoint> found(x.size());
-  distance.measure(x, std::numeric_limits<double>::max(), found);
-  // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
-  std::vector<Vec3> beside(x.begin(), x.end());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double d = std::abs(found[i].distance);
-    if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
-  }
-  std::vector<double> side(x.size());
-  field.evaluate(beside, side);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
+  const std::vector<MeasuredPoint> found = measure(x);
   std::vector<std::size_t> close;
   std::vector<Vec3> at;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -101,11 +107,37 @@ void FunctionDistance::Parts::evaluate(std::span<const Vec3> x, std::span<double
   }
 }
 
+void FunctionDistance::Parts::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  const std::vector<MeasuredPoint> measured = measure(x);
+  std::vector<std::size_t> close;
+  std::vector<Vec3> at;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double d = measured[i].distance;
+    found[i] = {d - radius, d + radius};
+    if (!(std::abs(d) < 2 * near + radius)) continue;
+    close.push_back(i);
+    at.push_back(x[i]);
+  }
+  std::vector<ValueRange> of_function(close.size());
+  if (!close.empty()) field.ranges(at, radius, of_function);
+  for (std::size_t j = 0; j < close.size(); ++j) {
+    ValueRange& r = found[close[j]];
+    r = {std::min(r.least, of_function[j].least), std::max(r.most, of_function[j].most)};
+  }
+}
+
 void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   parallel_ranges(0, x.size(), kBatch, [&](std::size_t first, std::size_t last) {
     const std::size_t n = last - first;
     parts_->evaluate(x.subspan(first, n), values.subspan(first, n),
                      gradients.empty() ? gradients : gradients.subspan(first, n));
+  });
+}
+
+void FunctionDistance::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  parallel_ranges(0, x.size(), kBatch, [&](std::size_t first, std::size_t last) {
+    const std::size_t n = last - first;
+    parts_->ranges(x.subspan(first, n), radius, found.subspan(first, n));
   });
 }
 

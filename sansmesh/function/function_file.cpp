@@ -249,6 +249,7 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
       data, [](const auto& f) -> const auto& { return f.child; });
   std::vector<FileSection> sections{{"META", 1, text},
                                     section_of("FUNCTION", data.functions.view()),
+                                    section_of("SLOPE", data.slopes.view()),
                                     section_of("SUPPORT", data.supports.view()),
                                     section_of("LEVCODE", std::span(code)),
                                     section_of("LEVGAP", std::span(gap)),
@@ -280,6 +281,10 @@ SurfaceFunction read_function(const SectionFile& file) {
     data.functions = file.array<LocalFunction>("FUNCTION");
     data.supports = file.array<Support>("SUPPORT");
     read_flatness(file, json, data);
+    if (file.has("SLOPE")) {
+      data.slopes = file.array<float>("SLOPE");
+      if (data.slopes.size() != data.functions.size()) throw DataError("its slopes do not fit its functions");
+    }
     data.validate();
     auto samples = std::make_shared<const PointSet>(read_samples(file, data));
     const Vec3 origin = vector_of(json.at("origin"));

@@ -13,6 +13,8 @@ namespace {
 
 /// Cells along each side of the grid on which it is known where the function is far from zero.
 constexpr std::size_t kGrid = 32;
+/// Balls that are wider than so many cells are not looked up.
+constexpr double kMostCells = 4;
 
 /// The blocks of a function's mesh, asked for the smallest one near a point, and where the function is far from zero:
 /// far from its samples it takes longest to evaluate.
@@ -36,46 +38,35 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
     return tree_.edge() / static_cast<double>(1u << level);
   }
 
-  double least(double sign, const Vec3& x) const override {
-    std::size_t cell = 0;
-    for (std::size_t k = 3; k-- > 0;) {
-      const double at = (x[k] - tree_.lower()[k]) / tree_.edge() * kGrid;
-      if (!(at >= 0 && at < kGrid)) return kNothing;
-      cell = cell * kGrid + static_cast<std::size_t>(at);
+  double least(double sign, const Vec3& x, double radius) const override {
+    std::size_t first[3], last[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double scale = kGrid / tree_.edge(), low = (x[k] - radius - tree_.lower()[k]) * scale,
+                   high = (x[k] + radius - tree_.lower()[k]) * scale;
+      if (!(low >= 0 && high < kGrid && high - low < kMostCells)) return kNothing;
+      first[k] = static_cast<std::size_t>(low), last[k] = static_cast<std::size_t>(high);
     }
-    const double far = sign * far_[cell];
+    double far = std::numeric_limits<double>::infinity();
+    for (std::size_t k = first[2]; k <= last[2]; ++k)
+      for (std::size_t j = first[1]; j <= last[1]; ++j)
+        for (std::size_t i = first[0]; i <= last[0]; ++i) far = std::min(far, sign * far_[(k * kGrid + j) * kGrid + i]);
     return far > 0 ? far : kNothing;
   }
 
  private:
   static constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
-  /// Values at corners and middles of all cells: no point is farther from one than 0.56 edges; slopes up to 2.7 are
-  /// allowed for.
   void find_far(const ScalarField& field) {
-    constexpr std::size_t n = kGrid + 1;
     const double edge = tree_.edge() / kGrid;
-    const auto point = [&](std::size_t i, std::size_t side, double shift) {
-      Vec3 p;
-      for (std::size_t k = 0; k < 3; ++k, i /= side)
-        p[k] = tree_.lower()[k] + (static_cast<double>(i % side) + shift) * edge;
-      return p;
-    };
-    std::vector<Vec3> x;
-    x.reserve(n * n * n + kGrid * kGrid * kGrid);
-    for (std::size_t i = 0; i < n * n * n; ++i) x.push_back(point(i, n, 0));
-    for (std::size_t i = 0; i < kGrid * kGrid * kGrid; ++i) x.push_back(point(i, kGrid, 0.5));
-    std::vector<double> f(x.size());
-    field.evaluate(x, f);
-    far_.resize(kGrid * kGrid * kGrid);
-    for (std::size_t i = 0; i < far_.size(); ++i) {
-      const std::size_t corner = i % kGrid + n * (i / kGrid % kGrid + n * (i / kGrid / kGrid));
-      const double sign = f[n * n * n + i] < 0 ? -1 : 1;
-      double least = sign * f[n * n * n + i];
-      for (const std::size_t c : {0ul, 1ul, n, n + 1, n * n, n * n + 1, n * n + n, n * n + n + 1})
-        least = std::min(least, sign * f[corner + c]);
-      far_[i] = sign * std::max(0.0, least - kLikelySlope * edge);
-    }
+    std::vector<Vec3> x(kGrid * kGrid * kGrid);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= kGrid)
+        x[i][k] = tree_.lower()[k] + (static_cast<double>(rest % kGrid) + 0.5) * edge;
+    std::vector<ValueRange> ranges(x.size());
+    field.ranges(x, std::sqrt(0.75) * edge, ranges);
+    far_.resize(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i)
+      far_[i] = ranges[i].least > 0 ? ranges[i].least : std::min(ranges[i].most, 0.0);
   }
 
   void look(std::size_t b, const Vec3& x, double radius, std::uint8_t& level) const {

@@ -74,7 +74,7 @@ struct Reached {
   double detail = std::numeric_limits<double>::infinity();
 };
 
-Reached look_around(const PiecewiseField& field, const Box3& box, double slope) {
+Reached look_around(const PiecewiseField& field, const Box3& box, std::optional<double> slope) {
   constexpr std::size_t n = std::size_t{1} << kCreaseBaseLevel;
   const Vec3 step = box.size() * (1.0 / n);
   std::vector<Vec3> centers(n * n * n);
@@ -83,10 +83,12 @@ Reached look_around(const PiecewiseField& field, const Box3& box, double slope) 
     for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= n)
       centers[i][k] = box.lower[k] + (static_cast<double>(rest % n) + 0.5) * step[k];
   std::vector<Surroundings> around(centers.size());
-  field.survey(centers, norm(step) / 2, values, around);
+  field.survey(centers, {norm(step) / 2, 0}, values, around);
+  std::vector<ValueRange> ranges(slope ? 0 : centers.size());
+  if (!slope) field.ranges(centers, norm(step) / 2, ranges);
   Reached reached;
   for (std::size_t i = 0; i < centers.size(); ++i) {
-    if (std::abs(values[i]) > slope * norm(step) / 2) continue;
+    if (slope ? std::abs(values[i]) > *slope * norm(step) / 2 : !ranges[i].holds_zero()) continue;
     reached.box.extend(centers[i] - step * 0.5);
     reached.box.extend(centers[i] + step * 0.5);
     const double detail = around[i].detail;
@@ -174,7 +176,8 @@ Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid
 
 TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const CsgMeshOptions& options,
                      Progress& progress, CsgMeshReport* report) {
-  const double slope = field.slope_bound() ? *field.slope_bound() * kRounding : kLikelySlope;
+  std::optional<double> slope = field.slope_bound();
+  if (slope) *slope *= kRounding;
   const Reached reached = look_around(field, whole_box, slope);
   const Box3& box = reached.box;
   const double thickness = field.thickness();

@@ -137,6 +137,7 @@ void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
   }
   data.functions = std::move(functions);
   data.supports = std::move(supports);
+  data.find_slopes();
   sum_up(data);
 }
 

@@ -124,6 +124,18 @@ void PartitionOptions::validate() const {
   check(max_samples >= 50, "`max_samples` must be at least 50");
 }
 
+void PartitionData::find_slopes() {
+  std::vector<float> found(functions.size());
+  parallel_for(0, supports.size(), 2048, [&](std::size_t i) {
+    const LocalFunction& first = functions[i];
+    found[i] = local_slope(first, first.center, first.radius);
+    for (std::int32_t next = first.next; next != 0; next = functions[static_cast<std::size_t>(next - 1)].next)
+      found[static_cast<std::size_t>(next - 1)] =
+          local_slope(functions[static_cast<std::size_t>(next - 1)], first.center, first.radius);
+  });
+  slopes = std::move(found);
+}
+
 void PartitionData::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw DataError(what);
@@ -150,6 +162,11 @@ void PartitionData::validate() const {
                      }),
         "a support makes no sense");
   check(is_chained(*this), "the pieces of its creases make no sense");
+  const auto is_slope = [&](std::size_t i) {
+    return functions[i].is_constant() ? slopes[i] == 0 : slopes[i] >= 1 && !std::isinf(slopes[i]);
+  };
+  check(slopes.empty() || (slopes.size() == functions.size() && all_of_range(slopes.size(), is_slope)),
+        "the slopes of its functions make no sense");
 }
 
 }  // namespace sansmesh

@@ -85,8 +85,14 @@ struct PartitionData {
   PartitionReport report;
   ScaleBasis basis;
   SharedArray<LocalFunction> functions;  ///< one per support, then further pieces of creased ones
-  SharedArray<Support> supports;         ///< in the order of their blocks along the Morton curve
-  std::vector<Flatness> flatness;        ///< of each level
+  /// Of each of the functions, a proven bound for the length of its gradient in the ball of its support
+  /// (local_slope()). Empty: to be computed from the functions.
+  SharedArray<float> slopes;
+  SharedArray<Support> supports;   ///< in the order of their blocks along the Morton curve
+  std::vector<Flatness> flatness;  ///< of each level
+
+  /// Fills in the slopes from the functions.
+  void find_slopes();
 
   /// Throws DataError that says what is wrong with it, were it from a file.
   void validate() const;

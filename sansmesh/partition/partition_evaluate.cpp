@@ -17,11 +17,6 @@
 #ifndef SANSMESH_PARTITION_EVALUATE_ONCE
 #define SANSMESH_PARTITION_EVALUATE_ONCE
 namespace sansmesh {
-/// (f/R)² up to which a support's weight is left alone, and |f|/R up to which its value is. Noisy samples lie half a
-/// radius off their fits; without noise, and of steep functions, only what is close to the zero set is right.
-constexpr float kTrusted = 0.36f, kStraight = 0.3f;
-constexpr float kTrustedClose = 0.2f, kStraightClose = 0.2f;
-
 /// Up to kTile points and the sums over supports at each: structure of arrays, aligned for the widest vectors.
 struct EvaluationTile {
   static constexpr std::size_t kTile = 64;
@@ -242,12 +237,6 @@ namespace sansmesh {
 HWY_EXPORT(SumSupports);
 
 namespace {
-
-// How deep a point is among the supports: 0 at the rim of a single one, 1 in its middle, linear in between, since the
-// fourth root of the weights is 1 − r²/R² there. From 0 to kFade the far field hands over, evenly but for kRound at
-// either end, so that the hand-over is nowhere steeper than it has to be.
-constexpr float kFade = 0.56f, kRound = 0.06f;
-constexpr float kFadeRoot = 1 - (1 - kFade) * (1 - kFade), kFadeWeight = kFadeRoot * kFadeRoot * kFadeRoot * kFadeRoot;
 
 constexpr float kNoWeight = 1e-24f;  // rounding of the weights' sums is all that is left below
 

@@ -48,6 +48,7 @@ bool is_steep(const LocalFunction& f) {
 
 PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
   state_->data = std::move(data);
+  if (state_->data.slopes.size() != state_->data.functions.size()) state_->data.find_slopes();
   const PartitionData& d = state_->data;
   std::vector<Vec3f> centers(d.supports.size());
   std::vector<float> radii(d.supports.size());

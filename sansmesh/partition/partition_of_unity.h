@@ -13,6 +13,11 @@
 
 namespace sansmesh {
 
+/// Gradients of functions that fit their samples are shorter than this, but for one in a thousand: longer ones come
+/// from sheets that are too close to each other, rims, and samples that contradict each other. No bound: that is
+/// ranges().
+constexpr double kSoundSlope = 3;
+
 class PartitionOfUnity : public ScalarField {
  public:
   /// The function that the data describe. They are taken as they are: `PartitionData::validate` checks those of a file.
@@ -20,6 +25,11 @@ class PartitionOfUnity : public ScalarField {
 
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+
+  /// Proven, from the slopes of the local functions (PartitionData::slopes), the weights, and the patches of the far
+  /// field; but for rounding, for which they are widened. As narrow as a few slopes times the radius where neighbouring
+  /// functions agree; in balls that are larger than supports, infinite.
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
   /// All that it is made of; positions relative to its origin.
   const PartitionData& data() const;

@@ -56,27 +56,47 @@ std::vector<std::uint8_t> flat_cubes(const PiecewiseField& field, const std::vec
   return result;
 }
 
+/// Of blocks of one size with these centres, those that the surface may pass through as far as a ball around each
+/// tells.
+std::vector<std::uint32_t> blocks_with_surface(const PiecewiseField& field, const std::optional<double>& slope,
+                                               const std::vector<Vec3>& centers, double corner) {
+  std::vector<std::uint32_t> found;
+  if (slope) {
+    std::vector<double> values(centers.size());
+    field.evaluate(centers, values);
+    for (std::uint32_t i = 0; i < centers.size(); ++i)
+      if (std::abs(values[i]) <= *slope * corner) found.push_back(i);
+  } else {
+    std::vector<ValueRange> ranges(centers.size());
+    field.ranges(centers, corner, ranges);
+    for (std::uint32_t i = 0; i < centers.size(); ++i)
+      if (ranges[i].holds_zero()) found.push_back(i);
+  }
+  return found;
+}
+
 /// Which blocks, all of this size, are to be cut.
 void choose(const PiecewiseField& field, const CreaseBlockOptions& options, const std::vector<Vec3>& centers,
             double half, std::vector<std::uint8_t>& cut) {
-  const double block = 2 * half, corner = std::sqrt(3.0) * half;
-  std::vector<double> values(centers.size());
-  std::vector<Surroundings> around(centers.size());
-  if (options.flat >= 0) {
-    field.survey(centers, half, values, around);
-  } else {
-    field.evaluate(centers, values);
-  }
+  const double block = 2 * half, corner = std::sqrt(3.0) * half, alone = corner + kRoom * options.cell;
+  const std::vector<std::uint32_t> met = blocks_with_surface(field, options.slope, centers, corner);
+  std::fill(cut.begin(), cut.end(), std::uint8_t{0});
+  for (const std::uint32_t i : met) cut[i] = 1;
+  if (options.flat < 0 || met.empty()) return;
+  std::vector<Vec3> at(met.size());
+  for (std::size_t j = 0; j < met.size(); ++j) at[j] = centers[met[j]];
+  std::vector<double> values(met.size());
+  std::vector<Surroundings> around(met.size());
+  field.survey(at, {half, alone}, values, around);
   std::vector<std::uint32_t> asked;
   std::vector<Vec3> x;
-  for (std::size_t i = 0; i < centers.size(); ++i) {
-    cut[i] = std::abs(values[i]) <= options.slope * corner;
-    if (!cut[i] || around[i].alone < corner + kRoom * options.cell) continue;
-    if (std::isinf(around[i].detail)) {
-      asked.push_back(static_cast<std::uint32_t>(i));
-      x.push_back(centers[i]);
+  for (std::size_t j = 0; j < met.size(); ++j) {
+    if (around[j].alone < alone) continue;
+    if (std::isinf(around[j].detail)) {
+      asked.push_back(met[j]);
+      x.push_back(at[j]);
     } else {
-      cut[i] = block > (around[i].detail > 0 ? around[i].detail : options.smooth_cell);
+      cut[met[j]] = block > (around[j].detail > 0 ? around[j].detail : options.smooth_cell);
     }
   }
   if (asked.empty()) return;

@@ -20,8 +20,9 @@ struct CreaseBlockOptions {
   /// Pieces that depart from planes by no more than this over a block need no smaller ones (length). Negative: all
   /// blocks along the surface have the edge `cell`.
   double flat = -1;
-  /// What the field's gradients are at most: values tell by it where the surface may be.
-  double slope = 1;
+  /// What the field's gradients are at most, where that is known: values tell by it where the surface may be. Else
+  /// PiecewiseField::ranges() tells.
+  std::optional<double> slope;
 };
 
 /// A tree of blocks for polygonize_with_creases(), with a cube around `box`. Blocks that the surface may pass through

@@ -27,6 +27,14 @@ class QuadricField final : public ScalarField {
       if (!gradients.empty()) gradients[i] = {p.x, 1.5 * p.y, 2 * p.z};
     }
   }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Vec3 p = x[i];
+      const double value = 0.5 * (p.x * p.x + 1.5 * p.y * p.y + 2 * p.z * p.z - 1);
+      const double change = norm(Vec3{p.x, 1.5 * p.y, 2 * p.z}) * radius + radius * radius;
+      found[i] = {value - change, value + change};
+    }
+  }
 };
 
 inline std::vector<NamedSolid> primitives() {

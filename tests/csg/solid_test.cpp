@@ -92,14 +92,14 @@ TEST(Solid, PiecesMeetWhereTheyChange) {
   }
 }
 
-/// Within the radius that a survey names there is no other piece (of solids whose slope is known), and it names one
-/// where it can.
+/// Within the radius that a survey names there is no other piece, and it names one where it can.
 TEST(Solid, SurveysAreTrue) {
   const std::vector<Vec3> x = random_points(4000), directions = random_points(40, 1, 9);
   for (const NamedSolid& s : catalogue()) {
     std::vector<double> values(x.size());
     std::vector<Surroundings> around(x.size());
-    s.solid.survey(x, 0.05, values, around);
+    constexpr double kReach = 0.1;  // farther out, only what is known of slopes tells
+    s.solid.survey(x, {0.05, kReach}, values, around);
     EXPECT_EQ(values, values_of(s.solid, x)) << s.name;
     std::vector<std::uint32_t> here(x.size());
     s.solid.active(x, here);
@@ -107,8 +107,7 @@ TEST(Solid, SurveysAreTrue) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_GE(around[i].alone, 0) << s.name;
       known += around[i].alone > 0.05;
-      if (!s.solid.slope_bound()) continue;
-      const double radius = std::min(around[i].alone, 1.0) * 0.999;
+      const double radius = std::min(around[i].alone, s.solid.slope_bound() ? 1.0 : kReach) * 0.999;
       std::vector<Vec3> y;
       for (const Vec3& d : directions) y.push_back(x[i] + normalized(d) * radius);
       std::vector<std::uint32_t> there(y.size());
@@ -121,14 +120,40 @@ TEST(Solid, SurveysAreTrue) {
   }
 }
 
+/// No value in a ball lies outside of its range, and where the ball is small, the range is.
+TEST(Solid, RangesHoldTheValues) {
+  const std::vector<Vec3> x = random_points(2000), directions = random_points(40, 1, 9);
+  for (const NamedSolid& s : catalogue()) {
+    const std::vector<double> values = values_of(s.solid, x);
+    for (const double radius : {0.0, 0.01, 0.1, 0.7}) {
+      std::vector<ValueRange> ranges(x.size());
+      s.solid.ranges(x, radius, ranges);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_LE(ranges[i].least, values[i]) << s.name;
+        ASSERT_GE(ranges[i].most, values[i]) << s.name;
+        // The steepest of them is the quadric, in the corners of the box of points.
+        ASSERT_LE(ranges[i].most - ranges[i].least, 25 * radius) << s.name;
+        std::vector<Vec3> y;
+        for (const Vec3& d : directions) y.push_back(x[i] + d * (radius / std::max(norm(d), 1.0)));
+        for (const double v : values_of(s.solid, y)) {
+          ASSERT_LE(ranges[i].least, v + 1e-12) << s.name << " " << radius;
+          ASSERT_GE(ranges[i].most, v - 1e-12) << s.name << " " << radius;
+        }
+      }
+    }
+  }
+}
+
 /// What is said of a field without evaluating it changes nothing but the time that it takes.
 TEST(Solid, KnowledgeOfFieldsChangesNoValue) {
   class Known final : public csg::FieldKnowledge {
    public:
     double detail(const Vec3&, double) const override { return 0.125; }
-    double least(double sign, const Vec3& x) const override {
-      const double value = 0.5 * (x.x * x.x + 1.5 * x.y * x.y + 2 * x.z * x.z - 1);
-      return sign * value > 0.1 ? sign * value - 0.05 : -kInfinity;
+    double least(double sign, const Vec3& x, double radius) const override {
+      ValueRange r{0, 0};
+      QuadricField().ranges({&x, 1}, radius, {&r, 1});
+      const double nearest = sign > 0 ? r.least : -r.most;
+      return nearest > 0.1 ? nearest - 0.05 : -kInfinity;
     }
   };
   using namespace csg;
@@ -142,9 +167,16 @@ TEST(Solid, KnowledgeOfFieldsChangesNoValue) {
   };
   const std::vector<Vec3> x = random_points(20000);
   EXPECT_EQ(values_of(combined(known), x), values_of(combined(plain), x));
+  std::vector<ValueRange> with(x.size()), without(x.size());
+  combined(known).ranges(x, 0.05, with);
+  combined(plain).ranges(x, 0.05, without);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_EQ(with[i].least, without[i].least);
+    ASSERT_EQ(with[i].most, without[i].most);
+  }
   std::vector<double> values(x.size());
   std::vector<Surroundings> around(x.size());
-  scale(known, 4).survey(x, 0.01, values, around);
+  scale(known, 4).survey(x, {0.01, 0.01}, values, around);
   for (const Surroundings& s : around) ASSERT_TRUE(s.detail == 0.5 || std::isinf(s.detail));
 }
 

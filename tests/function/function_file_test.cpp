@@ -10,6 +10,7 @@
 #include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/same_bytes.h"
+#include "support/section_bytes.h"
 
 namespace sansmesh {
 namespace {
@@ -101,6 +102,23 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
     }
     expect_same_mesh(meshed(before), meshed(read_function(folder / "f.smf")));
   }
+}
+
+/// Files of version 1.0 had no slopes: they are found from the functions, and are the same.
+TEST(FunctionFile, OldFilesGetTheirSlopes) {
+  const Folder folder;
+  SurfaceFunction before = fitted(colored(cube(4000)));
+  const std::span<const float> slopes = before.field.data().slopes.view();
+  EXPECT_EQ(slopes.size(), before.field.functions().size());
+  write_function(folder / "new.smf", before);
+  std::vector<RawSection> sections = unpacked(slurp(folder / "new.smf"));
+  ASSERT_EQ(std::erase_if(sections, [](const RawSection& s) { return s.name == "SLOPE"; }), 1u);
+  const SurfaceFunction old = read_function(folder.put("old.smf", packed(sections)));
+  EXPECT_TRUE(same_bytes(old.field.data().slopes.view(), slopes));
+  EXPECT_TRUE(same_bytes(read_function(folder / "new.smf").field.data().slopes.view(), slopes));
+  expect_same_function(before, old);
+  write_function(folder / "again.smf", old);
+  EXPECT_EQ(slurp(folder / "again.smf"), slurp(folder / "new.smf"));
 }
 
 TEST(FunctionFile, ReconstructIsFitAndMesh) {

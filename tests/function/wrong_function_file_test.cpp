@@ -154,6 +154,12 @@ TEST_F(WrongContents, Tree) {
       "LEVCHILD", 0, [](std::uint32_t& c) { c = 1; }, "first child");
 }
 
+TEST_F(WrongContents, Slopes) {
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), 0.0f, 0.5f, -1.0f})
+    expect_bad_element<float>(
+        "SLOPE", 1, [&](float& s) { s = bad; }, "slope");
+}
+
 TEST_F(WrongContents, Samples) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), 1e20f}) {
     expect_bad_element<Vec3f>(
@@ -164,9 +170,9 @@ TEST_F(WrongContents, Samples) {
 }
 
 TEST_F(WrongContents, SectionsThatDoNotFit) {
-  const std::map<std::string, bool> needed{{"META", true},    {"FUNCTION", true},  {"SUPPORT", true},
-                                           {"LEVCODE", true}, {"LEVGAP", true},    {"LEVCHILD", true},
-                                           {"NORMAL", true},  {"POSITION", false}, {"COLOR", false}};
+  const std::map<std::string, bool> needed{
+      {"META", true},     {"FUNCTION", true}, {"SUPPORT", true}, {"LEVCODE", true},   {"LEVGAP", true},
+      {"LEVCHILD", true}, {"NORMAL", true},   {"SLOPE", false},  {"POSITION", false}, {"COLOR", false}};
   for (const auto& [name, must] : needed) {
     for (const int shorter : {0, 1}) {  // one element less, or none at all
       std::vector<RawSection> sections = good_;

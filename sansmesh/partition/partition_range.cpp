@@ -1,0 +1,157 @@
+// What the function lies between in a ball. Nothing is sampled: F is a mean of the local functions that reach there and
+// of the far field, so it lies between the smallest and the largest value of these, each of which has a known slope.
+// Where some are positive and some are negative, bounds of their weights may still tell its sign.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/partition_state.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+/// Balls that more supports than this reach are too large for anything to be said of them.
+constexpr std::size_t kMostSupports = 400;
+/// Evaluation is done in single precision: shares of the cube's edge and of the largest radius by which ranges are
+/// widened for that.
+constexpr double kRoundedPlace = 1e-6, kRoundedValue = 4e-6;
+
+/// The smallest ball around what the balls around `a` and `b` have in common, and the distances from `a` there.
+struct Common {
+  Vec3 center;
+  double radius, nearest, farthest;
+
+  Common(const Vec3& a, double ra, const Vec3& b, double rb, double distance)
+      : nearest(std::max(0.0, distance - rb)), farthest(std::min(ra, distance + rb)) {
+    // Where their spheres meet, seen from a towards b.
+    const double along =
+        distance > 0 ? (distance * distance + ra * ra - rb * rb) / (2 * distance) : (ra < rb ? -1 : 1) * kUnknown;
+    if (!(along > 0)) {
+      center = a, radius = ra;
+    } else if (!(along < distance)) {
+      center = b, radius = rb;
+    } else {
+      center = a + (b - a) * (along / distance);
+      radius = std::sqrt(std::max(0.0, ra * ra - along * along));
+    }
+  }
+};
+
+double power4(double x) { return x * x * x * x; }
+
+/// As evaluation flattens values: the identity near 0, (1 + straight) / 2 radii from one radius on.
+double flattened(double value, double straight, double radius) {
+  const double size = std::min(std::abs(value) / radius, 1.0), excess = std::max(0.0, size - straight);
+  return std::copysign((size - excess * excess / (2 * (1 - straight))) * radius, value);
+}
+
+/// Its factor of the weight where |f| is `size` radii.
+double near_factor(double size, double trusted) {
+  return power4(std::max(0.0, 1 - std::max(0.0, size * size - trusted) / (1 - trusted)));
+}
+
+/// One piece within a ball, as evaluation takes it.
+ValueRange piece_range(const PartitionOfUnity::State& s, std::size_t i, const Vec3& center, double radius) {
+  const LocalFunction& f = s.data.functions[i];
+  const double value = static_cast<double>(local_value(f, Vec3f(center)));
+  const double slope = static_cast<double>(s.data.slopes[i]);
+  ValueRange r{value - slope * radius, value + slope * radius};
+  // Divided by the length of the gradient, which is anything from 1 to its bound.
+  if ((s.manner[i] & kNormalised) != 0) {
+    if (r.least > 0) r.least /= slope;
+    if (r.most < 0) r.most /= slope;
+  }
+  return r;
+}
+
+/// Sums over the supports that reach a ball: of their weights, of weight times value, and the values themselves.
+struct NearSums {
+  ValueRange values{kUnknown, -kUnknown};
+  double weight_low = 0, weight_high = 0, low = 0, high = 0, largest = 0;
+
+  void add(const PartitionOfUnity::State& s, std::uint32_t i, const Vec3& x, double radius) {
+    const LocalFunction& f = s.data.functions[i];
+    const Vec3 center(f.center);
+    const auto size = static_cast<double>(f.radius);
+    const double distance = norm(x - center);
+    if (distance >= size + radius) return;
+    const Common common(center, size, x, radius, distance);
+    const double far = common.farthest / size, near = common.nearest / size;
+    double theta_low = distance + radius < size ? power4(1 - far * far) : 0, theta_high = power4(1 - near * near);
+    ValueRange v = piece_range(s, i, common.center, common.radius);
+    for (const LocalFunction* g = &f; g->next != 0;) {
+      const auto next = static_cast<std::size_t>(g->next - 1);
+      const ValueRange w = piece_range(s, next, common.center, common.radius);
+      v = g->convex != 0 ? ValueRange{std::max(v.least, w.least), std::max(v.most, w.most)}
+                         : ValueRange{std::min(v.least, w.least), std::min(v.most, w.most)};
+      g = &s.data.functions[next];
+    }
+    const std::uint8_t manner = s.manner[i];
+    if ((manner & kNormalised) != 0 && f.next == 0) {
+      const auto slope = static_cast<double>(s.data.slopes[i]);
+      theta_low /= slope * slope;
+    }
+    if (!f.is_constant()) {
+      const bool close = (manner & kClose) != 0;
+      const auto trusted = static_cast<double>(close ? kTrustedClose : kTrusted),
+                 straight = static_cast<double>(close ? kStraightClose : kStraight);
+      const double least = v.holds_zero() ? 0 : std::min(std::abs(v.least), std::abs(v.most));
+      theta_low *= near_factor(std::max(std::abs(v.least), std::abs(v.most)) / size, trusted);
+      theta_high *= near_factor(least / size, trusted);
+      v = {flattened(v.least, straight, size), flattened(v.most, straight, size)};
+    } else {
+      v = {std::clamp(v.least, -size, size), std::clamp(v.most, -size, size)};
+    }
+    if (theta_high == 0) return;
+    values.least = std::min(values.least, v.least), values.most = std::max(values.most, v.most);
+    weight_low += theta_low, weight_high += theta_high;
+    low += v.least * (v.least > 0 ? theta_low : theta_high);
+    high += v.most * (v.most < 0 ? theta_low : theta_high);
+    largest = std::max(largest, size);
+  }
+
+  /// Of their mean. It has the sign of a sum that has only one.
+  ValueRange mean() const {
+    ValueRange r = values;
+    if (low > 0) r.least = std::max(r.least, low / weight_high);
+    if (high < 0) r.most = std::min(r.most, high / weight_high);
+    if (low < 0 && weight_low > 0) r.least = std::max(r.least, low / weight_low);
+    if (high > 0 && weight_low > 0) r.most = std::min(r.most, high / weight_low);
+    return r;
+  }
+};
+
+ValueRange range_in_ball(const PartitionOfUnity::State& s, const Vec3& x, double radius,
+                         std::vector<std::uint32_t>& list) {
+  const Vec3f center(x), reach = Vec3f{1, 1, 1} * static_cast<float>(radius);
+  if (!s.tree.touching({center - reach, center + reach}, kMostSupports, list)) return {-kUnknown, kUnknown};
+  NearSums sums;
+  for (const std::uint32_t i : list) sums.add(s, i, x, radius);
+  ValueRange range = sums.mean();
+  // From a weight of kFadeWeight on, the far field has no share.
+  if (sums.weight_low < 1.001 * static_cast<double>(kFadeWeight)) {
+    const ValueRange far = s.sign.range(center, static_cast<float>(radius));
+    range = {std::min(range.least, far.least), std::max(range.most, far.most)};
+  }
+  const double largest = std::max(std::abs(range.least), std::abs(range.most));
+  const double rounding = kRoundedValue * (sums.largest + std::min(largest, static_cast<double>(s.data.edge)));
+  return {range.least - rounding, range.most + rounding};
+}
+
+}  // namespace
+
+void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  const State& s = *state_;
+  const double wide = radius + kRoundedPlace * static_cast<double>(s.data.edge);
+  parallel_ranges(0, x.size(), 64, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t> list;
+    for (std::size_t i = first; i < last; ++i)
+      found[i] = std::isfinite(wide) && is_finite(x[i]) ? range_in_ball(s, x[i] - s.data.origin, wide, list)
+                                                        : ValueRange{-kUnknown, kUnknown};
+  });
+}
+
+}  // namespace sansmesh
