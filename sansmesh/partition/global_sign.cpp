@@ -1,3 +1,4 @@
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/global_sign.cpp"
 #include <hwy/foreach_target.h>
@@ -12,7 +13,6 @@
 #include <numbers>
 
 #include "sansmesh/core/box.h"
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/global_sign.h"
 
 #ifndef SANSMESH_GLOBAL_SIGN_ONCE
@@ -192,41 +192,33 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
                      std::sqrt(a / std::numbers::pi_v<float>),
                      {position, position}});
   }
-  if (items.empty()) return;
-  for (;;) {
-    std::vector<Octet> octets((items.size() + 7) / 8);
-    std::vector<Item> above(octets.size());
-    parallel_for(0, octets.size(), 1024, [&](std::size_t o) {
-      Octet& octet = octets[o];
-      Item& group = above[o];
-      Vec3f mean;
-      for (std::size_t k = 0; k < 8; ++k) {
-        const std::size_t i = 8 * o + k;
-        const Item item = i < items.size() ? items[i] : Item{};
-        octet.x[k] = item.position.x, octet.y[k] = item.position.y, octet.z[k] = item.position.z;
-        octet.ax[k] = item.area.x, octet.ay[k] = item.area.y, octet.az[k] = item.area.z;
-        octet.area[k] = item.weight, octet.radius[k] = item.radius;
-        mean += item.position * item.weight;
-        group.area += item.area;
-        group.weight += item.weight;
-      }
-      group.position = mean / group.weight;
-      for (std::size_t i = 8 * o; i < std::min(items.size(), 8 * o + 8); ++i) group.box.extend(items[i].box);
-      float far = 0;  // members' own extents count: two bounds, and the smaller one holds
-      for (std::size_t i = 8 * o; i < std::min(items.size(), 8 * o + 8); ++i)
-        far = std::max(far, norm(items[i].position - group.position) + (levels_.empty() ? 0 : items[i].radius));
-      for (unsigned corner = 0; corner < 8; ++corner) {
-        const Vec3f at{corner & 1 ? group.box.lower.x : group.box.upper.x,
-                       corner & 2 ? group.box.lower.y : group.box.upper.y,
-                       corner & 4 ? group.box.lower.z : group.box.upper.z};
-        group.radius = std::max(group.radius, norm(at - group.position));
-      }
-      group.radius = std::min(group.radius, far);
-    });
-    levels_.push_back(std::move(octets));
-    if (above.size() == 1) break;
-    items = std::move(above);
-  }
+  levels_ =
+      eight_wide_levels<Octet>(std::move(items), [](std::span<const Item> siblings, std::size_t level, Octet& octet) {
+        Item group;
+        Vec3f mean;
+        for (std::size_t k = 0; k < kTreeWidth; ++k) {
+          const Item item = k < siblings.size() ? siblings[k] : Item{};
+          octet.x[k] = item.position.x, octet.y[k] = item.position.y, octet.z[k] = item.position.z;
+          octet.ax[k] = item.area.x, octet.ay[k] = item.area.y, octet.az[k] = item.area.z;
+          octet.area[k] = item.weight, octet.radius[k] = item.radius;
+          mean += item.position * item.weight;
+          group.area += item.area;
+          group.weight += item.weight;
+        }
+        group.position = mean / group.weight;
+        for (const Item& item : siblings) group.box.extend(item.box);
+        float far = 0;  // members' own extents count: two bounds, and the smaller one holds
+        for (const Item& item : siblings)
+          far = std::max(far, norm(item.position - group.position) + (level == 0 ? 0 : item.radius));
+        for (unsigned corner = 0; corner < 8; ++corner) {
+          const Vec3f at{corner & 1 ? group.box.lower.x : group.box.upper.x,
+                         corner & 2 ? group.box.lower.y : group.box.upper.y,
+                         corner & 4 ? group.box.lower.z : group.box.upper.z};
+          group.radius = std::max(group.radius, norm(at - group.position));
+        }
+        group.radius = std::min(group.radius, far);
+        return group;
+      });
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/core/vec.h"
+#include "sansmesh/search/box_levels.h"
 
 namespace sansmesh {
 
@@ -42,13 +43,13 @@ class GlobalSign {
 
   /// Eight siblings side by side. radius < 0 marks an unused place.
   struct Octet {
-    float x[8], y[8], z[8], ax[8], ay[8], az[8], area[8], radius[8];
+    float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth], ax[kTreeWidth], ay[kTreeWidth], az[kTreeWidth];
+    float area[kTreeWidth], radius[kTreeWidth];
   };
 
  private:
   float unit_ = 1;
-  std::vector<std::vector<Octet>>
-      levels_;  ///< [0]: single patches; octet i of level l holds the children of item i of level l + 1
+  std::vector<std::vector<Octet>> levels_;  ///< eight_wide_levels over the patches
 };
 
 }  // namespace sansmesh

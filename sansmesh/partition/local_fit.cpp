@@ -1,4 +1,5 @@
 // Moments by SIMD, then a Cholesky factorisation small enough for plain code.
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/local_fit.cpp"
 #include <hwy/foreach_target.h>

@@ -1,4 +1,5 @@
 // Batches of points against the supports that reach them: gather supports with the box tree, then SIMD over points.
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/partition_evaluate.cpp"
 #include <hwy/foreach_target.h>
@@ -304,10 +305,9 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
                    const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarPoints& far) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
-  list.clear();
   // Lists longer than this are a sign of points too far apart to share one.
   const std::size_t most = x.size() > 8 ? 96 : x.size() > 1 ? 1024 : s.data.supports.size();
-  if (!s.tree.query(box, most, list)) {
+  if (!s.tree.touching(box, most, list)) {
     const std::size_t half = x.size() / 2;
     evaluate_tile(s, x.first(half), at.first(half), out, list, tile, far);
     evaluate_tile(s, x.subspan(half), at.subspan(half), out, list, tile, far);

@@ -10,54 +10,15 @@
 
 namespace sansmesh {
 
-void SupportTree::build(std::span<const LocalFunction> functions) {
-  levels.assign(1, {});
-  levels[0].reserve(functions.size());
-  for (const LocalFunction& f : functions) {
-    const Vec3f r{f.radius, f.radius, f.radius};
-    levels[0].push_back({f.center - r, f.center + r});
-  }
-  while (levels.back().size() > 1) {
-    const auto& below = levels.back();
-    std::vector<Box3f> above((below.size() + 7) / 8);
-    for (std::size_t i = 0; i < below.size(); ++i) above[i / 8].extend(below[i]);
-    levels.push_back(std::move(above));
-  }
-}
-
-bool SupportTree::query(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& found) const {
-  const auto meets = [&](const Box3f& b) {
-    return b.lower.x <= box.upper.x && b.upper.x >= box.lower.x && b.lower.y <= box.upper.y &&
-           b.upper.y >= box.lower.y && b.lower.z <= box.upper.z && b.upper.z >= box.lower.z;
-  };
-  struct Item {
-    std::uint32_t level, index;
-  };
-  Item stack[128];
-  std::size_t top = 0;
-  stack[top++] = {static_cast<std::uint32_t>(levels.size() - 1), 0};
-  while (top > 0) {
-    const Item item = stack[--top];
-    if (!meets(levels[item.level][item.index])) continue;
-    if (item.level == 0) {
-      if (found.size() == most) return false;
-      found.push_back(item.index);
-      continue;
-    }
-    const std::size_t count = levels[item.level - 1].size();
-    const std::uint32_t first = item.index * 8;
-    const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(first + 8, count));
-    for (std::uint32_t k = last; k-- > first;) stack[top++] = {item.level - 1, k};
-  }
-  return true;
-}
-
 namespace {
 
 constexpr float kSteep = 2.0f;
 
 /// Noise below this share of a support's radius does not matter in it.
 constexpr double kClean = 0.05;
+
+/// Rounding of 1 − d²/R² may leave a support some weight this little beyond its radius.
+constexpr float kRim = 1 + 1e-6f;
 
 /// Least share of a support's patch in the far field's distance, in squares of its block's edge.
 constexpr float kLeastPatch = 0.5f;
@@ -88,7 +49,13 @@ bool is_steep(const LocalFunction& f) {
 PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
   state_->data = std::move(data);
   const PartitionData& d = state_->data;
-  state_->tree.build(d.functions.view().first(d.supports.size()));
+  std::vector<Vec3f> centers(d.supports.size());
+  std::vector<float> radii(d.supports.size());
+  for (std::size_t i = 0; i < d.supports.size(); ++i) {
+    centers[i] = d.functions[i].center;
+    radii[i] = d.functions[i].radius * kRim;
+  }
+  state_->tree = BallTree(centers, radii);
   state_->manner.resize(d.functions.size());
   parallel_for(0, state_->manner.size(), 8192, [&](std::size_t i) {
     const LocalFunction& f = d.functions[i];

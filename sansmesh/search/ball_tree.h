@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
+#include "sansmesh/search/box_levels.h"
 
 namespace sansmesh {
 
@@ -23,23 +24,18 @@ class BallTree {
 
   /// Replaces `out` by the balls that touch the box (distance of the box to the centre <= radius), ascending.
   void touching(const Box3f& box, std::vector<std::uint32_t>& out) const;
+  /// The same, but false where there are more than `most`; `out` then holds some of them.
+  bool touching(const Box3f& box, std::size_t most, std::vector<std::uint32_t>& out) const;
 
-  static constexpr std::size_t kWidth = 8;  ///< balls a leaf, boxes a node
   /// Unused lanes have negative radii.
   struct alignas(32) Leaf {
-    float x[kWidth], y[kWidth], z[kWidth], radius[kWidth];
-  };
-  /// Boxes of up to eight children; unused lanes are empty.
-  struct alignas(32) Node {
-    float lower[3][kWidth], upper[3][kWidth];
+    float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth], radius[kTreeWidth];
   };
 
  private:
   std::size_t size_ = 0;
   std::vector<Leaf> leaves_;
-  /// levels_[0][i] holds the boxes of leaves 8i .. 8i+7, levels_[l][i] those of levels_[l-1][8i .. 8i+7]; the last
-  /// level has one node.
-  std::vector<std::vector<Node>> levels_;
+  BoxLevels levels_;  ///< over the leaves
 };
 
 }  // namespace sansmesh

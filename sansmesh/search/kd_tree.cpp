@@ -12,7 +12,7 @@ namespace {
 
 using detail::NeighbourKey;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::size_t kLeaf = KdTree::kLeaf;
+constexpr std::size_t kLeaf = kTreeWidth;
 
 struct Item {
   float at[3];
@@ -66,13 +66,6 @@ void arrange(std::span<Item> items) {
   }
 }
 
-KdTree::Node empty_node() {
-  KdTree::Node node;
-  for (int k = 0; k < 3; ++k)
-    for (std::size_t c = 0; c < kLeaf; ++c) node.lower[k][c] = kInfinity, node.upper[k][c] = -kInfinity;
-  return node;
-}
-
 KdTree::Leaf make_leaf(std::span<const Item> items) {
   KdTree::Leaf leaf;
   for (std::size_t c = 0; c < kLeaf; ++c) {
@@ -108,33 +101,16 @@ KdTree::KdTree(std::span<const Vec3f> points) {
   const std::size_t leaf_count = (size_ + kLeaf - 1) / kLeaf;
   leaves_.resize(leaf_count);
   order_.resize(size_);
-  levels_.emplace_back((leaf_count + kLeaf - 1) / kLeaf);
-  parallel_for(0, levels_[0].size(), 512, [&](std::size_t n) {
-    Node node = empty_node();
-    for (std::size_t l = n * kLeaf; l < std::min(leaf_count, (n + 1) * kLeaf); ++l) {
-      const auto leaf = std::span<const Item>(items).subspan(l * kLeaf, std::min(kLeaf, size_ - l * kLeaf));
-      leaves_[l] = make_leaf(leaf);
-      for (std::size_t c = 0; c < leaf.size(); ++c) {
-        order_[l * kLeaf + c] = leaf[c].index;
-        for (int k = 0; k < 3; ++k) {
-          node.lower[k][l % kLeaf] = std::min(node.lower[k][l % kLeaf], leaf[c].at[k]);
-          node.upper[k][l % kLeaf] = std::max(node.upper[k][l % kLeaf], leaf[c].at[k]);
-        }
-      }
+  std::vector<Box3f> boxes(leaf_count);
+  parallel_for(0, leaf_count, 4096, [&](std::size_t l) {
+    const auto leaf = std::span<const Item>(items).subspan(l * kLeaf, std::min(kLeaf, size_ - l * kLeaf));
+    leaves_[l] = make_leaf(leaf);
+    for (std::size_t c = 0; c < leaf.size(); ++c) {
+      order_[l * kLeaf + c] = leaf[c].index;
+      boxes[l].extend(Vec3f{leaf[c].at[0], leaf[c].at[1], leaf[c].at[2]});
     }
-    levels_[0][n] = node;
   });
-  while (levels_.back().size() > 1) {
-    const std::vector<Node>& below = levels_.back();
-    std::vector<Node> nodes((below.size() + kLeaf - 1) / kLeaf, empty_node());
-    for (std::size_t b = 0; b < below.size(); ++b)
-      for (int k = 0; k < 3; ++k) {
-        Node& node = nodes[b / kLeaf];
-        node.lower[k][b % kLeaf] = *std::min_element(below[b].lower[k], below[b].lower[k] + kLeaf);
-        node.upper[k][b % kLeaf] = *std::max_element(below[b].upper[k], below[b].upper[k] + kLeaf);
-      }
-    levels_.push_back(std::move(nodes));
-  }
+  levels_ = box_levels(std::move(boxes));
 }
 
 std::size_t KdTree::nearest(const Vec3f& q, std::span<Neighbour> out) const {
@@ -142,7 +118,7 @@ std::size_t KdTree::nearest(const Vec3f& q, std::span<Neighbour> out) const {
   if (count == 0 || !is_finite(q)) return 0;
   thread_local std::vector<NeighbourKey> keys;
   keys.resize(count);
-  detail::nearest_keys({leaves_.data(), levels_.data(), levels_.size()}, q, keys);
+  detail::nearest_keys({leaves_.data(), levels_}, q, keys);
   write_neighbours(keys, out);
   return count;
 }
@@ -156,13 +132,13 @@ std::optional<Neighbour> KdTree::nearest(const Vec3f& q) const {
 void KdTree::within(const Vec3f& q, float radius, std::vector<Neighbour>& out) const {
   out.clear();
   if (size_ == 0 || !is_finite(q) || !(radius >= 0)) return;
-  detail::append_within({leaves_.data(), levels_.data(), levels_.size()}, q, radius * radius, out);
+  detail::append_within({leaves_.data(), levels_}, q, radius * radius, out);
   std::sort(out.begin(), out.end());
 }
 
 std::size_t KdTree::count_within(const Vec3f& q, float radius) const {
   if (size_ == 0 || !is_finite(q) || !(radius >= 0)) return 0;
-  return detail::count_within({leaves_.data(), levels_.data(), levels_.size()}, q, radius * radius);
+  return detail::count_within({leaves_.data(), levels_}, q, radius * radius);
 }
 
 std::vector<Vec3f> KdTree::positions() const {
@@ -181,7 +157,7 @@ void KdTree::for_each_nearest(std::size_t k, std::size_t first, std::size_t last
   const std::size_t count = std::min(k, size_);
   std::vector<NeighbourKey> keys(count);
   std::vector<Neighbour> neighbours(count);
-  const detail::KdTreeView view{leaves_.data(), levels_.data(), levels_.size()};
+  const detail::KdTreeView view{leaves_.data(), levels_};
   for (std::size_t s = first; s < last; ++s) {
     if (count > 0) detail::nearest_keys_of_slot(view, static_cast<std::uint32_t>(s), keys);
     write_neighbours(keys, neighbours);

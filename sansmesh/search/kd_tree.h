@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sansmesh/core/vec.h"
+#include "sansmesh/search/box_levels.h"
 
 namespace sansmesh {
 
@@ -55,8 +56,8 @@ class KdTree {
   /// The points in tree order: consecutive slots lie close together in space. order()[slot] is the caller's index.
   std::span<const std::uint32_t> order() const { return order_; }
   Vec3f position(std::size_t slot) const {
-    const Leaf& leaf = leaves_[slot / kLeaf];
-    return {leaf.x[slot % kLeaf], leaf.y[slot % kLeaf], leaf.z[slot % kLeaf]};
+    const Leaf& leaf = leaves_[slot / kTreeWidth];
+    return {leaf.x[slot % kTreeWidth], leaf.y[slot % kTreeWidth], leaf.z[slot % kTreeWidth]};
   }
   /// All positions in tree order.
   std::vector<Vec3f> positions() const;
@@ -69,24 +70,16 @@ class KdTree {
   /// The same for the slots [first, last) on the calling thread.
   void for_each_nearest(std::size_t k, std::size_t first, std::size_t last, const Visit& visit) const;
 
-  static constexpr std::size_t kLeaf = 8;  ///< points a leaf, boxes a node
-
   /// A leaf of up to eight points; unused lanes are far away.
   struct alignas(64) Leaf {
-    float x[kLeaf], y[kLeaf], z[kLeaf];
-    std::uint32_t index[kLeaf];
-  };
-  /// The boxes of up to eight children; unused lanes are empty boxes, infinitely far from anything.
-  struct alignas(64) Node {
-    float lower[3][kLeaf], upper[3][kLeaf];
+    float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth];
+    std::uint32_t index[kTreeWidth];
   };
 
  private:
   std::size_t size_ = 0;
   std::vector<Leaf> leaves_;
-  /// levels_[0][i] holds the boxes of leaves 8i .. 8i+7, levels_[l][i] those of levels_[l-1][8i .. 8i+7]; the last
-  /// level has one node.
-  std::vector<std::vector<Node>> levels_;
+  BoxLevels levels_;  ///< over the leaves
   std::vector<std::uint32_t> order_;
 };
 

@@ -10,9 +10,8 @@
 namespace sansmesh::detail {
 
 struct KdTreeView {
-  const KdTree::Leaf* leaves = nullptr;
-  const std::vector<KdTree::Node>* levels = nullptr;
-  std::size_t level_count = 0;
+  const KdTree::Leaf* leaves;
+  const BoxLevels& levels;
 };
 
 /// Distance bits in the upper half, index in the lower: ordered like Neighbour, since no distance is negative.

@@ -1,5 +1,4 @@
-// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/search/kd_tree_queries.cpp"
 #include <hwy/foreach_target.h>
@@ -10,56 +9,26 @@
 #include <bit>
 #include <cstring>
 
+#include "sansmesh/search/box_node-inl.h"
 #include "sansmesh/search/kd_tree_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
+constexpr std::size_t kLeaf = kTreeWidth;
 
-constexpr std::size_t kLeaf = KdTree::kLeaf;
-using Tag = hn::CappedTag<float, kLeaf>;
-using V = hn::Vec<Tag>;
-constexpr std::size_t kWidth = hn::MaxLanes(Tag());
-
-// Stores the eight values and returns the set of those <= limit.
-HWY_INLINE std::uint32_t StoreBelow(const V& v, const V& limit, std::size_t at, float* HWY_RESTRICT values) {
-  const Tag d;
-  hn::StoreU(v, d, values + at);
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(d, hn::Le(v, limit), bits);
-  return static_cast<std::uint32_t>(bits[0] & ((1u << kWidth) - 1)) << at;
-}
-
-// Squared distances of q to the points of a leaf. No fused multiply-add: the last bit is promised.
+// Squared distances of q to the points of a leaf, and the set of those <= limit. Rounding is monotone and the
+// operations are those for boxes, so no point in a box is ever nearer than its box, not even in the last bit.
 HWY_INLINE std::uint32_t LeafDistances(const KdTree::Leaf& leaf, const Vec3f& q, float limit, float* distances) {
   const Tag d;
   const V worst = hn::Set(d, limit);
   std::uint32_t hits = 0;
-  for (std::size_t i = 0; i < kLeaf; i += kWidth) {
-    const V x = hn::Sub(hn::LoadU(d, leaf.x + i), hn::Set(d, q.x));
-    const V y = hn::Sub(hn::LoadU(d, leaf.y + i), hn::Set(d, q.y));
-    const V z = hn::Sub(hn::LoadU(d, leaf.z + i), hn::Set(d, q.z));
-    hits |= StoreBelow(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), worst, i, distances);
-  }
-  return hits;
-}
-
-// Squared distances of q to the boxes of a node. Rounding is monotone and the operations are those of LeafDistances,
-// so no point in a box is ever nearer than its box, not even in the last bit.
-HWY_INLINE std::uint32_t NodeDistances(const KdTree::Node& node, const Vec3f& q, float limit, float* distances) {
-  const Tag d;
-  const V worst = hn::Set(d, limit), zero = hn::Zero(d);
-  std::uint32_t hits = 0;
-  for (std::size_t i = 0; i < kLeaf; i += kWidth) {
-    V gap[3];
-    for (int k = 0; k < 3; ++k) {
-      const V c = hn::Set(d, q[static_cast<std::size_t>(k)]);
-      gap[k] = hn::Max(
-          hn::Max(hn::Sub(hn::LoadU(d, node.lower[k] + i), c), hn::Sub(c, hn::LoadU(d, node.upper[k] + i))), zero);
-    }
-    hits |= StoreBelow(hn::Add(hn::Add(hn::Mul(gap[0], gap[0]), hn::Mul(gap[1], gap[1])), hn::Mul(gap[2], gap[2])),
-                       worst, i, distances);
+  for (std::size_t i = 0; i < kLeaf; i += kLanes) {
+    const V d2 = SquaredLength(hn::Sub(hn::LoadU(d, leaf.x + i), hn::Set(d, q.x)),
+                               hn::Sub(hn::LoadU(d, leaf.y + i), hn::Set(d, q.y)),
+                               hn::Sub(hn::LoadU(d, leaf.z + i), hn::Set(d, q.z)));
+    hn::StoreU(d2, d, distances + i);
+    hits |= Bits(hn::Le(d2, worst), i);
   }
   return hits;
 }
@@ -105,7 +74,7 @@ class Search {
   void Node(std::size_t level, std::size_t node, std::size_t except = kLeaf) {
     float distances[kLeaf];
     std::uint64_t sorted[kLeaf];
-    std::uint32_t hits = NodeDistances(tree_.levels[level][node], q_, DistanceOf(keys_[last_]), distances);
+    std::uint32_t hits = Within(tree_.levels[level][node], q_, DistanceOf(keys_[last_]), distances);
     if (except < kLeaf) hits &= ~(1u << except);
     const std::size_t n = SortHits(hits, distances, sorted);
     for (std::size_t i = 0; i < n; ++i) {
@@ -139,7 +108,7 @@ class Search {
 
 void NearestKeys(const KdTreeView& tree, const Vec3f& q, std::span<NeighbourKey> keys) {
   Search<false> search(tree, q, keys);
-  search.Node(tree.level_count - 1, 0);
+  search.Node(tree.levels.size() - 1, 0);
 }
 
 void NearestKeysOfSlot(const KdTreeView& tree, std::uint32_t slot, std::span<NeighbourKey> keys) {
@@ -148,20 +117,21 @@ void NearestKeysOfSlot(const KdTreeView& tree, std::uint32_t slot, std::span<Nei
   const std::size_t lane = slot % kLeaf;
   Search<true> search(tree, {leaf.x[lane], leaf.y[lane], leaf.z[lane]}, keys);
   search.Leaf(at);
-  for (std::size_t level = 0; level < tree.level_count; ++level) {
+  for (std::size_t level = 0; level < tree.levels.size(); ++level) {
     search.Node(level, at / kLeaf, at % kLeaf);
     at /= kLeaf;
   }
 }
 
 template <class Hit>
-void Within(const KdTreeView& tree, const Vec3f& q, float r2, std::size_t level, std::size_t node, const Hit& hit) {
+void ForEachWithin(const KdTreeView& tree, const Vec3f& q, float r2, std::size_t level, std::size_t node,
+                   const Hit& hit) {
   float distances[kLeaf];
-  std::uint32_t hits = NodeDistances(tree.levels[level][node], q, r2, distances);
+  std::uint32_t hits = Within(tree.levels[level][node], q, r2, distances);
   for (; hits; hits &= hits - 1) {
     const std::size_t child = node * kLeaf + static_cast<std::size_t>(std::countr_zero(hits));
     if (level > 0) {
-      Within(tree, q, r2, level - 1, child, hit);
+      ForEachWithin(tree, q, r2, level - 1, child, hit);
     } else {
       const std::uint32_t points = LeafDistances(tree.leaves[child], q, r2, distances);
       hit(tree.leaves[child], points, distances);
@@ -170,18 +140,18 @@ void Within(const KdTreeView& tree, const Vec3f& q, float r2, std::size_t level,
 }
 
 void AppendWithin(const KdTreeView& tree, const Vec3f& q, float r2, std::vector<Neighbour>& out) {
-  Within(tree, q, r2, tree.level_count - 1, 0,
-         [&](const KdTree::Leaf& leaf, std::uint32_t hits, const float* distances) {
-           for (; hits; hits &= hits - 1) {
-             const auto c = static_cast<std::size_t>(std::countr_zero(hits));
-             out.push_back({distances[c], leaf.index[c]});
-           }
-         });
+  ForEachWithin(tree, q, r2, tree.levels.size() - 1, 0,
+                [&](const KdTree::Leaf& leaf, std::uint32_t hits, const float* distances) {
+                  for (; hits; hits &= hits - 1) {
+                    const auto c = static_cast<std::size_t>(std::countr_zero(hits));
+                    out.push_back({distances[c], leaf.index[c]});
+                  }
+                });
 }
 
 std::size_t CountWithin(const KdTreeView& tree, const Vec3f& q, float r2) {
   std::size_t count = 0;
-  Within(tree, q, r2, tree.level_count - 1, 0, [&](const KdTree::Leaf&, std::uint32_t hits, const float*) {
+  ForEachWithin(tree, q, r2, tree.levels.size() - 1, 0, [&](const KdTree::Leaf&, std::uint32_t hits, const float*) {
     count += static_cast<std::size_t>(std::popcount(hits));
   });
   return count;

@@ -1,5 +1,4 @@
-// Compiled once for each instruction set: sizeless vectors cannot stand in arrays, hence not for these.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/surface/bilateral_kernels.cpp"
 #include <hwy/foreach_target.h>

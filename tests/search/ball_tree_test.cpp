@@ -34,6 +34,10 @@ TEST(BallTree, FindsWhatBruteForceFinds) {
       }
       tree.touching(box, found);
       EXPECT_EQ(found, expected);
+      EXPECT_TRUE(tree.touching(box, expected.size(), found));
+      EXPECT_EQ(found, expected);
+      if (expected.empty()) continue;
+      EXPECT_FALSE(tree.touching(box, expected.size() - 1, found));
     }
   }
 }
