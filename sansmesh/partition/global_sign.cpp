@@ -13,6 +13,7 @@
 #include <numbers>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/portable-inl.h"
 #include "sansmesh/partition/global_sign.h"
 
 #ifndef SANSMESH_GLOBAL_SIGN_ONCE
@@ -31,6 +32,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+namespace pn = portable::HWY_NAMESPACE;
 
 /// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³, Σ area / r⁴, Σ area / r⁶ (and their gradients if
 /// kGradient). A group counts as one where it is farther than about twice its radius; around that it hands over to
@@ -68,23 +70,23 @@ void SumSourcesT(const std::vector<std::vector<GlobalSign::Octet>>& levels, FarB
       if (o.radius[k] < 0) continue;
       const V step[3] = {hn::Sub(hn::Set(d, o.x[k]), p[0]), hn::Sub(hn::Set(d, o.y[k]), p[1]),
                          hn::Sub(hn::Set(d, o.z[k]), p[2])};
-      V r2 = hn::MulAdd(step[0], step[0], hn::MulAdd(step[1], step[1], hn::Mul(step[2], step[2])));
+      V r2 = pn::MulAdd(step[0], step[0], pn::MulAdd(step[1], step[1], hn::Mul(step[2], step[2])));
       V share = whole, share_slope[3] = {whole_slope[0], whole_slope[1], whole_slope[2]};
       if (item.level > 0) {
         const float inverse = 1 / (std::max(o.radius[k] * o.radius[k], 1e-20f) * (kClosed - kOpen));
-        const V t = hn::MulAdd(r2, hn::Set(d, inverse), hn::Set(d, -kOpen / (kClosed - kOpen)));
+        const V t = pn::MulAdd(r2, hn::Set(d, inverse), hn::Set(d, -kOpen / (kClosed - kOpen)));
         const auto open = hn::And(hn::Lt(t, one), hn::Gt(whole, zero));
         if (!hn::AllFalse(d, open)) {
           // The group's own part grows from 0 to 1 with t; the rest is its members'.
           const V u = hn::Min(hn::Max(t, zero), one);
-          const V part = hn::Mul(hn::Mul(u, u), hn::NegMulAdd(hn::Set(d, 2.0f), u, hn::Set(d, 3.0f)));
+          const V part = hn::Mul(hn::Mul(u, u), pn::NegMulAdd(hn::Set(d, 2.0f), u, hn::Set(d, 3.0f)));
           share = hn::Mul(whole, part);
           stack[top] = {item.level - 1, item.octet * 8 + k};
           hn::Store(hn::Sub(whole, share), d, shares[top]);
           if (kGradient) {
             const V turn = hn::Mul(hn::Mul(whole, hn::Mul(u, hn::Sub(one, u))), hn::Set(d, -12 * inverse));
             for (std::size_t a = 0; a < 3; ++a) {
-              share_slope[a] = hn::MulAdd(turn, step[a], hn::Mul(whole_slope[a], part));
+              share_slope[a] = pn::MulAdd(turn, step[a], hn::Mul(whole_slope[a], part));
               hn::Store(hn::Sub(whole_slope[a], share_slope[a]), d, slopes[top][a]);
             }
           }
@@ -97,23 +99,21 @@ void SumSourcesT(const std::vector<std::vector<GlobalSign::Octet>>& levels, FarB
       }
       r2 = hn::IfThenElse(hn::Gt(share, zero), hn::Max(r2, hn::Set(d, 1e-12f)), one);
       const V normal[3] = {hn::Set(d, o.ax[k]), hn::Set(d, o.ay[k]), hn::Set(d, o.az[k])};
-      const V dot = hn::MulAdd(step[0], normal[0], hn::MulAdd(step[1], normal[1], hn::Mul(step[2], normal[2])));
+      const V dot = pn::MulAdd(step[0], normal[0], pn::MulAdd(step[1], normal[1], hn::Mul(step[2], normal[2])));
       const V area = hn::Set(d, o.area[k]);
-      // One Newton step makes the quick reciprocal root good to about 22 bits.
-      V root = hn::ApproximateReciprocalSqrt(r2);
-      root = hn::Mul(root, hn::NegMulAdd(hn::Mul(hn::Set(d, 0.5f), r2), hn::Mul(root, root), hn::Set(d, 1.5f)));
+      const V root = pn::ReciprocalSqrt(r2);
       const V square = hn::Mul(root, root), cube = hn::Mul(root, square);
       const V term[3] = {hn::Mul(dot, cube), hn::Mul(area, hn::Mul(square, square)),
                          hn::Mul(area, hn::Mul(cube, cube))};
-      for (std::size_t m = 0; m < 3; ++m) sum[m] = hn::MulAdd(share, term[m], sum[m]);
+      for (std::size_t m = 0; m < 3; ++m) sum[m] = pn::MulAdd(share, term[m], sum[m]);
       if (kGradient) {
         constexpr float kPower[3] = {3, 4, 6};  // ∇ 1/rⁿ = n/rⁿ⁺² (p − x)
         for (std::size_t m = 0; m < 3; ++m) {
           const V pull = hn::Mul(hn::Mul(hn::Set(d, kPower[m]), hn::Mul(share, square)), term[m]);
           for (std::size_t a = 0; a < 3; ++a)
-            slope[m][a] = hn::MulAdd(share_slope[a], term[m], hn::MulAdd(pull, step[a], slope[m][a]));
+            slope[m][a] = pn::MulAdd(share_slope[a], term[m], pn::MulAdd(pull, step[a], slope[m][a]));
         }
-        for (std::size_t a = 0; a < 3; ++a) slope[0][a] = hn::NegMulAdd(hn::Mul(share, cube), normal[a], slope[0][a]);
+        for (std::size_t a = 0; a < 3; ++a) slope[0][a] = pn::NegMulAdd(hn::Mul(share, cube), normal[a], slope[0][a]);
       }
     }
   }

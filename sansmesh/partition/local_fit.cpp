@@ -19,7 +19,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // The Gram matrix of the monomials holds few distinct numbers: the moments Σ weight u^a v^b up to twice the degree, at
-// d (d + 1) / 2 + b with d = a + b. Four double lanes on every target: the same sums in the same order.
+// d (d + 1) / 2 + b with d = a + b. Four partial sums on every target, added in one order; no fused multiply-add: its
+// rounding would differ from that of machines without it.
 template <int Degree>
 void Accumulate(const float* u, const float* v, const float* h, const float* w, std::size_t n, double* moments,
                 double* rhs, double* squares) {
@@ -28,8 +29,8 @@ void Accumulate(const float* u, const float* v, const float* h, const float* w, 
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> df;
   using V = hn::Vec<decltype(d)>;
-  const std::size_t lanes = hn::Lanes(d);
-  for (std::size_t half = 0; half < 4; half += lanes) {
+  HWY_ALIGN double parts[kM + kP + 2][4];
+  for (std::size_t half = 0; half < 4; half += hn::Lanes(d)) {
     V m[kM], r[kP];
     for (V& x : m) x = hn::Zero(d);
     for (V& x : r) x = hn::Zero(d);
@@ -41,24 +42,27 @@ void Accumulate(const float* u, const float* v, const float* h, const float* w, 
       power[0] = hn::Set(d, 1.0);
       for (int b = 1; b <= 2 * Degree; ++b) power[b] = hn::Mul(power[b - 1], vv);
       const V wh = hn::Mul(ww, hh);
-      q = hn::MulAdd(wh, hh, q);
-      w2 = hn::MulAdd(ww, ww, w2);
+      q = hn::Add(q, hn::Mul(wh, hh));
+      w2 = hn::Add(w2, hn::Mul(ww, ww));
       V up = ww, uh = wh;
       for (int a = 0; a <= 2 * Degree; ++a) {
         for (int b = 0; a + b <= 2 * Degree; ++b) {
           const int at = (a + b) * (a + b + 1) / 2 + b;
-          m[at] = hn::MulAdd(up, power[b], m[at]);
-          if (a + b <= Degree) r[at] = hn::MulAdd(uh, power[b], r[at]);
+          m[at] = hn::Add(m[at], hn::Mul(up, power[b]));
+          if (a + b <= Degree) r[at] = hn::Add(r[at], hn::Mul(uh, power[b]));
         }
         up = hn::Mul(up, uu);
         uh = hn::Mul(uh, uu);
       }
     }
-    for (int k = 0; k < kM; ++k) moments[k] += hn::GetLane(hn::SumOfLanes(d, m[k]));
-    for (int k = 0; k < kP; ++k) rhs[k] += hn::GetLane(hn::SumOfLanes(d, r[k]));
-    squares[0] += hn::GetLane(hn::SumOfLanes(d, q));
-    squares[1] += hn::GetLane(hn::SumOfLanes(d, w2));
+    for (int k = 0; k < kM; ++k) hn::Store(m[k], d, parts[k] + half);
+    for (int k = 0; k < kP; ++k) hn::Store(r[k], d, parts[kM + k] + half);
+    hn::Store(q, d, parts[kM + kP] + half), hn::Store(w2, d, parts[kM + kP + 1] + half);
   }
+  const auto total = [](const double* s) { return (s[0] + s[2]) + (s[1] + s[3]); };
+  for (int k = 0; k < kM; ++k) moments[k] = total(parts[k]);
+  for (int k = 0; k < kP; ++k) rhs[k] = total(parts[kM + k]);
+  squares[0] = total(parts[kM + kP]), squares[1] = total(parts[kM + kP + 1]);
 }
 
 void AccumulateMoments(int degree, const float* u, const float* v, const float* h, const float* w, std::size_t n,

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/portable-inl.h"
 #include "sansmesh/partition/partition_state.h"
 #include "sansmesh/partition/sample_tree.h"
 
@@ -32,6 +33,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+namespace pn = portable::HWY_NAMESPACE;
 
 // Value of one local function (and gradient if kGradient) at offsets d from its centre. If kSteep it is divided by the
 // length √(1 + |∇g|²) of its gradient: a distance to first order however steep the polynomial; `trust` is then
@@ -42,7 +44,7 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   const auto inv = hn::Set(d, 1.0f / f.scale);
   dx = hn::Mul(dx, inv), dy = hn::Mul(dy, inv), dz = hn::Mul(dz, inv);
   const auto along = [&](const Vec3f& a) HWY_ATTR {
-    return hn::MulAdd(dx, hn::Set(d, a.x), hn::MulAdd(dy, hn::Set(d, a.y), hn::Mul(dz, hn::Set(d, a.z))));
+    return pn::MulAdd(dx, hn::Set(d, a.x), pn::MulAdd(dy, hn::Set(d, a.y), hn::Mul(dz, hn::Set(d, a.z))));
   };
   const V u = along(f.xi), v = along(f.eta), w = along(f.nu);
   const float* c = f.coefficient.data();
@@ -50,7 +52,7 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   const auto N = [&](float n, int i) HWY_ATTR { return hn::Set(d, n * c[i]); };
   // g = a0(v) + u (a1(v) + u (a2(v) + …)): Horner in u of Horners in v; b are the derivatives of a, e those of b.
   V g, gu = hn::Zero(d), gv = hn::Zero(d), guu = hn::Zero(d), guv = hn::Zero(d), gvv = hn::Zero(d);
-  const auto mad = [](V a, V b, V e) HWY_ATTR { return hn::MulAdd(a, b, e); };
+  const auto mad = [](V a, V b, V e) HWY_ATTR { return pn::MulAdd(a, b, e); };
   if (f.degree <= 2) {
     const V a0 = mad(v, mad(v, K(5), K(2)), K(0));
     const V a1 = mad(v, K(4), K(1));
@@ -101,7 +103,7 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   value = hn::Mul(height, hn::Set(d, f.scale));
   if (kGradient) {
     const auto back = [&](float n, float x, float e) HWY_ATTR {
-      return hn::NegMulAdd(gu, hn::Set(d, x), hn::NegMulAdd(gv, hn::Set(d, e), hn::Mul(gw, hn::Set(d, n))));
+      return pn::NegMulAdd(gu, hn::Set(d, x), pn::NegMulAdd(gv, hn::Set(d, e), hn::Mul(gw, hn::Set(d, n))));
     };
     gx = back(f.nu.x, f.xi.x, f.eta.x);
     gy = back(f.nu.y, f.xi.y, f.eta.y);
@@ -118,22 +120,22 @@ HWY_INLINE void Bound(D d, float trusted, float straight, float radius, V& value
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   const float fall = 1 / (1 - trusted), bend = 1 / (1 - straight);
   const V far = hn::Mul(value, hn::Set(d, 1 / radius)), size = hn::Min(hn::Abs(far), one);
-  const V over = hn::Max(hn::MulSub(far, far, hn::Set(d, trusted)), zero);
-  const V near = hn::Max(hn::NegMulAdd(over, hn::Set(d, fall), one), zero), near2 = hn::Mul(near, near),
+  const V over = hn::Max(pn::MulSub(far, far, hn::Set(d, trusted)), zero);
+  const V near = hn::Max(pn::NegMulAdd(over, hn::Set(d, fall), one), zero), near2 = hn::Mul(near, near),
           near4 = hn::Mul(near2, near2);
   if (kGradient) {
     const V turn = hn::IfThenElseZero(hn::Gt(over, zero), hn::Mul(far, hn::Mul(near2, near)));
     const V slope = hn::Mul(hn::Mul(weight, turn), hn::Set(d, -8 * fall / radius));
-    tx = hn::MulAdd(tx, near4, hn::Mul(slope, gx));
-    ty = hn::MulAdd(ty, near4, hn::Mul(slope, gy));
-    tz = hn::MulAdd(tz, near4, hn::Mul(slope, gz));
+    tx = pn::MulAdd(tx, near4, hn::Mul(slope, gx));
+    ty = pn::MulAdd(ty, near4, hn::Mul(slope, gy));
+    tz = pn::MulAdd(tz, near4, hn::Mul(slope, gz));
   }
   weight = hn::Mul(weight, near4);
   const V excess = hn::Max(hn::Sub(size, hn::Set(d, straight)), zero);
-  const V flat = hn::NegMulAdd(hn::Mul(excess, excess), hn::Set(d, 0.5f * bend), size);
+  const V flat = pn::NegMulAdd(hn::Mul(excess, excess), hn::Set(d, 0.5f * bend), size);
   value = hn::CopySign(hn::Mul(flat, hn::Set(d, radius)), value);
   if (kGradient) {
-    const V slope = hn::NegMulAdd(excess, hn::Set(d, bend), one);
+    const V slope = pn::NegMulAdd(excess, hn::Set(d, bend), one);
     gx = hn::Mul(gx, slope), gy = hn::Mul(gy, slope), gz = hn::Mul(gz, slope);
   }
 }
@@ -153,7 +155,7 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* manner, co
       const V dx = hn::Sub(x, hn::Set(d, f->center.x)), dy = hn::Sub(y, hn::Set(d, f->center.y)),
               dz = hn::Sub(z, hn::Set(d, f->center.z));
       const float inverse = 1.0f / (f->radius * f->radius);
-      const V t = hn::Mul(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))), hn::Set(d, inverse));
+      const V t = hn::Mul(pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz))), hn::Set(d, inverse));
       const auto in = hn::Lt(t, one);
       if (hn::AllFalse(d, in)) continue;
       const V q = hn::IfThenElseZero(in, hn::Sub(one, t));
@@ -171,9 +173,9 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* manner, co
         Local<kGradient, true>(d, *f, dx, dy, dz, fv, fx, fy, fz, trust, ux, uy, uz);
         if (f->next == 0) {
           if (kGradient) {
-            tx = hn::MulAdd(tx, trust, hn::Mul(theta, ux));
-            ty = hn::MulAdd(ty, trust, hn::Mul(theta, uy));
-            tz = hn::MulAdd(tz, trust, hn::Mul(theta, uz));
+            tx = pn::MulAdd(tx, trust, hn::Mul(theta, ux));
+            ty = pn::MulAdd(ty, trust, hn::Mul(theta, uy));
+            tz = pn::MulAdd(tz, trust, hn::Mul(theta, uz));
           }
           theta = hn::Mul(theta, trust);
         }
@@ -203,12 +205,12 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* manner, co
         fv = hn::Min(hn::Max(fv, hn::Set(d, -f->radius)), hn::Set(d, f->radius));
       }
       weight = hn::Add(weight, theta);
-      value = hn::MulAdd(theta, fv, value);
+      value = pn::MulAdd(theta, fv, value);
       if (kGradient) {
         wx = hn::Add(wx, tx), wy = hn::Add(wy, ty), wz = hn::Add(wz, tz);
-        gx = hn::MulAdd(theta, fx, hn::MulAdd(fv, tx, gx));
-        gy = hn::MulAdd(theta, fy, hn::MulAdd(fv, ty, gy));
-        gz = hn::MulAdd(theta, fz, hn::MulAdd(fv, tz, gz));
+        gx = pn::MulAdd(theta, fx, pn::MulAdd(fv, tx, gx));
+        gy = pn::MulAdd(theta, fy, pn::MulAdd(fv, ty, gy));
+        gz = pn::MulAdd(theta, fz, pn::MulAdd(fv, tz, gz));
       }
     }
     hn::Store(weight, d, tile.weight + i), hn::Store(value, d, tile.value + i);

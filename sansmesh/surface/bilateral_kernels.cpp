@@ -28,28 +28,28 @@ void RefineGroup(std::span<const Candidate> candidates, const PointGroup& group,
       V weights = zero, heights = zero;
       for (const Candidate& c : candidates) {
         const V dx = hn::Sub(Constant(c.x), p.x), dy = hn::Sub(Constant(c.y), p.y), dz = hn::Sub(Constant(c.z), p.z);
-        const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-        const V t = hn::Max(hn::NegMulAdd(d2, Constant(c.inverse_support), one), zero);
+        const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+        const V t = hn::Max(pn::NegMulAdd(d2, Constant(c.inverse_support), one), zero);
         if (hn::AllFalse(tag, hn::Gt(t, zero))) continue;
         const V t2 = hn::Mul(t, t);
-        const V z = hn::MulAdd(n.x, dx, hn::MulAdd(n.y, dy, hn::Mul(n.z, dz)));
-        const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
+        const V z = pn::MulAdd(n.x, dx, pn::MulAdd(n.y, dy, hn::Mul(n.z, dz)));
+        const V cosine = pn::MulAdd(n.x, Constant(c.nx), pn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
         // ‖n − n_i‖² = 2 − 2⟨n, n_i⟩
         const V turn = hn::Mul(hn::Sub(one, cosine), Constant(inverse_turn));
-        const V exponent = hn::Min(hn::MulAdd(hn::Mul(z, z), Constant(c.inverse_height), turn), Constant(kFarthest));
-        const V w = hn::Mul(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), hn::Exp(tag, hn::Neg(exponent)));
+        const V exponent = hn::Min(pn::MulAdd(hn::Mul(z, z), Constant(c.inverse_height), turn), Constant(kFarthest));
+        const V w = hn::Mul(hn::Mul(hn::Mul(t2, t2), Constant(c.weight)), pn::Exp(hn::Neg(exponent)));
         // The other side of a thin sheet does not count, whatever its distance.
         const V own = hn::IfThenElseZero(hn::Gt(cosine, zero), w);
-        sum.x = hn::MulAdd(own, Constant(c.nx), sum.x);
-        sum.y = hn::MulAdd(own, Constant(c.ny), sum.y);
-        sum.z = hn::MulAdd(own, Constant(c.nz), sum.z);
+        sum.x = pn::MulAdd(own, Constant(c.nx), sum.x);
+        sum.y = pn::MulAdd(own, Constant(c.ny), sum.y);
+        sum.z = pn::MulAdd(own, Constant(c.nz), sum.z);
         // ⟨x − x_i, n_i⟩
-        const V over = hn::MulAdd(dx, Constant(-c.nx), hn::NegMulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(-c.nz))));
+        const V over = pn::MulAdd(dx, Constant(-c.nx), pn::NegMulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(-c.nz))));
         weights = hn::Add(weights, own);
-        heights = hn::MulAdd(own, over, heights);
+        heights = pn::MulAdd(own, over, heights);
       }
       height = hn::Div(heights, hn::Max(weights, Constant(1e-30f)));
-      const V n2 = hn::MulAdd(sum.x, sum.x, hn::MulAdd(sum.y, sum.y, hn::Mul(sum.z, sum.z)));
+      const V n2 = pn::MulAdd(sum.x, sum.x, pn::MulAdd(sum.y, sum.y, hn::Mul(sum.z, sum.z)));
       const auto good = hn::Gt(n2, Constant(1e-36f));
       const V inverse = hn::Div(one, hn::Sqrt(hn::IfThenElse(good, n2, one)));
       n.x = hn::IfThenElse(good, hn::Mul(sum.x, inverse), n.x);

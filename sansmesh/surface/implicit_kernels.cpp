@@ -44,7 +44,7 @@ HWY_INLINE Num<kGradient> AlgebraicSphere(const Sums<kGradient>& s, const Num3<k
   const N spread = s.square - Dot(s.x, s.x) / s.w;
   const N twist = s.plane - Dot(s.x, s.n) / s.w;
   // A single sample, or coincident ones, have no spread but what rounding leaves: a plane then.
-  const auto flat = hn::Le(spread.v, hn::MulAdd(s.square.v, Constant(1e-5f), Constant(kTiny)));
+  const auto flat = hn::Le(spread.v, pn::MulAdd(s.square.v, Constant(1e-5f), Constant(kTiny)));
   const N u4 = Select(flat, Fixed<kGradient>(0), twist / Select(flat, Fixed<kGradient>(1), spread) * Constant(0.5f));
   const N two = u4 + u4;
   const Num3<kGradient> u{(s.n.x - two * s.x.x) / s.w, (s.n.y - two * s.x.y) / s.w, (s.n.z - two * s.x.z) / s.w};
@@ -93,7 +93,7 @@ HWY_INLINE Num<kGradient> Combine(const Num<kGradient>& f, const Num3<kGradient>
   const auto toward = [&](const V& other, const V& mine, const V& n) {
     return hn::Mul(hn::Sub(hn::Mul(other, share), hn::Mul(mine, own)), n);
   };
-  const V length2 = hn::MulAdd(s.n.x.v, s.n.x.v, hn::MulAdd(s.n.y.v, s.n.y.v, hn::Mul(s.n.z.v, s.n.z.v)));
+  const V length2 = pn::MulAdd(s.n.x.v, s.n.x.v, pn::MulAdd(s.n.y.v, s.n.y.v, hn::Mul(s.n.z.v, s.n.z.v)));
   const V along = hn::Add(toward(o.x.x, o.own.x, s.n.x.v),
                           hn::Add(toward(o.x.y, o.own.y, s.n.y.v), toward(o.x.z, o.own.z, s.n.z.v)));
   const V apart2 = hn::Mul(hn::Mul(along, along), hn::Mul(s.inverse_height.v, own));
@@ -114,7 +114,7 @@ HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
   } else if constexpr (kOrder == 4) {
     value = hn::Sub(Constant(2.5f), r), derivative = Constant(-1);
   } else {
-    value = hn::MulAdd(r, hn::MulAdd(r, Constant(0.5f), Constant(-3.5f)), Constant(4.375f));
+    value = pn::MulAdd(r, pn::MulAdd(r, Constant(0.5f), Constant(-3.5f)), Constant(4.375f));
     derivative = hn::Sub(r, Constant(3.5f));
   }
 }
@@ -132,9 +132,9 @@ HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const 
   N energy = Fixed<kGradient>(0);
   for (const Candidate& c : candidates) {
     const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
-    const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
     const V a = Constant(c.inverse_support);
-    const V t = hn::Max(hn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
+    const V t = hn::Max(pn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
     if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) continue;
     V factor = Constant(c.weight);
     if (sheets) factor = hn::Mul(factor, SameSheet(c, near));
@@ -185,31 +185,31 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
     N nearest_plane = nought;
     for (const Candidate& c : candidates) {
       const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
-      const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-      N w;
+      const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+      N w = Fixed<kGradient>(0);
       if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
       V same = one;
       if (kernel.sheets) {
         same = SameSheet(c, near);
-        const V rest = hn::NegMulAdd(w.v, same, w.v);
+        const V rest = pn::NegMulAdd(w.v, same, w.v);
         w = w * same;
         other.w = hn::Add(other.w, rest);
-        other.plane = hn::MulAdd(rest, Constant(c.plane), other.plane);
+        other.plane = pn::MulAdd(rest, Constant(c.plane), other.plane);
         const auto add = [&](const V& weight, float x, float y, float z, Lanes& sum) {
-          sum.x = hn::MulAdd(weight, Constant(x), sum.x);
-          sum.y = hn::MulAdd(weight, Constant(y), sum.y);
-          sum.z = hn::MulAdd(weight, Constant(z), sum.z);
+          sum.x = pn::MulAdd(weight, Constant(x), sum.x);
+          sum.y = pn::MulAdd(weight, Constant(y), sum.y);
+          sum.z = pn::MulAdd(weight, Constant(z), sum.z);
         };
         add(rest, c.x, c.y, c.z, other.x);
         add(rest, c.nx, c.ny, c.nz, other.n);
         add(w.v, c.x, c.y, c.z, other.own);
       }
-      inside = hn::Max(inside, hn::NegMulAdd(d2, Constant(c.inverse_reach), one));
+      inside = hn::Max(inside, pn::NegMulAdd(d2, Constant(c.inverse_reach), one));
       if constexpr (kFormula == ImplicitFormula::hoppe) {
         const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
         const auto closer = hn::Lt(far, nearest);
         nearest = hn::Min(far, nearest);
-        const V height = hn::MulAdd(dx, Constant(c.nx), hn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
+        const V height = pn::MulAdd(dx, Constant(c.nx), pn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
         N plane = Number(height, kTag);
         if constexpr (kGradient) plane.x = Constant(c.nx), plane.y = Constant(c.ny), plane.z = Constant(c.nz);
         nearest_plane = Select(closer, plane, nearest_plane);

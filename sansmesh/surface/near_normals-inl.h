@@ -7,8 +7,6 @@
 #define SANSMESH_SURFACE_NEAR_NORMALS_INL_H_
 #endif
 
-#include <hwy/contrib/math/math-inl.h>
-
 #include <span>
 
 #include "sansmesh/surface/numbers-inl.h"
@@ -28,7 +26,7 @@ struct CompactWeight {
   HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
                                   Num<kGradient>& w) {
     const V a = Constant(c.inverse_support);
-    const V t = hn::Max(hn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
+    const V t = hn::Max(pn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
     if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
     const V t2 = hn::Mul(t, t), t3 = hn::Mul(t2, t);
     const V derivative = hn::Mul(t3, Constant(-4 * c.weight * c.inverse_support));
@@ -47,7 +45,7 @@ struct GaussianWeight {
     const V r = hn::Mul(d2, Constant(c.inverse_support));
     const auto near = hn::Lt(r, Constant(kGaussianEnd));
     if (hn::AllFalse(Tag(), near)) return false;
-    const V e = hn::IfThenElseZero(near, hn::Mul(hn::Exp(Tag(), hn::Neg(r)), Constant(c.weight)));
+    const V e = hn::IfThenElseZero(near, hn::Mul(pn::Exp(hn::Neg(r)), Constant(c.weight)));
     w = Radial(e, hn::Mul(e, Constant(-c.inverse_support)), dx, dy, dz, static_cast<const Num<kGradient>*>(nullptr));
     return true;
   }
@@ -64,15 +62,15 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
   V sum = zero, largest = zero;
   for (const Candidate& c : candidates) {
     const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
-    const V d2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-    Value w;
+    const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    Value w{zero};
     if (!Weight::Evaluate(c, d2, dx, dy, dz, w)) continue;
     // The fourth power, scaled so that small ones do not vanish.
     V narrow = hn::Mul(w.v, Constant(1e4f / c.weight));
     narrow = hn::Mul(narrow, narrow);
     narrow = hn::Mul(hn::Mul(narrow, narrow), Constant(c.weight));
     const V nx = Constant(c.nx), ny = Constant(c.ny), nz = Constant(c.nz);
-    n.x = hn::MulAdd(narrow, nx, n.x), n.y = hn::MulAdd(narrow, ny, n.y), n.z = hn::MulAdd(narrow, nz, n.z);
+    n.x = pn::MulAdd(narrow, nx, n.x), n.y = pn::MulAdd(narrow, ny, n.y), n.z = pn::MulAdd(narrow, nz, n.z);
     sum = hn::Add(sum, narrow);
     const auto best = hn::Gt(narrow, largest);
     largest = hn::Max(narrow, largest);
@@ -81,7 +79,7 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
   }
   const V share = hn::Div(Constant(1), hn::Max(sum, Constant(1e-30f)));
   n = {hn::Mul(n.x, share), hn::Mul(n.y, share), hn::Mul(n.z, share)};
-  const V n2 = hn::MulAdd(n.x, n.x, hn::MulAdd(n.y, n.y, hn::Mul(n.z, n.z)));
+  const V n2 = pn::MulAdd(n.x, n.x, pn::MulAdd(n.y, n.y, hn::Mul(n.z, n.z)));
   const auto clear = hn::Gt(n2, Constant(kClear));
   const V inverse = hn::Div(Constant(1), hn::Sqrt(hn::IfThenElse(clear, n2, Constant(1))));
   return {hn::IfThenElse(clear, hn::Mul(n.x, inverse), nearest.x),
@@ -91,8 +89,8 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
 
 /// 1 for samples whose normals differ by up to 90°, from there down to 0 for those 120° off and more.
 HWY_INLINE V SameSheet(const Candidate& c, const Lanes& n) {
-  const V cosine = hn::MulAdd(n.x, Constant(c.nx), hn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
-  return hn::Min(hn::Max(hn::MulAdd(cosine, Constant(2), Constant(1)), hn::Zero(Tag())), Constant(1));
+  const V cosine = pn::MulAdd(n.x, Constant(c.nx), pn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
+  return hn::Min(hn::Max(pn::MulAdd(cosine, Constant(2), Constant(1)), hn::Zero(Tag())), Constant(1));
 }
 
 }  // namespace HWY_NAMESPACE

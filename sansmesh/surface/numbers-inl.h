@@ -9,12 +9,14 @@
 
 #include <hwy/highway.h>
 
+#include "sansmesh/core/portable-inl.h"
 #include "sansmesh/surface/sample_group.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+namespace pn = portable::HWY_NAMESPACE;
 
 using Tag = hn::CappedTag<float, kGroup>;
 using V = hn::Vec<Tag>;
@@ -57,7 +59,7 @@ HWY_INLINE Value operator*(const Value& a, const V& s) { return {hn::Mul(a.v, s)
 HWY_INLINE Value operator+(const Value& a, const V& s) { return {hn::Add(a.v, s)}; }
 HWY_INLINE Value Root(const Value& a) { return {hn::Sqrt(a.v)}; }
 /// a + b s
-HWY_INLINE Value AddMul(const Value& a, const Value& b, const V& s) { return {hn::MulAdd(b.v, s, a.v)}; }
+HWY_INLINE Value AddMul(const Value& a, const Value& b, const V& s) { return {pn::MulAdd(b.v, s, a.v)}; }
 
 HWY_INLINE Dual operator+(const Dual& a, const Dual& b) {
   return {hn::Add(a.v, b.v), hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
@@ -66,14 +68,14 @@ HWY_INLINE Dual operator-(const Dual& a, const Dual& b) {
   return {hn::Sub(a.v, b.v), hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 HWY_INLINE Dual operator*(const Dual& a, const Dual& b) {
-  return {hn::Mul(a.v, b.v), hn::MulAdd(a.v, b.x, hn::Mul(b.v, a.x)), hn::MulAdd(a.v, b.y, hn::Mul(b.v, a.y)),
-          hn::MulAdd(a.v, b.z, hn::Mul(b.v, a.z))};
+  return {hn::Mul(a.v, b.v), pn::MulAdd(a.v, b.x, hn::Mul(b.v, a.x)), pn::MulAdd(a.v, b.y, hn::Mul(b.v, a.y)),
+          pn::MulAdd(a.v, b.z, hn::Mul(b.v, a.z))};
 }
 HWY_INLINE Dual operator/(const Dual& a, const Dual& b) {
   const V inverse = hn::Div(Constant(1), b.v);
   const V q = hn::Mul(a.v, inverse);
-  return {q, hn::Mul(hn::NegMulAdd(q, b.x, a.x), inverse), hn::Mul(hn::NegMulAdd(q, b.y, a.y), inverse),
-          hn::Mul(hn::NegMulAdd(q, b.z, a.z), inverse)};
+  return {q, hn::Mul(pn::NegMulAdd(q, b.x, a.x), inverse), hn::Mul(pn::NegMulAdd(q, b.y, a.y), inverse),
+          hn::Mul(pn::NegMulAdd(q, b.z, a.z), inverse)};
 }
 HWY_INLINE Dual operator*(const Dual& a, const V& s) {
   return {hn::Mul(a.v, s), hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
@@ -85,7 +87,7 @@ HWY_INLINE Dual Root(const Dual& a) {
   return {root, hn::Mul(a.x, half), hn::Mul(a.y, half), hn::Mul(a.z, half)};
 }
 HWY_INLINE Dual AddMul(const Dual& a, const Dual& b, const V& s) {
-  return {hn::MulAdd(b.v, s, a.v), hn::MulAdd(b.x, s, a.x), hn::MulAdd(b.y, s, a.y), hn::MulAdd(b.z, s, a.z)};
+  return {pn::MulAdd(b.v, s, a.v), pn::MulAdd(b.x, s, a.x), pn::MulAdd(b.y, s, a.y), pn::MulAdd(b.z, s, a.z)};
 }
 
 HWY_INLINE Value Select(const hn::Mask<Tag>& m, const Value& a, const Value& b) {

@@ -20,10 +20,10 @@ constexpr float kRidge = 1e-5f;
 
 HWY_INLINE V Times(const V& a, const V& b) { return hn::Mul(a, b); }
 HWY_INLINE V Dot3(const Lanes& a, const Lanes& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+  return pn::MulAdd(a.x, b.x, pn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
 HWY_INLINE Lanes Along(const Lanes& p, const Lanes& n, const V& t) {
-  return {hn::MulAdd(n.x, t, p.x), hn::MulAdd(n.y, t, p.y), hn::MulAdd(n.z, t, p.z)};
+  return {pn::MulAdd(n.x, t, p.x), pn::MulAdd(n.y, t, p.y), pn::MulAdd(n.z, t, p.z)};
 }
 HWY_INLINE Lanes Unit(const Lanes& a, const Lanes& otherwise) {
   const V n2 = Dot3(a, a);
@@ -40,8 +40,8 @@ HWY_INLINE void TangentFrame(const Lanes& n, Lanes& t, Lanes& b) {
   const V sign = hn::CopySign(one, n.z);
   const V a = hn::Div(Constant(-1), hn::Add(sign, n.z));
   const V c = Times(Times(n.x, n.y), a);
-  t = {hn::MulAdd(Times(Times(sign, n.x), n.x), a, one), Times(sign, c), hn::Neg(Times(sign, n.x))};
-  b = {c, hn::MulAdd(Times(n.y, n.y), a, sign), hn::Neg(n.y)};
+  t = {pn::MulAdd(Times(Times(sign, n.x), n.x), a, one), Times(sign, c), hn::Neg(Times(sign, n.x))};
+  b = {c, pn::MulAdd(Times(n.y, n.y), a, sign), hn::Neg(n.y)};
 }
 
 /// A frame whose coordinates are lengths over h.
@@ -58,16 +58,16 @@ HWY_INLINE Lanes LeastAxis(V xx, V xy, V xz, V yy, V yz, V zz, const Lanes& star
   const V trace = hn::Max(hn::Add(xx, hn::Add(yy, zz)), Constant(kLeast));
   const V scale = hn::Div(Constant(1), trace);
   const V ridge = Constant(1e-5f);
-  xx = hn::MulAdd(xx, scale, ridge), yy = hn::MulAdd(yy, scale, ridge), zz = hn::MulAdd(zz, scale, ridge);
+  xx = pn::MulAdd(xx, scale, ridge), yy = pn::MulAdd(yy, scale, ridge), zz = pn::MulAdd(zz, scale, ridge);
   xy = Times(xy, scale), xz = Times(xz, scale), yz = Times(yz, scale);
-  const auto cofactor = [](const V& a, const V& b, const V& c, const V& d) { return hn::NegMulAdd(b, c, Times(a, d)); };
+  const auto cofactor = [](const V& a, const V& b, const V& c, const V& d) { return pn::NegMulAdd(b, c, Times(a, d)); };
   const V axx = cofactor(yy, yz, yz, zz), axy = cofactor(xz, xy, zz, yz), axz = cofactor(xy, xz, yy, yz);
   const V ayy = cofactor(xx, xz, xz, zz), ayz = cofactor(xy, xx, yz, xz), azz = cofactor(xx, xy, xy, yy);
   Lanes n = start;
   for (int k = 0; k < kInverseSteps; ++k) {
-    const Lanes next{hn::MulAdd(axx, n.x, hn::MulAdd(axy, n.y, Times(axz, n.z))),
-                     hn::MulAdd(axy, n.x, hn::MulAdd(ayy, n.y, Times(ayz, n.z))),
-                     hn::MulAdd(axz, n.x, hn::MulAdd(ayz, n.y, Times(azz, n.z)))};
+    const Lanes next{pn::MulAdd(axx, n.x, pn::MulAdd(axy, n.y, Times(axz, n.z))),
+                     pn::MulAdd(axy, n.x, pn::MulAdd(ayy, n.y, Times(ayz, n.z))),
+                     pn::MulAdd(axz, n.x, pn::MulAdd(ayz, n.y, Times(azz, n.z)))};
     n = Unit(next, n);
   }
   const V side = hn::CopySign(Constant(1), Dot3(n, start));
@@ -82,23 +82,23 @@ HWY_INLINE void SolveLanes(V* a, V* b) {
   for (int j = 0; j < kSize; ++j) {
     V pivot = a[at(j, j)];
     const V least = hn::Max(Times(pivot, Constant(kRidge)), Constant(kLeast));
-    pivot = hn::MulAdd(pivot, Constant(kRidge), pivot);
-    for (int k = 0; k < j; ++k) pivot = hn::NegMulAdd(a[at(j, k)], a[at(j, k)], pivot);
+    pivot = pn::MulAdd(pivot, Constant(kRidge), pivot);
+    for (int k = 0; k < j; ++k) pivot = pn::NegMulAdd(a[at(j, k)], a[at(j, k)], pivot);
     const V root = hn::Sqrt(hn::Max(pivot, least));
     const V inverse = hn::Div(Constant(1), root);
     a[at(j, j)] = inverse;
     for (int i = j + 1; i < kSize; ++i) {
       V sum = a[at(i, j)];
-      for (int k = 0; k < j; ++k) sum = hn::NegMulAdd(a[at(i, k)], a[at(j, k)], sum);
+      for (int k = 0; k < j; ++k) sum = pn::NegMulAdd(a[at(i, k)], a[at(j, k)], sum);
       a[at(i, j)] = Times(sum, inverse);
     }
   }
   for (int i = 0; i < kSize; ++i) {
-    for (int k = 0; k < i; ++k) b[i] = hn::NegMulAdd(a[at(i, k)], b[k], b[i]);
+    for (int k = 0; k < i; ++k) b[i] = pn::NegMulAdd(a[at(i, k)], b[k], b[i]);
     b[i] = Times(b[i], a[at(i, i)]);
   }
   for (int i = kSize - 1; i >= 0; --i) {
-    for (int k = i + 1; k < kSize; ++k) b[i] = hn::NegMulAdd(a[at(k, i)], b[k], b[i]);
+    for (int k = i + 1; k < kSize; ++k) b[i] = pn::NegMulAdd(a[at(k, i)], b[k], b[i]);
     b[i] = Times(b[i], a[at(i, i)]);
   }
 }
@@ -108,12 +108,12 @@ struct Offset {
 };
 HWY_INLINE Offset From(const Lanes& p, const Candidate& c) {
   const V x = hn::Sub(Constant(c.x), p.x), y = hn::Sub(Constant(c.y), p.y), z = hn::Sub(Constant(c.z), p.z);
-  return {x, y, z, hn::MulAdd(x, x, hn::MulAdd(y, y, Times(z, z)))};
+  return {x, y, z, pn::MulAdd(x, x, pn::MulAdd(y, y, Times(z, z)))};
 }
 
 /// Weight of a candidate at the offset; false where no lane is reached.
 HWY_INLINE bool WeightAt(const Candidate& c, const Offset& o, bool sheets, const Lanes& near, V& w) {
-  const V t = hn::Max(hn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), hn::Zero(Tag()));
+  const V t = hn::Max(pn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), hn::Zero(Tag()));
   if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
   const V t2 = Times(t, t);
   w = Times(Times(t2, t2), Constant(c.weight));
@@ -138,15 +138,15 @@ HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p,
     const Offset o = From(p, c);
     V w;
     if (!WeightAt(c, o, sheets, near, w)) continue;
-    reach = hn::Max(reach, hn::NegMulAdd(o.square, Constant(c.inverse_reach), Constant(1)));
+    reach = hn::Max(reach, pn::NegMulAdd(o.square, Constant(c.inverse_reach), Constant(1)));
     const V ax = Times(w, o.x), ay = Times(w, o.y), az = Times(w, o.z);
     w0 = hn::Add(w0, w), wx = hn::Add(wx, ax), wy = hn::Add(wy, ay), wz = hn::Add(wz, az);
-    nx = hn::MulAdd(w, Constant(c.nx), nx), ny = hn::MulAdd(w, Constant(c.ny), ny),
-    nz = hn::MulAdd(w, Constant(c.nz), nz);
-    h2 = hn::MulAdd(w, Constant(0.25f / c.inverse_support), h2);
+    nx = pn::MulAdd(w, Constant(c.nx), nx), ny = pn::MulAdd(w, Constant(c.ny), ny),
+    nz = pn::MulAdd(w, Constant(c.nz), nz);
+    h2 = pn::MulAdd(w, Constant(0.25f / c.inverse_support), h2);
     if constexpr (kLeastSquares) {
-      xx = hn::MulAdd(ax, o.x, xx), xy = hn::MulAdd(ax, o.y, xy), xz = hn::MulAdd(ax, o.z, xz);
-      yy = hn::MulAdd(ay, o.y, yy), yz = hn::MulAdd(ay, o.z, yz), zz = hn::MulAdd(az, o.z, zz);
+      xx = pn::MulAdd(ax, o.x, xx), xy = pn::MulAdd(ax, o.y, xy), xz = pn::MulAdd(ax, o.z, xz);
+      yy = pn::MulAdd(ay, o.y, yy), yz = pn::MulAdd(ay, o.z, yz), zz = pn::MulAdd(az, o.z, zz);
     }
   }
   if (inside) *inside = hn::IfThenElse(hn::Gt(w0, zero), reach, Constant(-1));
@@ -154,8 +154,8 @@ HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p,
   const Lanes mean{Times(wx, inverse), Times(wy, inverse), Times(wz, inverse)};
   Lanes n = Unit({nx, ny, nz}, {zero, zero, Constant(1)});
   if constexpr (kLeastSquares)
-    n = LeastAxis(hn::NegMulAdd(wx, mean.x, xx), hn::NegMulAdd(wx, mean.y, xy), hn::NegMulAdd(wx, mean.z, xz),
-                  hn::NegMulAdd(wy, mean.y, yy), hn::NegMulAdd(wy, mean.z, yz), hn::NegMulAdd(wz, mean.z, zz), n);
+    n = LeastAxis(pn::NegMulAdd(wx, mean.x, xx), pn::NegMulAdd(wx, mean.y, xy), pn::NegMulAdd(wx, mean.z, xz),
+                  pn::NegMulAdd(wy, mean.y, yy), pn::NegMulAdd(wy, mean.z, yz), pn::NegMulAdd(wz, mean.z, zz), n);
   return {n, Dot3(n, mean), Times(h2, inverse)};
 }
 
@@ -172,7 +172,7 @@ HWY_INLINE void StoreFoot(const Lanes& p, const Lanes& n, const V& xx, const V& 
 HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes& q, const Plane& plane, bool sheets,
                               const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
   const V zero = hn::Zero(Tag());
-  Lanes t, b;
+  Lanes t{zero, zero, zero}, b = t;
   TangentFrame(plane.normal, t, b);
   const V unit = hn::Div(Constant(1), hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));
   const ScaledFrame frame = Scaled(t, b, plane.normal, unit);
@@ -192,12 +192,12 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
     const V uu = Times(u, u), uv = Times(u, v), vv = Times(v, v);
     m[0] = hn::Add(m[0], w), m[1] = hn::Add(m[1], wu), m[2] = hn::Add(m[2], wv);
     m[3] = hn::Add(m[3], wuu), m[4] = hn::Add(m[4], wuv), m[5] = hn::Add(m[5], wvv);
-    m[6] = hn::MulAdd(wuu, u, m[6]), m[7] = hn::MulAdd(wuu, v, m[7]);
-    m[8] = hn::MulAdd(wvv, u, m[8]), m[9] = hn::MulAdd(wvv, v, m[9]);
-    m[10] = hn::MulAdd(wuu, uu, m[10]), m[11] = hn::MulAdd(wuu, uv, m[11]), m[12] = hn::MulAdd(wuu, vv, m[12]);
-    m[13] = hn::MulAdd(wvv, uv, m[13]), m[14] = hn::MulAdd(wvv, vv, m[14]);
-    f[0] = hn::MulAdd(w, z, f[0]), f[1] = hn::MulAdd(wu, z, f[1]), f[2] = hn::MulAdd(wv, z, f[2]);
-    f[3] = hn::MulAdd(wuu, z, f[3]), f[4] = hn::MulAdd(wuv, z, f[4]), f[5] = hn::MulAdd(wvv, z, f[5]);
+    m[6] = pn::MulAdd(wuu, u, m[6]), m[7] = pn::MulAdd(wuu, v, m[7]);
+    m[8] = pn::MulAdd(wvv, u, m[8]), m[9] = pn::MulAdd(wvv, v, m[9]);
+    m[10] = pn::MulAdd(wuu, uu, m[10]), m[11] = pn::MulAdd(wuu, uv, m[11]), m[12] = pn::MulAdd(wuu, vv, m[12]);
+    m[13] = pn::MulAdd(wvv, uv, m[13]), m[14] = pn::MulAdd(wvv, vv, m[14]);
+    f[0] = pn::MulAdd(w, z, f[0]), f[1] = pn::MulAdd(wu, z, f[1]), f[2] = pn::MulAdd(wv, z, f[2]);
+    f[3] = pn::MulAdd(wuu, z, f[3]), f[4] = pn::MulAdd(wuv, z, f[4]), f[5] = pn::MulAdd(wvv, z, f[5]);
   }
   const int map[21] = {0, 1, 3, 2, 4, 5, 3, 6, 7, 10, 4, 7, 8, 11, 12, 5, 8, 9, 12, 13, 14};
   for (int k = 0; k < 21; ++k) a[k] = m[map[k]];
@@ -205,17 +205,17 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   const V one = Constant(1);
   const Lanes p = Along(q, plane.normal, hn::Div(f[0], unit));
   // The polynomial's own tangent plane and second derivatives at u = v = 0.
-  const V steep = hn::Div(one, hn::Sqrt(hn::MulAdd(f[1], f[1], hn::MulAdd(f[2], f[2], one))));
+  const V steep = hn::Div(one, hn::Sqrt(pn::MulAdd(f[1], f[1], pn::MulAdd(f[2], f[2], one))));
   const Lanes n = Unit(Along(Along(plane.normal, t, hn::Neg(f[1])), b, hn::Neg(f[2])), plane.normal);
   const V scale = Times(unit, steep);
   const V xx = Times(Times(f[3], Constant(2)), scale), xy = Times(f[4], scale),
           yy = Times(Times(f[5], Constant(2)), scale);
   // The same form in the frame of the new normal.
-  Lanes t2, b2;
+  Lanes t2{zero, zero, zero}, b2 = t2;
   TangentFrame(n, t2, b2);
   const V tt = Dot3(t, t2), tb = Dot3(t, b2), bt = Dot3(b, t2), bb = Dot3(b, b2);
   const auto form = [&](const V& u1, const V& v1, const V& u2, const V& v2) {
-    return hn::MulAdd(Times(u1, u2), xx, hn::MulAdd(hn::MulAdd(u1, v2, Times(u2, v1)), xy, Times(Times(v1, v2), yy)));
+    return pn::MulAdd(Times(u1, u2), xx, pn::MulAdd(pn::MulAdd(u1, v2, Times(u2, v1)), xy, Times(Times(v1, v2), yy)));
   };
   StoreFoot(p, n, form(tt, bt, tt, bt), form(tt, bt, tb, bb), form(tb, bb, tb, bb), inside, at, out);
 }
@@ -228,7 +228,7 @@ template <int kTau, bool kDiffusion>
 HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const ProjectionKernel& kernel, const Lanes& q,
                               const Plane& plane, const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
   const V zero = hn::Zero(Tag()), one = Constant(1);
-  Lanes t, b;
+  Lanes t{zero, zero, zero}, b = t;
   TangentFrame(plane.normal, t, b);
   const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // lengths in h
   const ScaledFrame frame = Scaled(t, b, plane.normal, unit);
@@ -245,7 +245,7 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
     const V r2 = hn::Add(uu, vv);
     if constexpr (kDiffusion) {
       // |κ| = 2 |z| / ρ², with the ρ of the sample's distance: it never vanishes off the plane.
-      const V far = hn::MulAdd(z, z, r2);
+      const V far = pn::MulAdd(z, z, r2);
       const V excess =
           hn::Sub(hn::Div(hn::Abs(hn::Add(z, z)), hn::Max(far, Constant(1e-6f))), Constant(kernel.threshold));
       const V lambda2 = Constant(kernel.threshold * kernel.threshold);
@@ -253,17 +253,17 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
       if (kernel.hard)
         w = hn::IfThenElse(hn::Gt(excess, zero), Times(w, Constant(1e-3f)), w);
       else
-        w = Times(w, hn::Div(lambda2, hn::MulAdd(Times(beyond, beyond), Constant(10), lambda2)));
+        w = Times(w, hn::Div(lambda2, pn::MulAdd(Times(beyond, beyond), Constant(10), lambda2)));
     }
     if constexpr (kTau == 1) w = hn::Div(w, hn::Max(r2, Constant(1e-2f)));
     if constexpr (kTau == 3) w = Times(w, r2);
     const V p1 = Times(r2, Constant(0.5f)), p2 = Times(hn::Sub(uu, vv), Constant(0.5f)), p3 = Times(u, v);
     const V w1 = Times(w, p1), w2 = Times(w, p2), w3 = Times(w, p3);
     a[0] = hn::Add(a[0], w), a[1] = hn::Add(a[1], w1), a[3] = hn::Add(a[3], w2), a[6] = hn::Add(a[6], w3);
-    a[2] = hn::MulAdd(w1, p1, a[2]), a[4] = hn::MulAdd(w1, p2, a[4]), a[5] = hn::MulAdd(w2, p2, a[5]);
-    a[7] = hn::MulAdd(w1, p3, a[7]), a[8] = hn::MulAdd(w2, p3, a[8]), a[9] = hn::MulAdd(w3, p3, a[9]);
-    f[0] = hn::MulAdd(w, z, f[0]), f[1] = hn::MulAdd(w1, z, f[1]);
-    f[2] = hn::MulAdd(w2, z, f[2]), f[3] = hn::MulAdd(w3, z, f[3]);
+    a[2] = pn::MulAdd(w1, p1, a[2]), a[4] = pn::MulAdd(w1, p2, a[4]), a[5] = pn::MulAdd(w2, p2, a[5]);
+    a[7] = pn::MulAdd(w1, p3, a[7]), a[8] = pn::MulAdd(w2, p3, a[8]), a[9] = pn::MulAdd(w3, p3, a[9]);
+    f[0] = pn::MulAdd(w, z, f[0]), f[1] = pn::MulAdd(w1, z, f[1]);
+    f[2] = pn::MulAdd(w2, z, f[2]), f[3] = pn::MulAdd(w3, z, f[3]);
   }
   SolveLanes<4>(a, f);
   const Lanes p = Along(q, plane.normal, hn::Div(f[0], unit));
