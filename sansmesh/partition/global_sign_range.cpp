@@ -63,6 +63,18 @@ struct Bounder {
     const double middle = dot(step, area) / (middle2 * std::sqrt(middle2)), change = 2 * a * radius * cube_high;
     s.dipole.low = std::max({s.dipole.low, middle - change, -a / low2});
     s.dipole.high = std::min({s.dipole.high, middle + change, a / low2});
+    if (norm(step) > radius) {
+      // From anywhere in the ball the patch is seen in directions of a cone around the one from the middle.
+      const double sine = radius / norm(step), cosine = std::sqrt(1 - sine * sine);
+      const double facing = a > 0 ? std::clamp(dot(step, area) / (norm(step) * a), -1.0, 1.0) : 0;
+      const double across = std::sqrt(1 - facing * facing) * sine;
+      const double least = facing > -cosine ? facing * cosine - across : -1;
+      const double most = facing < cosine ? facing * cosine + across : 1;
+      // r / (r² + soft)^(3/2) first grows, then falls: smallest at one of the ends.
+      const double size = a * std::min(near / (low2 * low), far / (high2 * high));
+      if (least > 0) s.dipole.low = std::max(s.dipole.low, least * size);
+      if (most < 0) s.dipole.high = std::min(s.dipole.high, most * size);
+    }
     s.fourth = {weight / (high2 * high2), weight / (low2 * low2)};
     s.sixth = {weight / (high2 * high2 * high2), weight / (low2 * low2 * low2)};
     s.nearest = low2;
