@@ -16,6 +16,7 @@
 #include "sansmesh/surface/projection_surface.h"
 #include "support/clouds.h"
 #include "support/simd_targets.h"
+#include "support/surface_names.h"
 
 namespace sansmesh::test {
 namespace {
@@ -156,10 +157,11 @@ TEST(SameBits, PartitionOfUnity) {
 TEST(SameBits, ImplicitSurfaces) {
   const PointSet cloud = sphere(1500, 0.004);
   const std::vector<Vec3> x = places_near(cloud, 0.1, 3);
-  for (const std::string& name : implicit_method_names())
+  for (const std::string& name : surface_names(SurfaceFamily::implicit))
     for (const double smoothing : {1.2, 2.5}) {
       SCOPED_TRACE(name);
-      ImplicitOptions options{.method = implicit_method(name), .smoothing = smoothing};
+      const auto method = std::get<ImplicitMethod>(surface_method_info(surface_method(name)).formula);
+      ImplicitOptions options{.method = method, .smoothing = smoothing};
       if (options.method == ImplicitMethod::amls) options.order = smoothing < 2 ? 4 : 6, options.iterations = 3;
       expect_same_bits([&](Found& found) {
         Progress progress;
@@ -178,10 +180,11 @@ TEST(SameBits, Projections) {
   const PointSet cloud = sphere(1500, 0.004);
   const std::vector<Vec3> x = places_near(cloud, 0.05, 3);
   using Diffusion = ProjectionOptions::Diffusion;
-  for (const std::string& name : projection_method_names())
+  for (const std::string& name : surface_names(SurfaceFamily::projection))
     for (const Diffusion diffusion : {Diffusion::none, Diffusion::soft, Diffusion::hard}) {
       SCOPED_TRACE(name);
-      const ProjectionOptions options{.method = projection_method(name), .diffusion = diffusion};
+      const auto method = std::get<ProjectionMethod>(surface_method_info(surface_method(name)).formula);
+      const ProjectionOptions options{.method = method, .diffusion = diffusion};
       if (diffusion != Diffusion::none && options.method != ProjectionMethod::curvature) continue;
       expect_same_bits([&](Found& found) {
         Progress progress;
