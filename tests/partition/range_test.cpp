@@ -72,7 +72,7 @@ TEST(LocalSlope, IsNeverExceededAndNearlyReached) {
     if (f.degree == 1) {
       ASSERT_NEAR(slope, std::hypot(1, f.coefficient[1], f.coefficient[2]), 1e-3 * slope);
     }
-    ASSERT_LE(slope, 2 * largest) << trial;
+    ASSERT_LE(slope, 2.5 * largest) << trial;  // of polynomials as wild as these; those of fits are nearer
   }
 }
 
