@@ -97,8 +97,6 @@ PointSet as_points(const TriangleMesh& mesh) {
   points.normals = mesh.normals;
   points.colors = mesh.colors;
   points.attributes = mesh.attributes;
-  points.attributes.set("distance", *mesh.attributes.find<float>("quality"));
-  points.attributes.erase("quality");
   return points;
 }
 

@@ -54,9 +54,10 @@ class WorkerLimit {
 
   /// Of all limits in a process the least counts: ours must never be the one that lowers a host's.
   static void renew() {
-    if (sizes().empty()) return control().reset();
+    control().reset();  // what is left is what a host says
+    if (sizes().empty()) return;
     const auto most = static_cast<std::size_t>(*std::max_element(sizes().begin(), sizes().end()));
-    if (!control() && global_control::active_value(global_control::max_allowed_parallelism) >= most) return;
+    if (global_control::active_value(global_control::max_allowed_parallelism) >= most) return;
     control() = std::make_unique<global_control>(global_control::max_allowed_parallelism, most);
   }
 };

@@ -6,7 +6,7 @@
 //   body's exception, or a host's cancellation, stops the loop around it.
 // - Bodies may start loops themselves. A thread that waits for the end of a loop works on nothing but that loop
 //   meanwhile, never on iterations of the loop around it or on a host's own tasks: so it may hold a lock, and what is
-//   `thread_local` stays as the body left it.
+//   `thread_local` stays as the body left it. (The recursion of parallel_invoke is one loop.)
 // - Bodies compute with the floating-point settings of the thread that started the loop.
 // - Nothing of the process is changed: see ThreadScope.
 #pragma once

@@ -105,6 +105,7 @@ void AttributeTable::check_rows(std::size_t rows, std::string_view of) const {
 }
 
 void AttributeTable::remove_rows(std::span<const std::uint8_t> mask) {
+  check_rows(mask.size(), "entries of a mask");
   for (Attribute& a : arrays_) {
     const std::size_t width = a.components;
     std::visit(

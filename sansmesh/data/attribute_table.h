@@ -86,7 +86,7 @@ class AttributeTable {
 
   // Operations on the rows. Row numbers must exist.
 
-  /// Removes the rows whose entry in `mask` (one for each) is not 0.
+  /// Removes the rows whose entry in `mask` (one for each) is not 0. Throws as check_rows.
   void remove_rows(std::span<const std::uint8_t> mask);
   /// Row i is row rows[i] of this table.
   AttributeTable taken(std::span<const std::uint32_t> rows) const;

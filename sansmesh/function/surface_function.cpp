@@ -29,13 +29,16 @@ void FitOptions::validate() const {
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
-  points.attributes.clear();  // a function keeps none; before the cloud is copied about
+  // A function keeps none: before the cloud is copied about.
+  points.attributes.clear();
   points.triangle_attributes.clear();
   return fit_surface_function(prepare_cloud(std::move(points), {}, progress), options, progress);
 }
 
 SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress) {
   options.validate();
+  cloud.points.attributes.clear();  // nor through the whole fit
+  cloud.points.triangle_attributes.clear();
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
   if (options.error) fit.error = *options.error / cloud.unit;

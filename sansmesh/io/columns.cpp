@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <numeric>
@@ -94,7 +95,11 @@ AttributeTable decode_attributes(const Input& in, const std::vector<NamedColumns
       if (i >= columns.size() || columns[i].type != group.type || columns[i].components.size() != 1) return false;
       return numbered(columns[i].name) == std::optional(std::pair(name, number));
     };
-    if (const auto first = numbered(group.name); join && first && first->second == 0 && single(k, first->first, 1)) {
+    const auto taken = [&](std::string_view name) {
+      return std::any_of(columns.begin(), columns.end(), [&](const NamedColumns& c) { return c.name == name; });
+    };
+    if (const auto first = numbered(group.name);
+        join && first && first->second == 0 && single(k, first->first, 1) && !taken(first->first)) {
       const std::string name(first->first);
       for (; single(k, name, group.components.size()); ++k) group.components.push_back(columns[k].components[0]);
       group.name = name;

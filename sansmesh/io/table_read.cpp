@@ -2,6 +2,7 @@
 // else from their number and values.
 #include <fmt/core.h>
 
+#include <cmath>
 #include <optional>
 
 #include "sansmesh/io/columns.h"
@@ -10,9 +11,13 @@
 namespace sansmesh::io {
 namespace {
 
+/// Leaves `value` alone unless the whole word is a number: 2020-01-02 is not 2020.
 bool parse(std::string_view word, double& value) {
   TextScanner s(word);
-  return s.number(value) && s.at_end();
+  double found = 0;
+  if (!s.number(found) || !s.at_end()) return false;
+  value = found;
+  return true;
 }
 
 bool is_comment(std::string_view line) {
@@ -193,7 +198,7 @@ Block read_block(std::string_view lines, std::size_t number, const Head& head, c
       if (layout.type[column] != NumberType::f64) {
         TextScanner whole(*f);
         read_cell(whole, layout.type[column], cell);
-      } else if (f->empty() || f->find_first_not_of("+-0123456789") != std::string_view::npos) {
+      } else if (std::isnan(v) || f->find_first_not_of("+-0123456789") != std::string_view::npos) {
         block.real[place] = 1;
       }
     }

@@ -221,7 +221,7 @@ std::array<std::uint8_t, 3> distance_color(float distance, double range) {
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range) {
   if (map.distance.size() != part.vertices.size())
     throw ArgumentError("apply_map: the map and the mesh differ in the number of vertices");
-  part.attributes.set("quality", map.distance);
+  part.attributes.set(part.triangles.empty() ? "distance" : "quality", map.distance);
   part.colors.resize(part.vertices.size());
   parallel_for(0, part.colors.size(), 8192,
                [&](std::size_t i) { part.colors[i] = distance_color(map.distance[i], range); });

@@ -71,8 +71,8 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
 /// The colour of a distance: blue inside, white at 0, red outside, full at ±range; grey where it was left out.
 std::array<std::uint8_t, 3> distance_color(float distance, double range);
 
-/// Writes distances as the attribute "quality" of the vertices (left out: NaN; the name that viewers of meshes know)
-/// and their colours into the mesh.
+/// Writes distances as the attribute "quality" of the vertices (left out: NaN; the name that viewers of meshes know; of
+/// a mesh without triangles "distance") and their colours into the mesh.
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
 
 }  // namespace sansmesh

@@ -7,8 +7,7 @@
 namespace sansmesh {
 
 /// Cuts the triangles along the faces of the box (relative to the mesh's origin) and drops what is outside: the result
-/// ends there in straight borders. Attributes of vertices are interpolated,
-/// those of triangles go to their parts.
+/// ends there in straight borders. Attributes of vertices are interpolated, those of triangles go to their parts.
 void clip_mesh(TriangleMesh& mesh, const Box3f& box);
 
 }  // namespace sansmesh

@@ -1,5 +1,5 @@
 // Every surface that can be made of samples, in one table: what library, command line, its help and its checks, and the
-// check of the documentation know of it. A method is added here and nowhere else.
+// check of the documentation know of it. A method is registered here and nowhere else.
 #pragma once
 
 #include <span>

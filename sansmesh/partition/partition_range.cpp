@@ -15,9 +15,9 @@ constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 /// Balls that more supports than this reach are too large for anything to be said of them.
 constexpr std::size_t kMostSupports = 400;
-/// Evaluation is done in single precision: shares of the cube's edge and of the largest radius by which ranges are
-/// widened for that.
-constexpr double kRoundedPlace = 1e-6, kRoundedValue = 4e-6;
+/// Evaluation is done in single precision: shares of the cube's edge and of the distance from the origin by which
+/// balls, and of the largest radius and of the values by which ranges are widened for that.
+constexpr double kRoundedPlace = 1e-6, kRoundedFar = 0x1p-22, kRoundedValue = 4e-6;
 
 /// The smallest ball around what the balls around `a` and `b` have in common, and the distances from `a` there.
 struct Common {
@@ -126,6 +126,7 @@ struct NearSums {
 
 ValueRange range_in_ball(const PartitionOfUnity::State& s, const Vec3& x, double radius,
                          std::vector<std::uint32_t>& list) {
+  radius += kRoundedFar * norm(x);
   const Vec3f center(x), reach = Vec3f{1, 1, 1} * static_cast<float>(radius);
   if (!s.tree.touching({center - reach, center + reach}, kMostSupports, list)) return {-kUnknown, kUnknown};
   NearSums sums;
@@ -137,7 +138,7 @@ ValueRange range_in_ball(const PartitionOfUnity::State& s, const Vec3& x, double
     range = {std::min(range.least, far.least), std::max(range.most, far.most)};
   }
   const double largest = std::max(std::abs(range.least), std::abs(range.most));
-  const double rounding = kRoundedValue * (sums.largest + std::min(largest, static_cast<double>(s.data.edge)));
+  const double rounding = kRoundedValue * (sums.largest + largest);
   return {range.least - rounding, range.most + rounding};
 }
 

@@ -207,8 +207,9 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       inside = hn::Max(inside, pn::NegMulAdd(d2, Constant(c.inverse_reach), one));
       if constexpr (kFormula == ImplicitFormula::hoppe) {
         const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
-        const auto closer = hn::Lt(far, nearest);
-        nearest = hn::Min(far, nearest);
+        // Samples are looked at because they reach some point of the vector: not always this one.
+        const auto closer = hn::And(hn::Lt(far, nearest), hn::Gt(w.v, zero));
+        nearest = hn::IfThenElse(closer, far, nearest);
         const V height = pn::MulAdd(dx, Constant(c.nx), pn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
         N plane = Number(height, kTag);
         if constexpr (kGradient) plane.x = Constant(c.nx), plane.y = Constant(c.ny), plane.z = Constant(c.nz);

@@ -76,6 +76,22 @@ TEST(ThreadsInAHost, NeverRaisesNorLowersTheLimitOfAHost) {
   }
 }
 
+TEST(ThreadsInAHost, DoesNotLowerALimitThatAHostSetsMeanwhile) {
+  const std::size_t before = workers_of_process(), cores = static_cast<std::size_t>(tbb::info::default_concurrency());
+  std::optional<tbb::global_control> host;
+  {
+    const ThreadScope outer(static_cast<int>(cores) + 6);
+    {
+      const ThreadScope inner(static_cast<int>(cores) + 40);
+      host.emplace(kWorkers, cores + 8);
+    }
+    EXPECT_EQ(workers_of_process(), cores + 8);
+  }
+  EXPECT_EQ(workers_of_process(), cores + 8);
+  host.reset();
+  EXPECT_EQ(workers_of_process(), before);
+}
+
 TEST(ThreadsInAHost, LoopsOfAHostKeepToItsArena) {
   tbb::task_arena host(1);
   host.execute([] {

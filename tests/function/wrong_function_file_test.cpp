@@ -158,6 +158,23 @@ TEST_F(WrongContents, Slopes) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), 0.0f, 0.5f, -1.0f})
     expect_bad_element<float>(
         "SLOPE", 1, [&](float& s) { s = bad; }, "slope");
+  // No bound of its function.
+  expect_bad_element<float>(
+      "SLOPE", 1, [&](float& s) { s *= 0.999f; }, "slope");
+}
+
+/// What proofs about functions take for granted.
+TEST_F(WrongContents, FunctionsThatAreNotWhatTheySeem) {
+  expect_bad_element<LocalFunction>(
+      "FUNCTION", 1, [](LocalFunction& f) { f.xi = normalized(f.xi + f.nu * 0.01f); }, "frame that is not orthogonal");
+  expect_bad_element<LocalFunction>(
+      "FUNCTION", 1, [](LocalFunction& f) { f.eta = f.eta * 1.001f; }, "frame that is not of unit vectors");
+  expect_bad_element<LocalFunction>(
+      "FUNCTION", 1, [](LocalFunction& f) { f.degree = 1, f.coefficient.back() = 0.1f; },
+      "coefficient beyond its degree");
+  expect_bad_element<LocalFunction>(
+      "FUNCTION", 1, [](LocalFunction& f) { f.xi = f.eta = f.nu = {}, f.degree = 1, f.coefficient[1] = 5; },
+      "constant that is none");
 }
 
 TEST_F(WrongContents, Samples) {

@@ -299,5 +299,17 @@ TEST(Attributes, ThatAreNumberedAreComponents) {
   EXPECT_EQ(p.attributes.size(), 7u);
 }
 
+TEST(Attributes, ThatAreNumberedStayApartWhereTheirNameIsTaken) {
+  const Folder folder;
+  for (const std::vector<std::string> names : {std::vector<std::string>{"v", "v_0", "v_1"}, {"v_0", "v_1", "v"}}) {
+    PointSet points;
+    points.positions = {{1, 2, 3}, {4, 5, 6}};
+    float value = 0;
+    for (const std::string& name : names) points.attributes.set(name, std::vector<float>{++value, -value});
+    write_points(folder / "a.ply", points);
+    EXPECT_TRUE(read_points(folder / "a.ply").attributes == points.attributes) << names[0];
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh

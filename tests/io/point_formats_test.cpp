@@ -74,6 +74,18 @@ TEST_F(Table, FurtherColumnsHaveTheTypeThatHoldsThem) {
   EXPECT_EQ(report_.warnings, (std::vector<std::string>{"'whole' is there twice: the second one was left out"}));
 }
 
+TEST_F(Table, WordsThatBeginWithNumbersAreNone) {
+  for (const std::string word : {"2020-01-02", "12:30", "7-8", "Info", "nano", "1e", "0x10", "1.2.3"}) {
+    report_.warnings.clear();
+    const PointSet p = read("a.csv", "x,y,z,word,dash\n1,2,3," + word + ",7\n4,5,6," + word + ",-\n7,8,9,,5\n");
+    ASSERT_EQ(p.size(), 3u);
+    EXPECT_EQ(p.attributes.size(), 1u) << word;
+    const auto& dash = *p.attributes.find<double>("dash");
+    EXPECT_TRUE(dash[0] == 7 && std::isnan(dash[1]) && dash[2] == 5);
+    EXPECT_EQ(report_.warnings, (std::vector<std::string>{"columns without numbers were left out: word"})) << word;
+  }
+}
+
 TEST_F(Table, ColumnsByTheirValues) {
   PointSet p = read("a.xyz", "1 2 3 0 0 1\n4 5 6 0.6 0 0.8\n");
   EXPECT_EQ(p.normals, (Positions{{0, 0, 1}, {0.6f, 0, 0.8f}}));

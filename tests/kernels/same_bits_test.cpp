@@ -154,8 +154,22 @@ TEST(SameBits, PartitionOfUnity) {
   }
 }
 
+/// Dense on one side, coarse on the other: points that are evaluated together are reached by different samples.
+PointSet of_two_densities() {
+  PointSet cloud;
+  for (const std::size_t n : {std::size_t{200}, std::size_t{8000}}) {
+    const PointSet all = sphere(n, 0.001);
+    for (std::size_t i = 0; i < n; ++i) {
+      if ((all.positions[i].x > 0) != (n > 1000)) continue;
+      cloud.positions.push_back(all.positions[i]);
+      cloud.normals.push_back(all.normals[i]);
+    }
+  }
+  return cloud;
+}
+
 TEST(SameBits, ImplicitSurfaces) {
-  const PointSet cloud = sphere(1500, 0.004);
+  const PointSet cloud = of_two_densities();
   const std::vector<Vec3> x = places_near(cloud, 0.1, 3);
   for (const std::string& name : surface_names(SurfaceFamily::implicit))
     for (const double smoothing : {1.2, 2.5}) {

@@ -89,6 +89,9 @@ TEST(RemoveSamples, KeepsAttributesAndTrianglesTogether) {
   EXPECT_EQ(points.scan_of_point, (std::vector<std::uint16_t>{0, 2, 3, 4}));
   EXPECT_EQ(points.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 3}, {1, 2, 3}}));
   EXPECT_THROW(remove_samples(points, {0, 1}), ArgumentError);
+  points.attributes.clear();
+  points.attributes.set("short", std::vector<float>{1});
+  EXPECT_THROW(remove_samples(points, std::vector<std::uint8_t>(points.size(), 1)), ArgumentError);
 }
 
 }  // namespace

@@ -102,7 +102,14 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s: what is %s?\n", argv[0], argv[1]);
     return 2;
   }
-  if (!files.empty()) GTEST_FLAG_SET(filter, filter_of(files));
+  if (!files.empty()) {
+    const std::string filter = filter_of(files);
+    if (filter.empty()) {
+      std::fprintf(stderr, "%s: no tests are in %s\n", argv[0], files.c_str());
+      return 2;
+    }
+    GTEST_FLAG_SET(filter, filter);
+  }
   const int count = threads.empty() ? 1 : std::atoi(threads.c_str());
   const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
   if (simd == "others") return run_on_others(targets, count);

@@ -1,6 +1,8 @@
 // The instruction sets that this machine runs and the library has kernels for, one after another.
 #pragma once
 
+#include "sansmesh/core/simd_targets.h"
+// After simd_targets.h, which says what the library holds.
 #include <hwy/targets.h>
 
 #include <cstdint>
