@@ -64,15 +64,14 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
     console.warn(arguments.input, cloud.warnings);
     CurvatureOptions options = arguments.options;
-    noise = *cloud.noise * cloud.unit;  // known unless normals are taken as given
-    options.noise = noise / cloud.unit;
-    if (options.radius) options.radius = *options.radius / cloud.unit;
+    options.noise = *cloud.noise;  // known unless normals are taken as given
+    noise = cloud.place.to_input(*cloud.noise);
+    if (options.radius) options.radius = cloud.place.from_input(*options.radius);
     progress.begin("curvature");
     curvatures = estimate_curvatures(cloud.points, options, progress);
     points = std::move(cloud.points);
-    points.origin = cloud.origin;
-    const auto unit = static_cast<float>(cloud.unit);
-    for (Vec3f& p : points.positions) p *= unit;
+    move_to_input(points, cloud.place);
+    const auto unit = static_cast<float>(cloud.place.unit);
     for (PrincipalCurvatures& c : curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
   } catch (const DataError& error) {
     throw FileError(arguments.input, error.what());

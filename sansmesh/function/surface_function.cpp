@@ -38,14 +38,14 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
   options.validate();
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
-  if (options.error) fit.error = *options.error / cloud.unit;
+  if (options.error) fit.error = cloud.place.from_input(*options.error);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
-  return {std::move(field), cloud.origin, cloud.unit, std::move(samples), {}, std::move(cloud.warnings)};
+  return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings)};
 }
 
 }  // namespace sansmesh
