@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/points/prepare_cloud.h"
@@ -111,8 +112,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (curvatures[i].defined)
       color = diverging_color(range > 0 ? chosen_quantity(curvatures[i], quantity) / static_cast<float>(range) : 0);
-    for (std::size_t k = 0; k < 3; ++k)
-      points.colors[i][k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
+    points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
   }
   Image preview;
   if (!arguments.preview.empty()) preview = render_mesh(to_mesh(points), {}, progress);

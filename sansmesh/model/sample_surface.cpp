@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/poisson_discs.h"
 
@@ -179,10 +180,7 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   if (model.colors()) {
     std::vector<Vec3f> colors(chosen.size());
     model.colors()->evaluate(chosen, colors);
-    for (const Vec3f& c : colors) {
-      const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f))); };
-      result.colors.push_back({byte(c.x), byte(c.y), byte(c.z)});
-    }
+    for (const Vec3f& c : colors) result.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
   }
   move_to_input(result, place);
   if (report) *report = {.projected = result.size()};
