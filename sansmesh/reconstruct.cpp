@@ -25,11 +25,12 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   r.warnings = model.warnings();
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
-  const double unit = model.unit(), spacing = r.spacing / unit;
+  const Placement& place = model.place();
+  const double spacing = place.from_input(r.spacing);
   const double mesh_error = options.mesh_error
-                                ? *options.mesh_error / unit
-                                : std::max(kErrorOverSpacing * spacing, kErrorOverNoise * r.noise / unit);
-  r.mesh_error = mesh_error * unit;
+                                ? place.from_input(*options.mesh_error)
+                                : std::max(kErrorOverSpacing * spacing, place.from_input(kErrorOverNoise * r.noise));
+  r.mesh_error = place.to_input(mesh_error);
   PolygonizeOptions meshing = meshing_options(options, mesh_error, choice.sharp);
   const ScalarField& field = model.field(progress);
   meshing.placement = model.placement(progress);
@@ -44,9 +45,10 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   std::vector<std::uint8_t> inside(x.size());
   field.evaluate_in_domain(x, values, {}, inside);
   if (std::find(inside.begin(), inside.end(), 0) != inside.end()) trim_mesh(mesh, inside);
-  if (options.trim) trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), *options.trim / unit));
+  if (options.trim)
+    trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), place.from_input(*options.trim)));
   finish_mesh(mesh, model.points(), spacing, options, r);
-  to_input(mesh, model.origin(), unit);
+  move_to_input(mesh, place);
   progress.finish();
   return mesh;
 }
@@ -86,8 +88,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
       fit_surface_function(prepare_cloud(std::move(points), options, progress), options, progress);
   const PartitionReport& f = function.field.report();
   TriangleMesh mesh = mesh_function(function, options, progress, &r);
-  r.spacing = f.spacing * function.unit;
-  r.noise = f.noise * function.unit;
+  r.spacing = function.place.to_input(f.spacing);
+  r.noise = function.place.to_input(f.noise);
   r.fits = f.functions;
   r.fit_depth = f.depth;
   r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());

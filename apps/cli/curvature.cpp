@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/points/prepare_cloud.h"
@@ -64,15 +65,14 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
     console.warn(arguments.input, cloud.warnings);
     CurvatureOptions options = arguments.options;
-    noise = *cloud.noise * cloud.unit;  // known unless normals are taken as given
-    options.noise = noise / cloud.unit;
-    if (options.radius) options.radius = *options.radius / cloud.unit;
+    options.noise = *cloud.noise;  // known unless normals are taken as given
+    noise = cloud.place.to_input(*cloud.noise);
+    if (options.radius) options.radius = cloud.place.from_input(*options.radius);
     progress.begin("curvature");
     curvatures = estimate_curvatures(cloud.points, options, progress);
     points = std::move(cloud.points);
-    points.origin = cloud.origin;
-    const auto unit = static_cast<float>(cloud.unit);
-    for (Vec3f& p : points.positions) p *= unit;
+    move_to_input(points, cloud.place);
+    const auto unit = static_cast<float>(cloud.place.unit);
     for (PrincipalCurvatures& c : curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
   } catch (const DataError& error) {
     throw FileError(arguments.input, error.what());
@@ -112,8 +112,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (curvatures[i].defined)
       color = diverging_color(range > 0 ? chosen_quantity(curvatures[i], quantity) / static_cast<float>(range) : 0);
-    for (std::size_t k = 0; k < 3; ++k)
-      points.colors[i][k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
+    points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
   }
   Image preview;
   if (!arguments.preview.empty()) preview = render_mesh(to_mesh(points), {}, progress);

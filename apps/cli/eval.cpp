@@ -55,10 +55,10 @@ void run_eval(const EvalArguments& a, Console& console) {
   progress.begin("evaluate");
   const std::size_t n = points.size();
   std::vector<Vec3> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = function.from_input(points.origin + Vec3(points.positions[i]));
+  for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(points.origin + Vec3(points.positions[i]));
   std::vector<LevelSetPoint> found(n);
   level_set_points(function.field, x, kStep * function.field.report().spacing, found);
-  const double unit = function.unit;
+  const double unit = function.place.unit;
   for (LevelSetPoint& p : found) p.value *= unit, p.k1 /= unit, p.k2 /= unit;
 
   if (!a.output.empty()) {

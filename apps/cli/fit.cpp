@@ -38,17 +38,17 @@ void run_fit(const FitArguments& a, Console& console) {
     write_function(a.output, function, !a.without_samples);
     progress.finish();
     const PartitionReport& r = function.field.report();
-    const double unit = function.unit;
+    const Placement& place = function.place;
     console.say(fmt::format("{}: {} ({})", a.input, counted(given, "point"), read.format));
-    console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(r.spacing * unit),
-                            length(r.noise * unit), length(r.accuracy * unit)));
+    console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(place.to_input(r.spacing)),
+                            length(place.to_input(r.noise)), length(place.to_input(r.accuracy))));
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
     const nlohmann::ordered_json json = {
         {"input", {{"file", a.input}, {"format", read.format}, {"points", given}}},
-        {"spacing", r.spacing * unit},
-        {"noise", r.noise * unit},
-        {"accuracy", r.accuracy * unit},
+        {"spacing", place.to_input(r.spacing)},
+        {"noise", place.to_input(r.noise)},
+        {"accuracy", place.to_input(r.accuracy)},
         {"depth", r.depth},
         {"fits", r.functions},
         {"fits_of_degree", r.functions_of_degree},

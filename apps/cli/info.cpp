@@ -46,9 +46,8 @@ void run_function_info(const std::string& file, Console& console) {
   progress.finish();
   const PartitionReport& r = function.field.report();
   const PointSet& samples = *function.samples;
-  const double unit = function.unit;
-  const Box3 cube = function.field.bounds();
-  const Vec3 lower = function.to_input(cube.lower), upper = function.to_input(cube.upper);
+  const Placement& place = function.place;
+  const auto [lower, upper] = place.to_input(function.field.bounds());
   console.say(fmt::format("{}: function, partition of unity", file));
   console.say(fmt::format("{:<12}{} down to depth {}; of degree 0 to 4: {}", "fits", grouped(r.functions), r.depth,
                           fmt::join(r.functions_of_degree, ", ")));
@@ -58,9 +57,9 @@ void run_function_info(const std::string& file, Console& console) {
                           samples.has_colors() ? ", with colours" : ""));
   console.say(fmt::format("{:<12}from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "cube", lower.x,
                           lower.y, lower.z, upper.x, upper.y, upper.z));
-  console.say(fmt::format("{:<12}{}", "spacing", length(r.spacing * unit)));
-  console.say(fmt::format("{:<12}{}", "noise", length(r.noise * unit)));
-  console.say(fmt::format("{:<12}{} (expected error of the surface)", "accuracy", length(r.accuracy * unit)));
+  console.say(fmt::format("{:<12}{}", "spacing", length(place.to_input(r.spacing))));
+  console.say(fmt::format("{:<12}{}", "noise", length(place.to_input(r.noise))));
+  console.say(fmt::format("{:<12}{} (expected error of the surface)", "accuracy", length(place.to_input(r.accuracy))));
   for (const std::string& line : function.history) console.say(fmt::format("{:<12}{}", "edited", line));
   const nlohmann::ordered_json json = {{"file", file},
                                        {"format", "function"},
@@ -69,9 +68,9 @@ void run_function_info(const std::string& file, Console& console) {
                                        {"creased", r.creased},
                                        {"depth", r.depth},
                                        {"samples", samples.size()},
-                                       {"spacing", r.spacing * unit},
-                                       {"noise", r.noise * unit},
-                                       {"accuracy", r.accuracy * unit},
+                                       {"spacing", place.to_input(r.spacing)},
+                                       {"noise", place.to_input(r.noise)},
+                                       {"accuracy", place.to_input(r.accuracy)},
                                        {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
                                        {"history", function.history}};
   console.say_json(json);
@@ -125,7 +124,7 @@ void run_info(const std::string& file, Console& console) {
 
   progress.begin("measure");
   const Box3f box = bounds(points);
-  const Vec3 lower = points.origin + Vec3(box.lower), upper = points.origin + Vec3(box.upper);
+  const auto [lower, upper] = Placement{points.origin}.to_input(box);
   const std::size_t duplicates = points.size() - count_unique(points);
   const CloudShape shape = classify_shape(points);
   const double spacing = estimate_spacing(points), noise = estimate_noise(points);

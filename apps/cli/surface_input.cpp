@@ -17,7 +17,7 @@ SurfaceInput::SurfaceInput(std::string file, Console& console) : file_(std::move
   console.progress().begin("read");
   if (is_function_file(file_)) {
     function_.emplace(read_function(file_));
-    placed_.emplace(function_->field, function_->origin, function_->unit);
+    placed_.emplace(function_->field, function_->place);
     return;
   }
   ReadReport read;
@@ -45,7 +45,7 @@ Box3 SurfaceInput::bounds() const {
   if (function_) {
     const Box3f box = sansmesh::bounds(*function_->samples);
     if (box.empty()) return placed_->bounds();
-    return {function_->to_input(Vec3(box.lower)), function_->to_input(Vec3(box.upper))};
+    return function_->place.to_input(box);
   }
   Box3 box;
   for (const Vec3f& p : mesh_.vertices)

@@ -29,11 +29,11 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
   CurvatureColorOptions o;
   o.quantity = *a.color_by;
   if (a.color_range) {
-    // Curvatures of the model are per model unit.
-    const double unit = model.unit();
+    // Curvatures are per length, those of the model in its own coordinates.
+    const double unit = model.place().unit;
     o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
   }
-  o.curvature.noise = model.report().noise / model.unit();
+  o.curvature.noise = model.place().from_input(model.report().noise);
   progress.begin("curvature");
   return std::make_unique<CurvatureColors>(model.points(), o, progress);
 }

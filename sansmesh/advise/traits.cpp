@@ -115,10 +115,10 @@ double line_length(double share_of_samples, double width_over_radius, const Clou
   return share_of_samples * static_cast<double>(t.samples) * t.spacing / (width_over_radius * radius * t.diagonal);
 }
 
-void measure_creases(const PointSet& points, CloudTraits& traits, double unit) {
+void measure_creases(const PointSet& points, CloudTraits& traits, const Placement& place) {
   traits.creases_known = traits.noise_ratio() < kHidingNoise;
   if (!traits.creases_known) return;
-  const double spacing = traits.spacing / unit, noise = traits.noise / unit;
+  const double spacing = place.from_input(traits.spacing), noise = place.from_input(traits.noise);
   const int blur = choose_neighbours(spacing, noise);
   const std::size_t size = std::max<std::size_t>(5 * static_cast<std::size_t>(blur), 90);
   const std::vector<Neighbourhood> patches =
@@ -174,15 +174,15 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
 
   progress.begin("measure");
   const Vec3f size = bounds(points).size();
-  traits.diagonal = static_cast<double>(norm(size)) * cloud.unit;
-  traits.spacing = estimate_spacing(points) * cloud.unit;
+  traits.diagonal = cloud.place.to_input(static_cast<double>(norm(size)));
+  traits.spacing = cloud.place.to_input(estimate_spacing(points));
   const double noise = estimate_noise(points);
-  traits.noise = noise * cloud.unit;
+  traits.noise = cloud.place.to_input(noise);
   measure_density(points, traits);
   progress.begin("check normals");
   traits.normals = check_orientation(points, noise);
   progress.begin("creases and borders");
-  measure_creases(points, traits, cloud.unit);
+  measure_creases(points, traits, cloud.place);
   measure_borders(points, traits);
   progress.finish();
   return traits;

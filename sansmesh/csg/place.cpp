@@ -199,13 +199,10 @@ Solid mirror(const Solid& a, const Vec3& normal, double offset) {
   return placed(a, map);
 }
 
-Solid place(const Solid& a, const Vec3& origin, double unit) {
-  require_finite("place", "origin", origin);
-  require_positive("place", "unit", unit);
-  Similarity map;
-  map.scale = unit;
-  map.translation = origin;
-  return placed(a, map);
+Solid place(const Solid& a, const Placement& placement) {
+  require_finite("place", "origin", placement.origin);
+  require_positive("place", "unit", placement.unit);
+  return placed(a, similarity_of(placement));
 }
 
 }  // namespace csg

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "sansmesh/data/placement.h"
 #include "sansmesh/field/piecewise_field.h"
 
 namespace sansmesh {
@@ -124,8 +125,8 @@ Solid rotate(const Solid& a, const Vec3& axis, double degrees, const Vec3& cente
 Solid scale(const Solid& a, double factor, const Vec3& center = {});
 /// Mirrored at the plane ⟨x, normal/‖normal‖⟩ = offset.
 Solid mirror(const Solid& a, const Vec3& normal, double offset = 0);
-/// A solid in coordinates of its own placed in the world: origin + unit · position.
-Solid place(const Solid& a, const Vec3& origin, double unit);
+/// A solid in coordinates of its own placed in the world.
+Solid place(const Solid& a, const Placement& placement);
 
 }  // namespace csg
 }  // namespace sansmesh

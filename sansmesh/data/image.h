@@ -1,22 +1,43 @@
-// An 8-bit RGBA picture.
+// Pictures and other maps of pixels, in float.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace sansmesh {
 
-/// Rows from top to bottom, pixels from left to right, sRGB with straight alpha.
-struct Image {
+/// Rows from top to bottom, pixels from left to right.
+template <class T>
+struct PixelMap {
   int width = 0;
   int height = 0;
-  std::vector<std::array<std::uint8_t, 4>> pixels;
+  std::vector<T> pixels;
 
-  Image() = default;
-  Image(int w, int h) : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
-  std::array<std::uint8_t, 4>& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
-  const std::array<std::uint8_t, 4>& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  PixelMap() = default;
+  PixelMap(int w, int h, const T& value = {})
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}
+  T& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  const T& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
 };
+
+/// sRGB with straight alpha: 0 is black or nothing, 1 white or opaque. Brighter than white is brighter than 1; files of
+/// bytes hold 0..1.
+using Rgba = std::array<float, 4>;
+using Image = PixelMap<Rgba>;
+/// Distances along the rays through the middles of the pixels; infinity where nothing is.
+using DepthMap = PixelMap<float>;
+
+/// A value of 0..1 as one of the 256 levels of a byte: the nearest one, or that which is rounded up to from `threshold`
+/// (above 0, up to 1) of a step on. Values beyond are clamped, NaN is 0.
+inline std::uint8_t to_byte(float value, float threshold = 0.5f) {
+  if (!(value > 0)) return 0;
+  return static_cast<std::uint8_t>(255 * std::min(value, 1.0f) + 1 - threshold);
+}
+
+/// The value that to_byte makes this level of.
+constexpr float from_byte(std::uint8_t level) { return static_cast<float>(level) / 255; }
 
 }  // namespace sansmesh

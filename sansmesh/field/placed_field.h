@@ -6,14 +6,11 @@
 
 namespace sansmesh {
 
-/// A field of its own coordinates seen from the input's: its position x lies at origin + unit · x, its values are
-/// lengths and grow with the unit. The field must outlive it.
+/// A field of its own coordinates seen from the input's: its values are lengths and grow with the unit. The field must
+/// outlive it.
 class PlacedField : public ScalarField {
  public:
-  PlacedField(const ScalarField& field, const Vec3& origin, double unit) : field_(field) {
-    place_.scale = unit;
-    place_.translation = origin;
-  }
+  PlacedField(const ScalarField& field, const Placement& place) : field_(field), place_(similarity_of(place)) {}
 
   Box3 bounds() const override {
     const Box3 box = field_.bounds();

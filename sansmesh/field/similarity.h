@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/core/vec.h"
+#include "sansmesh/data/placement.h"
 
 namespace sansmesh {
 
@@ -49,5 +50,13 @@ struct Similarity {
     return s;
   }
 };
+
+/// From own coordinates to those of the input.
+inline Similarity similarity_of(const Placement& place) {
+  Similarity s;
+  s.scale = place.unit;
+  s.translation = place.origin;
+  return s;
+}
 
 }  // namespace sansmesh

@@ -102,8 +102,8 @@ void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagge
     boxes[static_cast<std::size_t>(k)].extend({feet[i] - Vec3f{h, h, h}, feet[i] + Vec3f{h, h, h}});
   }
   for (std::size_t k = 0; k < places.size(); ++k) {
-    places[k].position = function.to_input(data.origin + Vec3(boxes[k].center()));
-    places[k].radius = 0.5 * static_cast<double>(boxes[k].diagonal()) * function.unit;
+    places[k].position = function.place.to_input(data.origin + Vec3(boxes[k].center()));
+    places[k].radius = function.place.to_input(0.5 * static_cast<double>(boxes[k].diagonal()));
   }
   std::stable_sort(places.begin(), places.end(),
                    [](const SuspiciousPlace& a, const SuspiciousPlace& b) { return a.supports > b.supports; });
@@ -116,9 +116,9 @@ std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshCompo
                                        const SurfaceFunction& function) {
   const PointSet& samples = *function.samples;
   const std::vector<std::size_t> nearest = detail::count_nearest(mesh, components, samples.size(), [&](std::size_t i) {
-    return Vec3f(function.to_input(Vec3(samples.positions[i]) + samples.origin) - mesh.origin);
+    return Vec3f(function.place.to_input(Vec3(samples.positions[i]) + samples.origin) - mesh.origin);
   });
-  const double spacing = function.field.report().spacing * function.unit;
+  const double spacing = function.place.to_input(function.field.report().spacing);
   std::vector<double> evidence(components.size());
   for (std::size_t c = 0; c < evidence.size(); ++c)
     evidence[c] = static_cast<double>(nearest[c]) * spacing * spacing / components.area[c];
@@ -162,7 +162,7 @@ void find_extra_sheets(const SurfaceFunction& function, const KdTree& feet, Diag
     p.radius = 0.5 * static_cast<double>(box[c].diagonal());
     p.worst = components.area[c];
     const Vec3 on = mesh.origin + Vec3(first[c]);
-    const auto found = feet.nearest(Vec3f(function.from_input(on) - data.origin));
+    const auto found = feet.nearest(Vec3f(function.place.from_input(on) - data.origin));
     const std::uint32_t sheet = found ? sheets.of_support[found->index] : Sheets::kNone;
     // Only a sheet of its own can be taken away without harm to others.
     if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0]) {
@@ -172,7 +172,7 @@ void find_extra_sheets(const SurfaceFunction& function, const KdTree& feet, Diag
       proposed[sheet] = 1;
       Edit edit;
       edit.select.all_but_largest = true;  // whatever other edits have done before
-      edit.select.sheet_at = function.to_input(data.origin + Vec3(data.supports[found->index].foot));
+      edit.select.sheet_at = function.place.to_input(data.origin + Vec3(data.supports[found->index].foot));
       edit.action = RemoveSupports{};
       p.edit = edit;
     }
@@ -209,7 +209,7 @@ void color_mesh(const SurfaceFunction& function, const KdTree& feet, std::span<c
   const PartitionData& data = function.field.data();
   mesh.colors.assign(mesh.vertices.size(), kSound);
   parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
-    const Vec3 x = function.from_input(mesh.origin + Vec3(mesh.vertices[v])) - data.origin;
+    const Vec3 x = function.place.from_input(mesh.origin + Vec3(mesh.vertices[v])) - data.origin;
     const auto found = feet.nearest(Vec3f(x));
     for (std::size_t k = 0; found && k < flagged.size(); ++k)
       if (!flagged[k].flag.empty() && flagged[k].flag[found->index]) mesh.colors[v] = kColors[k];
@@ -265,9 +265,9 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   for (const Support& s : data.supports)
     if (s.state == Support::fitted) errors.push_back(s.error);
   const double error = options.error_above
-                           ? *options.error_above / function.unit
+                           ? function.place.from_input(*options.error_above)
                            : std::max(kErrorOverMedian * median(errors), kErrorOverSpacing * field.report().spacing);
-  diagnosis.error_above = error * function.unit;
+  diagnosis.error_above = function.place.to_input(error);
   const std::vector<double> steepest = steepness(field);
   std::array<Flagged, kSuspicions> flagged;
   for (Flagged& f : flagged) f.flag.assign(n, 0), f.value.assign(n, 0);
@@ -279,7 +279,7 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
     of(Suspicion::low_coverage).flag[i] = static_cast<double>(s.coverage) < options.coverage_below;
     of(Suspicion::low_coverage).value[i] = static_cast<double>(s.coverage);
     of(Suspicion::high_error).flag[i] = static_cast<double>(s.error) > error;
-    of(Suspicion::high_error).value[i] = static_cast<double>(s.error) * function.unit;
+    of(Suspicion::high_error).value[i] = function.place.to_input(static_cast<double>(s.error));
     of(Suspicion::steep).flag[i] = steepest[i] > options.gradient_above;
     of(Suspicion::steep).value[i] = steepest[i];
   }

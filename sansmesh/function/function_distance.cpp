@@ -35,10 +35,11 @@ TriangleMesh whole_mesh(const SurfaceFunction& function, Progress& progress) {
 struct FunctionDistance::Parts {
   Parts(std::shared_ptr<const SurfaceFunction> f, Progress& progress)
       : function(std::move(f)),
-        field(function->field, function->origin, function->unit),
+        field(function->field, function->place),
         mesh(whole_mesh(*function, progress)),
         distance(mesh),
-        near(std::max(function->field.report().spacing * function->unit, 1e-6 * distance.bounds().diagonal())) {}
+        near(std::max(function->place.to_input(function->field.report().spacing),
+                      1e-6 * distance.bounds().diagonal())) {}
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const;
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;

@@ -231,8 +231,8 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
   Json levels = Json::array();
   for (const PartitionData::Flatness& f : data.flatness) levels.push_back(f.code.size());
   const Json json = {{"kind", kKind},
-                     {"origin", to_json(function.origin)},
-                     {"unit", function.unit},
+                     {"origin", to_json(function.place.origin)},
+                     {"unit", function.place.unit},
                      {"field_origin", to_json(data.origin)},
                      {"cube", {{"lower", to_json(data.lower)}, {"edge", data.edge}}},
                      {"options", to_json(data.options)},
@@ -287,13 +287,13 @@ SurfaceFunction read_function(const SectionFile& file) {
     }
     data.validate();
     auto samples = std::make_shared<const PointSet>(read_samples(file, data));
-    const Vec3 origin = vector_of(json.at("origin"));
-    const double unit = number(json.at("unit"));
+    const Placement place{vector_of(json.at("origin")), number(json.at("unit"))};
     int exponent = 0;
-    if (!(norm(origin) <= 1e30 && unit > 1e-60 && unit < 1e30) || std::frexp(unit, &exponent) != 0.5)
+    if (!(norm(place.origin) <= 1e30 && place.unit > 1e-60 && place.unit < 1e30) ||
+        std::frexp(place.unit, &exponent) != 0.5)
       throw DataError("its place in the input makes no sense");
     std::vector<std::string> history = history_of(json.at("history"));
-    return {PartitionOfUnity(std::move(data)), origin, unit, std::move(samples), std::move(history), {}};
+    return {PartitionOfUnity(std::move(data)), place, std::move(samples), std::move(history), {}};
   } catch (const nlohmann::json::exception&) {
     throw FileError(file.file(), "damaged: its description (section META) makes no sense");
   } catch (const ArgumentError& error) {

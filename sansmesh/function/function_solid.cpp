@@ -96,10 +96,9 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
 Solid function_solid(std::shared_ptr<const SurfaceFunction> function) {
   const PartitionOfUnity& field = function->field;
   auto known = std::make_shared<const FunctionKnowledge>(field);
-  const Vec3 origin = function->origin;
-  const double unit = function->unit;
+  const Placement place = function->place;
   const std::shared_ptr<const ScalarField> shared(std::move(function), &field);
-  return csg::place(csg::leaf(shared, std::move(known)), origin, unit);
+  return csg::place(csg::leaf(shared, std::move(known)), place);
 }
 
 }  // namespace sansmesh

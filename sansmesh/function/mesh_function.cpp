@@ -38,7 +38,7 @@ struct Cut {
 Cut prepare_cut(const SurfaceFunction& function, const MeshOptions& options) {
   const PartitionOfUnity& field = function.field;
   const PartitionReport& f = field.report();
-  const double mesh_error = options.mesh_error ? *options.mesh_error / function.unit : default_mesh_error(f);
+  const double mesh_error = options.mesh_error ? function.place.from_input(*options.mesh_error) : default_mesh_error(f);
   PolygonizeOptions meshing = detail::meshing_options(options, mesh_error, field.data().options.sharp);
   meshing.seeds = field.seeds();
   const bool coarse = options.mesh_error.has_value();
@@ -114,12 +114,9 @@ bool belongs_to(const TriangleMesh& mesh, const SurfaceFunction& function, const
 bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const Box3& changed,
                      const MeshOptions& options, Progress& progress, MeshUpdate& u) {
   // In the coordinates of the field.
-  const double unit = function.unit;
   TriangleMesh moved = mesh;
-  const Vec3 shift = function.from_input(mesh.origin);
-  for (Vec3f& v : moved.vertices) v = Vec3f(Vec3(v) * (1 / unit) + shift);
-  moved.origin = {};
-  const Box3 change{function.from_input(changed.lower), function.from_input(changed.upper)};
+  move_from_input(moved, function.place);
+  const Box3 change = function.place.from_input(changed);
   if (!belongs_to(moved, function, change)) return false;
   Cut cut = prepare_cut(function, options);
   // Whether the mesh was simplified, where that is not known beforehand: which of the two agrees with it.
@@ -151,7 +148,7 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, const 
       if (moved.triangles.empty()) return false;
       u = {true, r.removed, r.added};
       detail::choose_components(moved, options.components, *function.samples, function.field.report().spacing, report);
-      detail::to_input(moved, function.origin, unit);
+      move_to_input(moved, function.place);
       mesh = std::move(moved);
       return true;
     }
@@ -169,13 +166,13 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   r = {};
   const PartitionOfUnity& field = function.field;
   const PartitionReport& f = field.report();
-  const double unit = function.unit;
+  const Placement& place = function.place;
   Cut cut = prepare_cut(function, options);
-  r.mesh_error = cut.mesh_error * unit;
+  r.mesh_error = place.to_input(cut.mesh_error);
   r.block_depth = cut.blocks.depth();
   std::optional<Box3> box;
   if (options.box) {
-    box = {function.from_input(options.box->lower), function.from_input(options.box->upper)};
+    box = place.from_input(*options.box);
     cut.meshing.region = with_seeds(field.data(), *box);
   }
   TriangleMesh mesh = detail::cut_out(field, cut.blocks, options, cut.meshing, progress, r);
@@ -186,7 +183,8 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     if (points.size() == 0) throw DataError("cannot be trimmed: its samples were not kept");
     const double close = std::max(4 * f.spacing, 6 * f.noise);
     const KdTree samples(points.positions);
-    detail::trim_mesh(mesh, detail::near_samples(mesh, samples, *options.trim > 0 ? *options.trim / unit : close));
+    detail::trim_mesh(mesh,
+                      detail::near_samples(mesh, samples, *options.trim > 0 ? place.from_input(*options.trim) : close));
   }
   MeshOptions finish = options;
   if (box) {
@@ -196,7 +194,7 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
   detail::finish_mesh(mesh, points, f.spacing, finish, r);
-  detail::to_input(mesh, function.origin, unit);
+  move_to_input(mesh, place);
   progress.finish();
   return mesh;
 }

@@ -38,11 +38,11 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
   options.validate();
   cloud.points.attributes.clear();  // nor through the whole fit
   cloud.points.triangle_attributes.clear();
-  const PartitionOptions fit = partition_options(options, cloud.unit);
+  const PartitionOptions fit = partition_options(options, cloud.place.unit);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
-  return {std::move(field), cloud.origin, cloud.unit, std::move(samples), {}, std::move(cloud.warnings)};
+  return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings)};
 }
 
 }  // namespace sansmesh

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/points/prepare_cloud.h"
@@ -30,19 +31,13 @@ struct FitOptions {
 /// A partition of unity (METHODS §3.1) with its place in the input and the samples that it was fitted to. Copies share
 /// the samples.
 struct SurfaceFunction {
-  /// In coordinates of its own, in which the samples are about 1 large: origin + unit · position is the place in the
-  /// input, unit · value the distance there.
-  PartitionOfUnity field;
-  Vec3 origin;
-  double unit = 1;  ///< a power of two
+  PartitionOfUnity field;  ///< in coordinates of its own, in which the samples are about 1 large
+  Placement place;         ///< of these in the input; the unit is a power of two
   /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty where they were not
   /// kept: such a function can be meshed and evaluated, but not refitted.
   std::shared_ptr<const PointSet> samples;
   std::vector<std::string> history;   ///< what was done to it, one line each
   std::vector<std::string> warnings;  ///< of the preparation of the samples; not kept in files
-
-  Vec3 to_input(const Vec3& x) const { return origin + x * unit; }
-  Vec3 from_input(const Vec3& x) const { return (x - origin) * (1 / unit); }
 };
 
 /// The function of samples that are clean and oriented. Throws ArgumentError for bad options.

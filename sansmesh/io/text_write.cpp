@@ -1,6 +1,7 @@
 // Output as text: OBJ, OFF, XYZ, CSV.
 #include <fmt/core.h>
 
+#include "sansmesh/data/image.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_columns.h"
 
@@ -14,8 +15,7 @@ void append_obj_vertices(std::vector<std::string>& parts, const WorldCoordinates
                          const std::vector<Vec3f>& normals, const Colors& colors) {
   append_rows(parts, n, 6 * (number_width + 1) + 3, [&](std::size_t i, char* p) {
     p = world.put(put(p, "v "), i, ' ');
-    for (std::size_t k = 0; !colors.empty() && k < 3; ++k)
-      p = put(put(p, ' '), static_cast<float>(colors[i][k]) / 255.0f);
+    for (std::size_t k = 0; !colors.empty() && k < 3; ++k) p = put(put(p, ' '), from_byte(colors[i][k]));
     return put(p, '\n');
   });
   append_rows(parts, normals.size(), 3 * (number_width + 1) + 4, [&](std::size_t i, char* p) {

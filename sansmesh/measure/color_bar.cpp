@@ -13,9 +13,7 @@
 namespace sansmesh {
 namespace {
 
-using Pixel = std::array<std::uint8_t, 4>;
-
-constexpr Pixel kInk{32, 36, 43, 255};
+constexpr Rgba kInk{from_byte(32), from_byte(36), from_byte(43), 1};
 constexpr int kWide = 5, kHigh = 7;  // of a glyph
 constexpr int kLowest = 100;         // picture that gets a bar
 
@@ -70,7 +68,7 @@ struct Layout {
 };
 
 /// Pixels [x0, x1) × [y0, y1), as far as they lie in the picture.
-void fill(Image& image, int x0, int y0, int x1, int y1, const Pixel& color) {
+void fill(Image& image, int x0, int y0, int x1, int y1, const Rgba& color) {
   for (int y = std::max(0, y0); y < std::min(image.height, y1); ++y)
     for (int x = std::max(0, x0); x < std::min(image.width, x1); ++x) image.at(x, y) = color;
 }
@@ -120,7 +118,7 @@ Image beside_color_bar(const Image& picture, const ColorBar& bar) {
   for (int y = y0; y < y1; ++y) {
     const double value = low + (y1 - 1 - y) / (high - 1.0) * (bar.range - low);
     const auto [r, g, b] = distance_color(static_cast<float>(value), bar.range);
-    fill(image, x0, y, x1, y + 1, {r, g, b, 255});
+    fill(image, x0, y, x1, y + 1, {from_byte(r), from_byte(g), from_byte(b), 1});
   }
   for (const Tick& t : ticks) {
     const int y = row_of(t.where);

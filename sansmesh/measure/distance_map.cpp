@@ -8,6 +8,7 @@
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -214,10 +215,7 @@ std::array<std::uint8_t, 3> distance_color(float distance, double range) {
   if (std::isnan(distance)) return kLeftOut;
   const Vec3f color = diverging_color(range > 0 ? static_cast<float>(static_cast<double>(distance) / range)
                                                 : std::copysign(distance == 0 ? 0.0f : 1.0f, distance));
-  std::array<std::uint8_t, 3> bytes{};
-  for (std::size_t k = 0; k < 3; ++k)
-    bytes[k] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[k], 0.0f, 1.0f)));
-  return bytes;
+  return {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
 }
 
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range) {

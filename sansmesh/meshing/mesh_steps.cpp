@@ -173,9 +173,4 @@ void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, con
   }
 }
 
-void to_input(TriangleMesh& mesh, const Vec3& origin, double unit) {
-  for (Vec3f& v : mesh.vertices) v *= static_cast<float>(unit);
-  mesh.origin = origin;
-}
-
 }  // namespace sansmesh::detail

@@ -53,7 +53,4 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
 /// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options, MeshReport& r);
 
-/// Back from the coordinates of a prepared cloud.
-void to_input(TriangleMesh& mesh, const Vec3& origin, double unit);
-
 }  // namespace sansmesh::detail

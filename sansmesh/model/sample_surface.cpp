@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/poisson_discs.h"
 
@@ -46,7 +47,7 @@ void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance
 /// All of x onto the surface, in parallel.
 std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, const ProjectToSurface& options,
                           Progress& progress) {
-  const double tolerance = options.tolerance * model.report().spacing / model.unit();
+  const double tolerance = model.place().from_input(options.tolerance * model.report().spacing);
   std::vector<Foot> feet(x.size());
   const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
   const ScalarField* const field = model.projection() ? nullptr : &model.field(progress);
@@ -83,10 +84,9 @@ void ProjectToSurface::validate() const {
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
                         Progress& progress, SurfaceProjection* report) {
   options.validate();
-  const double unit = model.unit();
+  const Placement& place = model.place();
   std::vector<Vec3> x(points.size());
-  for (std::size_t i = 0; i < x.size(); ++i)
-    x[i] = (points.origin - model.origin() + Vec3(points.positions[i])) * (1 / unit);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = place.from_input(points.origin, points.positions[i]);
   const std::vector<Foot> feet = feet_of(model, x, options, progress);
 
   PointSet result = points;
@@ -103,11 +103,11 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
       ++r.left_out;
       continue;
     }
-    const double move = norm(feet[i].position - x[i]) * unit;
+    const double move = place.to_input(norm(feet[i].position - x[i]));
     r.mean_move += move;
     r.rms_move += move * move;
     r.largest_move = std::max(r.largest_move, move);
-    result.positions[i] = Vec3f(feet[i].position * unit + model.origin() - points.origin);
+    result.positions[i] = Vec3f(place.to_input(feet[i].position) - points.origin);
     result.normals[i] = Vec3f(feet[i].normal);
     ++r.projected;
   }
@@ -151,7 +151,9 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
 
   // Poisson discs: each point keeps others out of its surroundings; the radius that leaves about `count` of them.
   progress.begin("spread");
-  const double area = static_cast<double>(model.report().samples) * std::pow(model.report().spacing / model.unit(), 2);
+  const Placement& place = model.place();
+  const double area =
+      static_cast<double>(model.report().samples) * std::pow(place.from_input(model.report().spacing), 2);
   double radius = std::sqrt(0.7 * area / static_cast<double>(count) * 4 / std::numbers::pi);
   std::vector<Vec3> places;
   places.reserve(feet.size());
@@ -169,21 +171,18 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
       radius *= std::sqrt(std::clamp(share, 0.3, 3.0));
   }
   PointSet result;
-  result.origin = model.origin();
   std::vector<Vec3> chosen;
   for (const std::uint32_t i : kept) {
     chosen.push_back(feet[i].position);
-    result.positions.push_back(Vec3f(feet[i].position * model.unit()));
+    result.positions.push_back(Vec3f(feet[i].position));
     result.normals.push_back(Vec3f(feet[i].normal));
   }
   if (model.colors()) {
     std::vector<Vec3f> colors(chosen.size());
     model.colors()->evaluate(chosen, colors);
-    for (const Vec3f& c : colors) {
-      const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f))); };
-      result.colors.push_back({byte(c.x), byte(c.y), byte(c.z)});
-    }
+    for (const Vec3f& c : colors) result.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
   }
+  move_to_input(result, place);
   if (report) *report = {.projected = result.size()};
   progress.finish();
   return result;

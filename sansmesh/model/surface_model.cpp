@@ -81,8 +81,8 @@ void SurfaceModel::State::make_field(Progress& progress) {
 void SurfaceModel::State::use_partition() {
   field = &*partition;
   balls = support_balls(*partition);
-  report.spacing = partition->report().spacing * cloud.unit;
-  report.noise = partition->report().noise * cloud.unit;
+  report.spacing = cloud.place.to_input(partition->report().spacing);
+  report.noise = cloud.place.to_input(partition->report().noise);
 }
 
 bool SurfaceOptions::is_set(SurfaceOption option) const {
@@ -131,7 +131,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud = std::move(prepared);
   PointSet& cloud = state->cloud.points;
-  const double unit = state->cloud.unit;
+  const Placement place = state->cloud.place;
   SurfaceReport& report = state->report;
   report.method = options.method;
   report.samples = cloud.size();
@@ -140,7 +140,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
     progress.begin("denoise normals");
     denoise_normals(cloud, {.spacing = state->cloud.spacing, .noise = state->cloud.noise}, progress);
   }
-  const auto bandwidth = options.bandwidth ? std::optional<double>(*options.bandwidth / unit) : std::nullopt;
+  const auto bandwidth = options.bandwidth ? std::optional<double>(place.from_input(*options.bandwidth)) : std::nullopt;
 
   const SurfaceSamples* samples = nullptr;
   const SurfaceMethodInfo& info = surface_method_info(options.method);
@@ -178,8 +178,8 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   }
   if (samples) {
     state->spacing = samples->spacing;
-    report.spacing = samples->median_spacing * unit;
-    report.noise = samples->noise * unit;
+    report.spacing = place.to_input(samples->median_spacing);
+    report.noise = place.to_input(samples->noise);
     if (options.sharp) {
       state->normals.emplace(*samples, BilateralOptions{});
     }
@@ -192,8 +192,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
 SurfaceModel make_surface_model(SurfaceFunction function) {
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud.points = *function.samples;
-  state->cloud.origin = function.origin;
-  state->cloud.unit = function.unit;
+  state->cloud.place = function.place;
   state->report.method = SurfaceMethod::partition;
   state->report.samples = state->cloud.points.size();
   state->partition = std::move(function.field);
@@ -207,8 +206,7 @@ SurfaceModel::~SurfaceModel() = default;
 SurfaceModel::SurfaceModel(SurfaceModel&&) noexcept = default;
 SurfaceModel& SurfaceModel::operator=(SurfaceModel&&) noexcept = default;
 
-const Vec3& SurfaceModel::origin() const { return state_->cloud.origin; }
-double SurfaceModel::unit() const { return state_->cloud.unit; }
+const Placement& SurfaceModel::place() const { return state_->cloud.place; }
 const ScalarField& SurfaceModel::field(Progress& progress) const {
   std::call_once(state_->field_made, [&] { state_->make_field(progress); });
   return *state_->field;

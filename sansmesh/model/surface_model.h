@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/color_field.h"
@@ -55,9 +56,8 @@ class SurfaceModel {
   SurfaceModel(SurfaceModel&&) noexcept;
   SurfaceModel& operator=(SurfaceModel&&) noexcept;
 
-  // Everything below is in the model's own coordinates: origin() + unit() · position is the place in the input.
-  const Vec3& origin() const;
-  double unit() const;
+  // Everything below but the report is in coordinates of the model's own.
+  const Placement& place() const;
 
   /// The surface as a field; for projections, the signed distance to the foot point. These make it when it is first
   /// asked for, which pictures never do: that is what the progress tells of, and may be cancelled.

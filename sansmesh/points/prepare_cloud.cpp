@@ -1,7 +1,6 @@
 #include "sansmesh/points/prepare_cloud.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -33,18 +32,6 @@ void clean(PointSet& points, std::vector<std::string>& warnings) {
   warn(cleaned.far_away, "far away from all others");
   warn(cleaned.duplicates, "at the position of another sample");
   if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
-}
-
-/// Works in a unit in which the cloud is about 1 large, a power of two so that nothing is rounded: squares and sixth
-/// powers of lengths then stay within float whatever the unit of the input.
-double normalise(PointSet& points) {
-  const Vec3f size = bounds(points).size();
-  const double unit = std::exp2(std::ceil(std::log2(static_cast<double>(std::max({size.x, size.y, size.z})))));
-  const auto factor = static_cast<float>(1 / unit);
-  for (Vec3f& p : points.positions) p *= factor;
-  for (Vec3f& p : points.scanners) p *= factor;
-  points.origin = {};
-  return unit;
 }
 
 void check_shape(const PointSet& points) {
@@ -122,8 +109,9 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   clean(points, result.warnings);
   use_faces(points, faces, result.warnings);
   check_shape(points);
-  result.origin = points.origin;
-  result.unit = normalise(points);
+  const Vec3f size = bounds(points).size();
+  result.place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
+  move_from_input(points, result.place);
   result.points = std::move(points);
   return result;
 }

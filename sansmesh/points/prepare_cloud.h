@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
 
 namespace sansmesh {
@@ -26,9 +27,8 @@ struct CloudUse {
 };
 
 struct PreparedCloud {
-  PointSet points;  ///< cleaned, with oriented normals; origin 0, in a unit in which they are about 1 large
-  Vec3 origin;      ///< of the input
-  double unit = 1;  ///< a power of two: position in the input = origin + unit · position
+  PointSet points;  ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
+  Placement place;  ///< of these in the input; the unit is a power of two
   bool estimated_normals = false;  ///< there were none, or they were not wanted
   /// Of the points, in their unit, as far as it had to be estimated for the normals: saves doing so again.
   std::optional<double> noise = {}, spacing = {};

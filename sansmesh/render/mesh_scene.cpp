@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/render/corner_normals.h"
 #include "sansmesh/render/lighting.h"
@@ -88,7 +89,7 @@ MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Vec3f&
   if (options.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
   if (!options.use_colors) mesh.colors.clear();
   for (int i = 0; i < 256; ++i) {
-    const float c = static_cast<float>(i) / 255;
+    const float c = from_byte(static_cast<std::uint8_t>(i));
     linear_[static_cast<std::size_t>(i)] = linear_color({c, c, c}).x;
   }
 }

@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/image.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/pixel.h"
 #include "sansmesh/render/sample_pattern.h"
@@ -198,12 +199,14 @@ class Painter::Work {
     return pixel;
   }
 
-  std::array<std::uint8_t, 4> finish(const Pixel& pixel, int x, int y) const {
+  Rgba finish(const Pixel& pixel, int x, int y) const {
     if (options_.background == RenderOptions::Background::transparent) return transparent_color(pixel);
-    // Without a little dither the wide gradient shows steps.
-    const bool plain = options_.background == RenderOptions::Background::solid || pixel.cover > 0;
-    const float threshold = plain ? 0.5f : (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
-    return opaque_color(pixel, background(x, y), threshold);
+    Rgba color = opaque_color(pixel, background(x, y));
+    if (options_.background == RenderOptions::Background::solid || pixel.cover > 0) return color;
+    // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
+    const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
+    for (float& c : color) c = from_byte(to_byte(c, threshold));
+    return color;
   }
 
   Vec3f background(int x, int y) const {

@@ -1,10 +1,8 @@
 // What the rays of a pixel found, and the colour that it takes.
 #pragma once
 
-#include <array>
-#include <cstdint>
-
 #include "sansmesh/core/vec.h"
+#include "sansmesh/data/image.h"
 
 namespace sansmesh {
 
@@ -23,10 +21,10 @@ struct Pixel {
   Vec3f beyond;                  // light from mirrors and clear bodies
 };
 
-/// sRGB in front of `background` (linear light). A byte is rounded up from `threshold` (0..1) on.
-std::array<std::uint8_t, 4> opaque_color(const Pixel& pixel, const Vec3f& background, float threshold);
+/// In front of `background` (linear light).
+Rgba opaque_color(const Pixel& pixel, const Vec3f& background);
 
 /// With alpha instead; the shadow on the ground is black that lets the rest through.
-std::array<std::uint8_t, 4> transparent_color(const Pixel& pixel);
+Rgba transparent_color(const Pixel& pixel);
 
 }  // namespace sansmesh

@@ -58,9 +58,7 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
 DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height) {
   check_range("width", width, 1, 16384);
   check_range("height", height, 1, 16384);
-  DepthMap map{width, height,
-               std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                                  std::numeric_limits<float>::infinity())};
+  DepthMap map(width, height, std::numeric_limits<float>::infinity());
   const int across = (width + kDepthTile - 1) / kDepthTile, down = (height + kDepthTile - 1) / kDepthTile;
   parallel_for(0, static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 1, [&](std::size_t tile) {
     const int left = static_cast<int>(tile) % across * kDepthTile, top = static_cast<int>(tile) / across * kDepthTile;
@@ -76,7 +74,7 @@ DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int wi
     std::size_t k = 0;
     for (int y = top; y < bottom; ++y)
       for (int x = left; x < right; ++x, ++k)
-        if (hits[k].hit) map.distances[static_cast<std::size_t>(y) * width + x] = hits[k].distance;
+        if (hits[k].hit) map.at(x, y) = hits[k].distance;
   });
   return map;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
@@ -18,13 +17,6 @@ namespace sansmesh {
 /// there is nothing to frame, ArgumentError for bad options.
 Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points, const ColorField* colors,
                      const SurfaceRenderOptions& options, Progress& progress);
-
-/// Distances along the rays through the middles of the pixels, rows from top to bottom; infinity where nothing is.
-struct DepthMap {
-  int width = 0, height = 0;
-  std::vector<float> distances;
-  float at(int x, int y) const { return distances[static_cast<std::size_t>(y) * width + x]; }
-};
 
 /// `camera` in the coordinates of the caster. Throws ArgumentError unless width and height are 1..16384.
 DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height);

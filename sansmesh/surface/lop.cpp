@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
@@ -302,26 +303,22 @@ void LopOptions::validate() const {
 
 PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress) {
   options.validate();
-  // In a unit in which the cloud is about 1 large, a power of two so that nothing is rounded: squares of lengths then
-  // stay within float whatever the unit of the input.
   Box3f box;
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(p);
   const Vec3f size = box.empty() ? Vec3f{} : box.size();
-  const double largest = static_cast<double>(std::max({size.x, size.y, size.z}));
-  const double unit = largest > 0 ? std::exp2(std::ceil(std::log2(largest))) : 1;
+  const Placement place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
   PointSet scaled = points;
-  for (Vec3f& p : scaled.positions) p = Vec3f(Vec3(p) / unit);
+  move_from_input(scaled, place);
   LopOptions inner = options;
   // Wider neighbourhoods than the cloud hold no more samples than that.
-  if (inner.radius) inner.radius = std::min(*inner.radius / unit, 2.0);
+  if (inner.radius) inner.radius = std::min(place.from_input(*inner.radius), 2.0);
   Consolidation consolidation(scaled, inner, progress);
   consolidation.run(progress);
   PointSet result;
   result.positions = consolidation.result();
   if (options.normals && points.normals.size() == points.size()) give_normals(result, scaled, progress);
-  result.origin = points.origin;
-  for (Vec3f& p : result.positions) p = Vec3f(Vec3(p) * unit);
+  move_to_input(result, place);
   return result;
 }
 

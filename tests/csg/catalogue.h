@@ -77,7 +77,7 @@ inline std::vector<NamedSolid> catalogue() {
       {"moved", translate(rotate(block, {1, 2, 3}, 40), {0.3, -0.2, 0.4})},
       {"scaled", scale(subtract(ball, bar), 1.6, {0.2, 0.1, 0})},
       {"mirrored", mirror(cone({0.5, 0, 0}, {1, 1, 0}, 0.8, 0.1, 1), {1, 0.2, 0.3}, 0.1)},
-      {"placed", place(rotate(box({0, 0, 0}, {8, 4, 6}, 1), {0, 0, 1}, 20), {-0.8, -0.5, -0.4}, 0.2)},
+      {"placed", place(rotate(box({0, 0, 0}, {8, 4, 6}, 1), {0, 0, 1}, 20), {{-0.8, -0.5, -0.4}, 0.2})},
       {"field less bar", subtract(leaf(std::make_shared<QuadricField>()), bar)},
       {"field with field", unite(scale(leaf(std::make_shared<QuadricField>()), 0.7),
                                  translate(scale(leaf(std::make_shared<QuadricField>()), 0.4), {1, 1, 0.5}), 0.2)},

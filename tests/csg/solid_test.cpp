@@ -303,7 +303,7 @@ TEST(Solid, KnownValues) {
   EXPECT_NEAR(value_at(rotate(sphere({2, 0, 0}, 1), {0, 0, 1}, 90), {0, 2, 0}), -1, 1e-12);  // counter-clockwise
   EXPECT_NEAR(value_at(rotate(sphere({2, 0, 0}, 1), {0, 0, 1}, 90, {2, 2, 0}), {4, 2, 0}), -1, 1e-12);
   EXPECT_NEAR(value_at(mirror(sphere({2, 0, 0}, 1), {1, 0, 0}, 0.5), {-1, 0, 0}), -1, 1e-12);
-  EXPECT_NEAR(value_at(place(sphere({1, 1, 1}, 1), {10, 0, 0}, 0.5), {10.5, 0.5, 0.5}), -0.5, 1e-12);
+  EXPECT_NEAR(value_at(place(sphere({1, 1, 1}, 1), {{10, 0, 0}, 0.5}), {10.5, 0.5, 0.5}), -0.5, 1e-12);
 }
 
 TEST(Solid, ManyThreadsAndBatchesMakeNoDifference) {

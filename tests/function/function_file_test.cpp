@@ -37,8 +37,7 @@ std::vector<Vec3> places(const SurfaceFunction& function, std::size_t n = 4000) 
 }
 
 void expect_same_function(const SurfaceFunction& a, const SurfaceFunction& b) {
-  EXPECT_EQ(a.origin, b.origin);
-  EXPECT_EQ(a.unit, b.unit);
+  EXPECT_EQ(a.place, b.place);
   EXPECT_EQ(a.field.bounds().lower, b.field.bounds().lower);
   EXPECT_EQ(a.field.bounds().upper, b.field.bounds().upper);
   const std::vector<Vec3> x = places(a);
@@ -203,7 +202,7 @@ TEST(FunctionFile, WritesNothingThatCannotBeRead) {
   std::vector<LocalFunction> functions = data.functions.copy();
   functions[3].coefficient[0] = std::nanf("");
   data.functions = std::move(functions);
-  const SurfaceFunction bad{PartitionOfUnity(std::move(data)), good.origin, good.unit, good.samples, {}, {}};
+  const SurfaceFunction bad{PartitionOfUnity(std::move(data)), good.place, good.samples, {}, {}};
   expect_file_error(folder / "f.smf", "a support makes no sense", [&] { write_function(folder / "f.smf", bad); });
   expect_file_error(folder / "absent/f.smf", "", [&] { write_function(folder / "absent/f.smf", good); });
   EXPECT_EQ(folder.entries(), 0u);

@@ -314,47 +314,68 @@ TEST(Glb, UnknownNormalsAreCompletedAndEmptyMeshesHaveNoMesh) {
 
 // ----------------------------------------------------------------------------------------------- PNG and text
 
-TEST(Png, HoldsThePixels) {
-  const Folder folder;
-  Image image(5, 3);
-  for (int y = 0; y < 3; ++y) {
-    for (int x = 0; x < 5; ++x) {
-      image.at(x, y) = {static_cast<std::uint8_t>(50 * x), static_cast<std::uint8_t>(100 * y), 7,
-                        static_cast<std::uint8_t>(x == 0 ? 0 : 255)};
-    }
-  }
-  write_image(folder / "i.png", image);
+/// The bytes of an RGBA file, row by row.
+std::vector<std::uint8_t> png_bytes(const std::string& file, std::size_t width, std::size_t height) {
+  const std::string s = slurp(file);
+  const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(s[k])); };
+  const auto number = [&](std::size_t k) { return byte(k) << 24 | byte(k + 1) << 16 | byte(k + 2) << 8 | byte(k + 3); };
   // Signature, then IHDR: width, height, 8 bits; then the data inflate to rows of a filter byte and the pixels.
-  const std::string s = slurp(folder / "i.png");
-  ASSERT_GT(s.size(), 40u);
+  if (s.size() < 40) return {};
   EXPECT_EQ(s.substr(0, 8), "\x89PNG\r\n\x1a\n");
-  EXPECT_EQ(s.substr(16, 8), std::string("\0\0\0\5\0\0\0\3", 8));
+  EXPECT_EQ(number(16), width);
+  EXPECT_EQ(number(20), height);
   EXPECT_EQ(s[24], 8);
   EXPECT_EQ(s[25], 6);  // RGBA
   std::string packed;
-  for (std::size_t at = 8; at + 12 <= s.size();) {
-    const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(s[at + k])); };
-    const std::size_t length = byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);
-    if (s.substr(at + 4, 4) == "IDAT") packed += s.substr(at + 8, length);
-    at += 12 + length;
-  }
-  unsigned char rows[3 * 21];
-  uLongf size = sizeof(rows);
-  ASSERT_EQ(uncompress(rows, &size, reinterpret_cast<const Bytef*>(packed.data()), packed.size()), Z_OK);
-  ASSERT_EQ(size, sizeof(rows));
-  for (std::size_t y = 0; y < 3; ++y) {
-    unsigned char* row = rows + 21 * y + 1;
-    const unsigned filter = row[-1];
-    ASSERT_LE(filter, 4u);
-    for (std::size_t i = 0; i < 20; ++i) {  // undo the filter
-      const int a = i >= 4 ? row[i - 4] : 0, b = y > 0 ? row[i - 21] : 0, c = i >= 4 && y > 0 ? row[i - 25] : 0;
+  for (std::size_t at = 8; at + 12 <= s.size(); at += 12 + number(at))
+    if (s.substr(at + 4, 4) == "IDAT") packed += s.substr(at + 8, number(at));
+  const std::size_t stride = 4 * width;
+  std::vector<std::uint8_t> rows(height * (stride + 1)), pixels;
+  uLongf size = rows.size();
+  EXPECT_EQ(uncompress(rows.data(), &size, reinterpret_cast<const Bytef*>(packed.data()), packed.size()), Z_OK);
+  EXPECT_EQ(size, rows.size());
+  for (std::size_t y = 0; y < height; ++y) {
+    const unsigned filter = rows[y * (stride + 1)];
+    EXPECT_LE(filter, 4u);
+    for (std::size_t i = 0; i < stride; ++i) {  // undo the filter
+      const std::size_t at = pixels.size();
+      const int a = i >= 4 ? pixels[at - 4] : 0, b = y > 0 ? pixels[at - stride] : 0,
+                c = i >= 4 && y > 0 ? pixels[at - stride - 4] : 0;
       const int p = a + b - c, pa = std::abs(p - a), pb = std::abs(p - b), pc = std::abs(p - c);
       const int paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
       const int add[] = {0, a, b, (a + b) / 2, paeth};
-      row[i] = static_cast<unsigned char>(row[i] + add[filter]);
+      pixels.push_back(static_cast<std::uint8_t>(rows[y * (stride + 1) + 1 + i] + add[std::min(filter, 4u)]));
     }
-    EXPECT_EQ(std::memcmp(row, &image.at(0, static_cast<int>(y)), 20), 0);
   }
+  return pixels;
+}
+
+TEST(Png, HoldsEveryLevelOfEveryChannel) {
+  const Folder folder;
+  Image image(64, 48);
+  std::vector<std::uint8_t> expected;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    for (std::size_t c = 0; c < 4; ++c) {
+      expected.push_back(static_cast<std::uint8_t>((2 * c + 1) * i + 3 * c + i / 256));
+      image.pixels[i][c] = from_byte(expected.back());
+    }
+  write_image(folder / "i.png", image);
+  EXPECT_TRUE(png_bytes(folder / "i.png", 64, 48) == expected);
+}
+
+TEST(Png, TakesTheNearestLevelAndClampsWhatIsBeyond) {
+  const Folder folder;
+  const float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  const std::pair<float, std::uint8_t> cases[] = {
+      {-0.001f, 0}, {-7.0f, 0},          {-infinity, 0},      {nan, 0},        {1.001f, 255},     {30.0f, 255},
+      {1e38f, 255}, {infinity, 255},     {0.4f / 255, 0},     {0.6f / 255, 1}, {99.4f / 255, 99}, {99.6f / 255, 100},
+      {0.0f, 0},    {254.4f / 255, 254}, {254.6f / 255, 255}, {-0.0f, 0}};
+  Image image(static_cast<int>(std::size(cases)), 1);
+  for (std::size_t i = 0; i < std::size(cases); ++i) image.pixels[i].fill(cases[i].first);
+  write_image(folder / "i.png", image);
+  const std::vector<std::uint8_t> bytes = png_bytes(folder / "i.png", std::size(cases), 1);
+  ASSERT_EQ(bytes.size(), 4 * std::size(cases));
+  for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(bytes[i], cases[i / 4].second) << cases[i / 4].first;
 }
 
 TEST(Png, RefusesImagesWithoutPixels) {

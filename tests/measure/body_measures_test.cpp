@@ -155,7 +155,7 @@ TEST(SmallestBox, HoldsAllPointsAndIsNoLargerThanTheUpright) {
 
 TEST(PlacedField, IsTheFieldElsewhere) {
   const test::SphereField sphere(1);
-  const PlacedField placed(sphere, {100, 200, 300}, 4);
+  const PlacedField placed(sphere, {{100, 200, 300}, 4});
   const Vec3 x{100, 208, 300};
   double value = 0;
   Vec3 gradient;

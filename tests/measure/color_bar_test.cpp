@@ -11,18 +11,18 @@ namespace {
 
 Image white(int width, int height) {
   Image image(width, height);
-  for (auto& p : image.pixels) p = {255, 255, 255, 255};
+  for (auto& p : image.pixels) p = {1, 1, 1, 1};
   return image;
 }
 
 std::size_t dark(const Image& image) {
   std::size_t count = 0;
-  for (const auto& p : image.pixels) count += p[0] < 60 && p[1] < 60 && p[2] < 60;
+  for (const auto& p : image.pixels) count += p[0] < 0.25f && p[1] < 0.25f && p[2] < 0.25f;
   return count;
 }
 
 TEST(DrawText, EveryCharacterLooksDifferent) {
-  std::set<std::vector<std::array<std::uint8_t, 4>>> seen;
+  std::set<std::vector<Rgba>> seen;
   for (const char c : std::string("0123456789+-.e ")) {
     Image image = white(5, 7);
     draw_text(image, 0, 0, 1, std::string(1, c));
@@ -53,8 +53,8 @@ TEST(ColorBar, ShowsTheColoursFromLowToHigh) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto& p = image.at(x, y);
-      if (p[0] > p[2] + 60) ++red, lowest_red = std::max(lowest_red, y);
-      if (p[2] > p[0] + 60) ++blue, highest_blue = std::min(highest_blue, y);
+      if (p[0] > p[2] + 0.25f) ++red, lowest_red = std::max(lowest_red, y);
+      if (p[2] > p[0] + 0.25f) ++blue, highest_blue = std::min(highest_blue, y);
     }
   EXPECT_GT(red, 500u);
   EXPECT_GT(blue, 500u);
@@ -62,10 +62,10 @@ TEST(ColorBar, ShowsTheColoursFromLowToHigh) {
   EXPECT_GT(dark(image), 500u);
   // Nothing of the picture is covered.
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < 640; ++x) ASSERT_EQ(image.at(x, y)[0], 255);
+    for (int x = 0; x < 640; ++x) ASSERT_EQ(image.at(x, y)[0], 1);
 
   const Image one_side = beside_color_bar(white(640, 480), {.range = 2, .both_sides = false});
-  for (const auto& p : one_side.pixels) ASSERT_LE(p[2], p[0] + 60);
+  for (const auto& p : one_side.pixels) ASSERT_LE(p[2], p[0] + 0.25f);
   EXPECT_EQ(beside_color_bar(white(50, 50), {}).width, 50);
   EXPECT_GT(dark(beside_color_bar(white(640, 480), {.range = 0})), 100u);
 }

@@ -191,8 +191,7 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < 400; ++i) {
     const Vec3 d = normalized(Vec3(cloud.positions[7 * i]));
-    for (const double r : {0.99, 1.01})
-      x.push_back((cloud.origin + d * (200 * r) - model.origin()) * (1 / model.unit()));
+    for (const double r : {0.99, 1.01}) x.push_back(model.place().from_input(cloud.origin + d * (200 * r)));
   }
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
@@ -201,7 +200,7 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     ASSERT_TRUE(inside[i]);
     ASSERT_EQ(values[i] > 0, i % 2 == 1) << "positive outside";
-    ASSERT_GT(dot(gradients[i], x[i] + model.origin() / model.unit() - cloud.origin / model.unit()), 0);
+    ASSERT_GT(dot(gradients[i], x[i] - model.place().from_input(cloud.origin)), 0);
     bool held = false;
     for (std::size_t b = 0; b < balls.centers.size() && !held; ++b)
       held = norm(Vec3(balls.centers[b]) - x[i]) <= static_cast<double>(balls.radii[b]);
@@ -235,11 +234,11 @@ TEST(SurfaceModel, HasTheColoursOfTheSamples) {
     ASSERT_NE(model.colors(), nullptr) << method;
     std::vector<Vec3> x;
     for (const Vec3f& p : cloud.positions)
-      if (std::abs(p.z) > 0.2f) x.push_back((Vec3(p) - model.origin()) / model.unit());
+      if (std::abs(p.z) > 0.2f) x.push_back(model.place().from_input(Vec3(p)));
     std::vector<Vec3f> colors(x.size());
     model.colors()->evaluate(x, colors);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3 p = model.origin() + x[i] * model.unit();
+      const Vec3 p = model.place().to_input(x[i]);
       ASSERT_NEAR(colors[i].x, (127.5 + 127 * p.x) / 255, 0.03);
       ASSERT_NEAR(colors[i].z, (p.z > 0 ? 200 : 50) / 255.0, 0.01);
     }
@@ -313,7 +312,7 @@ TEST(SurfaceModel, MakesTheFieldOfAProjectionWhereItCanBeSeenAndStopped) {
   const SurfaceModel other = model_of(cloud, named("alexa"));
   Progress progress;
   std::vector<Vec3> x;
-  for (const Vec3f& p : cloud.positions) x.push_back((Vec3(p) * 1.3 - model.origin()) * (1 / model.unit()));
+  for (const Vec3f& p : cloud.positions) x.push_back(model.place().from_input(Vec3(p) * 1.3));
   std::vector<double> a(x.size()), b(x.size());
   field.evaluate(x, a);
   other.field(progress).evaluate(x, b);

@@ -8,12 +8,15 @@
 #include <string>
 
 #include "polygonize/mesh_shapes.h"
+#include "render/picture_levels.h"
 #include "sansmesh/core/error.h"
 #include "support/any_threads.h"
 
 namespace sansmesh {
 namespace {
 
+using test::brightness;
+using test::levels;
 using Background = RenderOptions::Background;
 
 RenderOptions small_picture(int width = 160, int height = 120) {
@@ -38,17 +41,12 @@ struct Silhouette {
   explicit Silhouette(const Image& image) {
     for (int j = 0; j < image.height; ++j)
       for (int i = 0; i < image.width; ++i) {
-        const double a = image.at(i, j)[3] / 255.0;
+        const double a = levels(image.at(i, j))[3] / 255.0;
         area += a, x += a * (i + 0.5), y += a * (j + 0.5);
       }
     x /= area, y /= area;
   }
 };
-
-double brightness(const Image& image, int x, int y) {
-  const auto& p = image.at(x, y);
-  return p[0] + p[1] + p[2];
-}
 
 /// Points of the unit sphere with normals.
 TriangleMesh sphere_cloud(int count) {
@@ -143,7 +141,7 @@ TEST(MeshPreview, CastsShadowsOnItself) {
     // Lower right of the ball.
     for (int y = 75; y < 110; ++y)
       for (int x = 95; x < 125; ++x)
-        if (image.at(x, y)[3] == 255) least = std::min(least, brightness(image, x, y));
+        if (image.at(x, y)[3] == 1) least = std::min(least, brightness(image, x, y));
     return least;
   };
   EXPECT_LT(darkest(true), darkest(false) - 100);
@@ -170,17 +168,17 @@ TEST(MeshPreview, BackgroundsAreWhatTheySay) {
   Image image = render_mesh(sphere, options);
   EXPECT_EQ(image.at(0, 0)[3], 0);
   EXPECT_EQ(image.at(159, 119)[3], 0);
-  EXPECT_EQ(image.at(80, 60)[3], 255);
+  EXPECT_EQ(image.at(80, 60)[3], 1);
 
   options.background = Background::solid;
   options.background_color = {0.2f, 0.4f, 1.0f};
   image = render_mesh(sphere, options);
-  EXPECT_EQ(image.at(0, 0), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
-  EXPECT_EQ(image.at(159, 60), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
+  EXPECT_EQ(levels(image.at(0, 0)), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
+  EXPECT_EQ(levels(image.at(159, 60)), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
 
   options.background = Background::gradient;
   image = render_mesh(sphere, options);
-  EXPECT_EQ(image.at(0, 0)[3], 255);
+  EXPECT_EQ(image.at(0, 0)[3], 1);
   EXPECT_GT(brightness(image, 10, 60), brightness(image, 0, 0) + 15);
 }
 
@@ -194,7 +192,7 @@ TEST(MeshPreview, GroundCatchesTheShadow) {
   const Silhouette with(image);
   EXPECT_GT(with.area, 1.02 * alone);
   EXPECT_GT(with.y, 60) << "the shadow lies below";
-  EXPECT_GT(image.at(80, 112)[3], 40);
+  EXPECT_GT(image.at(80, 112)[3], 40 / 255.0);
   EXPECT_EQ(brightness(image, 80, 112), 0) << "black that lets the rest through";
   options.view = {0, -25};
   EXPECT_NEAR(Silhouette(render_mesh(sphere, options)).area, alone, 0.01 * alone) << "none is seen from below";
@@ -223,7 +221,7 @@ TEST(MeshPreview, CloudsCloseToASurface) {
   // The camera leaves room for the discs' radius, 1.3 of the spacing.
   const double disc_area = mesh_area / std::pow(1 + 1.3 * std::sqrt(4 * std::numbers::pi / 3000), 2);
   EXPECT_NEAR(Silhouette(discs).area, disc_area, 0.02 * mesh_area);
-  EXPECT_EQ(discs.at(80, 60)[3], 255);
+  EXPECT_EQ(discs.at(80, 60)[3], 1);
   EXPECT_GT(brightness(discs, 65, 45), brightness(discs, 95, 75) + 60);
 
   cloud.normals[100] = {0, 0, 0};  // unknown

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analytic_surfaces.h"
+#include "render/picture_levels.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/render/lighting.h"
@@ -19,6 +20,7 @@
 namespace sansmesh {
 namespace {
 
+using test::brightness;
 using Background = RenderOptions::Background;
 
 SurfaceRenderOptions small_picture() {
@@ -44,14 +46,9 @@ Image render(const SurfaceCaster& caster, const SurfaceRenderOptions& options, c
   return render_surface(caster, caster.balls().centers, colors, options, progress);
 }
 
-double brightness(const Image& image, int x, int y) {
-  const auto& p = image.at(x, y);
-  return p[0] + p[1] + p[2];
-}
-
 int covered(const Image& image) {
   return static_cast<int>(
-      std::count_if(image.pixels.begin(), image.pixels.end(), [](const auto& p) { return p[3] > 127; }));
+      std::count_if(image.pixels.begin(), image.pixels.end(), [](const auto& p) { return p[3] > 0.5f; }));
 }
 
 TEST(SurfaceDepth, IsThatOfASphere) {
@@ -131,14 +128,14 @@ TEST(SurfacePicture, GlassThatDoesNotRefractIsNotSeen) {
   options.background_color = {0.9f, 0.5f, 0.25f};
   const Image image = render(caster, options);
   for (const auto& p : image.pixels)
-    for (int k = 0; k < 3; ++k) ASSERT_NEAR(p[k], image.pixels[0][k], 1);
+    for (int k = 0; k < 3; ++k) ASSERT_NEAR(p[k], image.pixels[0][k], 1 / 255.0);
   // The wide gradient, too: neighbours along the rim of the sphere differ by no more than elsewhere.
   options.background = Background::gradient;
   const Image wide = render(caster, options);
   for (int y = 1; y < wide.height; ++y)
     for (int x = 1; x < wide.width; ++x) {
-      ASSERT_NEAR(wide.at(x, y)[1], wide.at(x - 1, y)[1], 5) << x << " " << y;
-      ASSERT_NEAR(wide.at(x, y)[1], wide.at(x, y - 1)[1], 5) << x << " " << y;
+      ASSERT_NEAR(wide.at(x, y)[1], wide.at(x - 1, y)[1], 5 / 255.0) << x << " " << y;
+      ASSERT_NEAR(wide.at(x, y)[1], wide.at(x, y - 1)[1], 5 / 255.0) << x << " " << y;
     }
 }
 
@@ -147,8 +144,8 @@ TEST(SurfacePicture, GlassSphereTurnsTheWorldAround) {
   const SurfaceCaster caster(sphere, test::sphere_balls(8000));
   SurfaceRenderOptions options = clear_picture();
   options.environment = [](const Vec3f& d) { return d.x > 0 ? Vec3f{1, 0, 0} : Vec3f{0, 0, 1}; };
-  const auto red = [](const Image& image, int x) { return image.at(x, 36)[0] > image.at(x, 36)[2] + 50; };
-  const auto blue = [](const Image& image, int x) { return image.at(x, 36)[2] > image.at(x, 36)[0] + 50; };
+  const auto red = [](const Image& image, int x) { return image.at(x, 36)[0] > image.at(x, 36)[2] + 0.2f; };
+  const auto blue = [](const Image& image, int x) { return image.at(x, 36)[2] > image.at(x, 36)[0] + 0.2f; };
   options.refraction_index = 1;
   const Image straight = render(caster, options);
   EXPECT_TRUE(blue(straight, 38));
@@ -190,7 +187,7 @@ TEST(SurfacePicture, MirrorsShowWhatTheyShould) {
       ++checked;
       const Vec3f light = options.environment(d - 2 * dot(d, normal) * normal);
       const auto& p = image.at(x, y);
-      const Vec3f seen = linear_color({p[0] / 255.0f, p[1] / 255.0f, p[2] / 255.0f});
+      const Vec3f seen = linear_color({p[0], p[1], p[2]});
       EXPECT_LT(norm(seen - light), 0.03f) << x << " " << y;
     }
   EXPECT_GT(checked, 500);
