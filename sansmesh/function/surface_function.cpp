@@ -11,11 +11,11 @@ namespace {
 /// In the unit of a prepared cloud, which is about 1 large.
 constexpr double kMostError = 10;
 
-/// Lengths in units of `unit`.
-PartitionOptions partition_options(const FitOptions& options, double unit) {
+/// With lengths in own coordinates.
+PartitionOptions partition_options(const FitOptions& options, const Placement& place) {
   PartitionOptions fit;
   fit.max_depth = options.max_depth;
-  if (options.error) fit.error = *options.error / unit;
+  if (options.error) fit.error = place.from_input(*options.error);
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
@@ -24,7 +24,7 @@ PartitionOptions partition_options(const FitOptions& options, double unit) {
 
 }  // namespace
 
-void FitOptions::validate() const { partition_options(*this, 1).validate(); }
+void FitOptions::validate() const { partition_options(*this, {}).validate(); }
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
@@ -38,7 +38,7 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
   options.validate();
   cloud.points.attributes.clear();  // nor through the whole fit
   cloud.points.triangle_attributes.clear();
-  const PartitionOptions fit = partition_options(options, cloud.place.unit);
+  const PartitionOptions fit = partition_options(options, cloud.place);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
