@@ -146,7 +146,7 @@ void sort(std::vector<T>& values) {
 }  // namespace
 
 ThreadScope::ThreadScope(int threads) {
-  detail::check_thread_count(threads);
+  detail::check_thread_count(threads, kMost);
   team_ = std::make_unique<Team>(threads == 0 ? tbb::info::default_concurrency() : threads);
 }
 ThreadScope::~ThreadScope() = default;

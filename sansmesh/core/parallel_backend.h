@@ -1,11 +1,10 @@
-// Which source implements parallel.h: parallel.cpp on oneTBB, or parallel_watched.cpp where the thread sanitizer looks
-// on.
+// What the two implementations of parallel.h share, and which of them is compiled: parallel.cpp on oneTBB, or
+// parallel_watched.cpp in builds with the thread sanitizer.
 #pragma once
 
 #include <string>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
 
 #if defined(__SANITIZE_THREAD__)
 #define SANSMESH_WATCHED_THREADS 1
@@ -20,10 +19,10 @@
 
 namespace sansmesh::detail {
 
-inline void check_thread_count(int threads) {
-  if (threads < 0 || threads > ThreadScope::kMost)
-    throw ArgumentError("threads: " + std::to_string(threads) + " is not a number from 0 to " +
-                        std::to_string(ThreadScope::kMost));
+/// Throws ArgumentError unless `threads` is from 0 to `most`.
+inline void check_thread_count(int threads, int most) {
+  if (threads < 0 || threads > most)
+    throw ArgumentError("threads: " + std::to_string(threads) + " is not a number from 0 to " + std::to_string(most));
 }
 
 }  // namespace sansmesh::detail

@@ -73,7 +73,7 @@ struct ThreadScope::Team {
 };
 
 ThreadScope::ThreadScope(int threads) {
-  detail::check_thread_count(threads);
+  detail::check_thread_count(threads, kMost);
   team_ = std::make_unique<Team>(threads == 0 ? kThreads : threads);
 }
 ThreadScope::~ThreadScope() = default;

@@ -1,11 +1,11 @@
 #include "sansmesh/search/kd_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/search/kd_tree_kernels.h"
 
 namespace sansmesh {
 namespace {
@@ -66,8 +66,8 @@ void arrange(std::span<Item> items) {
   }
 }
 
-KdTree::Leaf make_leaf(std::span<const Item> items) {
-  KdTree::Leaf leaf;
+detail::KdTreeLeaf make_leaf(std::span<const Item> items) {
+  detail::KdTreeLeaf leaf;
   for (std::size_t c = 0; c < kLeaf; ++c) {
     const bool used = c < items.size();
     leaf.x[c] = used ? items[c].at[0] : kInfinity;

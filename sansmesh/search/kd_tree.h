@@ -1,7 +1,6 @@
 // Nearest-neighbour and radius queries on a cloud: an 8-wide tree of boxes as flat arrays.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,24 +10,10 @@
 
 #include "sansmesh/core/vec.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/kd_tree_kernels.h"
+#include "sansmesh/search/neighbour.h"
 
 namespace sansmesh {
-
-/// One answer of a query. Ordered by distance, then index, so that every query has one right answer.
-struct Neighbour {
-  float squared_distance;
-  std::uint32_t index;
-  friend bool operator==(const Neighbour&, const Neighbour&) = default;
-  friend bool operator<(const Neighbour& a, const Neighbour& b) {
-    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
-  }
-};
-
-/// ‖a − b‖² in the one order of operations that every query uses: answers are equal to the last bit, whoever computes.
-inline float squared_distance(const Vec3f& a, const Vec3f& b) {
-  const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return x * x + y * y + z * z;
-}
 
 /// Built once (parallel, O(n log n)), then any number of queries from any thread. Guarantees: answers are exact, equal
 /// to those of brute force on every machine and with any number of threads, ties included; points that are not finite
@@ -56,7 +41,7 @@ class KdTree {
   /// The points in tree order: consecutive slots lie close together in space. order()[slot] is the caller's index.
   std::span<const std::uint32_t> order() const { return order_; }
   Vec3f position(std::size_t slot) const {
-    const Leaf& leaf = leaves_[slot / kTreeWidth];
+    const detail::KdTreeLeaf& leaf = leaves_[slot / kTreeWidth];
     return {leaf.x[slot % kTreeWidth], leaf.y[slot % kTreeWidth], leaf.z[slot % kTreeWidth]};
   }
   /// All positions in tree order.
@@ -71,15 +56,9 @@ class KdTree {
   /// The same for the slots [first, last) on the calling thread.
   void for_each_nearest(std::size_t k, std::size_t first, std::size_t last, const Visit& visit) const;
 
-  /// A leaf of up to eight points; unused lanes are far away.
-  struct alignas(64) Leaf {
-    float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth];
-    std::uint32_t index[kTreeWidth];
-  };
-
  private:
   std::size_t size_ = 0;
-  std::vector<Leaf> leaves_;
+  std::vector<detail::KdTreeLeaf> leaves_;
   BoxLevels levels_;  ///< over the leaves
   std::vector<std::uint32_t> order_;
 };

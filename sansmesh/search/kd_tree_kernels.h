@@ -1,17 +1,25 @@
-// The queries of KdTree on its bare arrays: compiled for every instruction set, chosen at run time.
+// What KdTree is made of, and its queries on the bare arrays: compiled for every instruction set, chosen at run time.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "sansmesh/search/kd_tree.h"
+#include "sansmesh/core/vec.h"
+#include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/neighbour.h"
 
 namespace sansmesh::detail {
 
+/// A leaf of up to eight points; unused lanes are infinitely far away.
+struct alignas(64) KdTreeLeaf {
+  float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth];
+  std::uint32_t index[kTreeWidth];  ///< the caller's
+};
+
 struct KdTreeView {
-  const KdTree::Leaf* leaves;
-  const BoxLevels& levels;
+  const KdTreeLeaf* leaves;
+  const BoxLevels& levels;  ///< over the leaves
 };
 
 /// Distance bits in the upper half, index in the lower: ordered like Neighbour, since no distance is negative.

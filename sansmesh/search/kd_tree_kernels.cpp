@@ -1,6 +1,6 @@
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "sansmesh/search/kd_tree_queries.cpp"
+#define HWY_TARGET_INCLUDE "sansmesh/search/kd_tree_kernels.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as Highway requires.
 #include <hwy/highway.h>
@@ -19,7 +19,7 @@ constexpr std::size_t kLeaf = kTreeWidth;
 
 // Squared distances of q to the points of a leaf, and the set of those <= limit. Rounding is monotone and the
 // operations are those for boxes, so no point in a box is ever nearer than its box, not even in the last bit.
-HWY_INLINE std::uint32_t LeafDistances(const KdTree::Leaf& leaf, const Vec3f& q, float limit, float* distances) {
+HWY_INLINE std::uint32_t LeafDistances(const KdTreeLeaf& leaf, const Vec3f& q, float limit, float* distances) {
   const Tag d;
   const V worst = hn::Set(d, limit);
   std::uint32_t hits = 0;
@@ -61,7 +61,7 @@ class Search {
 
   void Leaf(std::size_t l) {
     float distances[kLeaf];
-    const KdTree::Leaf& leaf = tree_.leaves[l];
+    const KdTreeLeaf& leaf = tree_.leaves[l];
     std::uint32_t hits = LeafDistances(leaf, q_, DistanceOf(keys_[last_]), distances);
     for (; hits; hits &= hits - 1) {
       const auto c = static_cast<std::size_t>(std::countr_zero(hits));
@@ -113,7 +113,7 @@ void NearestKeys(const KdTreeView& tree, const Vec3f& q, std::span<NeighbourKey>
 
 void NearestKeysOfSlot(const KdTreeView& tree, std::uint32_t slot, std::span<NeighbourKey> keys) {
   std::size_t at = slot / kLeaf;
-  const KdTree::Leaf& leaf = tree.leaves[at];
+  const KdTreeLeaf& leaf = tree.leaves[at];
   const std::size_t lane = slot % kLeaf;
   Search<true> search(tree, {leaf.x[lane], leaf.y[lane], leaf.z[lane]}, keys);
   search.Leaf(at);
@@ -141,7 +141,7 @@ void ForEachWithin(const KdTreeView& tree, const Vec3f& q, float r2, std::size_t
 
 void AppendWithin(const KdTreeView& tree, const Vec3f& q, float r2, std::vector<Neighbour>& out) {
   ForEachWithin(tree, q, r2, tree.levels.size() - 1, 0,
-                [&](const KdTree::Leaf& leaf, std::uint32_t hits, const float* distances) {
+                [&](const KdTreeLeaf& leaf, std::uint32_t hits, const float* distances) {
                   for (; hits; hits &= hits - 1) {
                     const auto c = static_cast<std::size_t>(std::countr_zero(hits));
                     out.push_back({distances[c], leaf.index[c]});
@@ -151,7 +151,7 @@ void AppendWithin(const KdTreeView& tree, const Vec3f& q, float r2, std::vector<
 
 std::size_t CountWithin(const KdTreeView& tree, const Vec3f& q, float r2) {
   std::size_t count = 0;
-  ForEachWithin(tree, q, r2, tree.levels.size() - 1, 0, [&](const KdTree::Leaf&, std::uint32_t hits, const float*) {
+  ForEachWithin(tree, q, r2, tree.levels.size() - 1, 0, [&](const KdTreeLeaf&, std::uint32_t hits, const float*) {
     count += static_cast<std::size_t>(std::popcount(hits));
   });
   return count;

@@ -1,0 +1,26 @@
+// What queries for neighbours answer, and the one way to compute a distance.
+#pragma once
+
+#include <cstdint>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+/// One answer of a query. Ordered by distance, then index, so that every query has one right answer.
+struct Neighbour {
+  float squared_distance;
+  std::uint32_t index;
+  friend bool operator==(const Neighbour&, const Neighbour&) = default;
+  friend bool operator<(const Neighbour& a, const Neighbour& b) {
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
+  }
+};
+
+/// ‖a − b‖² in the one order of operations that every query uses: answers are equal to the last bit, whoever computes.
+inline float squared_distance(const Vec3f& a, const Vec3f& b) {
+  const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+  return x * x + y * y + z * z;
+}
+
+}  // namespace sansmesh
