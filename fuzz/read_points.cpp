@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/readers.h"
 #include "support/clean_text.h"
 
 using namespace sansmesh;

@@ -101,21 +101,7 @@ void Console::clear() {
 
 void print_error(const std::string& message) { fmt::print(stderr, "sansmesh: {}\n", printable(message)); }
 
-std::string grouped(unsigned long long number) {
-  const std::string digits = std::to_string(number);
-  std::string result;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) result += ',';
-    result += digits[i];
-  }
-  return result;
-}
-
 std::string length(double value) { return fmt::format("{:.4g}", value); }
-
-std::string counted(unsigned long long number, const std::string& noun) {
-  return grouped(number) + " " + noun + (number == 1 ? "" : "s");
-}
 
 const char* normals_word(OrientationCheck check) {
   switch (check) {

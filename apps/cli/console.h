@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/points/orientation.h"
 
@@ -59,12 +60,8 @@ class Console {
 /// Reports an error as one line, after clearing the bar.
 void print_error(const std::string& message);
 
-/// 1234567 → "1,234,567".
-std::string grouped(unsigned long long number);
 /// A length with four significant digits.
 std::string length(double value);
-/// "1 component", "3 components".
-std::string counted(unsigned long long number, const std::string& noun);
 /// "none", "oriented outward", …
 const char* normals_word(OrientationCheck check);
 

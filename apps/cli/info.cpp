@@ -14,6 +14,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/orientation.h"

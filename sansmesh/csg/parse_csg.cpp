@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/csg/csg_functions.h"
 #include "sansmesh/csg/csg_tokens.h"
 
@@ -165,8 +166,7 @@ class Parser {
 
   void check(const CsgFunction& f, const Token& name, CsgArguments& arguments) const {
     if (arguments.solids.size() < f.least_solids)
-      csg_error(name.at, fmt::format("{} needs {} solid{}, as in {}(a, …)", f.name, f.least_solids,
-                                     f.least_solids == 1 ? "" : "s", f.name));
+      csg_error(name.at, fmt::format("{} needs {}, as in {}(a, …)", f.name, counted(f.least_solids, "solid"), f.name));
     for (std::size_t i = 0; i < f.parameters.size(); ++i)
       if (f.parameters[i].required && !arguments.values()[i].given)
         csg_error(name.at, fmt::format("{} needs {}=: {}", f.name, f.parameters[i].name, takes(f)));

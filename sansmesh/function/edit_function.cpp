@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/partition/partition_edit.h"
 
 namespace sansmesh {
@@ -89,8 +90,6 @@ PartitionOptions options_of(const SurfaceFunction& function, const Refit& r) {
   return o;
 }
 
-std::string counted(std::size_t n) { return fmt::format("{} support{}", n, n == 1 ? "" : "s"); }
-
 }  // namespace
 
 void EditSelection::validate() const {
@@ -122,7 +121,7 @@ EditReport FunctionEditor::undo(int steps) {
   Before& then = before_[before_.size() - static_cast<std::size_t>(steps)];
   EditReport report;
   report.changed = changed_;
-  report.what = fmt::format("took back {} edit{}", steps, steps == 1 ? "" : "s");
+  report.what = "took back " + counted(static_cast<std::size_t>(steps), "edit");
   function_.field = std::move(then.field);
   function_.history.resize(then.history);
   changed_ = then.changed;
@@ -145,33 +144,33 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
     return report;
   }
   const EditSamples samples{function_.samples->positions, function_.samples->normals};
-  EditResult result =
-      std::visit(Overloaded{[&](const SetDegree& a) {
-                              EditResult r = set_degree(data, chosen, a.degree, samples, progress);
-                              report.what = fmt::format("degree {} in {}", a.degree, counted(r.changes - r.lower));
-                              if (r.lower > 0) report.what += fmt::format(", a lower one in {}", r.lower);
-                              if (r.changes < chosen.size())
-                                report.what += fmt::format(", {} left as they were", chosen.size() - r.changes);
-                              return r;
-                            },
-                            [&](const Refit& a) {
-                              EditResult r = refit(data, chosen, options_of(function_, a), samples, progress);
-                              report.what = fmt::format("{} fitted again, now {}", counted(r.changes), r.supports);
-                              if (r.changes < chosen.size())
-                                report.what += fmt::format("; {} left as they were", chosen.size() - r.changes);
-                              return r;
-                            },
-                            [&](const SetConstant& a) {
-                              report.what = fmt::format("{} set to {} ({:+g} radii)", counted(chosen.size()),
-                                                        a.value > 0 ? "outside" : "inside", a.value);
-                              return set_constant(data, chosen, static_cast<float>(a.value));
-                            },
-                            [&](const RemoveSupports&) {
-                              report.what = fmt::format("{} removed", counted(chosen.size()));
-                              return remove_supports(data, chosen);
-                            },
-                            [&](const Undo&) { return EditResult{}; }},
-                 edit.action);
+  EditResult result = std::visit(
+      Overloaded{[&](const SetDegree& a) {
+                   EditResult r = set_degree(data, chosen, a.degree, samples, progress);
+                   report.what = fmt::format("degree {} in {}", a.degree, counted(r.changes - r.lower, "support"));
+                   if (r.lower > 0) report.what += fmt::format(", a lower one in {}", r.lower);
+                   if (r.changes < chosen.size())
+                     report.what += fmt::format(", {} left as they were", chosen.size() - r.changes);
+                   return r;
+                 },
+                 [&](const Refit& a) {
+                   EditResult r = refit(data, chosen, options_of(function_, a), samples, progress);
+                   report.what = fmt::format("{} fitted again, now {}", counted(r.changes, "support"), r.supports);
+                   if (r.changes < chosen.size())
+                     report.what += fmt::format("; {} left as they were", chosen.size() - r.changes);
+                   return r;
+                 },
+                 [&](const SetConstant& a) {
+                   report.what = fmt::format("{} set to {} ({:+g} radii)", counted(chosen.size(), "support"),
+                                             a.value > 0 ? "outside" : "inside", a.value);
+                   return set_constant(data, chosen, static_cast<float>(a.value));
+                 },
+                 [&](const RemoveSupports&) {
+                   report.what = fmt::format("{} removed", counted(chosen.size(), "support"));
+                   return remove_supports(data, chosen);
+                 },
+                 [&](const Undo&) { return EditResult{}; }},
+      edit.action);
   report.supports = result.supports;
   report.changed = to_input(function_, result.changed);
   progress.begin("assemble");

@@ -8,6 +8,10 @@
 #include <optional>
 #include <set>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
+#include "sansmesh/io/color_bytes.h"
+
 namespace sansmesh::io {
 namespace {
 

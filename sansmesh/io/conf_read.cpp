@@ -3,8 +3,10 @@
 
 #include <filesystem>
 
+#include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/io/input.h"
 
 namespace sansmesh::io {

@@ -1,7 +1,9 @@
 // LAS 1.0 to 1.4, uncompressed, point formats 0 to 10 (ASPRS LAS specification).
 #include <fmt/core.h>
 
+#include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
+#include "sansmesh/io/readers.h"
 
 namespace sansmesh::io {
 namespace {

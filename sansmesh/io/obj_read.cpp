@@ -1,8 +1,12 @@
 // Wavefront OBJ: v (with colours on the line), vn and f in all its forms; lines, groups, materials are stepped over.
 #include <fmt/core.h>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
+#include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/face_sink.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

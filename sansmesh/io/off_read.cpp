@@ -1,7 +1,11 @@
 // OFF with its prefixes ST, C and N (texture, colour, normal); ascii.
 #include <fmt/core.h>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
+#include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/face_sink.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
 
 namespace sansmesh::io {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <unordered_set>
 
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 
 namespace sansmesh::io {

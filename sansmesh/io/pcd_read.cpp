@@ -5,8 +5,12 @@
 #include <charconv>
 #include <optional>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/lzf.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

@@ -5,9 +5,12 @@
 
 #include <functional>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/face_sink.h"
 #include "sansmesh/io/ply_header.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

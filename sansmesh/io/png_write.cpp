@@ -1,7 +1,7 @@
 // PNG through libpng, into memory first: the file then appears whole.
 #include <png.h>
 
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 
 namespace sansmesh {

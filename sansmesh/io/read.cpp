@@ -1,8 +1,10 @@
 // Chooses the reader for a file: by its first bytes where they say what it is, else by its ending.
 #include <fmt/core.h>
 
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/file_content.h"
+#include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh {

@@ -8,8 +8,9 @@
 #include <cstring>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/file_content.h"
 #include "sansmesh/io/output.h"
 
 #define XXH_INLINE_ALL
@@ -136,9 +137,9 @@ void SectionFile::open(std::string_view bytes) {
   if (!table.empty()) std::memcpy(table.data(), bytes.data() + sizeof header, table.size() * sizeof(Entry));
   if (checksum_of(header, table.data()) != header.checksum) fail("damaged: the checksum of its header is wrong");
   if (bytes.size() < header.file_size)
-    fail(fmt::format("truncated: {} bytes are missing", io::grouped(header.file_size - bytes.size())));
+    fail(fmt::format("truncated: {} bytes are missing", grouped(header.file_size - bytes.size())));
   if (bytes.size() != header.file_size)
-    fail(fmt::format("damaged: {} bytes follow after its end", io::grouped(bytes.size() - header.file_size)));
+    fail(fmt::format("damaged: {} bytes follow after its end", grouped(bytes.size() - header.file_size)));
 
   for (const Entry& e : table) {
     const std::string name = name_of(e);

@@ -5,8 +5,11 @@
 #include <bit>
 #include <cstdint>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/binary.h"
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {

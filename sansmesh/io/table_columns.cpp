@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sansmesh/core/vec.h"
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
 
 namespace sansmesh::io {
 

@@ -4,7 +4,11 @@
 
 #include <optional>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/table_columns.h"
 
 namespace sansmesh::io {
@@ -95,8 +99,8 @@ Head read_head(const Input& in, std::string_view bytes, std::string& with_points
       continue;
     }
     if (values.size() < 3) {
-      in.fail(fmt::format("line {}: {} column{}, but a point needs at least 3", grouped(head.lines + 1), values.size(),
-                          values.size() == 1 ? "" : "s"));
+      in.fail(fmt::format("line {}: {}, but a point needs at least 3", grouped(head.lines + 1),
+                          counted(values.size(), "column")));
     }
     head.columns = values.size();
     return head;

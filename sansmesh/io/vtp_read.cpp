@@ -4,8 +4,14 @@
 
 #include <optional>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/assemble_points.h"
+#include "sansmesh/io/color_bytes.h"
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/face_sink.h"
+#include "sansmesh/io/inflate.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/vtk_xml.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "sansmesh/io/input.h"
+#include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 
 namespace sansmesh {

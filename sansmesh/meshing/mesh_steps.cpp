@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_quality.h"
@@ -25,8 +26,6 @@ constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8;
 /// fine because the surface bends everywhere. Simplifying it would take as long as all the rest.
 constexpr double kLeastGain = 0.35;
 constexpr std::size_t kManyBlocks = 100000;
-
-std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
 /// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
 std::vector<double> supported_area(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points,

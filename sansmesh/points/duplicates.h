@@ -1,4 +1,4 @@
-// Samples that are not numbers, samples given twice, clouds without volume.
+// Samples at the same position.
 #pragma once
 
 #include <cstddef>
@@ -9,14 +9,6 @@
 
 namespace sansmesh {
 
-/// What a cloud spans.
-enum class CloudShape { empty, point, line, plane, volume };
-
-/// Extents along the principal axes, relative to the largest one: below 1e-6 (plus what rounding the coordinates to
-/// float makes) there is none. Non-finite positions are ignored.
-CloudShape classify_shape(const PointSet& points);
-
-std::size_t count_non_finite(const PointSet& points);
 /// Number of different finite positions (-0 equals 0).
 std::size_t count_unique(const PointSet& points);
 

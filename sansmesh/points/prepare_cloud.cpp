@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/points/clean_samples.h"
-#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -20,8 +21,6 @@ namespace {
 constexpr std::size_t kFewest = 9;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
-
-std::string counted(std::size_t n, const char* noun) { return std::to_string(n) + " " + noun + (n == 1 ? "" : "s"); }
 
 void clean(PointSet& points, std::vector<std::string>& warnings) {
   const std::size_t given = points.size();

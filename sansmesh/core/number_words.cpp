@@ -1,0 +1,19 @@
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+
+std::string grouped(std::uint64_t n) {
+  const std::string digits = std::to_string(n);
+  std::string s;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) s += ',';
+    s += digits[i];
+  }
+  return s;
+}
+
+std::string counted(std::uint64_t n, std::string_view noun) {
+  return (grouped(n) + ' ').append(noun).append(n == 1 ? "" : "s");
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,16 @@
+// Numbers as words of a sentence.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace sansmesh {
+
+/// 1234567 → "1,234,567".
+std::string grouped(std::uint64_t n);
+
+/// "1 component", "3 components", "1,234 components".
+std::string counted(std::uint64_t n, std::string_view noun);
+
+}  // namespace sansmesh

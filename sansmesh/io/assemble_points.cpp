@@ -1,0 +1,112 @@
+#include "sansmesh/io/assemble_points.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh::io {
+
+Vec3 choose_origin(const Box3& box) {
+  const double diagonal = box.diagonal();
+  Vec3 origin;
+  for (int k = 0; k < 3; ++k) {
+    const double farthest = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
+    if (farthest <= 4 * diagonal || farthest == 0) continue;
+    // The floor keeps the grid meaningful where the cloud is a single point.
+    const double grid = std::exp2(std::floor(std::log2(std::max(diagonal, farthest * 0x1p-24))) - 1);
+    origin[k] = std::round(box.center()[k] / grid) * grid;
+  }
+  return origin;
+}
+
+void set_scanner(PointSet& points, const Vec3& towards) {
+  Box3 box;
+  for (const Vec3f& p : points.positions) {
+    if (is_finite(p)) box.extend(Vec3(p));
+  }
+  if (box.empty()) return;
+  points.scanners.assign(1, Vec3f(box.center() + towards * (1000 * box.diagonal())));
+  points.scan_of_point.assign(points.size(), 0);
+}
+
+void finish(const Input& in, PointSet& points) {
+  const std::size_t n = points.positions.size();
+  if (n == 0) in.fail("holds no points");
+  if (n > 0xfffffffeu) in.fail(fmt::format("holds {} points; at most 4,294,967,294 are supported", grouped(n)));
+
+  const std::size_t bad_triangle = parallel_reduce(
+      points.triangles.size(), 1 << 16, points.triangles.size(),
+      [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t) {
+          for (const std::uint32_t v : points.triangles[t]) {
+            if (v >= n) return t;
+          }
+        }
+        return points.triangles.size();
+      },
+      [](std::size_t a, std::size_t b) { return std::min(a, b); });
+  if (bad_triangle < points.triangles.size()) {
+    const auto& t = points.triangles[bad_triangle];
+    const std::uint32_t v = t[0] >= n ? t[0] : t[1] >= n ? t[1] : t[2];
+    const std::string which = v == 0xffffffffu ? "an impossible point number" : fmt::format("point {}", grouped(v));
+    in.fail(
+        fmt::format("a face refers to {}, but there are only {} points (0 to {})", which, grouped(n), grouped(n - 1)));
+  }
+
+  const std::size_t lost = parallel_reduce(
+      n, 1 << 16, std::size_t{0},
+      [&](std::size_t first, std::size_t last) {
+        std::size_t count = 0;
+        for (std::size_t i = first; i < last; ++i) count += !is_finite(points.positions[i]);
+        return count;
+      },
+      [](std::size_t a, std::size_t b) { return a + b; });
+  if (lost == n) in.fail(fmt::format("holds no points with finite coordinates (0 of {})", grouped(n)));
+  if (lost > 0) {
+    std::vector<std::uint8_t> gone(n);
+    for (std::size_t i = 0; i < n; ++i) gone[i] = !is_finite(points.positions[i]);
+    const std::size_t before = points.triangles.size();
+    remove_samples(points, gone);
+    in.warn(fmt::format("{} of {} points are not finite and were left out", grouped(lost), grouped(n)));
+    if (before > points.triangles.size()) {
+      in.warn(fmt::format("{} of {} triangles referred to them and were left out",
+                          grouped(before - points.triangles.size()), grouped(before)));
+    }
+  }
+
+  if (!points.normals.empty()) {
+    const std::size_t with_direction = parallel_reduce(
+        points.size(), 1 << 16, std::size_t{0},
+        [&](std::size_t first, std::size_t last) {
+          std::size_t count = 0;
+          for (std::size_t i = first; i < last; ++i) {
+            Vec3f& normal = points.normals[i];
+            // In double: squares of tiny components would vanish in float.
+            const Vec3 d(normal);
+            const double length = norm(d);
+            const bool good = std::isfinite(length) && length > 1e-30;
+            // A normal that is unit already stays as it is, bit by bit.
+            if (!good)
+              normal = {};
+            else if (std::abs(length - 1) > 1e-6)
+              normal = Vec3f(d / length);
+            count += good;
+          }
+          return count;
+        },
+        [](std::size_t a, std::size_t b) { return a + b; });
+    if (with_direction == 0) {
+      points.normals.clear();
+      in.warn("all normals are zero and were left out");
+    } else if (with_direction < points.size()) {
+      in.warn(fmt::format("{} of {} normals are zero or not finite and count as unknown",
+                          grouped(points.size() - with_direction), grouped(points.size())));
+    }
+  }
+}
+
+}  // namespace sansmesh::io

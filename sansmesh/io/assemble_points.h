@@ -1,0 +1,58 @@
+// From the numbers of a file to a PointSet: its origin, and what is left out of it.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/io/input.h"
+
+namespace sansmesh::io {
+
+/// Coordinates beyond this are treated like non-finite ones: their squares would overflow a float.
+inline constexpr double largest_coordinate = 1e18;
+
+/// Origin of a cloud in `box`: per axis zero where coordinates are at most 4 diagonals of the box away from zero,
+/// else the centre rounded to a power-of-two grid near the size of the box, so that float coordinates stay exact.
+Vec3 choose_origin(const Box3& box);
+
+/// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, to be
+/// removed by `finish`.
+template <class At>
+void place_positions(PointSet& points, std::size_t n, At&& at) {
+  const auto usable = [](const Vec3& p) {
+    return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate &&
+           std::abs(p.z) <= largest_coordinate;
+  };
+  const std::size_t chunk = 1 << 15;
+  const Box3 box = parallel_reduce(
+      n, chunk, Box3{},
+      [&](std::size_t first, std::size_t last) {
+        Box3 b;
+        for (std::size_t i = first; i < last; ++i) {
+          const Vec3 p = at(i);
+          if (usable(p)) b.extend(p);
+        }
+        return b;
+      },
+      [](Box3 a, const Box3& b) { return a.extend(b), a; });
+  points.origin = box.empty() ? Vec3{} : choose_origin(box);
+  points.positions.resize(n);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  parallel_for(0, n, chunk, [&](std::size_t i) {
+    const Vec3 p = at(i);
+    points.positions[i] = usable(p) ? Vec3f(p - points.origin) : Vec3f{nan, nan, nan};
+  });
+}
+
+/// Last step of every reader: checks the triangles' indices, drops non-finite points (with a warning) and the
+/// triangles on them, makes normals unit (zero where they have no direction) and removes attributes that say nothing.
+/// Throws FileError if no points remain or an index is out of range.
+void finish(const Input& in, PointSet& points);
+
+/// Marks the whole cloud as one scan whose scanner stands far away in direction `towards` (unit): parallel rays.
+void set_scanner(PointSet& points, const Vec3& towards);
+
+}  // namespace sansmesh::io

@@ -1,0 +1,15 @@
+// Names whose case does not matter.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sansmesh::io {
+
+/// Lower-case copy (ASCII).
+std::string lower(std::string_view s);
+
+/// The ending of a file's name in lower case without the dot, and without a final ".gz": "a/B.PLY.gz" → "ply".
+std::string ending(const std::string& file);
+
+}  // namespace sansmesh::io

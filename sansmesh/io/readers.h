@@ -1,0 +1,19 @@
+// One reader a format, each in a source of its own: X_read.cpp.
+#pragma once
+
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/io/input.h"
+
+namespace sansmesh::io {
+
+PointSet read_ply(const Input& in);
+PointSet read_obj(const Input& in);
+PointSet read_off(const Input& in);
+PointSet read_stl(const Input& in);
+PointSet read_table(const Input& in);
+PointSet read_pcd(const Input& in);
+PointSet read_las(const Input& in);
+PointSet read_vtp(const Input& in);
+PointSet read_conf(const Input& in);
+
+}  // namespace sansmesh::io

@@ -1,0 +1,52 @@
+#include "sansmesh/points/cloud_shape.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "points/shapes.h"
+
+namespace sansmesh {
+namespace {
+
+PointSet cloud(std::vector<Vec3f> positions) {
+  PointSet points;
+  points.positions = std::move(positions);
+  return points;
+}
+
+// A box rotated and moved: its shape must not change.
+PointSet moved_box(Vec3f half, Vec3 offset) {
+  PointSet points = sample_box(500, half, 1);
+  const Vec3 n = normalized(Vec3{0.3, -0.5, 0.8});
+  Vec3 t, b;
+  tangent_frame(n, t, b);
+  for (Vec3f& p : points.positions)
+    p = Vec3f(t * static_cast<double>(p.x) + b * static_cast<double>(p.y) + n * static_cast<double>(p.z) + offset);
+  return points;
+}
+
+TEST(CloudShape, OfFlatAndFullClouds) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(classify_shape({}), CloudShape::empty);
+  EXPECT_EQ(classify_shape(cloud({{nan, 0, 0}})), CloudShape::empty);
+  EXPECT_EQ(classify_shape(cloud({{1, 2, 3}})), CloudShape::point);
+  EXPECT_EQ(classify_shape(cloud(std::vector<Vec3f>(9, {1e6f, 2, 3}))), CloudShape::point);
+  EXPECT_EQ(classify_shape(cloud({{1, 2, 3}, {nan, 0, 0}, {2, 2, 3}})), CloudShape::line);
+  EXPECT_EQ(classify_shape(cloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})), CloudShape::plane);
+  EXPECT_EQ(classify_shape(cloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})), CloudShape::volume);
+}
+
+TEST(CloudShape, DoesNotDependOnScaleRotationOrPlace) {
+  for (float scale : {1e-12f, 1.0f, 1e12f})
+    for (const Vec3& offset : {Vec3{}, Vec3{3, -4, 5}, Vec3{100, 200, -300}}) {
+      const Vec3 at = offset * static_cast<double>(scale);
+      EXPECT_EQ(classify_shape(moved_box(Vec3f{1, 0, 0} * scale, at)), CloudShape::line);
+      EXPECT_EQ(classify_shape(moved_box(Vec3f{1, 1, 0} * scale, at)), CloudShape::plane);
+      EXPECT_EQ(classify_shape(moved_box(Vec3f{1, 1, 1e-3f} * scale, at)), CloudShape::volume);
+      EXPECT_EQ(classify_shape(moved_box(Vec3f{1, 1e-3f, 1e-3f} * scale, at)), CloudShape::volume);
+    }
+}
+
+}  // namespace
+}  // namespace sansmesh
