@@ -6,6 +6,8 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/measure/field_signed_distance.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/meshing/mesh_options.h"
 

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh {

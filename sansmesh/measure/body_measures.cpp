@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/same_places.h"
 
 namespace sansmesh {
@@ -33,7 +35,7 @@ Sums combine(Sums a, const Sums& b) {
 /// Adds a triangle, and the tetrahedron from the middle to it: over that with corners 0, a, b, c and s = a + b + c the
 /// integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
 void add(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
-  const double area = 0.5 * norm(cross(b - a, c - a)), det = dot(a, cross(b, c));
+  const double area = triangle_area(a, b, c), det = Matrix3{a, b, c}.determinant();
   const Vec3 s = a + b + c;
   sums.area += area;
   sums.surface += s * (area / 3);

@@ -9,6 +9,7 @@
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/measure/smallest_box.h"
 
 namespace sansmesh {
 
@@ -37,13 +38,6 @@ struct BodyMeasures {
   bool closed() const { return triangles > 0 && open_edges == 0; }
 };
 
-/// A box in any direction.
-struct OrientedBox {
-  std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
-  std::array<double, 3> sizes{};  ///< along the axes, descending
-  Vec3 center;
-};
-
 struct SolidMeasures {
   BodyMeasures whole;
   std::vector<BodyMeasures> components;  ///< sets of triangles that share places, largest area first
@@ -55,10 +49,5 @@ struct SolidMeasures {
 /// polyhedron: cavities (components that face inward) are subtracted, overlaps count twice. Deterministic for any
 /// number of threads. Throws DataError if there is no triangle with an area.
 SolidMeasures measure_solid(const TriangleMesh& mesh);
-
-/// A box around the points that no turn about one of its axes makes smaller, the smallest of those found from several
-/// starting positions: exact for boxes, otherwise not necessarily the smallest of all. Points are relative to an origin
-/// of the caller's. Throws DataError if there are no finite points.
-OrientedBox smallest_box(const std::vector<Vec3f>& points);
 
 }  // namespace sansmesh

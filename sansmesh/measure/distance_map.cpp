@@ -8,6 +8,8 @@
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 namespace {
@@ -23,9 +25,9 @@ std::vector<double> weights(const TriangleMesh& mesh) {
   std::vector<double> result(n, -1.0);
   for (const Triangle& t : mesh.triangles) {
     if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
-    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-    const double area = norm(cross(b - a, c - a)) / 6;
-    for (const std::uint32_t v : t) result[v] = std::max(0.0, result[v]) + (std::isfinite(area) ? area : 0);
+    const double third =
+        triangle_area(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]])) / 3;
+    for (const std::uint32_t v : t) result[v] = std::max(0.0, result[v]) + (std::isfinite(third) ? third : 0);
   }
   return result;
 }

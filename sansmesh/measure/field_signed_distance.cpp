@@ -1,10 +1,10 @@
+#include "sansmesh/measure/field_signed_distance.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
-
-#include "sansmesh/measure/signed_distance.h"
 
 namespace sansmesh {
 namespace {

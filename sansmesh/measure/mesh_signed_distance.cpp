@@ -1,8 +1,10 @@
+#include "sansmesh/measure/mesh_signed_distance.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/measure/points_signed_distance.h"
 #include "sansmesh/mesh/same_places.h"
 
 namespace sansmesh {

@@ -1,7 +1,8 @@
+#include "sansmesh/measure/points_signed_distance.h"
+
 #include <cmath>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/measure/signed_distance.h"
 
 namespace sansmesh {
 namespace {

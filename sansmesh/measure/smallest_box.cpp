@@ -1,3 +1,5 @@
+#include "sansmesh/measure/smallest_box.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -5,7 +7,6 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/measure/body_measures.h"
 
 namespace sansmesh {
 namespace {

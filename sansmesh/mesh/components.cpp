@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
@@ -28,8 +29,7 @@ MeshComponents find_components(const TriangleMesh& mesh) {
       result.area.push_back(0);
     }
     result.of_triangle[i] = c;
-    result.area[c] += 0.5 * norm(cross(Vec3(mesh.vertices[t[1]] - mesh.vertices[t[0]]),
-                                       Vec3(mesh.vertices[t[2]] - mesh.vertices[t[0]])));
+    result.area[c] += triangle_area(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]));
   }
   std::vector<std::uint32_t> order(result.area.size());
   std::iota(order.begin(), order.end(), 0u);

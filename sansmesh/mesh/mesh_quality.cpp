@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_size.h"
 
 namespace sansmesh {
 namespace {
@@ -17,17 +18,14 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Sums {
   double n = 0, aspect = 0, aspect_squares = 0, aspect_max = 0, angles = 0, angle_min = 180, small = 0, edges = 0;
-  double area = 0, volume = 0;
 };
 
 double aspect_of(double x, double y, double z, double area) {
   return std::max({x, y, z}) * (x + y + z) / (4 * std::numbers::sqrt3 * area);
 }
 
-/// `middle`: volumes are summed relative to it, which loses the least to rounding.
-void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& middle, Sums& sums) {
-  const Vec3 doubled = cross(b - a, c - a);
-  const double area = 0.5 * norm(doubled);
+void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
+  const double area = triangle_area(a, b, c);
   const double x = norm(b - a), y = norm(c - b), z = norm(a - c);
   if (!(area > 0) || !std::isfinite(area)) return;
   const double aspect = std::min(kLargestAspect, aspect_of(x, y, z, area));
@@ -44,8 +42,6 @@ void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& middl
   sums.angle_min = std::min(sums.angle_min, angle);
   sums.small += angle < kSmallAngle;
   sums.edges += x + y + z;
-  sums.area += area;
-  sums.volume += dot(a - middle, doubled) / 6;
 }
 
 Sums combine(Sums a, const Sums& b) {
@@ -57,22 +53,18 @@ Sums combine(Sums a, const Sums& b) {
   a.angle_min = std::min(a.angle_min, b.angle_min);
   a.small += b.small;
   a.edges += b.edges;
-  a.area += b.area;
-  a.volume += b.volume;
   return a;
 }
 
 }  // namespace
 
 double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double area = 0.5 * norm(cross(b - a, c - a));
+  const double area = triangle_area(a, b, c);
   if (!(area > 0)) return std::numeric_limits<double>::infinity();
   return aspect_of(norm(b - a), norm(c - b), norm(a - c), area);
 }
 
 MeshQuality measure_quality(const TriangleMesh& mesh) {
-  const Box3f box = bounds(mesh);
-  const Vec3 middle = box.empty() ? Vec3{} : Vec3(box.center());
   const std::size_t n = mesh.vertices.size();
   const Sums sums = parallel_reduce(
       mesh.triangles.size(), kChunk, Sums{},
@@ -81,14 +73,15 @@ MeshQuality measure_quality(const TriangleMesh& mesh) {
         for (std::size_t i = first; i < last; ++i) {
           const Triangle& t = mesh.triangles[i];
           if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
-          add_triangle(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]), middle, part);
+          add_triangle(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]), part);
         }
         return part;
       },
       combine);
   MeshQuality result;
-  result.area = sums.area;
-  result.volume = sums.volume;
+  const MeshSize size = measure_size(mesh);
+  result.area = size.area;
+  result.volume = size.volume;
   result.triangles = static_cast<std::size_t>(sums.n);
   if (sums.n == 0) return result;
   result.aspect_mean = sums.aspect / sums.n;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 
@@ -54,11 +55,8 @@ struct Quadric {
     const double t = kTether * (xx + yy + zz);
     const double a00 = xx + t, a11 = yy + t, a22 = zz + t;
     const Vec3 r = b + tether * t;
-    const Vec3 c0{a00, xy, xz}, c1{xy, a11, yz}, c2{xz, yz, a22};
-    const Vec3 c12 = cross(c1, c2);
-    const double det = dot(c0, c12);
-    if (!(std::abs(det) > 1e-300)) return tether;
-    return Vec3{dot(r, c12), dot(c0, cross(r, c2)), dot(c0, cross(c1, r))} / det;
+    const Matrix3 a{{a00, xy, xz}, {xy, a11, yz}, {xz, yz, a22}};
+    return std::abs(a.determinant()) > 1e-300 ? a.solve(r) : tether;
   }
 };
 

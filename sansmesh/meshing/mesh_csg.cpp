@@ -11,6 +11,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
@@ -132,25 +133,8 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
 }
 
 void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
-  struct Sums {
-    double area = 0, volume = 0;
-  };
-  const Sums sums = parallel_reduce(
-      mesh.triangles.size(), 4096, Sums{},
-      [&](std::size_t first, std::size_t last) {
-        Sums s;
-        for (std::size_t t = first; t < last; ++t) {
-          const Vec3 a(mesh.vertices[mesh.triangles[t][0]]), b(mesh.vertices[mesh.triangles[t][1]]),
-              c(mesh.vertices[mesh.triangles[t][2]]);
-          s.area += norm(cross(b - a, c - a)) / 2;
-          s.volume += dot(a, cross(b, c)) / 6;
-        }
-        return s;
-      },
-      [](const Sums& a, const Sums& b) {
-        return Sums{a.area + b.area, a.volume + b.volume};
-      });
-  report.area = sums.area, report.volume = sums.volume;
+  const MeshSize size = measure_size(mesh);
+  report.area = size.area, report.volume = size.volume;
   const MeshTopology topology = measure_topology(mesh);
   report.components = topology.components;
   report.closed = topology.closed();

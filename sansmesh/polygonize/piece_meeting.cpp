@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -29,16 +30,16 @@ bool shortest_step(const std::array<Vec3, 3>& g, const std::array<double, 3>& r,
     d = g[0] * ((r[0] * bb - r[1] * ab) / det) + g[1] * ((r[1] * aa - r[0] * ab) / det);
     return true;
   }
-  const Vec3 c12 = cross(g[1], g[2]), c20 = cross(g[2], g[0]), c01 = cross(g[0], g[1]);
-  const double det = dot(g[0], c12);
+  const Matrix3 m{g[0], g[1], g[2]};
+  const double det = m.determinant();
   if (!(std::abs(det) > 1e-4 * norm(g[0]) * norm(g[1]) * norm(g[2])) || det == 0) return false;
-  d = (c12 * r[0] + c20 * r[1] + c01 * r[2]) / det;
+  d = m.solve_transposed({r[0], r[1], r[2]});
   return true;
 }
 
 bool independent(const std::array<Vec3, 3>& n, std::uint32_t count) {
   if (count == 2) return squared_norm(cross(n[0], n[1])) > kTangentSine * kTangentSine;
-  if (count == 3) return std::abs(dot(n[0], cross(n[1], n[2]))) > kFlatCorner;
+  if (count == 3) return std::abs(Matrix3{n[0], n[1], n[2]}.determinant()) > kFlatCorner;
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -15,20 +16,15 @@ constexpr float kCreaseCosine = 0.866f;  // normals that differ by more than 30�
 /// leave open stay as they are.
 Vec3 meet_planes(const Vec3& x, const std::vector<Vec3>& p, const std::vector<Vec3>& n) {
   // Gauss–Newton on Σ (n·(x + d − p))² with a Tikhonov term that is small against any crease over 20°.
-  double a[3][3] = {}, b[3] = {};
+  Matrix3 a;
+  Vec3 b;
   for (std::size_t j = 0; j < p.size(); ++j) {
-    const double r = dot(n[j], p[j] - x);
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t l = 0; l < 3; ++l) a[k][l] += n[j][k] * n[j][l];
-      b[k] += n[j][k] * r;
-    }
+    a.a += n[j] * n[j].x, a.b += n[j] * n[j].y, a.c += n[j] * n[j].z;
+    b += n[j] * dot(n[j], p[j] - x);
   }
   const double damping = 0.01 * static_cast<double>(p.size());
-  for (int k = 0; k < 3; ++k) a[k][k] += damping;
-  const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]},
-      r{b[0], b[1], b[2]};
-  const double det = dot(c0, cross(c1, c2));
-  return x + Vec3{dot(r, cross(c1, c2)), dot(c0, cross(r, c2)), dot(c0, cross(c1, r))} / det;
+  a.a.x += damping, a.b.y += damping, a.c.z += damping;
+  return x + a.solve(b);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/clouds.h"

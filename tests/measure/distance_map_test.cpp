@@ -7,6 +7,8 @@
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/measure/field_signed_distance.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"

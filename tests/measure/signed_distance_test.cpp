@@ -1,4 +1,4 @@
-#include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,8 @@
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/measure/field_signed_distance.h"
+#include "sansmesh/measure/points_signed_distance.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
