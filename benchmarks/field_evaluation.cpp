@@ -10,7 +10,7 @@
 #include <string>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 
 using namespace sansmesh;
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 
 using namespace sansmesh;
 

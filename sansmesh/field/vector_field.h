@@ -46,8 +46,8 @@ class VectorField {
   ///
   /// All spans have the length of x; `jacobian` may be empty. Each answer depends on x[i] and t[i] alone, not on the
   /// rest of the batch. One call a batch: neighbouring points in neighbouring slots, of one moment or of few, evaluate
-  /// fastest. Safe from several threads at a time; it starts none of its own, that is up to whoever cuts the particles
-  /// into batches.
+  /// fastest. Safe from several threads at a time. As with ScalarField the field itself runs in parallel: whoever asks
+  /// hands over all points that it has.
   virtual void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
 };

@@ -15,6 +15,7 @@
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/partition/sheets.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
 

@@ -10,6 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/partition/sheets.h"
 
 namespace sansmesh {
 namespace {

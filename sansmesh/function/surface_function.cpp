@@ -1,12 +1,9 @@
 #include "sansmesh/function/surface_function.h"
 
-#include <fmt/core.h>
-
-#include <cmath>
-#include <string>
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/partition/partition_fit.h"
 
 namespace sansmesh {
 namespace {
@@ -14,18 +11,20 @@ namespace {
 /// In the unit of a prepared cloud, which is about 1 large.
 constexpr double kMostError = 10;
 
+/// In the coordinates of what lies at `place`.
+PartitionOptions partition_options(const FitOptions& options, const Placement& place) {
+  PartitionOptions fit;
+  fit.max_depth = options.max_depth;
+  if (options.error) fit.error = place.from_input(*options.error);
+  fit.support = options.support;
+  fit.max_degree = options.max_degree;
+  fit.sharp = options.sharp;
+  return fit;
+}
+
 }  // namespace
 
-void FitOptions::validate() const {
-  const auto check = [](bool ok, const std::string& what) {
-    if (!ok) throw ArgumentError(what);
-  };
-  check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
-        fmt::format("`max_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
-  check(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
-  check(!support || (*support >= 1.1 && *support <= 2), "`support` must lie in 1.1..2");
-  check(max_degree >= 1 && max_degree <= 4, "`max_degree` must lie in 1..4");
-}
+void FitOptions::validate() const { partition_options(*this, {}).validate(); }
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
@@ -36,13 +35,8 @@ SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options,
 
 SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress) {
   options.validate();
-  PartitionOptions fit;
-  fit.max_depth = options.max_depth;
-  if (options.error) fit.error = cloud.place.from_input(*options.error);
+  const PartitionOptions fit = partition_options(options, cloud.place);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
-  fit.support = options.support;
-  fit.max_degree = options.max_degree;
-  fit.sharp = options.sharp;
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
   return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings)};

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/search/ball_tree.h"

@@ -113,11 +113,12 @@ bool is_tree(const std::vector<PartitionData::Flatness>& levels) {
 }  // namespace
 
 void PartitionOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(std::string("partition of unity: ") + what);
+  const auto check = [](bool ok, const std::string& what) {
+    if (!ok) throw ArgumentError(what);
   };
-  check(!max_depth || (*max_depth >= 2 && *max_depth <= 14), "`max_depth` must lie in 2..14");
-  check(!error || *error > 0, "`error` must be positive");
+  check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
+        "`max_depth` must lie in " + std::to_string(kLeastDepth) + ".." + std::to_string(kMostDepth));
+  check(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
   check(!support || (*support >= 1.1 && *support <= 2), "`support` must lie in 1.1..2");
   check(max_degree >= 1 && max_degree <= kMaxDegree, "`max_degree` must lie in 1..4");
   check(min_samples >= 3 && min_samples <= 1000, "`min_samples` must lie in 3..1000");

@@ -13,8 +13,9 @@
 namespace sansmesh {
 
 struct PartitionOptions {
-  std::optional<int> max_depth;  ///< deepest level of the tree, 2..14; default: where supports run out of samples
-  std::optional<double> error;   ///< accepted rms error of a local function (length); default: 0.1 noise
+  std::optional<int>
+      max_depth;  ///< deepest level of the tree, kLeastDepth..kMostDepth; default: where supports run out of samples
+  std::optional<double> error;  ///< accepted rms error of a local function (length); default: 0.1 noise
   /// Radius of a support / circumscribed radius of its block, 1.1..2; default: 1.5, up to 1.8 where noise is large
   /// against the spacing.
   std::optional<double> support;

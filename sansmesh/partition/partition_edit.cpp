@@ -9,6 +9,8 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/assemble.h"
+#include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
 
 namespace sansmesh {

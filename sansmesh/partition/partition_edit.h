@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,21 +36,6 @@ struct SupportQuery {
   std::optional<std::vector<std::uint8_t>> flags;  ///< 1 where it may be chosen, of every support
 };
 Selection select_supports(const PartitionData& data, const SupportQuery& query);
-
-/// Connected sheets: supports whose blocks touch and whose functions agree on where the surface runs.
-struct Sheets {
-  std::vector<std::uint32_t> of_support;  ///< 0 has the largest area, and so on; kNone: constants
-  std::vector<double> area;               ///< length²
-  /// Samples in the supports' blocks times the area that each stands for, over the area: about 1 for a sheet that was
-  /// sampled, far less for one that was made of strays or of nothing.
-  std::vector<double> evidence;
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::size_t size() const { return area.size(); }
-};
-/// With less evidence a sheet is taken to be spurious.
-constexpr double kLeastEvidence = 0.25;
-/// `samples`: along the Morton curve; empty: no evidence (0).
-Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples);
 
 /// The samples of a function, along the Morton curve of its root cube, relative to its origin.
 struct EditSamples {

@@ -12,7 +12,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/portable-inl.h"
-#include "sansmesh/partition/partition_state.h"
+#include "sansmesh/partition/partition_evaluate.h"
 #include "sansmesh/partition/sample_tree.h"
 
 #ifndef SANSMESH_PARTITION_EVALUATE_ONCE
@@ -292,7 +292,7 @@ void hand_over(const GlobalSign& sign, FarPoints& far, const Output& out) {
   far.x.clear(), far.near.clear();
 }
 
-void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, std::span<const std::size_t> at,
+void evaluate_tile(const PartitionState& s, std::span<const Vec3f> x, std::span<const std::size_t> at,
                    const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarPoints& far) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
@@ -333,8 +333,8 @@ void evaluate_tile(const PartitionOfUnity::State& s, std::span<const Vec3f> x, s
 
 }  // namespace
 
-void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
-  const State& s = *state_;
+void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::span<double> values,
+                        std::span<Vec3> gradients) {
   const PartitionData& data = s.data;
   const std::size_t n = x.size();
   constexpr std::size_t kTile = EvaluationTile::kTile;

@@ -1,11 +1,14 @@
+#include "sansmesh/partition/partition_fit.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/assemble.h"
+#include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
-#include "sansmesh/partition/partition_of_unity.h"
 
 namespace sansmesh {
 namespace {
@@ -114,7 +117,7 @@ PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions&
   // Deep enough that the finest occupied cells hold about one sample even where the cloud is densest.
   data.basis.sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
                                          std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
-                                     options.max_depth ? 2 : 3, 14);
+                                     options.max_depth ? kLeastDepth : kLeastDepth + 1, kMostDepth);
   SampleTree tree(std::move(points.positions), std::move(points.normals), data.lower, data.edge, data.basis.sort_depth);
   if (sorted) *sorted = PointSet{};
   if (const std::vector<std::uint32_t> order = tree.take_order(); sorted && points.has_colors()) {

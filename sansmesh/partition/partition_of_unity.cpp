@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/partition_evaluate.h"
+#include "sansmesh/partition/partition_range.h"
 #include "sansmesh/partition/partition_state.h"
 
 namespace sansmesh {
@@ -46,22 +48,23 @@ bool is_steep(const LocalFunction& f) {
 
 }  // namespace
 
-PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared<State>()) {
-  state_->data = std::move(data);
-  if (state_->data.slopes.size() != state_->data.functions.size()) state_->data.find_slopes();
-  const PartitionData& d = state_->data;
+PartitionOfUnity::PartitionOfUnity(PartitionData data) {
+  const auto state = std::make_shared<PartitionState>();
+  state->data = std::move(data);
+  if (state->data.slopes.size() != state->data.functions.size()) state->data.find_slopes();
+  const PartitionData& d = state->data;
   std::vector<Vec3f> centers(d.supports.size());
   std::vector<float> radii(d.supports.size());
   for (std::size_t i = 0; i < d.supports.size(); ++i) {
     centers[i] = d.functions[i].center;
     radii[i] = d.functions[i].radius * kRim;
   }
-  state_->tree = BallTree(centers, radii);
-  state_->manner.resize(d.functions.size());
-  parallel_for(0, state_->manner.size(), 8192, [&](std::size_t i) {
+  state->tree = BallTree(centers, radii);
+  state->manner.resize(d.functions.size());
+  parallel_for(0, state->manner.size(), 8192, [&](std::size_t i) {
     const LocalFunction& f = d.functions[i];
     const bool steep = is_steep(f), clean = d.report.noise < kClean * static_cast<double>(f.radius);
-    state_->manner[i] = static_cast<std::uint8_t>((steep ? kNormalised : 0) | (steep || clean ? kClose : 0));
+    state->manner[i] = static_cast<std::uint8_t>((steep ? kNormalised : 0) | (steep || clean ? kClose : 0));
   });
   // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
   // where no support reaches.
@@ -70,7 +73,8 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) : state_(std::make_shared
     const float h = d.edge / static_cast<float>(1u << d.supports[i].level);
     patches[i] = {d.supports[i].foot, d.functions[i].nu * d.supports[i].area, kLeastPatch * h * h};
   });
-  state_->sign = GlobalSign(patches, d.edge);
+  state->sign = GlobalSign(patches, d.edge);
+  state_ = state;
 }
 
 Box3 PartitionOfUnity::bounds() const {
@@ -79,6 +83,13 @@ Box3 PartitionOfUnity::bounds() const {
   return {lower, lower + Vec3{e, e, e}};
 }
 const PartitionData& PartitionOfUnity::data() const { return state_->data; }
+
+void PartitionOfUnity::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  evaluate_partition(*state_, x, values, gradients);
+}
+void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  partition_ranges(*state_, x, radius, found);
+}
 
 std::vector<Vec3> PartitionOfUnity::seeds() const {
   const PartitionData& d = state_->data;

@@ -5,8 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/triangulation/block_tree.h"
@@ -17,6 +15,8 @@ namespace sansmesh {
 /// from sheets that are too close to each other, rims, and samples that contradict each other. No bound: that is
 /// ranges().
 constexpr double kSoundSlope = 3;
+
+struct PartitionState;
 
 class PartitionOfUnity : public ScalarField {
  public:
@@ -45,17 +45,8 @@ class PartitionOfUnity : public ScalarField {
   /// A point on or near the surface in every support: where a walk along the surface may start.
   std::vector<Vec3> seeds() const;
 
-  struct State;  ///< internal
-
  private:
-  std::shared_ptr<State> state_;  // built once; copies share it
+  std::shared_ptr<const PartitionState> state_;  // built once; copies share it
 };
-
-/// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
-/// ArgumentError for options out of range. `sorted`, if given, receives the points along the Morton curve of the root
-/// cube, the order in which a refit wants them: origin, positions, normals and colours. Points that are moved in are
-/// sorted in place: there is no second copy of them.
-PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
-                                        PointSet* sorted = nullptr);
 
 }  // namespace sansmesh

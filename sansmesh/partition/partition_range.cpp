@@ -1,12 +1,13 @@
 // What the function lies between in a ball. Nothing is sampled: F is a mean of the local functions that reach there and
 // of the far field, so it lies between the smallest and the largest value of these, each of which has a known slope.
 // Where some are positive and some are negative, bounds of their weights may still tell its sign.
+#include "sansmesh/partition/partition_range.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/partition/partition_state.h"
 
 namespace sansmesh {
 namespace {
@@ -54,7 +55,7 @@ double near_factor(double size, double trusted) {
 }
 
 /// One piece within a ball, as evaluation takes it.
-ValueRange piece_range(const PartitionOfUnity::State& s, std::size_t i, const Vec3& center, double radius) {
+ValueRange piece_range(const PartitionState& s, std::size_t i, const Vec3& center, double radius) {
   const LocalFunction& f = s.data.functions[i];
   const double value = static_cast<double>(local_value(f, Vec3f(center)));
   const double slope = static_cast<double>(s.data.slopes[i]);
@@ -72,7 +73,7 @@ struct NearSums {
   ValueRange values{kUnknown, -kUnknown};
   double weight_low = 0, weight_high = 0, low = 0, high = 0, largest = 0;
 
-  void add(const PartitionOfUnity::State& s, std::uint32_t i, const Vec3& x, double radius) {
+  void add(const PartitionState& s, std::uint32_t i, const Vec3& x, double radius) {
     const LocalFunction& f = s.data.functions[i];
     const Vec3 center(f.center);
     const auto size = static_cast<double>(f.radius);
@@ -124,8 +125,7 @@ struct NearSums {
   }
 };
 
-ValueRange range_in_ball(const PartitionOfUnity::State& s, const Vec3& x, double radius,
-                         std::vector<std::uint32_t>& list) {
+ValueRange range_in_ball(const PartitionState& s, const Vec3& x, double radius, std::vector<std::uint32_t>& list) {
   const Vec3f center(x), reach = Vec3f{1, 1, 1} * static_cast<float>(radius);
   if (!s.tree.touching({center - reach, center + reach}, kMostSupports, list)) return {-kUnknown, kUnknown};
   NearSums sums;
@@ -143,8 +143,7 @@ ValueRange range_in_ball(const PartitionOfUnity::State& s, const Vec3& x, double
 
 }  // namespace
 
-void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
-  const State& s = *state_;
+void partition_ranges(const PartitionState& s, std::span<const Vec3> x, double radius, std::span<ValueRange> found) {
   const double wide = radius + kRoundedPlace * static_cast<double>(s.data.edge);
   parallel_ranges(0, x.size(), 64, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> list;

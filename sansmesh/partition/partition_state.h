@@ -1,11 +1,11 @@
-// A PartitionOfUnity's data and what is built from them for evaluation; not part of the public interface.
+// The data of a partition of unity and what is built from them for evaluation; not part of the public interface.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "sansmesh/partition/global_sign.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_data.h"
 #include "sansmesh/search/ball_tree.h"
 
 namespace sansmesh {
@@ -24,7 +24,7 @@ constexpr float kTrustedClose = 0.2f, kStraightClose = 0.2f;
 constexpr float kFade = 0.56f, kRound = 0.06f;
 constexpr float kFadeRoot = 1 - (1 - kFade) * (1 - kFade), kFadeWeight = kFadeRoot * kFadeRoot * kFadeRoot * kFadeRoot;
 
-struct PartitionOfUnity::State {
+struct PartitionState {
   PartitionData data;
   BallTree tree;                     ///< the supports
   std::vector<std::uint8_t> manner;  ///< of each function: kNormalised | kClose, from the data

@@ -1,4 +1,5 @@
-// Connected sheets of a partition of unity, from its supports alone: no mesh is made.
+#include "sansmesh/partition/sheets.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,8 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/partition/leaf_fit.h"
-#include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/partition/sample_tree.h"
 #include "sansmesh/search/ball_tree.h"
 
 namespace sansmesh {

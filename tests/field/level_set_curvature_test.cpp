@@ -8,7 +8,7 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 

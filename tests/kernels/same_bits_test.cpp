@@ -7,7 +7,7 @@
 #include "sansmesh/approximation/orthogonal_polynomials.h"
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/partition/local_fit.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 #include "sansmesh/render/ball_segments.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "support/clouds.h"
 #include "support/same_bytes.h"

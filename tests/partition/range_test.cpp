@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/partition_fit.h"
 #include "support/thin_shapes.h"
 
 namespace sansmesh {

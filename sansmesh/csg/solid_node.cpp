@@ -1,0 +1,87 @@
+#include "sansmesh/csg/solid_node.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+/// Evaluation and destruction go as deep as the tree.
+constexpr int kMaxDepth = 1000;
+constexpr std::uint64_t kMaxPieces = 1u << 30;
+
+}  // namespace
+
+SolidNode::SolidNode(const Traits& traits)
+    : pieces_(static_cast<std::uint32_t>(traits.pieces)),
+      rise_(traits.rise),
+      lipschitz_(traits.lipschitz),
+      cost_(traits.cost),
+      depth_(traits.depth),
+      thickness_(traits.thickness),
+      hollow_thickness_(traits.hollow_thickness) {
+  if (traits.depth > kMaxDepth)
+    throw ArgumentError(fmt::format("solids are nested more than {} deep: combine them in groups", kMaxDepth));
+  if (traits.pieces > kMaxPieces) throw ArgumentError("the solid has too many pieces: combine fewer solids");
+}
+
+SolidNode::Traits SolidNode::above(const SolidNode& child) {
+  return {.pieces = child.pieces(),
+          .rise = child.rise(),
+          .lipschitz = child.lipschitz(),
+          .cost = child.cost(),
+          .depth = child.depth() + 1,
+          .thickness = child.thickness(),
+          .hollow_thickness = child.hollow_thickness()};
+}
+
+void SolidNode::keep_extents() {
+  for (std::size_t k = 0; k < 6; ++k) {
+    Vec3 n;
+    n[k / 2] = k % 2 ? 1 : -1;
+    extents_[k] = support(n);
+    hollow_extents_[k] = hollow_support(n);
+  }
+}
+
+void SolidNode::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  std::vector<double> values(x.size());
+  evaluate(x, values, {}, {});
+  for (std::size_t i = 0; i < x.size(); ++i) found[i] = {values[i] - radius, values[i] + radius};
+}
+
+double SolidNode::far_value(double sign, const Vec3& x, double radius) const {
+  const Extents& e = sign > 0 ? extents_ : hollow_extents_;
+  double outside = 0;
+  for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
+  return outside > radius ? rise_ * (outside - radius) : -kUnbounded;
+}
+
+double thinner(double a, double b) { return (a > 0) == (b > 0) ? std::min(a, b) : std::max(a, b); }
+
+void require_finite(const char* what, const char* name, double value) {
+  if (!std::isfinite(value)) throw ArgumentError(fmt::format("{}: {} must be a finite number", what, name));
+}
+
+void require_finite(const char* what, const char* name, const Vec3& value) {
+  if (!is_finite(value)) throw ArgumentError(fmt::format("{}: {} must have finite coordinates", what, name));
+}
+
+void require_positive(const char* what, const char* name, double value) {
+  require_finite(what, name, value);
+  if (!(value > 0)) throw ArgumentError(fmt::format("{}: {} must be positive, not {}", what, name, value));
+}
+
+Vec3 require_direction(const char* what, const char* name, const Vec3& value) {
+  require_finite(what, name, value);
+  const double largest = std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z)});
+  if (!(largest > 0)) throw ArgumentError(fmt::format("{}: {} must have a direction, not be (0, 0, 0)", what, name));
+  return normalized(value / largest);  // squares of huge or tiny components would overflow
+}
+
+}  // namespace sansmesh
