@@ -12,27 +12,27 @@
 
 namespace sansmesh {
 
-/// M f(x) = Σ_j g_j φ_j(x) with g = Σ_{k=0}^{n} (I − A)^k f, A_ij = φ_j(x_i): n iterations at the price of none in
-/// every evaluation. Samples may be in any position; coincident ones act as one with a higher weight.
+/// M f(x) = Σ_j g_j φ_j(x) with g = Σ_{k=0}^{n} (I − A)^k f, A_ij = φ_j(x_i): n iterations, yet each evaluation
+/// costs as much as with none. Samples may be in any position; coincident ones act as one with a higher weight.
 /// Results do not depend on the number of threads.
 template <int D>
 class ApproximateMls {
  public:
-  /// `values` holds `values.size() / positions.size()` components a sample, sample after sample. Throws ArgumentError
+  /// `values` holds `values.size() / positions.size()` components per sample, sample after sample. Throws ArgumentError
   /// for options out of range and for values that do not fit the positions, DataError for positions or values that are
   /// not finite, for no samples, and where supports are so wide that K has more than `max_entries` entries.
   ApproximateMls(std::span<const Position<D>> positions, std::span<const double> values,
                  const ApproximateMlsOptions& options = {});
 
-  /// Values, components() a point; `gradients`, empty or D a value: ∂/∂x_1 … ∂/∂x_D of component 0, then 1 …. Zero
+  /// Values, components() per point; `gradients`, empty or D per value: ∂/∂x_1 … ∂/∂x_D of component 0, then 1 …. Zero
   /// where no sample is nearer than cutoff_radius(). `gradients` are exact derivatives of the values (of the part
   /// that max(S, 0.55 T) chooses). Throws ArgumentError for spans of other lengths.
   void evaluate(std::span<const Position<D>> x, std::span<double> values, std::span<double> gradients = {}) const;
 
-  /// g, components() a sample.
+  /// g, components() per sample.
   std::span<const double> coefficients() const { return coefficients_; }
   /// The root mean square over samples and components of f_i − M f(x_i) after 0, 1, … n iterations; empty for
-  /// n = 0, which has no use for it.
+  /// n = 0, which does not need it.
   std::span<const double> residuals() const { return residuals_; }
   std::size_t components() const { return components_; }
   double spacing() const { return spacing_; }

@@ -46,7 +46,7 @@ std::vector<Region<D>> make_regions(const SampleIndex<D>& all, std::span<const d
       for (std::size_t m = 0; m < c; ++m) region.values.push_back(values[hit.index * c + m]);
     }
     region.samples = SampleIndex<D>(positions);
-    // Nearest to the middle first: the rim of the clump is far from them.
+    // Nearest to the middle first: the rim of the cluster is far from them.
     const std::size_t count = std::min(hits.size(), (search.left_out + kClumps - 1) / kClumps);
     for (std::size_t i = 0; i < count; ++i) region.left_out.push_back(static_cast<std::uint32_t>(i));
   }

@@ -17,7 +17,7 @@ struct ApproximateMlsSearch {
   int max_iterations = 40;
   /// Samples left out, one at a time.
   std::size_t left_out = 200;
-  /// Beyond this many samples eight clumps of about an eighth of it, spread over the cloud, stand for the rest.
+  /// Beyond this many samples eight clusters of about an eighth of it, spread over the cloud, stand for all.
   std::size_t max_samples = 20000;
   /// Of all choices whose error is within this fraction of the least, the one with the fewest iterations is taken.
   double tolerance = 0.02;
@@ -35,7 +35,7 @@ struct ApproximateMlsChoice {
 /// without it and compared with f_k. Not an estimate by the diagonal of a matrix (fasshauer2007 takes Σ (I − A)^k for
 /// the inverse of A there, which is right only in the limit): the iteration without sample k is carried out, but only
 /// as far from it as φ exceeds 1 % of its peak; further away the iteration with all samples is taken, from which it
-/// hardly differs (errors agree with those of computing all anew to about 1 %). Few iterations come out for noisy
+/// hardly differs (errors agree with those of a complete recomputation to 1 %). Few iterations come out for noisy
 /// values, many for clean ones. `options` gives order, spacing, normalisation and cutoff. Deterministic. Throws as the
 /// constructor of ApproximateMls.
 template <int D>

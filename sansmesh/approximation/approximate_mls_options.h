@@ -21,7 +21,7 @@ struct ApproximateMlsOptions {
   /// Approximation order 2, 4 or 6 (d = 0, 1, 2) on regular samples. On irregular ones 2 with some iterations is the
   /// better choice: functions of higher order have negative rings, which gaps between samples turn into errors.
   int order = 2;
-  /// ε, without unit. Small: smooth and wide (supports grow with 1/√ε); large: the saturation error, about
+  /// ε, dimensionless. Small: smooth and wide (supports grow with 1/√ε); large: the saturation error, about
   /// exp(−π²/ε) of the values (times a factor that grows with the order), shows between samples.
   double shape = 1;
   /// h, a length > 0. Unset: SampleIndex::spacing().

@@ -28,7 +28,7 @@ struct GeneratingMatrix {
 
   std::size_t size() const { return gaussian_sum.size(); }
 
-  /// residual −= A · residual for c components a sample; `scratch` has the same length.
+  /// residual −= A · residual for c components per sample; `scratch` has the same length.
   void step(Normalisation normalisation, std::size_t c, std::span<double> residual, std::span<double> scratch) const;
 };
 

@@ -54,7 +54,7 @@ class MovingLeastSquares {
   std::span<const double> radii() const { return radii_; }
 
  private:
-  // Samples of similar radius share a tree: a point asks each for what its largest radius reaches.
+  // Samples of similar radius share a tree: a query searches each within its largest radius.
   struct Layer {
     SampleIndex<D> index;
     std::vector<std::uint32_t> sample;

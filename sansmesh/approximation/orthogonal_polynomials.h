@@ -29,7 +29,7 @@ struct ApproximationFrame {
 
 struct OrthogonalFitOptions {
   /// A polynomial whose norm on the samples is at most this fraction of its predecessor's is taken to vanish there: it
-  /// is dropped. Unit: none; range (0, 1).
+  /// is dropped. Dimensionless, in (0, 1).
   double rank_tolerance = 1e-6;
 };
 
@@ -47,7 +47,7 @@ struct ValueAndGradient {
 ///     fit.reset(samples);
 ///     while (fit.raise() && fit.squared_error() > limit) {}
 ///
-/// Keep one object a thread and reset() it: its memory is reused, nothing is allocated once it has seen its largest
+/// Keep one object per thread and reset() it: its memory is reused, nothing is allocated once it has seen its largest
 /// fit. Results are the same bit for bit on every instruction set.
 ///
 /// Samples that cannot tell polynomials apart (on a line, in a plane, too few, coincident) are no error: a polynomial
@@ -69,7 +69,7 @@ class OrthogonalFit {
   /// Adds the next polynomial. False: it was dropped, or the highest degree is complete (then size() stays).
   bool add_polynomial();
   /// Adds polynomials up to the end of the next row, so that degree() grows by one. False: none of them was kept, or
-  /// the highest degree is complete. Then no higher degree brings anything either.
+  /// the highest degree is complete. Then no higher degree would add anything either.
   bool raise();
 
   /// Degree up to which all polynomials were added; −1 before the first.

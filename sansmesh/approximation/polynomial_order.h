@@ -15,9 +15,9 @@ constexpr int monomial_count(int dimension, int degree) {
 }
 
 /// The triangle of Bartels & Jezioranski (bartels1985; METHODS §1.3): row d holds the monomials of degree d and is cut
-/// in one range a variable; the range of x_k holds the products of x_k with the ranges k, k+1, … of the row before.
+/// into one range per variable; the range of x_k holds the products of x_k with the ranges k, k+1, … of the row before.
 /// Indices count from 0, rows one after the other: 1 | x₁ x₂ | x₁² x₁x₂ x₂² | … This is an order that multiplication
-/// respects (a before b implies x_k·a before x_k·b), on which both savings rest.
+/// preserves (a before b implies x_k·a before x_k·b), on which both savings rest.
 template <int D>
 class PolynomialOrder {
  public:
@@ -26,7 +26,7 @@ class PolynomialOrder {
 
   /// One inner product ⟨x_k ψ_{j'}, ψ_l⟩ that the recurrence of ψ_j needs.
   enum class Source : std::uint8_t {
-    kComputed,  ///< nobody has needed it yet
+    kComputed,  ///< no earlier step has computed it
     kReused,    ///< ⟨x_k ψ_l, ψ_{j'}⟩ was computed for the polynomial whose predecessor is l
     kNorm       ///< x_k·monomial(l) = monomial(j'): it is ⟨ψ_{j'}, ψ_{j'}⟩
   };

@@ -28,11 +28,11 @@ struct RbfOptions {
   std::optional<double> scale = {};
   /// Degree of the polynomial that is added, −1 (none) to 2, at least RadialKernel::order() − 1. Unset: 1.
   std::optional<int> degree = {};
-  /// λ >= 0, without unit, added to the diagonal: 0 interpolates, more smooths. |φ(0)| is 1, or 0 for the first three
+  /// λ >= 0, dimensionless, added to the diagonal: 0 interpolates, more smooths. |φ(0)| is 1, or 0 for the first three
   /// functions, where λ counts in units of φ at about the distance of the scale.
   double ridge = 0;
   RbfSolver solver = RbfSolver::kAutomatic;
-  /// kLocal: samples a system has at least (where there are as many), 10 to 400.
+  /// kLocal: least number of samples per system (if there are that many), 10 to 400.
   std::size_t local_samples = 50;
   /// kSparse: the residual relative to the values at which the iteration ends, in (0, 1).
   double tolerance = 1e-10;

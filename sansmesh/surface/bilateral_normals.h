@@ -26,7 +26,7 @@ struct BilateralOptions {
 };
 
 /// n⁽ᵏ⁺¹⁾(x) = normalise Σ n_i φ_i(x) exp(−⟨n⁽ᵏ⁾(x), x_i − x⟩² / (2σ²)) exp(−‖n⁽ᵏ⁾(x) − n_i‖² / (2τ²)): samples on the
-/// tangent plane decide, so that next to an edge those of the other side lose their say. Only sensible on or next to
+/// tangent plane decide, so that next to an edge those of the other side lose influence. Only sensible on or next to
 /// the surface; the samples' own normals should be robust (denoise_normals).
 class BilateralNormals : public NormalField {
  public:
@@ -47,7 +47,7 @@ class BilateralNormals : public NormalField {
 };
 
 /// The heights over the planes of each face as values, and refined normals as gradients: points next to the surface of
-/// another field, such as the vertices of a mesh of it, find back to the faces that it rounds off. The heights go on
+/// another field, such as the vertices of a mesh of it, are led back to the faces that it rounds off. The heights go on
 /// beyond the edges of faces: not to be followed by rays or polygonisers.
 class FaceField : public ScalarField {
  public:

@@ -34,7 +34,7 @@ float shape_index(const PrincipalCurvatures& c);
 struct CurvatureOptions {
   /// Weights of the directional curvatures of neighbours at distance r.
   enum class Weights {
-    m_like,    ///< r^(2 tau) exp(−r²/h²): little weight for near samples, whose directional curvatures are unsteady
+    m_like,  ///< r^(2 tau) exp(−r²/h²): little weight for near samples, whose directional curvatures are unreliable
     gaussian,  ///< exp(−r²/h²), to compare with
     uniform    ///< all alike (Huang & Menq 2001), to compare with
   };
@@ -45,7 +45,7 @@ struct CurvatureOptions {
   std::optional<double> radius = {};
   /// Samples in a neighbourhood, 8..2000; default: `choose_curvature_neighbours`. Not used with `radius`.
   std::optional<int> neighbours = {};
-  /// Let the fitted surface pass beside the place, for places that are themselves noisy.
+  /// Let the fitted surface pass at a distance from the place, which may itself be noisy.
   bool offset = true;
   /// Let the fit tilt the normal.
   bool refit_normal = true;
@@ -56,7 +56,7 @@ struct CurvatureOptions {
 };
 
 /// Curvatures anywhere near a cloud (METHODS §2.2). Around x with normal n and tangent coordinates (u, v), each
-/// neighbour d = x_i − x tells a directional curvature κ_i = −2⟨n, d⟩/‖d‖², and Euler's theorem makes χ₁ + χ₂ cos 2θ +
+/// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖², and Euler's theorem makes χ₁ + χ₂ cos 2θ +
 /// χ₃ sin 2θ ≈ κ_i a linear least-squares problem in three unknowns. Beyond the source: an offset and two slopes as
 /// further unknowns, and the neighbourhood chosen from the data.
 class CurvatureEstimator {

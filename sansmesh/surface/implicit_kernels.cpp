@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
 namespace HWY_NAMESPACE {
 
-/// Squares below this do not divide.
+/// Squares below this are not divided by.
 constexpr float kTiny = 1e-30f;
 
 /// Moments of the samples under the weights: everything that the formulas are made of.
@@ -72,7 +72,7 @@ HWY_INLINE Num<kGradient> NearSurface(const Num<kGradient>& f, const Num<kGradie
   return mean + share * (f - mean);
 }
 
-/// What the samples of another sheet say that SameSheet left out.
+/// What the samples of another sheet contribute, which SameSheet left out.
 struct OtherSheet {
   V w, plane;
   Lanes x, n, own;  // own: positions of this sheet's samples, for where the other lies

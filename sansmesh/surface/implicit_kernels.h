@@ -12,7 +12,7 @@ enum class ImplicitFormula { hoppe, adamson, kolluri, extremal, apss, amls };
 struct ImplicitKernel {
   ImplicitFormula formula = ImplicitFormula::kolluri;
   int order = 4;        ///< of the generating functions, 2, 4 or 6 (amls)
-  bool sheets = false;  ///< samples that look the other way than those next to the point do not count
+  bool sheets = false;  ///< samples that face away from those next to the point are ignored
 };
 
 struct GroupValues {

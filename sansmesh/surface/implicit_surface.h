@@ -30,9 +30,9 @@ struct ImplicitOptions {
   std::optional<double> smoothing = {};
   /// Width of the weights as one length for the whole cloud, in place of `smoothing`.
   std::optional<double> bandwidth = {};
-  std::optional<int> order = {};       ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by
-  std::optional<int> iterations = {};  ///< amls: 0..100; … leave-one-out cross validation, together with the width
-  bool separate_sheets = true;         ///< samples that look the other way than those nearby do not count
+  std::optional<int> order = {};  ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by cross validation
+  std::optional<int> iterations = {};  ///< amls: 0..100; default: by leave-one-out cross validation, with the width
+  bool separate_sheets = true;         ///< samples that face away from those nearby are ignored
   /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10; default:
   /// `default_reach`.
   std::optional<double> reach = {};
@@ -78,8 +78,8 @@ class ImplicitSurface : public ScalarField {
 /// Throws ArgumentError for bad options.
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress);
 
-/// Width of the weights over the spacing that suits the samples: as little as keeps them together where they lie evenly
-/// and without noise, wider the less they do so.
+/// Width of the weights over the spacing that suits the samples: just enough to connect them where they lie evenly
+/// and without noise, wider otherwise.
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method = ImplicitMethod::apss);
 
 }  // namespace sansmesh

@@ -77,12 +77,12 @@ constexpr std::size_t kPlaces = 100;  // samples left out in turn
 constexpr double kMostEntries = 5e8;  // of the matrix: 4 GB
 constexpr int kMostIterations = 10;
 constexpr double kRough = 0.35;    // noise over spacing from which on …
-constexpr int kMostWhenRough = 2;  // … no more are tried: they follow what is left of the noise
+constexpr int kMostWhenRough = 2;  // … no more are tried: they fit what is left of the noise
 constexpr float kForget = 2e-4f;   // entries of the powers' rows that no longer matter
 constexpr double kWorthIt = 0.99;  // further iterations must lower the error by more than this
 
 /// Where noise is large against the width, a sample off the surface has neighbours that are off it in the same
-/// direction: the surface seems to follow the noise. So the others are asked at its foot on a mean plane.
+/// direction: the surface seems to follow the noise. So the others are evaluated at its foot on a mean plane.
 constexpr double kFootWidth = 2.5;   // of the weights of the mean, over the spacing
 constexpr double kFootNoise = 0.05;  // over the spacing: without noise the sample itself is a better place
 

@@ -160,7 +160,7 @@ class Consolidation {
     if (!(h_ > 0)) h_ = 1;
   }
 
-  /// 1 / v_j: samples that stand close together have less say each.
+  /// 1 / v_j: samples that stand close together have less weight each.
   void weigh_samples() {
     weights_.resize(samples_.size());
     parallel_ranges(0, samples_.size(), kGrain, [&](std::size_t first, std::size_t last) {

@@ -51,7 +51,7 @@ struct GaussianWeight {
   }
 };
 
-/// Which way the surface next to the points looks: means of normals with half as wide weights. Where these disagree,
+/// Where the surface next to the points faces: means of normals with half as wide weights. Where these disagree,
 /// between two sheets, the nearest sample decides.
 template <class Weight>
 HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes& p) {

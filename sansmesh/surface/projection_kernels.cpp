@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
 namespace HWY_NAMESPACE {
 
-constexpr float kLeast = 1e-30f;  // squares below this do not divide
+constexpr float kLeast = 1e-30f;  // squares below this are not divided by
 constexpr int kInverseSteps = 4;  // of the inverse iteration: the smallest eigenvalue is far below the others
 constexpr int kLevinSteps = 6;    // of the minimisation over plane and offset
 /// Ridge of the normal equations, over the diagonal: too few samples then give the flattest surface.

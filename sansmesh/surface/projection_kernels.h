@@ -11,7 +11,7 @@ enum class ProjectionFormula { levin, alexa, curvature };
 
 struct ProjectionKernel {
   ProjectionFormula formula = ProjectionFormula::curvature;
-  bool sheets = false;  ///< samples that look the other way than those next to the point do not count
+  bool sheets = false;  ///< samples that face away from those next to the point are ignored
   /// curvature: samples whose directional curvature exceeds λ = threshold / h count less, or not at all.
   bool diffusion = true, hard = false;
   float threshold = 1;

@@ -22,7 +22,7 @@ struct ProjectionOptions {
   /// Width of the weights over the local spacing, 0.5..20; default: from the noise.
   std::optional<double> smoothing = {};
   std::optional<double> bandwidth = {};  ///< width of the weights as one length, in place of `smoothing`
-  bool separate_sheets = true;           ///< samples that look the other way than those nearby do not count
+  bool separate_sheets = true;           ///< samples that face away from those nearby are ignored
   /// Radius of the domain's balls over the local spacing, 0.5..10; default: `default_reach`.
   std::optional<double> reach = {};
   /// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier

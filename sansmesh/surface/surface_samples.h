@@ -33,9 +33,9 @@ struct SurfaceSamples {
 /// samples are left, or all of them coincide. `noise` (length), where it is known, saves its estimation.
 SurfaceSamples prepare_samples(const PointSet& points, Progress& progress, std::optional<double> noise = {});
 
-/// Replaces the normals by means over neighbours with the compact weights of the given width over spacing, those that
-/// look the other way left out. Estimated normals follow the noise of the positions that they were estimated from; the
-/// means do so less.
+/// Replaces the normals by means over neighbours with the compact weights of the given width over spacing, without
+/// those that face the other way. Estimated normals follow the noise of the positions that they were estimated from;
+/// the means do so less.
 void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds);
 /// The same as often as the noise asks for: not at all below a tenth of the spacing, else once or twice.
 void smooth_noisy_normals(SurfaceSamples& samples, double smoothing);

@@ -168,7 +168,7 @@ TEST(OrthogonalFit, IsOrthogonalAndEqualsQr) {
   check_against_qr<3>(900, true, 6, ++seed);
 }
 
-// Nearly collinear samples: what is left of a row after subtraction is mostly rounding unless that is mended.
+// Nearly collinear samples: what is left of a row after subtraction is mostly rounding unless that is repaired.
 TEST(OrthogonalFit, StaysOrthogonalOnThinSets) {
   for (const double width : {1e-2, 1e-3, 1e-4, 1e-5}) {
     std::mt19937 random(21);

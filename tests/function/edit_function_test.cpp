@@ -237,7 +237,7 @@ TEST(FunctionEditor, UndoBringsBackEveryBit) {
   expect_stage(n - 1);
   editor.apply({{}, Undo{3}}, progress);
   expect_stage(n - 4);
-  // Other edits may follow, and go again.
+  // Other edits may follow, and be undone.
   editor.apply(edit_in_ball({-1, -1, -1}, 0.3, SetDegree{1}), progress);
   EXPECT_EQ(editor.edits(), n - 3);
   editor.apply({{}, Undo{static_cast<int>(n) - 3}}, progress);
@@ -297,7 +297,7 @@ TEST(FunctionEditor, FailuresLeaveTheFunctionAsItWas) {
   EXPECT_EQ(editor.edits(), 0u);
   EXPECT_EQ(without.edits(), 0u);
   EXPECT_TRUE(editor.changed().empty());
-  // What needs no samples goes without.
+  // What needs no samples works without.
   Progress fresh;
   EXPECT_NO_THROW(without.apply({some, SetConstant{1}}, fresh));
   EXPECT_NO_THROW(without.apply({some, RemoveSupports{}}, fresh));

@@ -1,4 +1,4 @@
-// Scripts of edits: there and back, and whatever is wrong with one is named.
+// Scripts of edits: written and read back; what is wrong with one is named.
 #include <gtest/gtest.h>
 
 #include <random>

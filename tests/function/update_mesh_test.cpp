@@ -86,7 +86,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
         EXPECT_GT(off, before.triangles.size() / 4);
         EXPECT_EQ(gone, 0u);
       }
-      // Simplified triangles of flat faces reach from edge to edge: there all may be made anew.
+      // Simplified triangles of flat faces reach from edge to edge: there the whole mesh may be made anew.
       if (!options.mesh_error && (smooth || !options.enhance)) {
         EXPECT_GE(local, local_actions().size() - 1) << shape.name << (options.enhance ? "" : ", plain");
       }

@@ -129,7 +129,7 @@ std::string cgal_doubles() {
   return s;
 }
 
-/// A cloud whose header declares faces all the same.
+/// A cloud whose header declares faces nevertheless.
 std::string vcg_without_faces() {
   return "ply\nformat ascii 1.0\ncomment VCGLIB generated\n" + element("vertex", shape().vertices.size()) +
          xyz_of("float") + element("face", 0) + "property list uchar int vertex_indices\nend_header\n" +

@@ -97,7 +97,7 @@ TEST(MeasureSolid, ClosedMeansThatNoDirectionIsLeftOver) {
   TriangleMesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
   std::swap(box.triangles[3][0], box.triangles[3][1]);
   EXPECT_EQ(measure_solid(box).whole.open_edges, 3u);  // its edges are run through twice the same way
-  // Two cubes with a common edge: four triangles there, and closed all the same.
+  // Two cubes with a common edge: four triangles there, and closed nevertheless.
   const TriangleMesh touching =
       test::joined(test::box_mesh({0, 0, 0}, {1, 1, 1}), test::box_mesh({1, 1, 0}, {2, 2, 1}), {});
   const SolidMeasures m = measure_solid(touching);

@@ -41,7 +41,7 @@ TEST(DistanceMap, SphereAgainstALargerOne) {
   EXPECT_LE(s.p95, s.highest);
   EXPECT_NEAR(norm(s.highest_at), 1, 1e-6);
 
-  // The other way round with the sign turned: the same story, told on the reference.
+  // The other way round with the sign changed: the same figures, measured on the reference.
   const DistanceMap reversed = compare(large, small, {.reversed = true});
   EXPECT_NEAR(reversed.statistics.mean, -0.01, 5e-4);
 }

@@ -268,7 +268,7 @@ TEST(MeshCsg, BlocksFollowTheSolid) {
   }
 }
 
-/// What is thin lies between all points at which large blocks are asked, and is there all the same.
+/// Thin parts lie between all points at which large blocks are sampled, and are found nevertheless.
 TEST(MeshCsg, LargeBlocksMissNothingThin) {
   struct Case {
     const char* text;

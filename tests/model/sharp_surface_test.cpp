@@ -153,7 +153,7 @@ TEST(SharpSurface, OfACube) {
 }
 
 /// Exact normals along the axes are the worst case: cells of the mesh lie along the edges, and many are chamfered.
-/// Better than blurred they are all the same.
+/// They are better than blurred ones nevertheless.
 TEST(SharpSurface, OfACubeAlongTheAxes) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others run the same surface");
   expect_sharper(test::cube(12000), test::cube_of_faces(), {true}, 0.9);

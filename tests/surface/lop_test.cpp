@@ -124,7 +124,7 @@ TEST(Lop, CanGiveMorePointsThanSamples) {
   const PointSet result = run(sample_sphere(3000, 1, 0, 7), options);
   EXPECT_EQ(result.size(), 6000u);
   EXPECT_LT(distances(result).back(), 0.01);
-  EXPECT_LT(unevenness(result.positions), 1.15 * kRandom);  // no worse than random, but for chance
+  EXPECT_LT(unevenness(result.positions), 1.15 * kRandom);  // no worse than random, up to chance
 }
 
 TEST(Lop, SurvivesDegenerateInput) {
