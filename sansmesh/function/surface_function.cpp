@@ -1,11 +1,9 @@
 #include "sansmesh/function/surface_function.h"
 
-#include <fmt/core.h>
-
 #include <cmath>
-#include <string>
 #include <utility>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {
@@ -17,14 +15,13 @@ constexpr double kMostError = 10;
 }  // namespace
 
 void FitOptions::validate() const {
-  const auto check = [](bool ok, const std::string& what) {
+  const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
-        fmt::format("`max_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
+  if (max_depth) check_range("max_depth", *max_depth, kLeastDepth, kMostDepth);
   check(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
-  check(!support || (*support >= 1.1 && *support <= 2), "`support` must lie in 1.1..2");
-  check(max_degree >= 1 && max_degree <= 4, "`max_degree` must lie in 1..4");
+  if (support) check_range("support", *support, 1.1, 2);
+  check_range("max_degree", max_degree, 1, 4);
 }
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
