@@ -1,6 +1,9 @@
 #include "sansmesh/function/surface_function.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
@@ -15,10 +18,11 @@ constexpr double kMostError = 10;
 }  // namespace
 
 void FitOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
+  const auto check = [](bool ok, const std::string& what) {
     if (!ok) throw ArgumentError(what);
   };
-  if (max_depth) check_range("max_depth", *max_depth, kLeastDepth, kMostDepth);
+  check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
+        fmt::format("`max_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
   check(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
   if (support) check_range("support", *support, 1.1, 2);
   check_range("max_degree", max_degree, 1, 4);

@@ -1,15 +1,16 @@
 #include "sansmesh/meshing/mesh_options.h"
 
+#include <fmt/core.h>
+
 #include <cmath>
 
-#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
 
 void MeshOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
+  const auto check = [](bool ok, const std::string& what) {
     if (!ok) throw ArgumentError(what);
   };
   check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "`mesh_error` must be a positive length");
@@ -22,7 +23,8 @@ void MeshOptions::validate() const {
         "the number of `components` must be at least 1");
   check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
         "`box` must be finite, and its lower corner below its upper one");
-  if (block_depth) check_range("block_depth", *block_depth, kLeastDepth, kMostDepth);
+  check(!block_depth || (*block_depth >= kLeastDepth && *block_depth <= kMostDepth),
+        fmt::format("`block_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
 }
 
 }  // namespace sansmesh
