@@ -12,14 +12,13 @@ namespace {
 
 constexpr std::size_t kGrain = 16384;
 
-template <NumberType type, class T>
-constexpr bool stands_for =
-    std::is_same_v<std::variant_alternative_t<static_cast<std::size_t>(type), AttributeValues>, std::vector<T>>;
-static_assert(stands_for<NumberType::i8, std::int8_t> && stands_for<NumberType::u8, std::uint8_t> &&
-              stands_for<NumberType::i16, std::int16_t> && stands_for<NumberType::u16, std::uint16_t> &&
-              stands_for<NumberType::i32, std::int32_t> && stands_for<NumberType::u32, std::uint32_t> &&
-              stands_for<NumberType::i64, std::int64_t> && stands_for<NumberType::u64, std::uint64_t> &&
-              stands_for<NumberType::f32, float> && stands_for<NumberType::f64, double>);
+template <std::size_t... i>
+constexpr bool in_order(std::index_sequence<i...>) {
+  return ((number_type_of<typename std::variant_alternative_t<i, AttributeValues>::value_type>() ==
+           static_cast<NumberType>(i)) &&
+          ...);
+}
+static_assert(in_order(std::make_index_sequence<std::variant_size_v<AttributeValues>>{}));
 
 template <class T>
 constexpr T unknown() {

@@ -13,13 +13,13 @@
 #include "sansmesh/data/number_type.h"
 
 namespace sansmesh {
+
 /// The alternatives stand in the order of NumberType.
-// clang-format off
-using AttributeValues = std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
-                                     std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
-                                     std::vector<std::int64_t>, std::vector<std::uint64_t>, std::vector<float>,
-                                     std::vector<double>>;
-// clang-format on
+using AttributeValues =
+    std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
+                 std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
+                 std::vector<std::int64_t>, std::vector<std::uint64_t>, std::vector<float>, std::vector<double>>;
+
 /// An empty array of a type.
 AttributeValues empty_values(NumberType type);
 

@@ -1,9 +1,11 @@
 // Types of numbers as files have them.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 
 namespace sansmesh {
 
@@ -19,6 +21,14 @@ inline constexpr bool is_real(NumberType t) { return t == NumberType::f32 || t =
 
 inline constexpr bool is_signed(NumberType t) {
   return t != NumberType::u8 && t != NumberType::u16 && t != NumberType::u32 && t != NumberType::u64;
+}
+
+/// That of a type of the language.
+template <class T>
+constexpr NumberType number_type_of() {
+  static_assert(std::is_arithmetic_v<T> && sizeof(T) <= 8);
+  if constexpr (std::is_floating_point_v<T>) return sizeof(T) == 4 ? NumberType::f32 : NumberType::f64;
+  return static_cast<NumberType>(2 * std::countr_zero(sizeof(T)) + (std::is_unsigned_v<T> ? 1 : 0));
 }
 
 /// "int8", "uint8", …, "float", "double".

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
@@ -237,7 +238,7 @@ void DiagnoseOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(coverage_below >= 0 && coverage_below <= 1, "`coverage_below` must lie in 0..1");
+  check_range("coverage_below", coverage_below, 0, 1);
   check(!error_above || (std::isfinite(*error_above) && *error_above > 0), "`error_above` must be a positive length");
   check(std::isfinite(gradient_above) && gradient_above > 1, "`gradient_above` must be larger than 1");
 }

@@ -17,6 +17,9 @@
 namespace sansmesh::io {
 namespace {
 
+const std::vector<Triangle> kNoTriangles;
+const AttributeTable kNoAttributes;
+
 /// The reason, without the temporary name that the reader of the message never chose.
 [[noreturn]] void fail_system(const std::string& file, int error) {
   if (error == EACCES || error == EPERM) throw FileError(file, "cannot be written (permission denied)");
@@ -136,6 +139,24 @@ void write_parts(const std::string& file, const Parts& parts) {
   if (lower(file).ends_with(".gz")) return write_bytes(file, views(gzip(file, parts)));
   write_bytes(file, parts);
 }
+
+OutputContent::OutputContent(const TriangleMesh& mesh)
+    : origin(mesh.origin),
+      positions(mesh.vertices),
+      normals(mesh.normals),
+      colors(mesh.colors),
+      attributes(mesh.attributes),
+      triangles(mesh.triangles),
+      triangle_attributes(mesh.triangle_attributes) {}
+
+OutputContent::OutputContent(const PointSet& points)
+    : origin(points.origin),
+      positions(points.positions),
+      normals(points.normals),
+      colors(points.colors),
+      attributes(points.attributes),
+      triangles(kNoTriangles),
+      triangle_attributes(kNoAttributes) {}
 
 WorldCoordinates::WorldCoordinates(const Vec3& origin, const std::vector<Vec3f>& positions)
     : origin_(origin), positions_(positions), shifted_(origin != Vec3{}) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -49,6 +51,25 @@ inline char* put(char* p, T value) {
 }
 inline char* put(char* p, char c) { return *p = c, p + 1; }
 inline char* put(char* p, const char* s) { return std::copy_n(s, std::strlen(s), p); }
+
+template <class T>
+inline char* put_bytes(char* p, const T& value) {
+  return static_cast<char*>(std::memcpy(p, &value, sizeof(T))) + sizeof(T);
+}
+
+/// What meshes and clouds have in common, which they must outlive. Clouds are written without their triangles.
+struct OutputContent {
+  explicit OutputContent(const TriangleMesh& mesh);
+  explicit OutputContent(const PointSet& points);
+
+  const Vec3& origin;
+  const std::vector<Vec3f>& positions;
+  const std::vector<Vec3f>& normals;
+  const std::vector<std::array<std::uint8_t, 3>>& colors;
+  const AttributeTable& attributes;
+  const std::vector<Triangle>& triangles;
+  const AttributeTable& triangle_attributes;
+};
 
 /// How coordinates leave: world = origin + position.
 class WorldCoordinates {

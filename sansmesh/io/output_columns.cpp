@@ -1,7 +1,5 @@
 #include "sansmesh/io/output_columns.h"
 
-#include <charconv>
-#include <cstring>
 #include <unordered_set>
 
 #include "sansmesh/io/names.h"
@@ -11,18 +9,12 @@ namespace sansmesh::io {
 
 char* OutputColumn::put_text(char* p, std::size_t row) const {
   const std::size_t i = row * attribute->components + component;
-  return std::visit([&](const auto& values) { return std::to_chars(p, p + number_width, values[i]).ptr; },
-                    attribute->values);
+  return std::visit([&](const auto& values) { return put(p, values[i]); }, attribute->values);
 }
 
 char* OutputColumn::put_bytes(char* p, std::size_t row) const {
   const std::size_t i = row * attribute->components + component;
-  return std::visit(
-      [&](const auto& values) {
-        std::memcpy(p, &values[i], sizeof(values[i]));
-        return p + sizeof(values[i]);
-      },
-      attribute->values);
+  return std::visit([&](const auto& values) { return io::put_bytes(p, values[i]); }, attribute->values);
 }
 
 std::string one_word(std::string_view name) {

@@ -51,16 +51,9 @@ std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOption
   std::string body(n * record, '\0');
   parallel_for(0, n, 1 << 14, [&](std::size_t i) {
     char* p = body.data() + i * record;
-    const auto append = [&p](const auto& value) {
-      std::memcpy(p, &value, sizeof(value));
-      p += sizeof(value);
-    };
-    if (wide)
-      append(world.world(i));
-    else
-      append(world.world_float(i));
-    if (normals) append(points.normals[i]);
-    if (colors) append(packed(i));
+    p = wide ? put_bytes(p, world.world(i)) : put_bytes(p, world.world_float(i));
+    if (normals) p = put_bytes(p, points.normals[i]);
+    if (colors) p = put_bytes(p, packed(i));
     for (const OutputColumn& c : columns) p = c.put_bytes(p, i);
   });
   parts.push_back(std::move(body));

@@ -7,21 +7,6 @@
 namespace sansmesh::io {
 namespace {
 
-struct Vertices {
-  const Vec3& origin;
-  const std::vector<Vec3f>& positions;
-  const std::vector<Vec3f>& normals;
-  const std::vector<std::array<std::uint8_t, 3>>& colors;
-  const AttributeTable& attributes;
-  const std::vector<std::array<std::uint32_t, 3>>& triangles;
-  const AttributeTable& triangle_attributes;
-};
-
-template <class T>
-char* put_bytes(char* p, const T& value) {
-  return static_cast<char*>(std::memcpy(p, &value, sizeof(T))) + sizeof(T);
-}
-
 /// The names of 64 bits are not in the format's first description; readers that know no such numbers say so.
 const char* ply_type(NumberType type) {
   constexpr const char* names[] = {"char", "uchar", "short",  "ushort", "int",
@@ -29,7 +14,7 @@ const char* ply_type(NumberType type) {
   return names[static_cast<std::size_t>(type)];
 }
 
-std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) {
+std::vector<std::string> to_ply(const OutputContent& v, const WriteOptions& options) {
   const std::size_t n = v.positions.size();
   const bool normals = !v.normals.empty(), colors = !v.colors.empty();
   const WorldCoordinates world(v.origin, v.positions);
@@ -101,11 +86,11 @@ std::vector<std::string> to_ply(const Vertices& v, const WriteOptions& options) 
 }  // namespace
 
 std::vector<std::string> mesh_to_ply(const TriangleMesh& m, const WriteOptions& options) {
-  return to_ply({m.origin, m.vertices, m.normals, m.colors, m.attributes, m.triangles, m.triangle_attributes}, options);
+  return to_ply(OutputContent(m), options);
 }
 
 std::vector<std::string> points_to_ply(const PointSet& p, const WriteOptions& options) {
-  return to_ply({p.origin, p.positions, p.normals, p.colors, p.attributes, {}, {}}, options);
+  return to_ply(OutputContent(p), options);
 }
 
 }  // namespace sansmesh::io

@@ -280,7 +280,9 @@ class VtpReader {
   PointSet assemble() {
     PointSet points;
     std::vector<std::uint32_t> face_of;
-    FaceSink sink(in_, points.triangles, &face_of);
+    const bool cells_known =
+        std::any_of(pieces_.begin(), pieces_.end(), [](const Piece& p) { return !p.of_cells.empty(); });
+    FaceSink sink(in_, points.triangles, cells_known ? &face_of : nullptr);
     std::vector<AttributeTable> of_points, of_faces;
     std::vector<Vec3> positions;
     bool normals = true, colors = true;
@@ -307,11 +309,11 @@ class VtpReader {
       of_points.push_back(decode(p.of_points, n, 0, "points"));
       const std::size_t faces = (p.poly_offsets ? p.poly_offsets->count() : 0) +  //
                                 (p.strip_offsets ? p.strip_offsets->count() : 0);
-      if (faces > 0) of_faces.push_back(decode(p.of_cells, faces, p.other_cells, "cells"));
+      if (cells_known && faces > 0) of_faces.push_back(decode(p.of_cells, faces, p.other_cells, "cells"));
     }
     sink.done();
     points.attributes = join_tables(in_, std::move(of_points), "pieces");
-    points.triangle_attributes = join_tables(in_, std::move(of_faces), "pieces").taken(face_of);
+    if (cells_known) points.triangle_attributes = join_tables(in_, std::move(of_faces), "pieces").taken(face_of);
     place_positions(points, positions.size(), [&](std::size_t i) { return positions[i]; });
     finish(in_, points);
     return points;

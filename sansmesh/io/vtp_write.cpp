@@ -16,15 +16,6 @@ const char* vtk_type(NumberType type) {
   return names[static_cast<std::size_t>(type)];
 }
 
-template <class T>
-constexpr NumberType type_of() {
-  if constexpr (std::is_same_v<T, float>) return NumberType::f32;
-  if constexpr (std::is_same_v<T, double>) return NumberType::f64;
-  if constexpr (std::is_same_v<T, std::uint8_t>) return NumberType::u8;
-  if constexpr (std::is_same_v<T, std::int32_t>) return NumberType::i32;
-  return NumberType::i64;
-}
-
 /// The XML and what is appended to it, array by array.
 class VtpFile {
  public:
@@ -39,34 +30,8 @@ class VtpFile {
   template <class At>
   void array(int depth, std::string_view name, std::size_t components, std::size_t numbers, At&& at) {
     using T = std::decay_t<decltype(at(std::size_t{}))>;
-    add(depth, name, type_of<T>(), components, numbers, at);
-  }
-
-  void attribute(int depth, const Attribute& a) {
-    std::visit(
-        [&](const auto& values) {
-          add(depth, a.name, a.type(), a.components, values.size(), [&](std::size_t i) { return values[i]; });
-        },
-        a.values);
-  }
-
-  std::vector<std::string> finish() {
-    if (!ascii_) {
-      line(1, "<AppendedData encoding=\"raw\">");
-      xml_ += "   _";
-      for (std::string& block : appended_) parts_.push_back(std::move(block));
-    }
-    parts_.front() = std::move(xml_);
-    parts_.push_back(ascii_ ? "</VTKFile>\n" : "\n  </AppendedData>\n</VTKFile>\n");
-    return std::move(parts_);
-  }
-
- private:
-  template <class At>
-  void add(int depth, std::string_view name, NumberType type, std::size_t components, std::size_t numbers, At&& at) {
-    using T = std::decay_t<decltype(at(std::size_t{}))>;
-    const std::string tag = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"", vtk_type(type),
-                                        to_xml(name), components);
+    const std::string tag = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
+                                        vtk_type(number_type_of<T>()), to_xml(name), components);
     if (ascii_) {
       line(depth, tag + " format=\"ascii\">");
       std::vector<std::string> rows;
@@ -92,20 +57,30 @@ class VtpFile {
     appended_.push_back(std::move(block));
   }
 
+  void attribute(int depth, const Attribute& a) {
+    std::visit(
+        [&](const auto& values) {
+          array(depth, a.name, a.components, values.size(), [&](std::size_t i) { return values[i]; });
+        },
+        a.values);
+  }
+
+  std::vector<std::string> finish() {
+    if (!ascii_) {
+      line(1, "<AppendedData encoding=\"raw\">");
+      xml_ += "   _";
+      for (std::string& block : appended_) parts_.push_back(std::move(block));
+    }
+    parts_.front() = std::move(xml_);
+    parts_.push_back(ascii_ ? "</VTKFile>\n" : "\n  </AppendedData>\n</VTKFile>\n");
+    return std::move(parts_);
+  }
+
+ private:
   bool ascii_;
   std::string xml_;
   std::vector<std::string> parts_{1}, appended_;
   std::uint64_t offset_ = 0;
-};
-
-struct Content {
-  const Vec3& origin;
-  const std::vector<Vec3f>& positions;
-  const std::vector<Vec3f>& normals;
-  const std::vector<std::array<std::uint8_t, 3>>& colors;
-  const AttributeTable& attributes;
-  const std::vector<std::array<std::uint32_t, 3>>& triangles;
-  const AttributeTable& triangle_attributes;
 };
 
 /// Indices as small as they can be.
@@ -117,7 +92,7 @@ void with_index_type(std::size_t largest, Write&& write) {
     write(std::int64_t{});
 }
 
-std::vector<std::string> to_vtp(const Content& c, bool mesh, const WriteOptions& options) {
+std::vector<std::string> to_vtp(const OutputContent& c, bool mesh, const WriteOptions& options) {
   const std::size_t n = c.positions.size(), faces = c.triangles.size();
   const WorldCoordinates world(c.origin, c.positions);
   VtpFile file(options.ascii);
@@ -167,12 +142,11 @@ std::vector<std::string> to_vtp(const Content& c, bool mesh, const WriteOptions&
 }  // namespace
 
 std::vector<std::string> mesh_to_vtp(const TriangleMesh& m, const WriteOptions& options) {
-  return to_vtp({m.origin, m.vertices, m.normals, m.colors, m.attributes, m.triangles, m.triangle_attributes}, true,
-                options);
+  return to_vtp(OutputContent(m), true, options);
 }
 
 std::vector<std::string> points_to_vtp(const PointSet& p, const WriteOptions& options) {
-  return to_vtp({p.origin, p.positions, p.normals, p.colors, p.attributes, {}, {}}, false, options);
+  return to_vtp(OutputContent(p), false, options);
 }
 
 }  // namespace sansmesh::io

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
@@ -77,8 +78,8 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
 }  // namespace
 
 void ProjectToSurface::validate() const {
-  if (steps < 1 || steps > 1000) throw ArgumentError("`steps` must lie in 1..1000");
-  if (!(tolerance >= 1e-6 && tolerance <= 1)) throw ArgumentError("`tolerance` must lie in 1e-6..1");
+  check_range("steps", steps, 1, 1000);
+  check_range("tolerance", tolerance, 1e-6, 1);
 }
 
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,

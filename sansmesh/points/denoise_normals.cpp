@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
@@ -156,10 +157,8 @@ class NormalDenoiser {
 }  // namespace
 
 void NormalDenoisingOptions::validate() const {
-  if (neighbours && (*neighbours < 6 || *neighbours > 240))
-    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 6..240");
-  if (rounds < 0 || rounds > 20)
-    throw ArgumentError("`rounds` is " + std::to_string(rounds) + "; it must lie in 0..20");
+  if (neighbours) check_range("neighbours", *neighbours, 6, 240);
+  check_range("rounds", rounds, 0, 20);
   if (!(angle > 0 && angle <= std::numbers::pi / 2)) throw ArgumentError("`angle` must lie in (0, π/2]");
   if (spacing && !(*spacing >= 0)) throw ArgumentError("`spacing` must not be negative");
   if (noise && !(*noise >= 0)) throw ArgumentError("`noise` must not be negative");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
@@ -121,10 +122,8 @@ class NormalFitter {
 }  // namespace
 
 void NormalOptions::validate() const {
-  if (neighbours && (*neighbours < 6 || *neighbours > 500))
-    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 6..500");
-  if (reweightings < 0 || reweightings > 10)
-    throw ArgumentError("`reweightings` is " + std::to_string(reweightings) + "; it must lie in 0..10");
+  if (neighbours) check_range("neighbours", *neighbours, 6, 500);
+  check_range("reweightings", reweightings, 0, 10);
   if (spacing && !(*spacing >= 0)) throw ArgumentError("`spacing` must not be negative");
   if (noise && !(*noise >= 0)) throw ArgumentError("`noise` must not be negative");
 }

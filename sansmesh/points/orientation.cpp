@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sign_graph.h"
@@ -257,10 +258,7 @@ bool know_scanners(const PointSet& points) {
 
 }  // namespace
 
-void OrientationOptions::validate() const {
-  if (neighbours < 4 || neighbours > 100)
-    throw ArgumentError("`neighbours` is " + std::to_string(neighbours) + "; it must lie in 4..100");
-}
+void OrientationOptions::validate() const { check_range("neighbours", neighbours, 4, 100); }
 
 void orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress) {
   options.validate();

@@ -35,9 +35,9 @@ struct Extraction {
   PatternTable patterns = {};
   std::vector<ActiveBlock> active = {};
   std::vector<std::uint32_t> numbers = {};
-  std::vector<float> values =
-      {};                         ///< field at each lattice vertex; positive on the cube's faces, which closes the mesh
-  std::vector<Vec3f> moved = {};  ///< of each lattice vertex, relative to origin, where there is a displacement
+  /// Field at each lattice vertex; positive on the cube's faces, which closes the mesh.
+  std::vector<float> values = {};
+  std::vector<Vec3f> moved = {};        ///< of each lattice vertex, relative to origin, where there is a displacement
   std::vector<std::uint8_t> caps = {};  ///< lattice vertices on the cube's faces where the field is negative
 
   Vec3 world(const LatticePoint& p) const {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/ball_segments.h"
@@ -47,12 +48,6 @@ double meet(const FootPoint& foot, const Vec3& x, const Vec3& direction) {
   return -2 * height / (slope + std::copysign(std::sqrt(discriminant), slope));
 }
 
-void check_share(const char* name, double value, double lowest, double highest) {
-  if (value >= lowest && value <= highest) return;
-  throw ArgumentError("`" + std::string(name) + "` must be from " + std::to_string(lowest) + " to " +
-                      std::to_string(highest) + ", not " + std::to_string(value));
-}
-
 BallUnion usable(const BallUnion& balls) {
   if (balls.centers.size() != balls.radii.size())
     throw ArgumentError("balls: " + std::to_string(balls.centers.size()) + " centres, but " +
@@ -72,9 +67,9 @@ BallUnion usable(const BallUnion& balls) {
 }  // namespace
 
 void SurfaceCastOptions::validate() const {
-  check_share("tolerance", tolerance, 1e-6, 0.1);
-  check_share("smallest_step", smallest_step, 1e-3, 1);
-  check_share("largest_step", largest_step, smallest_step, 1);
+  check_range("tolerance", tolerance, 1e-6, 0.1);
+  check_range("smallest_step", smallest_step, 1e-3, 1);
+  check_range("largest_step", largest_step, smallest_step, 1);
 }
 
 struct SurfaceCaster::State {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/surface/bilateral_kernels.h"
 #include "sansmesh/surface/candidates.h"
@@ -26,9 +27,9 @@ void BilateralOptions::validate() const {
     if (!ok) throw ArgumentError(what);
   };
   check(!height || (std::isfinite(*height) && *height > 0), "`height` must be a positive length");
-  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "`smoothing` must lie in 0.5..20");
+  if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
   check(std::isfinite(turn) && turn > 0, "`turn` must be positive");
-  check(iterations >= 0 && iterations <= 20, "`iterations` must lie in 0..20");
+  check_range("iterations", iterations, 0, 20);
 }
 
 BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options)

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 
@@ -291,10 +292,9 @@ float shape_index(const PrincipalCurvatures& c) {
 }
 
 void CurvatureOptions::validate() const {
-  if (tau < 1 || tau > 4) throw ArgumentError("`tau` is " + std::to_string(tau) + "; it must lie in 1..4");
+  check_range("tau", tau, 1, 4);
   if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("`radius` must be positive");
-  if (neighbours && (*neighbours < 8 || *neighbours > 2000))
-    throw ArgumentError("`neighbours` is " + std::to_string(*neighbours) + "; it must lie in 8..2000");
+  if (neighbours) check_range("neighbours", *neighbours, 8, 2000);
   if (noise && !(*noise >= 0 && std::isfinite(*noise))) throw ArgumentError("`noise` must not be negative");
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
@@ -111,11 +112,11 @@ void ImplicitOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "`smoothing` must lie in 0.5..20");
+  if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
   check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
   check(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
-  check(!iterations || (*iterations >= 0 && *iterations <= 100), "`iterations` must lie in 0..100");
-  check(!reach || (*reach >= 0.5 && *reach <= 10), "`reach` must lie in 0.5..10");
+  if (iterations) check_range("iterations", *iterations, 0, 100);
+  if (reach) check_range("reach", *reach, 0.5, 10);
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {

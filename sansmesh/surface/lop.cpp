@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/placement.h"
 #include "sansmesh/points/local_frame.h"
@@ -297,8 +298,7 @@ void LopOptions::validate() const {
   if (points && *points == 0) throw ArgumentError("`points` is 0; it must be at least 1");
   if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("`radius` must be positive");
   if (!(repulsion >= 0 && repulsion < 0.5)) throw ArgumentError("`repulsion` must lie in [0, 0.5)");
-  if (iterations < 1 || iterations > 1000)
-    throw ArgumentError("`iterations` is " + std::to_string(iterations) + "; it must lie in 1..1000");
+  check_range("iterations", iterations, 1, 1000);
 }
 
 PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress) {

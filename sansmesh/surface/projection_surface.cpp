@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/implicit_surface.h"
@@ -34,9 +35,9 @@ void ProjectionOptions::validate() const {
   const auto check = [](bool ok, const char* what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!smoothing || (*smoothing >= 0.5 && *smoothing <= 20), "`smoothing` must lie in 0.5..20");
+  if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
   check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
-  check(!reach || (*reach >= 0.5 && *reach <= 10), "`reach` must lie in 0.5..10");
+  if (reach) check_range("reach", *reach, 0.5, 10);
   check(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
   check(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
 }

@@ -37,6 +37,7 @@ TEST(AttributeTable, TypesAreThoseOfTheirNumbers) {
     std::visit(
         [&](const auto& values) {
           using T = typename std::decay_t<decltype(values)>::value_type;
+          EXPECT_EQ(number_type_of<T>(), type);
           EXPECT_EQ(sizeof(T), size_of(type));
           EXPECT_EQ(std::is_floating_point_v<T>, is_real(type));
           EXPECT_EQ(std::is_signed_v<T>, is_signed(type));
