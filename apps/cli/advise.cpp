@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "commands.h"
@@ -17,8 +16,6 @@
 
 namespace sansmesh::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json to_json(const CloudTraits& t) {
   return {{"samples", t.samples},
@@ -73,7 +70,7 @@ std::string command_of(const Recommendation& r, const std::string& file) {
 }
 
 /// `recommended`: the command whose options reasons may name.
-void run_advise(const std::string& file, const CLI::App& recommended, Console& console) {
+void run_advise(const std::string& file, const CommandLine& recommended, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
@@ -104,7 +101,7 @@ void run_advise(const std::string& file, const CLI::App& recommended, Console& c
   for (const Recommendation& r : advice.recommendations)
     json["recommendations"].push_back({{"aim", aim_word(r.aim)},
                                        {"surface", surface_method_info(r.surface).name},
-                                       {"commands", Json::array({command_of(r, file)})},
+                                       {"commands", std::vector{command_of(r, file)}},
                                        {"why", in_flags(r.why, recommended)}});
   std::vector<std::string> warnings = read.warnings;
   warnings.insert(warnings.end(), advice.warnings.begin(), advice.warnings.end());
@@ -115,16 +112,16 @@ void run_advise(const std::string& file, const CLI::App& recommended, Console& c
 
 }  // namespace
 
-Command add_advise(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("advise", "Points → which method suits them, why, and the commands to run");
+Command add_advise(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("advise", "Points → which method suits them, why, and the commands to run");
   auto file = std::make_shared<std::string>();
-  c.add_option("input", *file, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("input", *file, "Points, or a mesh or polygon soup").type_name("FILE").required();
   c.footer(std::string(kReadable) +
            "\n\nLooks at noise, density, sharp edges, borders, stray samples and normals. Writes nothing."
            "\n\nExamples:\n"
            "  sansmesh advise scan.ply\n"
            "  sansmesh advise scan.ply --json");
-  return {&c, [file, &app](Console& console) { run_advise(*file, *app.get_subcommand("reconstruct"), console); }};
+  return {&c, [file, &app](Console& console) { run_advise(*file, app.subcommand("reconstruct"), console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -4,16 +4,13 @@
 
 #include <functional>
 
+#include "command_line.h"
 #include "console.h"
-
-namespace CLI {
-class App;
-}
 
 namespace sansmesh::cli {
 
 struct Command {
-  CLI::App* app;  ///< the subcommand, with its own options; those of every command are added by main.cpp
+  CommandLine* line;  ///< the subcommand, with its own options; those of every command are added by main.cpp
   /// Called once after parsing. Its arguments live in what it has captured. Errors are thrown.
   std::function<void(Console&)> run;
 };

@@ -7,23 +7,23 @@
 
 namespace sansmesh::cli {
 
-Command add_reconstruct(CLI::App& app);
-Command add_normals(CLI::App& app);
-Command add_evaluate(CLI::App& app);
-Command add_info(CLI::App& app);
-Command add_render(CLI::App& app);
-Command add_project(CLI::App& app);
-Command add_curvature(CLI::App& app);
-Command add_advise(CLI::App& app);
-Command add_fit(CLI::App& app);
-Command add_mesh(CLI::App& app);
-Command add_eval(CLI::App& app);
-Command add_edit(CLI::App& app);
-Command add_diagnose(CLI::App& app);
-Command add_section(CLI::App& app);
-Command add_compare(CLI::App& app);
-Command add_measure(CLI::App& app);
-Command add_csg(CLI::App& app);
+Command add_reconstruct(CommandLine& app);
+Command add_normals(CommandLine& app);
+Command add_evaluate(CommandLine& app);
+Command add_info(CommandLine& app);
+Command add_render(CommandLine& app);
+Command add_project(CommandLine& app);
+Command add_curvature(CommandLine& app);
+Command add_advise(CommandLine& app);
+Command add_fit(CommandLine& app);
+Command add_mesh(CommandLine& app);
+Command add_eval(CommandLine& app);
+Command add_edit(CommandLine& app);
+Command add_diagnose(CommandLine& app);
+Command add_section(CommandLine& app);
+Command add_compare(CommandLine& app);
+Command add_measure(CommandLine& app);
+Command add_csg(CommandLine& app);
 
 /// Throws FileError early if no function file of that name can be written.
 void check_function_writable(const std::string& file);

@@ -1,11 +1,9 @@
 // sansmesh compare: the inspection map, how far every place of a part lies from where it should.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,8 +20,6 @@
 
 namespace sansmesh::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Edges longer than this part of the diagonal make a map of vertices a coarse one.
 constexpr double kCoarse = 0.02;
@@ -49,7 +45,7 @@ Json to_json(const DistanceStatistics& s) {
           {"p95_absolute", s.p95_absolute},
           {"lowest", {{"value", s.lowest}, {"at", to_json(s.lowest_at)}}},
           {"highest", {{"value", s.highest}, {"at", to_json(s.highest_at)}}},
-          {"within_tolerance", s.within_tolerance ? Json(*s.within_tolerance) : Json()},
+          {"within_tolerance", s.within_tolerance},
           {"area", s.area}};
 }
 
@@ -202,7 +198,7 @@ Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInp
                {"at_border", map.at_border},
                {"not_finite", map.not_finite},
                {"max_distance", map.max_distance},
-               {"tolerance", a.options.tolerance ? Json(*a.options.tolerance) : Json()},
+               {"tolerance", a.options.tolerance},
                {"distance", to_json(s)},
                {"histogram",
                 {{"lower", map.has_sides ? -s.range : 0.0},
@@ -256,40 +252,39 @@ void run_compare(const CompareArguments& a, Console& console) {
 
 }  // namespace
 
-Command add_compare(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
+Command add_compare(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
   auto a = std::make_shared<CompareArguments>();
   DistanceMapOptions& o = a->options;
-  c->add_option("part", a->part, "What was made: mesh, points, or function (.smf)")->type_name("FILE")->required();
-  c->add_option("reference", a->reference, "What it should be: mesh, points, or function (.smf)")
-      ->type_name("FILE")
-      ->required();
-  c->add_option("-o,--output", a->output,
-                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
-      ->type_name("FILE");
-  add_preview_option(*c, a->preview, "the map, with a scale in its --width,");
-  c->add_option("--tolerance", o.tolerance, "Report the share within ±LENGTH")->type_name("LENGTH");
-  c->add_option("--range", o.range, "Distance that gets the full colour [99 % are nearer]")->type_name("LENGTH");
-  c->add_option("--max-distance", o.max_distance,
-                "Leave out whatever is farther off [a tenth of the diagonal of the reference]")
-      ->type_name("LENGTH");
-  c->add_flag("--skip-border", o.skip_border, "Leave out what is closest to the border of an open surface");
-  c->add_option("--on", a->on, "Draw the map on the part or the reference; the sign stays the part's [part]")
-      ->type_name("CHOICE")
-      ->check(CLI::IsMember({"part", "reference"}).description(""));
-  c->add_option("--refine", a->refine, "First halve edges of the mapped mesh until none is longer")
-      ->type_name("LENGTH");
-  c->add_flag("--histogram", a->histogram, "Print the distribution as well");
-  add_ascii_flag(*c, a->ascii);
-  add_picture_options(*c, a->picture);
-  c->footer(
+  c.add_option("part", a->part, "What was made: mesh, points, or function (.smf)").type_name("FILE").required();
+  c.add_option("reference", a->reference, "What it should be: mesh, points, or function (.smf)")
+      .type_name("FILE")
+      .required();
+  c.add_option("-o,--output", a->output,
+               "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
+      .type_name("FILE");
+  add_preview_option(c, a->preview, "the map, with a scale in its --width,");
+  c.add_option("--tolerance", o.tolerance, "Report the share within ±LENGTH").type_name("LENGTH");
+  c.add_option("--range", o.range, "Distance that gets the full colour [99 % are nearer]").type_name("LENGTH");
+  c.add_option("--max-distance", o.max_distance,
+               "Leave out whatever is farther off [a tenth of the diagonal of the reference]")
+      .type_name("LENGTH");
+  c.add_flag("--skip-border", o.skip_border, "Leave out what is closest to the border of an open surface");
+  c.add_option("--on", a->on, "Draw the map on the part or the reference; the sign stays the part's [part]")
+      .type_name("CHOICE")
+      .one_of({"part", "reference"});
+  c.add_option("--refine", a->refine, "First halve edges of the mapped mesh until none is longer").type_name("LENGTH");
+  c.add_flag("--histogram", a->histogram, "Print the distribution as well");
+  add_ascii_flag(c, a->ascii);
+  add_picture_options(c, a->picture);
+  c.footer(
       "Positive distances lie outside of the reference. Statistics are weighted by area. Nothing is moved: align "
       "beforehand.\n\n"
       "Examples:\n"
       "  sansmesh compare made.ply design.stl --tolerance 0.05 -o map.ply --preview map.png\n"
       "  sansmesh compare scan.ply design.stl --max-distance 2 --histogram\n"
       "  sansmesh compare design.stl scan.smf --refine 0.5 --json");
-  return {c, [a](Console& console) { run_compare(*a, console); }};
+  return {&c, [a](Console& console) { run_compare(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 #include <unistd.h>
-#include <nlohmann/json.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -30,7 +29,7 @@ constexpr double kBarDelay = 0.3;  // seconds of work before a bar is worth draw
 
 }  // namespace
 
-Console::Console(const ConsoleOptions& options, const CLI::App& command)
+Console::Console(const ConsoleOptions& options, const CommandLine& command)
     : options_(options),
       command_(command),
       started_(now()),
@@ -53,10 +52,10 @@ void Console::say(const std::string& line) {
   fmt::print("{}\n", line);
 }
 
-void Console::say_json(const nlohmann::ordered_json& json) {
+void Console::say_json(const Json& json) {
   if (!options_.json) return;
   clear();
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", json.text());
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {

@@ -1,18 +1,16 @@
 // What every command says, and how: results on standard output, everything else on standard error.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "json.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/points/orientation.h"
 
-namespace CLI {
-class App;
-}
-
 namespace sansmesh::cli {
+
+class CommandLine;
 
 struct ConsoleOptions {
   bool json = false;     ///< results as one JSON object instead of lines
@@ -23,7 +21,7 @@ struct ConsoleOptions {
 class Console {
  public:
   /// `command`: the one that runs, in whose words warnings are.
-  Console(const ConsoleOptions& options, const CLI::App& command);
+  Console(const ConsoleOptions& options, const CommandLine& command);
   ~Console();
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -35,7 +33,7 @@ class Console {
   /// A result for people: printed unless --json or --quiet.
   void say(const std::string& line);
   /// A result for programs: printed with --json. Bytes that are not UTF-8, as names of files can have, are replaced.
-  void say_json(const nlohmann::ordered_json& json);
+  void say_json(const Json& json);
   /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
   /// The same for what is printed in other ways.
@@ -49,7 +47,7 @@ class Console {
   void clear();
 
   ConsoleOptions options_;
-  const CLI::App& command_;
+  const CommandLine& command_;
   bool terminal_ = false;
   bool drawn_ = false;
   double started_ = 0;

@@ -1,10 +1,8 @@
 // sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,50 +73,46 @@ void run_csg(CsgArguments& a, Console& console) {
                           report.closed ? ", closed" : ", not closed"));
   console.say(fmt::format("area {}, volume {}", number(report.area), number(report.volume)));
   const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
-  const nlohmann::ordered_json json = {
-      {"expression", a.expression},
-      {"files", files},
-      {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
-      {"cell", report.cell},
-      {"depth", report.depth},
-      {"blocks", report.blocks},
-      {"area", report.area},
-      {"volume", report.volume},
-      {"output",
-       {{"file", a.output.file},
-        {"vertices", mesh.vertices.size()},
-        {"triangles", mesh.triangles.size()},
-        {"components", report.components},
-        {"closed", report.closed}}}};
+  const Json json = {{"expression", a.expression},
+                     {"files", files},
+                     {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
+                     {"cell", report.cell},
+                     {"depth", report.depth},
+                     {"blocks", report.blocks},
+                     {"area", report.area},
+                     {"volume", report.volume},
+                     {"output",
+                      {{"file", a.output.file},
+                       {"vertices", mesh.vertices.size()},
+                       {"triangles", mesh.triangles.size()},
+                       {"components", report.components},
+                       {"closed", report.closed}}}};
   console.say_json(json);
   console.print_timings();
 }
 
 }  // namespace
 
-Command add_csg(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("csg", "Functions and primitives, combined → closed triangle mesh with creases");
+Command add_csg(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("csg", "Functions and primitives, combined → closed triangle mesh with creases");
   auto a = std::make_shared<CsgArguments>();
-  c->add_option("expression", a->expression, "What to combine, in quotes: see below")
-      ->type_name("EXPRESSION")
-      ->required();
-  add_mesh_output(*c, a->output);
-  c->add_option(
-       "--resolution", a->options.resolution,
-       "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256, up to 1024 for functions "
-       "and thin parts]")
-      ->type_name("COUNT");
-  c->add_option("--cell", a->options.cell, "Edge of the cells instead")->type_name("LENGTH");
-  add_box_option(*c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids");
-  c->add_option_function<std::string>(
+  c.add_option("expression", a->expression, "What to combine, in quotes: see below").type_name("EXPRESSION").required();
+  add_mesh_output(c, a->output);
+  c.add_option("--resolution", a->options.resolution,
+               "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256, up to 1024 for functions "
+               "and thin parts]")
+      .type_name("COUNT");
+  c.add_option("--cell", a->options.cell, "Edge of the cells instead").type_name("LENGTH");
+  add_box_option(c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids");
+  c.add_option_function(
        "--components", [a](const std::string& text) { a->components = parse_components(text); },
        "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, largest or a number [auto with "
        "functions, otherwise all]")
-      ->type_name("CHOICE");
-  c->add_option("--simplify", a->options.simplify,
-                "Fewer triangles where the surface is flat to within this; 0: nowhere [about a thousandth of a cell]")
-      ->type_name("LENGTH");
-  c->footer(
+      .type_name("CHOICE");
+  c.add_option("--simplify", a->options.simplify,
+               "Fewer triangles where the surface is flat to within this; 0: nowhere [about a thousandth of a cell]")
+      .type_name("LENGTH");
+  c.footer(
       "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"
       "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
       "  cylinder(r, h, axis, center)         without h it has no ends\n"
@@ -134,7 +128,7 @@ Command add_csg(CLI::App& app) {
       "  sansmesh csg 'shell(scan.smf, 2, side=inside) & plane(z, offset=40)' -o half.stl --cell 0.5\n"
       "  sansmesh csg 'difference(box(2), sphere(1.3), r=0.1)' -o part.glb --preview part.png\n"
       "  sansmesh csg 'cylinder(1) - cylinder(0.8)' -o pipe.ply --box -1,-1,0,1,1,5");
-  return {c, [a](Console& console) { run_csg(*a, console); }};
+  return {&c, [a](Console& console) { run_csg(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

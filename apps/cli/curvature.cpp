@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "option_groups.h"
@@ -131,39 +130,40 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
                   "up to ±{}",
                   arguments.output, word, length(range)));
-  const nlohmann::ordered_json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
-                                       {"noise", noise},
-                                       {"undefined", undefined},
-                                       {word, {{"q05", low}, {"median", middle}, {"q95", high}}},
-                                       {"color_range", range},
-                                       {"output", {{"file", arguments.output}}}};
+  const Json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
+                     {"noise", noise},
+                     {"undefined", undefined},
+                     {word, {{"q05", low}, {"median", middle}, {"q95", high}}},
+                     {"color_range", range},
+                     {"output", {{"file", arguments.output}}}};
   console.say_json(json);
   console.print_timings();
 }
 
 }  // namespace
 
-Command add_curvature(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("curvature", "Points → principal curvatures and directions at them");
+Command add_curvature(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("curvature", "Points → principal curvatures and directions at them");
   auto shared = std::make_shared<CurvatureArguments>();
   CurvatureArguments& a = *shared;
-  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup").type_name("FILE").required();
   c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv .pcd .vtp (others: colours only)")
-      ->type_name("FILE")
-      ->required();
+      .type_name("FILE")
+      .required();
   add_preview_option(c, a.preview, "the coloured points");
   add_ascii_flag(c, a.ascii);
   add_curvature_colors(c, a.color_by, a.color_range, "mean, gaussian, k1 or k2 [mean]");
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 8..2000 [from noise and shape]")
-      ->type_name("COUNT");
+      .type_name("COUNT");
   c.add_option("--radius", a.options.radius, "Width of the weights as one length, in place of --neighbours")
-      ->type_name("LENGTH");
-  c.add_option("--tau", a.options.tau, "Exponent of the M-like weights, 1..4 [2]")->type_name("EXPONENT");
-  c.add_option("--weights", a.options.weights, "m-like, gaussian or uniform [m-like]")
-      ->transform(choices<CurvatureOptions::Weights>({{"m-like", CurvatureOptions::Weights::m_like},
-                                                      {"gaussian", CurvatureOptions::Weights::gaussian},
-                                                      {"uniform", CurvatureOptions::Weights::uniform}}))
-      ->type_name("CHOICE");
+      .type_name("LENGTH");
+  c.add_option("--tau", a.options.tau, "Exponent of the M-like weights, 1..4 [2]").type_name("EXPONENT");
+  c.add_choice<CurvatureOptions::Weights>("--weights", a.options.weights,
+                                          {{"m-like", CurvatureOptions::Weights::m_like},
+                                           {"gaussian", CurvatureOptions::Weights::gaussian},
+                                           {"uniform", CurvatureOptions::Weights::uniform}},
+                                          "m-like, gaussian or uniform [m-like]")
+      .type_name("CHOICE");
   c.footer(std::string(kReadable) +
            "\n\nCurvatures are per length of the input, positive where the surface is convex."
            "\n\nExamples:\n"

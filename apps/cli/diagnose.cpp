@@ -1,9 +1,6 @@
 // sansmesh diagnose: where a function should not be trusted without a look.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -67,10 +64,10 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
   const PartitionReport& r = function.field.report();
   console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input,
                           counted(r.functions, "local fit"), d.largest_gradient));
-  nlohmann::ordered_json json = {{"input", {{"file", a.input}, {"fits", r.functions}}},
-                                 {"error_above", d.error_above},
-                                 {"largest_gradient", d.largest_gradient}};
-  json["places"] = nlohmann::ordered_json::array();
+  Json json = {{"input", {{"file", a.input}, {"fits", r.functions}}},
+               {"error_above", d.error_above},
+               {"largest_gradient", d.largest_gradient}};
+  json["places"] = Json::array();
   for (std::size_t k = 0; k < kSuspicions; ++k) {
     const auto kind = static_cast<Suspicion>(k);
     const std::string extra = kind == Suspicion::high_error ? fmt::format(" (above {})", length(d.error_above)) : "";
@@ -102,30 +99,30 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
 
 }  // namespace
 
-Command add_diagnose(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
+Command add_diagnose(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
   auto a = std::make_shared<DiagnoseArguments>();
-  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  c->add_option("--script", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
-      ->type_name("FILE");
-  c->add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
-      ->type_name("FILE");
-  add_picture_options(*c, a->picture);
-  c->add_option("--coverage", a->options.coverage_below,
-                "Fits are suspicious if samples cover less than this share of them, 0..1 [0.3]")
-      ->type_name("SHARE");
-  c->add_option("--error", a->options.error_above,
-                "Fits are suspicious if their samples lie farther off than this (rms) [from data]")
-      ->type_name("LENGTH");
-  c->add_option("--gradient", a->options.gradient_above,
-                "Fits are suspicious if the gradient is longer than this, > 1 [3]")
-      ->type_name("NORM");
-  c->add_option("--places", a->options.places, "Report at most this many places of each kind [20]")->type_name("COUNT");
-  c->footer(
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("--script", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
+      .type_name("FILE");
+  c.add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
+      .type_name("FILE");
+  add_picture_options(c, a->picture);
+  c.add_option("--coverage", a->options.coverage_below,
+               "Fits are suspicious if samples cover less than this share of them, 0..1 [0.3]")
+      .type_name("SHARE");
+  c.add_option("--error", a->options.error_above,
+               "Fits are suspicious if their samples lie farther off than this (rms) [from data]")
+      .type_name("LENGTH");
+  c.add_option("--gradient", a->options.gradient_above,
+               "Fits are suspicious if the gradient is longer than this, > 1 [3]")
+      .type_name("NORM");
+  c.add_option("--places", a->options.places, "Report at most this many places of each kind [20]").type_name("COUNT");
+  c.footer(
       "Examples:\n"
       "  sansmesh diagnose scan.smf --preview places.png --script edits.json\n"
       "  sansmesh edit scan.smf --script edits.json -o mended.smf");
-  return {c, [a](Console& console) { run_diagnose(*a, console); }};
+  return {&c, [a](Console& console) { run_diagnose(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

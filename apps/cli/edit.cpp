@@ -1,9 +1,7 @@
 // sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
@@ -31,7 +29,7 @@ std::string read_text(const std::string& file) {
   return text.str();
 }
 
-nlohmann::ordered_json box_json(const Box3& box) {
+Json box_json(const Box3& box) {
   if (box.empty()) return nullptr;
   return {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}};
 }
@@ -60,7 +58,7 @@ void run_edit(const EditArguments& a, Console& console) {
     if (mesh.triangles.empty()) throw FileError(a.mesh, "has no triangles");
   }
 
-  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  Json steps = Json::array();
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < edits.size(); ++i) {
     EditReport report;
@@ -92,7 +90,7 @@ void run_edit(const EditArguments& a, Console& console) {
     }
   }
   progress.begin("write");
-  nlohmann::ordered_json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
+  Json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
   if (!a.output.empty()) {
     write_function(a.output, editor.function());
     const PartitionReport& r = editor.function().field.report();
@@ -119,18 +117,18 @@ void run_edit(const EditArguments& a, Console& console) {
 
 }  // namespace
 
-Command add_edit(CLI::App& app) {
-  CLI::App* c =
+Command add_edit(CommandLine& app) {
+  CommandLine& c =
       app.add_subcommand("edit", "Function file → function file, with parts fitted anew, smoothed or removed");
   auto a = std::make_shared<EditArguments>();
-  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  c->add_option("--script", a->script, "What to do: JSON, see below")->type_name("FILE")->required();
-  c->add_option("-o,--output", a->output, "Function to write: .smf")->type_name("FILE");
-  c->add_option("--mesh", a->mesh,
-                "The function's mesh before the edits, by `sansmesh mesh` without options: only parts are made anew")
-      ->type_name("FILE");
-  c->add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb .vtp")->type_name("FILE");
-  c->footer(
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("--script", a->script, "What to do: JSON, see below").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE");
+  c.add_option("--mesh", a->mesh,
+               "The function's mesh before the edits, by `sansmesh mesh` without options: only parts are made anew")
+      .type_name("FILE");
+  c.add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE");
+  c.footer(
       "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what to do with them:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"
       "  {\"select\": {\"error_above\": 0.01}, \"refit\": {\"error\": 0.001, \"max_degree\": 4, \"sharp\": false}}\n"
@@ -143,7 +141,7 @@ Command add_edit(CLI::App& app) {
       "Examples:\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
-  return {c, [a](Console& console) { run_edit(*a, console); }};
+  return {&c, [a](Console& console) { run_edit(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -1,10 +1,8 @@
 // sansmesh eval: value, gradient and curvature of a function at points.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "option_groups.h"
@@ -103,11 +101,11 @@ void run_eval(const EvalArguments& a, Console& console) {
     console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(mean),
                             length(size[n / 2]), length(size[n - 1]), steepest));
   }
-  nlohmann::ordered_json json = {{"input", {{"file", a.input}}},
-                                 {"points", n},
-                                 {"inside", inside},
-                                 {"absolute_value", {{"mean", mean}, {"median", size[n / 2]}, {"max", size[n - 1]}}},
-                                 {"largest_gradient", steepest}};
+  Json json = {{"input", {{"file", a.input}}},
+               {"points", n},
+               {"inside", inside},
+               {"absolute_value", {{"mean", mean}, {"median", size[n / 2]}, {"max", size[n - 1]}}},
+               {"largest_gradient", steepest}};
   if (n <= kPrinted) {
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 p = points.origin + Vec3(points.positions[i]);
@@ -126,21 +124,21 @@ void run_eval(const EvalArguments& a, Console& console) {
 
 }  // namespace
 
-Command add_eval(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("eval", "Function file → its value, gradient and curvature at points");
+Command add_eval(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("eval", "Function file → its value, gradient and curvature at points");
   auto a = std::make_shared<EvalArguments>();
-  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  c->add_option("--points", a->points, "Where: the points of this file")->type_name("FILE");
-  c->add_option("--at", a->at, "Where: at this place, x,y,z")->delimiter(',')->expected(3)->type_name("POINT");
-  c->add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")->type_name("FILE");
-  add_ascii_flag(*c, a->ascii);
-  c->footer(
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("--points", a->points, "Where: the points of this file").type_name("FILE");
+  c.add_option("--at", a->at, "Where: at this place, x,y,z").numbers(3).type_name("POINT");
+  c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp").type_name("FILE");
+  add_ascii_flag(c, a->ascii);
+  c.footer(
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"
       "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
       "Examples:\n"
       "  sansmesh eval scan.smf --at 0.1,0.2,0.3\n"
       "  sansmesh eval scan.smf --points probes.xyz -o values.csv");
-  return {c, [a](Console& console) { run_eval(*a, console); }};
+  return {&c, [a](Console& console) { run_eval(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -1,9 +1,7 @@
 // sansmesh evaluate: how good is a mesh?
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "sansmesh/io/io.h"
@@ -19,18 +17,14 @@ struct EvaluateArguments {
   std::size_t samples = 300000;
 };
 
-using Json = nlohmann::ordered_json;
-
-Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 Json to_json(const OneWayDistance& d) {
   return {{"samples", d.samples},
           {"mean", d.mean},
           {"rms", d.rms},
           {"p95", d.p95},
           {"max", d.max},
-          {"angle_deg", optional_json(d.angle)},
-          {"signed_angle_deg", optional_json(d.signed_angle)}};
+          {"angle_deg", d.angle},
+          {"signed_angle_deg", d.signed_angle}};
 }
 
 Json to_json(const MeshTopology& t) {
@@ -48,7 +42,7 @@ Json to_json(const MeshTopology& t) {
           {"components", t.components},
           {"largest_component", t.largest_component},
           {"euler", t.euler},
-          {"genus", t.genus() ? Json(*t.genus()) : Json()}};
+          {"genus", t.genus()}};
 }
 
 Json to_json(const MeshQuality& q) {
@@ -131,15 +125,13 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
 
 }  // namespace
 
-Command add_evaluate(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("evaluate", "Mesh → distances to a reference, topology, shape of triangles");
+Command add_evaluate(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("evaluate", "Mesh → distances to a reference, topology, shape of triangles");
   auto shared = std::make_shared<EvaluateArguments>();
   EvaluateArguments& a = *shared;
-  c.add_option("mesh", a.surface, "Mesh or points")->type_name("FILE")->required();
+  c.add_option("mesh", a.surface, "Mesh or points").type_name("FILE").required();
   c.add_option("reference", a.reference, "Mesh or points to compare with");
-  c.add_option("--samples", a.samples, "Samples on each mesh [300000]")
-      ->type_name("COUNT")
-      ->check(CLI::Range(1u, 2000000000u).description(""));
+  c.add_option("--samples", a.samples, "Samples on each mesh [300000]").type_name("COUNT").within(1, 2000000000);
   c.footer(
       "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
       "Where a side is a set of points, distances do not fall below half their spacing.");

@@ -1,7 +1,6 @@
 // sansmesh fit: points in, function file out.
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "commands.h"
@@ -44,16 +43,15 @@ void run_fit(const FitArguments& a, Console& console) {
                             length(place.to_input(r.noise)), length(place.to_input(r.accuracy))));
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
-    const nlohmann::ordered_json json = {
-        {"input", {{"file", a.input}, {"format", read.format}, {"points", given}}},
-        {"spacing", place.to_input(r.spacing)},
-        {"noise", place.to_input(r.noise)},
-        {"accuracy", place.to_input(r.accuracy)},
-        {"depth", r.depth},
-        {"fits", r.functions},
-        {"fits_of_degree", r.functions_of_degree},
-        {"creased", r.creased},
-        {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
+    const Json json = {{"input", {{"file", a.input}, {"format", read.format}, {"points", given}}},
+                       {"spacing", place.to_input(r.spacing)},
+                       {"noise", place.to_input(r.noise)},
+                       {"accuracy", place.to_input(r.accuracy)},
+                       {"depth", r.depth},
+                       {"fits", r.functions},
+                       {"fits_of_degree", r.functions_of_degree},
+                       {"creased", r.creased},
+                       {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
     console.say_json(json);
   } catch (const DataError& error) {
     throw FileError(a.input, error.what());
@@ -69,21 +67,21 @@ void check_function_writable(const std::string& file) {
   check_writable(file, "text");
 }
 
-Command add_fit(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
+Command add_fit(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
   auto a = std::make_shared<FitArguments>();
-  c->add_option("input", a->input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  c->add_option("-o,--output", a->output, "Function to write: .smf")->type_name("FILE")->required();
-  c->add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
-  c->add_flag("--remove-outliers", a->cloud.remove_outliers, "Leave out samples that belong to no surface");
-  add_cloud_options(*c, a->cloud);
-  add_fit_options(*c, a->options);
-  c->footer(std::string(kReadable) +
-            "\n\nExamples:\n"
-            "  sansmesh fit scan.ply -o scan.smf\n"
-            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
-            "  sansmesh diagnose scan.smf");
-  return {c, [a](Console& console) { run_fit(*a, console); }};
+  c.add_option("input", a->input, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE").required();
+  c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
+  c.add_flag("--remove-outliers", a->cloud.remove_outliers, "Leave out samples that belong to no surface");
+  add_cloud_options(c, a->cloud);
+  add_fit_options(c, a->options);
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh fit scan.ply -o scan.smf\n"
+           "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
+           "  sansmesh diagnose scan.smf");
+  return {&c, [a](Console& console) { run_fit(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

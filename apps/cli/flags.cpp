@@ -1,7 +1,8 @@
 #include "flags.h"
 
-#include <CLI/CLI.hpp>
 #include <string_view>
+
+#include "command_line.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -19,9 +20,9 @@ constexpr FlagOfField kFlags[] = {
     {"view.azimuth", "--azimuth"},      {"view.elevation", "--elevation"}};
 
 /// What the command calls a field; empty if it has no option for it.
-std::string flag_of(std::string_view field, const CLI::App& command) {
+std::string flag_of(std::string_view field, const CommandLine& command) {
   const auto known = [&](std::string_view flag) {
-    return command.get_option_no_throw(std::string(flag)) != nullptr ? std::string(flag) : std::string();
+    return command.has(std::string(flag)) ? std::string(flag) : std::string();
   };
   for (const FlagOfField& f : kFlags)
     if (f.field == field)
@@ -32,7 +33,7 @@ std::string flag_of(std::string_view field, const CLI::App& command) {
 }
 
 /// A field, or one with a value.
-std::string translated(std::string_view code, const CLI::App& command) {
+std::string translated(std::string_view code, const CommandLine& command) {
   std::string flag = flag_of(code, command);
   if (!flag.empty()) return flag;
   constexpr std::string_view kIs = " = ";
@@ -43,7 +44,7 @@ std::string translated(std::string_view code, const CLI::App& command) {
 
 }  // namespace
 
-std::string in_flags(const std::string& message, const CLI::App& command) {
+std::string in_flags(const std::string& message, const CommandLine& command) {
   std::string text;
   std::size_t at = 0;
   for (;;) {

@@ -3,15 +3,13 @@
 
 #include <string>
 
-namespace CLI {
-class App;
-}
-
 namespace sansmesh::cli {
+
+class CommandLine;
 
 /// A message in which options are named between grave accents (core/error.h), in the words of a command: `max_depth`
 /// becomes --depth, `enhance = false` --no-enhance, `components = all` --components all. Names for which the command
 /// has no option stay as they are, without the accents.
-std::string in_flags(const std::string& message, const CLI::App& command);
+std::string in_flags(const std::string& message, const CommandLine& command);
 
 }  // namespace sansmesh::cli

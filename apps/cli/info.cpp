@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -60,18 +59,18 @@ void run_function_info(const std::string& file, Console& console) {
   console.say(fmt::format("{:<12}{}", "noise", length(place.to_input(r.noise))));
   console.say(fmt::format("{:<12}{} (expected error of the surface)", "accuracy", length(place.to_input(r.accuracy))));
   for (const std::string& line : function.history) console.say(fmt::format("{:<12}{}", "edited", line));
-  const nlohmann::ordered_json json = {{"file", file},
-                                       {"format", "function"},
-                                       {"fits", r.functions},
-                                       {"fits_of_degree", r.functions_of_degree},
-                                       {"creased", r.creased},
-                                       {"depth", r.depth},
-                                       {"samples", samples.size()},
-                                       {"spacing", place.to_input(r.spacing)},
-                                       {"noise", place.to_input(r.noise)},
-                                       {"accuracy", place.to_input(r.accuracy)},
-                                       {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
-                                       {"history", function.history}};
+  const Json json = {{"file", file},
+                     {"format", "function"},
+                     {"fits", r.functions},
+                     {"fits_of_degree", r.functions_of_degree},
+                     {"creased", r.creased},
+                     {"depth", r.depth},
+                     {"samples", samples.size()},
+                     {"spacing", place.to_input(r.spacing)},
+                     {"noise", place.to_input(r.noise)},
+                     {"accuracy", place.to_input(r.accuracy)},
+                     {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
+                     {"history", function.history}};
   console.say_json(json);
 }
 
@@ -88,14 +87,14 @@ std::optional<std::pair<double, double>> range_of(const Attribute& a, std::size_
 }
 
 /// A line and a JSON object for each array: name, type, components, ranges.
-void describe(const AttributeTable& table, const char* of, Console& console, nlohmann::ordered_json& list) {
+void describe(const AttributeTable& table, const char* of, Console& console, Json& list) {
   for (const Attribute& a : table) {
     std::string ranges;
-    nlohmann::ordered_json lower = nlohmann::ordered_json::array(), upper = nlohmann::ordered_json::array();
+    Json lower = Json::array(), upper = Json::array();
     for (std::size_t c = 0; c < a.components; ++c) {
       const auto range = range_of(a, c);
-      lower.push_back(range ? nlohmann::ordered_json(range->first) : nlohmann::ordered_json());
-      upper.push_back(range ? nlohmann::ordered_json(range->second) : nlohmann::ordered_json());
+      lower.push_back(range ? Json(range->first) : Json());
+      upper.push_back(range ? Json(range->second) : Json());
       if (c == 9) ranges += ", …";
       if (c >= 9) continue;
       ranges += range ? fmt::format("{}{:.6g} to {:.6g}", c > 0 ? ", " : "", range->first, range->second)
@@ -147,11 +146,11 @@ void run_info(const std::string& file, Console& console) {
   add(points.has_colors(), "colours");
   add(!points.scanners.empty(), counted(points.scanners.size(), "scanner position"));
   if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "also", attributes));
-  nlohmann::ordered_json tables = nlohmann::ordered_json::array();
+  Json tables = Json::array();
   describe(points.attributes, "point", console, tables);
   describe(points.triangle_attributes, "triangle", console, tables);
 
-  nlohmann::ordered_json json;
+  Json json;
   json["file"] = file;
   json["format"] = read.format;
   json["points"] = points.size();
@@ -176,7 +175,7 @@ void run_info(const std::string& file, Console& console) {
                     {"manifold", t.manifold()},
                     {"boundary_edges", t.boundary_edges},
                     {"components", t.components},
-                    {"genus", t.genus() ? nlohmann::ordered_json(*t.genus()) : nlohmann::ordered_json()}};
+                    {"genus", t.genus()}};
   }
   json["warnings"] = read.warnings;
   progress.finish();
@@ -186,10 +185,10 @@ void run_info(const std::string& file, Console& console) {
 
 }  // namespace
 
-Command add_info(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("info", "File → what is in it: points, box, spacing, noise, normals, faces");
+Command add_info(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("info", "File → what is in it: points, box, spacing, noise, normals, faces");
   auto file = std::make_shared<std::string>();
-  c.add_option("input", *file, "Points, mesh or function (.smf)")->type_name("FILE")->required();
+  c.add_option("input", *file, "Points, mesh or function (.smf)").type_name("FILE").required();
   c.footer(kReadable);
   return {&c, [file](Console& console) { run_info(*file, console); }};
 }

@@ -34,38 +34,40 @@ struct CommonArguments {
   int threads = 0;
 };
 
-void add_common(CLI::App& command, CommonArguments& common) {
-  command.add_flag("--json", common.console.json, "Print the results as one JSON object")->group("Output");
-  command.add_flag("--verbose", common.console.verbose, "Print the time that each stage took")->group("Output");
-  command.add_flag("--quiet", common.console.quiet, "Print errors and nothing else")->group("Output");
+void add_common(CommandLine& command, CommonArguments& common) {
+  command.add_flag("--json", common.console.json, "Print the results as one JSON object").group("Output");
+  command.add_flag("--verbose", common.console.verbose, "Print the time that each stage took").group("Output");
+  command.add_flag("--quiet", common.console.quiet, "Print errors and nothing else").group("Output");
   command.add_option("--threads", common.threads, "Number of threads; results do not depend on it [all cores]")
-      ->check(CLI::Range(1, 1024).description(""))
-      ->type_name("COUNT")
-      ->group("Output");
+      .within(1, ThreadScope::kMost)
+      .type_name("COUNT")
+      .group("Output");
 }
 
 /// Runs the command that was chosen.
 void run(const CLI::App& app, const std::vector<Command>& commands, const CommonArguments& common) {
   const ThreadScope threads(common.threads);
   for (const Command& command : commands) {
-    if (!app.got_subcommand(command.app)) continue;
-    Console console(common.console, *command.app);
+    if (!app.got_subcommand(&command.line->app())) continue;
+    Console console(common.console, *command.line);
     return command.run(console);
   }
 }
 
 int main(int argc, char** argv) {
   CommonArguments common;
-  CLI::App app{"Surfaces straight from samples.", "sansmesh"};
+  CommandLine line("Surfaces straight from samples.", "sansmesh");
+  CLI::App& app = line.app();
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("sansmesh ") + SANSMESH_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(28);
   const std::vector<Command> commands = {
-      add_reconstruct(app), add_normals(app), add_evaluate(app), add_info(app),    add_render(app), add_project(app),
-      add_curvature(app),   add_advise(app),  add_fit(app),      add_mesh(app),    add_eval(app),   add_edit(app),
-      add_diagnose(app),    add_section(app), add_compare(app),  add_measure(app), add_csg(app)};
-  for (const Command& command : commands) add_common(*command.app, common);
+      add_reconstruct(line), add_normals(line),   add_evaluate(line), add_info(line),    add_render(line),
+      add_project(line),     add_curvature(line), add_advise(line),   add_fit(line),     add_mesh(line),
+      add_eval(line),        add_edit(line),      add_diagnose(line), add_section(line), add_compare(line),
+      add_measure(line),     add_csg(line)};
+  for (const Command& command : commands) add_common(*command.line, common);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
@@ -89,7 +91,7 @@ int main(int argc, char** argv) {
     print_error("interrupted, nothing was written");
     return kInterrupted;
   } catch (const ArgumentError& error) {
-    print_error(in_flags(error.what(), *app.get_subcommands().front()));
+    print_error(in_flags(error.what(), line.subcommand(app.get_subcommands().front()->get_name())));
     return kUsage;
   } catch (const std::bad_alloc&) {
     print_error("not enough memory");

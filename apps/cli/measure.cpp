@@ -1,11 +1,9 @@
 // sansmesh measure: area, volume, centre of mass, moments and size of a solid and of its parts.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "commands.h"
@@ -16,8 +14,6 @@
 
 namespace sansmesh::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kPrinted = 20;   // components
 constexpr std::size_t kListed = 1000;  // components in JSON
@@ -131,17 +127,17 @@ void run_measure(const std::string& file, Console& console) {
 
 }  // namespace
 
-Command add_measure(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
+Command add_measure(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
   auto file = std::make_shared<std::string>();
-  c->add_option("input", *file, "Mesh, or function (.smf: its mesh is measured)")->type_name("FILE")->required();
-  c->footer(
+  c.add_option("input", *file, "Mesh, or function (.smf: its mesh is measured)").type_name("FILE").required();
+  c.footer(
       "Volumes need a closed surface. Vertices at the same place count as one. Components are listed with --json, up\n"
       "to a thousand of them.\n\n"
       "Examples:\n"
       "  sansmesh measure part.ply\n"
       "  sansmesh measure part.stl --json");
-  return {c, [file](Console& console) { run_measure(*file, console); }};
+  return {&c, [file](Console& console) { run_measure(*file, console); }};
 }
 
 }  // namespace sansmesh::cli

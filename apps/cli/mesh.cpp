@@ -1,8 +1,6 @@
 // sansmesh mesh: function file in, mesh out.
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
-
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -45,41 +43,41 @@ void run_mesh(MeshArguments& a, Console& console) {
                           grouped(mesh.vertices.size()), counted(topology.components, "component"),
                           topology.closed() ? ", closed" : ", with borders"));
   if (a.options.measure_quality) say_aspect_ratios(report, console);
-  const nlohmann::ordered_json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
-                                       {"blocks", report.blocks},
-                                       {"depth", report.block_depth},
-                                       {"output",
-                                        {{"file", a.output.file},
-                                         {"vertices", mesh.vertices.size()},
-                                         {"triangles", mesh.triangles.size()},
-                                         {"components", topology.components},
-                                         {"closed", topology.closed()},
-                                         {"mesh_error", report.mesh_error}}},
-                                       {"warnings", console.in_flags(report.warnings)}};
+  const Json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
+                     {"blocks", report.blocks},
+                     {"depth", report.block_depth},
+                     {"output",
+                      {{"file", a.output.file},
+                       {"vertices", mesh.vertices.size()},
+                       {"triangles", mesh.triangles.size()},
+                       {"components", topology.components},
+                       {"closed", topology.closed()},
+                       {"mesh_error", report.mesh_error}}},
+                     {"warnings", console.in_flags(report.warnings)}};
   console.say_json(json);
   console.print_timings();
 }
 
 }  // namespace
 
-Command add_mesh(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("mesh", "Function file → triangle mesh, closed unless asked otherwise");
+Command add_mesh(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("mesh", "Function file → triangle mesh, closed unless asked otherwise");
   auto a = std::make_shared<MeshArguments>();
-  c->add_option("input", a->input, "Function, .smf")->type_name("FILE")->required();
-  add_mesh_output(*c, a->output);
-  add_box_option(*c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
-  c->add_option("--depth", a->options.block_depth,
-                "Deepest level of the blocks cut, " + depth_range() + ": coarser [from the function]")
-      ->type_name("LEVEL")
-      ->group("Mesh");
-  add_mesh_options(*c, a->options);
-  c->footer(
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  add_mesh_output(c, a->output);
+  add_box_option(c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
+  c.add_option("--depth", a->options.block_depth,
+               "Deepest level of the blocks cut, " + depth_range() + ": coarser [from the function]")
+      .type_name("LEVEL")
+      .group("Mesh");
+  add_mesh_options(c, a->options);
+  c.footer(
       "Examples:\n"
       "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
       "  sansmesh mesh scan.smf -o quick.stl --depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
-  return {c, [a](Console& console) { run_mesh(*a, console); }};
+  return {&c, [a](Console& console) { run_mesh(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "option_groups.h"
@@ -62,12 +61,12 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
                           arguments.no_orient ? ", signs left as they are" : ", oriented",
                           unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
   if (console.options().json) {
-    nlohmann::ordered_json json;
+    Json json;
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", points.size()}};
     json["output"] = {{"file", arguments.output}};
     json["spacing"] = *options.spacing;
     json["noise"] = *options.noise;
-    json["neighbours"] = arguments.keep ? nlohmann::ordered_json() : nlohmann::ordered_json(neighbours);
+    json["neighbours"] = arguments.keep ? Json() : Json(neighbours);
     json["oriented"] = !arguments.no_orient;
     json["unknown"] = unknown;
     json["warnings"] = read.warnings;
@@ -78,24 +77,23 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
 
 }  // namespace
 
-Command add_normals(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("normals", "Points → points with oriented normals");
+Command add_normals(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("normals", "Points → points with oriented normals");
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
-  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp")
-      ->type_name("FILE")
-      ->required();
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
   add_ascii_flag(c, a.ascii);
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")
-      ->type_name("COUNT");
-  c.add_option("--method", a.options.method, "covariance (a plane) or jet (a quadric) [jet]")
-      ->transform(choices<NormalOptions::Method>(
-          {{"covariance", NormalOptions::Method::covariance}, {"jet", NormalOptions::Method::jet}}))
-      ->type_name("CHOICE");
+      .type_name("COUNT");
+  c.add_choice<NormalOptions::Method>(
+       "--method", a.options.method,
+       {{"covariance", NormalOptions::Method::covariance}, {"jet", NormalOptions::Method::jet}},
+       "covariance (a plane) or jet (a quadric) [jet]")
+      .type_name("CHOICE");
   c.add_option("--reweightings", a.options.reweightings,
                "Rounds, 0..10, that silence samples off the fit: sharper at creases [0]")
-      ->type_name("COUNT");
+      .type_name("COUNT");
   c.add_flag("--keep", a.keep, "Keep the normals of the file and only orient them");
   c.add_flag("--no-orient", a.no_orient, "Leave the signs as they come");
   c.footer(kReadable);

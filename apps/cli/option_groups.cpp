@@ -19,7 +19,7 @@ ComponentChoice parse_components(const std::string& text) {
   int count = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
   if (error != std::errc() || end != text.data() + text.size() || count < 1)
-    throw CLI::ValidationError("--components", "must be auto, all, largest or a number of at least 1, not " + text);
+    throw ValueError("must be auto, all, largest or a number of at least 1, not " + text);
   return {.kind = Kind::count, .count = count};
 }
 
@@ -34,18 +34,18 @@ RenderOptions PictureArguments::chosen() const {
   return o;
 }
 
-void add_picture_options(CLI::App& c, PictureArguments& a) {
-  c.add_option("--width", a.options.width, "Pixels, 1..16384 [1280]")->type_name("PIXELS")->group("Picture");
-  c.add_option("--height", a.options.height, "Pixels, 1..16384 [960]")->type_name("PIXELS")->group("Picture");
-  c.add_option("--view", a.view, "front, back, left, right, top, bottom or iso")->type_name("NAME")->group("Picture");
-  c.add_flag("--z-up", a.z_up, "The z axis points up, not y")->group("Picture");
+void add_picture_options(CommandLine& c, PictureArguments& a) {
+  c.add_option("--width", a.options.width, "Pixels, 1..16384 [1280]").type_name("PIXELS").group("Picture");
+  c.add_option("--height", a.options.height, "Pixels, 1..16384 [960]").type_name("PIXELS").group("Picture");
+  c.add_option("--view", a.view, "front, back, left, right, top, bottom or iso").type_name("NAME").group("Picture");
+  c.add_flag("--z-up", a.z_up, "The z axis points up, not y").group("Picture");
 }
 
-void add_preview_option(CLI::App& c, std::string& file, const std::string& what) {
-  c.add_option("--preview", file, "Also draw " + what + " into this PNG")->type_name("FILE");
+void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
+  c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
 }
 
-void add_ascii_flag(CLI::App& c, bool& ascii) {
+void add_ascii_flag(CommandLine& c, bool& ascii) {
   c.add_flag("--ascii", ascii, "Write text where the format also has a binary form");
 }
 
@@ -68,8 +68,8 @@ void say_aspect_ratios(const MeshReport& report, Console& console) {
                           report.aspect_deviation));
 }
 
-void add_mesh_output(CLI::App& c, MeshOutput& o) {
-  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp")->type_name("FILE")->required();
+void add_mesh_output(CommandLine& c, MeshOutput& o) {
+  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE").required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);
 }
@@ -88,95 +88,89 @@ const char* quantity_word(CurvatureQuantity quantity) {
   return "";
 }
 
-void add_curvature_colors(CLI::App& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
+void add_curvature_colors(CommandLine& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
                           const std::string& what, const std::string& group) {
   std::vector<std::pair<std::string, CurvatureQuantity>> words;
   for (const auto q :
        {CurvatureQuantity::mean, CurvatureQuantity::gaussian, CurvatureQuantity::k1, CurvatureQuantity::k2})
     words.emplace_back(quantity_word(q), q);
-  c.add_option("--color-by", quantity, what)
-      ->transform(choices<CurvatureQuantity>(std::move(words)))
-      ->type_name("QUANTITY")
-      ->group(group);
+  c.add_choice("--color-by", quantity, words, what).type_name("QUANTITY").group(group);
   c.add_option("--color-range", range,
                "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
-      ->type_name("VALUE")
-      ->check(CLI::PositiveNumber.description(""))
-      ->group(group);
+      .type_name("VALUE")
+      .positive()
+      .group(group);
 }
 
-void add_cloud_options(CLI::App& c, CloudUse& o) {
-  c.add_option("--faces", o.faces,
-               "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
-      ->transform(
-          choices<FaceUse>({{"auto", FaceUse::automatic}, {"ignore", FaceUse::ignore}, {"sample", FaceUse::sample}}))
-      ->type_name("CHOICE");
-  c.add_option("--normals", o.normals,
-               "Use given ones as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
-      ->transform(choices<NormalUse>(
-          {{"auto", NormalUse::automatic}, {"given", NormalUse::as_given}, {"estimate", NormalUse::estimate}}))
-      ->type_name("CHOICE");
+void add_cloud_options(CommandLine& c, CloudUse& o) {
+  c.add_choice<FaceUse>("--faces", o.faces,
+                        {{"auto", FaceUse::automatic}, {"ignore", FaceUse::ignore}, {"sample", FaceUse::sample}},
+                        "Of a mesh: sample its faces, ignore them, or auto (sample where vertices are sparse) [auto]")
+      .type_name("CHOICE");
+  c.add_choice<NormalUse>(
+       "--normals", o.normals,
+       {{"auto", NormalUse::automatic}, {"given", NormalUse::as_given}, {"estimate", NormalUse::estimate}},
+       "Use given ones as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
+      .type_name("CHOICE");
 }
 
-void add_box_option(CLI::App& c, std::optional<Box3>& box, const std::string& what) {
-  c.add_option_function<std::vector<double>>(
+void add_box_option(CommandLine& c, std::optional<Box3>& box, const std::string& what) {
+  c.add_option_function(
        "--box",
        [&box](const std::vector<double>& v) {
          box = Box3{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
        },
        what)
-      ->delimiter(',')
-      ->expected(6)
-      ->type_name("BOX");
+      .numbers(6)
+      .type_name("BOX");
 }
 
 std::string depth_range() { return std::to_string(kLeastDepth) + ".." + std::to_string(kMostDepth); }
 
-void add_fit_options(CLI::App& c, FitOptions& o) {
+void add_fit_options(CommandLine& c, FitOptions& o) {
   c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, " + depth_range() + " [from data]")
-      ->type_name("LEVEL")
-      ->group("Fit");
+      .type_name("LEVEL")
+      .group("Fit");
   c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
-      ->type_name("LENGTH")
-      ->group("Fit");
+      .type_name("LENGTH")
+      .group("Fit");
   c.add_option("--support", o.support,
                "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 1.8 with noise]")
-      ->type_name("RATIO")
-      ->group("Fit");
+      .type_name("RATIO")
+      .group("Fit");
   c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")
-      ->type_name("DEGREE")
-      ->group("Fit");
+      .type_name("DEGREE")
+      .group("Fit");
   c.add_flag_callback(
        "--smooth", [&o] { o.sharp = false; }, "Do not look for creases and corners")
-      ->group("Fit");
+      .group("Fit");
 }
 
-void add_mesh_options(CLI::App& c, MeshOptions& o) {
-  c.add_option_function<std::string>(
+void add_mesh_options(CommandLine& c, MeshOptions& o) {
+  c.add_option_function(
        "--components", [&o](const std::string& text) { o.components = parse_components(text); },
        "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
-      ->type_name("CHOICE");
+      .type_name("CHOICE");
   c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near as this [without a value: from data]")
-      ->type_name("LENGTH")
-      ->expected(0, 1)
-      ->default_str("0");
+      .type_name("LENGTH")
+      .without_value("0");
   c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
   c.add_option("--mesh-error", o.mesh_error,
                "Mean distance accepted between mesh and surface: larger is coarser [from data]")
-      ->type_name("LENGTH")
-      ->group("Mesh");
+      .type_name("LENGTH")
+      .group("Mesh");
   c.add_option("--triangles", o.triangles, "Simplify until there are no more triangles than this")
-      ->type_name("COUNT")
-      ->group("Mesh");
+      .type_name("COUNT")
+      .group("Mesh");
   c.add_flag_callback(
        "--no-enhance", [&o] { o.enhance = false; }, "No clustering, smoothing or simplification of triangles")
-      ->group("Mesh");
+      .group("Mesh");
   c.add_option("--displacement", o.displacement, "With --no-enhance: lattice steps back from the surface, 0..1 [0]")
-      ->type_name("RATIO")
-      ->group("Mesh");
+      .type_name("RATIO")
+      .group("Mesh");
   c.add_flag_callback(
        "--no-colors", [&o] { o.carry_colors = false; }, "Leave out the samples' colours")
-      ->group("Mesh");
+      .group("Mesh");
 }
 
 }  // namespace sansmesh::cli

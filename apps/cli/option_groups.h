@@ -1,12 +1,10 @@
 // Options that several commands have, and words for the values of enumerations.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
+#include "command_line.h"
 #include "console.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
@@ -24,24 +22,6 @@ inline constexpr const char* kReadable =
 /// Throws ArgumentError with the message unless `ok`.
 void require(bool ok, const char* message);
 
-/// Words for the values of an enumeration. Messages name the words, not the numbers behind them.
-template <class Enum>
-CLI::Validator choices(std::vector<std::pair<std::string, Enum>> words) {
-  return CLI::Validator(
-      [words = std::move(words)](std::string& text) {
-        std::string known;
-        for (const auto& [word, value] : words) {
-          if (text == word) {
-            text = std::to_string(static_cast<int>(value));
-            return std::string();
-          }
-          known += (known.empty() ? "" : ", ") + word;
-        }
-        return "must be one of " + known + ", not " + text;
-      },
-      "");
-}
-
 /// A picture, by the options that all commands that draw one share.
 struct PictureArguments {
   RenderOptions options;
@@ -52,11 +32,11 @@ struct PictureArguments {
   RenderOptions chosen() const;
 };
 /// --width, --height, --view, --z-up
-void add_picture_options(CLI::App& command, PictureArguments& arguments);
+void add_picture_options(CommandLine& command, PictureArguments& arguments);
 /// --preview FILE: also draws `what`.
-void add_preview_option(CLI::App& command, std::string& file, const std::string& what);
+void add_preview_option(CommandLine& command, std::string& file, const std::string& what);
 /// --ascii
-void add_ascii_flag(CLI::App& command, bool& ascii);
+void add_ascii_flag(CommandLine& command, bool& ascii);
 /// A mesh that a command makes, and a picture of it.
 struct MeshOutput {
   std::string file, preview;
@@ -68,27 +48,27 @@ struct MeshOutput {
   void write(const TriangleMesh& mesh, Progress& progress) const;
 };
 /// --output, --preview, --ascii
-void add_mesh_output(CLI::App& command, MeshOutput& output);
+void add_mesh_output(CommandLine& command, MeshOutput& output);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);
 using CurvatureQuantity = CurvatureColorOptions::Quantity;
 /// "mean", "gaussian", …
 const char* quantity_word(CurvatureQuantity quantity);
 /// --color-by and --color-range of curvature. `what` describes the first.
-void add_curvature_colors(CLI::App& command, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
-                          const std::string& what, const std::string& group = "Options");
+void add_curvature_colors(CommandLine& command, std::optional<CurvatureQuantity>& quantity,
+                          std::optional<double>& range, const std::string& what, const std::string& group = "Options");
 
 /// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
-void add_cloud_options(CLI::App& command, CloudUse& use);
+void add_cloud_options(CommandLine& command, CloudUse& use);
 /// --box x0,y0,z0,x1,y1,z1
-void add_box_option(CLI::App& command, std::optional<Box3>& box, const std::string& what);
+void add_box_option(CommandLine& command, std::optional<Box3>& box, const std::string& what);
 /// "2..14"
 std::string depth_range();
 /// --depth, --error, --support, --degree, --smooth
-void add_fit_options(CLI::App& command, FitOptions& options);
-/// auto, all, largest or a number. Throws CLI::ValidationError.
+void add_fit_options(CommandLine& command, FitOptions& options);
+/// auto, all, largest or a number. Throws ValueError.
 ComponentChoice parse_components(const std::string& text);
 /// --components, --trim, --quality, --mesh-error, --triangles, …
-void add_mesh_options(CLI::App& command, MeshOptions& options);
+void add_mesh_options(CommandLine& command, MeshOptions& options);
 
 }  // namespace sansmesh::cli

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "commands.h"
@@ -110,7 +109,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
                             grouped(report.left_out)));
   console.say(fmt::format("{}: {} by {}{}", arguments.output, counted(result.size(), "point"), arguments.method,
                           result.has_normals() ? ", with normals" : ""));
-  const nlohmann::ordered_json json = {
+  const Json json = {
       {"input", {{"file", arguments.input}, {"format", read.format}, {"points", given}}},
       {"method", arguments.method},
       {"moved", {{"mean", report.mean_move}, {"rms", report.rms_move}, {"largest", report.largest_move}}},
@@ -122,29 +121,26 @@ void run_project(const ProjectArguments& arguments, Console& console) {
 
 }  // namespace
 
-Command add_project(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
+Command add_project(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
-  c.add_option("input", a.input, "Points to move")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp")
-      ->type_name("FILE")
-      ->required();
-  c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]")->type_name("FILE");
+  c.add_option("input", a.input, "Points to move").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
+  c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]").type_name("FILE");
   add_ascii_flag(c, a.ascii);
   c.add_option("--method", a.method,
                "lop (consolidation of the input) or a surface: " + surface_method_names() + " [curvature]")
-      ->type_name("NAME");
+      .type_name("NAME");
   c.add_option("--points", a.points, "Spread about this many new points over the surface instead of moving those given")
-      ->type_name("COUNT")
-      ->check(CLI::Range(1u, 2000000000u).description(""));
-  c.add_option("--steps", a.steps, "Steps of a point at most, 1..1000 [10]")->type_name("COUNT");
+      .type_name("COUNT")
+      .within(1, 2000000000);
+  c.add_option("--steps", a.steps, "Steps of a point at most, 1..1000 [10]").type_name("COUNT");
   c.add_option("--tolerance", a.tolerance, "A point stops after a step shorter than this ratio to the spacing [0.001]")
-      ->type_name("RATIO");
+      .type_name("RATIO");
   c.add_option("--radius", a.lop.radius, "lop: radius of the neighbourhoods [from spacing and noise]")
-      ->type_name("LENGTH");
-  c.add_option("--repulsion", a.lop.repulsion, "lop: how strongly points keep apart, 0..0.5 [0.45]")
-      ->type_name("SHARE");
+      .type_name("LENGTH");
+  c.add_option("--repulsion", a.lop.repulsion, "lop: how strongly points keep apart, 0..0.5 [0.45]").type_name("SHARE");
   add_surface_details(c, a.surface, a.cloud);
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"

@@ -1,7 +1,6 @@
 // sansmesh reconstruct: points in, closed mesh out.
 #include <fmt/core.h>
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "commands.h"
@@ -72,7 +71,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   print_report(arguments, read, size, report, mesh, console);
   if (console.options().json) {
     const MeshTopology topology = measure_topology(mesh);
-    nlohmann::ordered_json json;
+    Json json;
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", size.points}};
     json["spacing"] = report.spacing;
     json["noise"] = report.noise;
@@ -100,11 +99,11 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
 
 }  // namespace
 
-Command add_reconstruct(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("reconstruct", "Points → triangle mesh, closed unless asked otherwise");
+Command add_reconstruct(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("reconstruct", "Points → triangle mesh, closed unless asked otherwise");
   auto shared = std::make_shared<ReconstructArguments>();
   ReconstructArguments& a = *shared;
-  c.add_option("input", a.input, "Points, or a mesh or polygon soup")->type_name("FILE")->required();
+  c.add_option("input", a.input, "Points, or a mesh or polygon soup").type_name("FILE").required();
   add_mesh_output(c, a.output);
   add_mesh_options(c, a.options);
   add_cloud_options(c, a.options);

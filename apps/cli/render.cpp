@@ -3,9 +3,7 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "sansmesh/core/error.h"
@@ -70,59 +68,56 @@ void run_render(RenderArguments& a, Console& console) {
   write_image(a.output, image);
   progress.finish();
   console.say(fmt::format("{}: {} × {} pixels", a.output, image.width, image.height));
-  const nlohmann::ordered_json json = {
-      {"output", {{"file", a.output}, {"width", image.width}, {"height", image.height}}}};
+  const Json json = {{"output", {{"file", a.output}, {"width", image.width}, {"height", image.height}}}};
   console.say_json(json);
   console.print_timings();
 }
 
 }  // namespace
 
-Command add_render(CLI::App& app) {
-  CLI::App& c = *app.add_subcommand("render", "Mesh, points or function → picture");
+Command add_render(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("render", "Mesh, points or function → picture");
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
   RenderOptions& o = a.picture.options;
-  c.add_option("input", a.input, "Mesh, points or function (.smf)")->type_name("FILE")->required();
-  c.add_option("-o,--output", a.output, "Picture to write: .png")->type_name("FILE")->required();
+  c.add_option("input", a.input, "Mesh, points or function (.smf)").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
   c.add_option("--azimuth", o.view.azimuth, "Degrees around the up axis; 0: the front [35]")
-      ->type_name("DEGREES")
-      ->group("Picture");
-  c.add_option("--elevation", o.view.elevation, "Degrees above the horizon [20]")
-      ->type_name("DEGREES")
-      ->group("Picture");
+      .type_name("DEGREES")
+      .group("Picture");
+  c.add_option("--elevation", o.view.elevation, "Degrees above the horizon [20]").type_name("DEGREES").group("Picture");
   c.add_option("--background", a.background, "gradient, white, black or transparent [gradient]")
-      ->type_name("CHOICE")
-      ->check(CLI::IsMember({"gradient", "white", "black", "transparent"}).description(""))
-      ->group("Picture");
-  c.add_flag("--flat", a.flat, "Show the flat triangles: normals are not interpolated")->group("Picture");
+      .type_name("CHOICE")
+      .one_of({"gradient", "white", "black", "transparent"})
+      .group("Picture");
+  c.add_flag("--flat", a.flat, "Show the flat triangles: normals are not interpolated").group("Picture");
   c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")
-      ->type_name("LENGTH")
-      ->group("Picture");
+      .type_name("LENGTH")
+      .group("Picture");
   c.add_option("--antialiasing", o.samples, "Rays per pixel in each direction, 1..8 [3]")
-      ->type_name("COUNT")
-      ->group("Picture");
-  c.add_flag("--no-shadows", a.no_shadows, "No shadows")->group("Picture");
+      .type_name("COUNT")
+      .group("Picture");
+  c.add_flag("--no-shadows", a.no_shadows, "No shadows").group("Picture");
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_curvature_colors(c, a.color_by, a.color_range,
                        "Curvature as colour: mean, gaussian, k1 or k2; red convex, blue concave", "Surface");
   SurfaceRenderOptions& s = a.options;
   c.add_option("--reflection", s.reflection, "Share of the light that a mirror would send, 0..1 [0]")
-      ->type_name("SHARE")
-      ->group("Surface");
+      .type_name("SHARE")
+      .group("Surface");
   c.add_option("--transmission", s.transmission, "Share of the light that comes through the body, 0..1 [0]")
-      ->type_name("SHARE")
-      ->group("Surface");
+      .type_name("SHARE")
+      .group("Surface");
   c.add_option("--refraction-index", s.refraction_index, "Refraction index of the body: 1.33 water, 1.5 glass [1.5]")
-      ->type_name("RATIO")
-      ->group("Surface");
-  c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow")->group("Surface");
-  c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground")->group("Surface");
+      .type_name("RATIO")
+      .group("Surface");
+  c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow").group("Surface");
+  c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground").group("Surface");
   c.add_option("--frames", a.frames, "So many pictures from all around, as NAME_000.png, NAME_001.png, …")
-      ->type_name("COUNT")
-      ->check(CLI::Range(1, 100000).description(""))
-      ->group("Surface");
+      .type_name("COUNT")
+      .within(1, 100000)
+      .group("Surface");
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh render surface.ply -o surface.png --view front\n"

@@ -1,11 +1,9 @@
 // sansmesh section: the curves in which planes cut a surface.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -97,8 +95,7 @@ void run_section(const SectionArguments& a, Console& console) {
   }
   progress.finish();
 
-  nlohmann::ordered_json json = {{"input", {{"file", a.input}, {"kind", surface.kind()}}},
-                                 {"planes", nlohmann::ordered_json::array()}};
+  Json json = {{"input", {{"file", a.input}, {"kind", surface.kind()}}}, {"planes", Json::array()}};
   std::size_t curves = 0, open = 0, empty = 0;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& s = sections[i];
@@ -132,35 +129,32 @@ void run_section(const SectionArguments& a, Console& console) {
 
 }  // namespace
 
-Command add_section(CLI::App& app) {
-  CLI::App* c = app.add_subcommand("section", "Mesh or function → the curves in which planes cut it");
+Command add_section(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("section", "Mesh or function → the curves in which planes cut it");
   auto a = std::make_shared<SectionArguments>();
-  c->add_option("input", a->input, "Mesh, or function (.smf)")->type_name("FILE")->required();
-  c->add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write")->type_name("FILE");
-  c->add_option("--plane", a->planes, "z=0.5, or nx,ny,nz,d for the points with n·x = d; may be repeated")
-      ->type_name("PLANE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--axis", a->axis, "Planes perpendicular to x, y or z")
-      ->type_name("AXIS")
-      ->check(CLI::IsMember({"x", "y", "z"}).description(""));
-  c->add_option("--start", a->start, "Position of the first of them [half a step inside the box]")->type_name("LENGTH");
-  c->add_option("--step", a->step, "Distance from one to the next [spread over the box]")->type_name("LENGTH");
-  c->add_option("--count", a->count, "How many, 1..100000 [1, or as many as --step fits into the box]")
-      ->type_name("COUNT");
-  c->add_option("--resolution", a->resolution, "Of a function: lattice squares along the longer side, 2..4096 [512]")
-      ->type_name("COUNT");
-  c->add_option("--unit", a->unit, "mm, cm or in: the drawing is true to scale")
-      ->type_name("UNIT")
-      ->check(CLI::IsMember({"mm", "cm", "in"}).description(""));
-  c->footer(
+  c.add_option("input", a->input, "Mesh, or function (.smf)").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write").type_name("FILE");
+  c.add_option("--plane", a->planes, "z=0.5, or nx,ny,nz,d for the points with n·x = d; may be repeated")
+      .type_name("PLANE")
+      .repeated();
+  c.add_option("--axis", a->axis, "Planes perpendicular to x, y or z").type_name("AXIS").one_of({"x", "y", "z"});
+  c.add_option("--start", a->start, "Position of the first of them [half a step inside the box]").type_name("LENGTH");
+  c.add_option("--step", a->step, "Distance from one to the next [spread over the box]").type_name("LENGTH");
+  c.add_option("--count", a->count, "How many, 1..100000 [1, or as many as --step fits into the box]")
+      .type_name("COUNT");
+  c.add_option("--resolution", a->resolution, "Of a function: lattice squares along the longer side, 2..4096 [512]")
+      .type_name("COUNT");
+  c.add_option("--unit", a->unit, "mm, cm or in: the drawing is true to scale")
+      .type_name("UNIT")
+      .one_of({"mm", "cm", "in"});
+  c.footer(
       "Without --plane and --axis: three planes through the middle of the bounding box. Holes are subtracted\n"
       "from areas. Functions are cut without a mesh.\n\n"
       "Examples:\n"
       "  sansmesh section part.ply -o part.svg\n"
       "  sansmesh section part.ply --axis z --count 10 -o slices.svg\n"
       "  sansmesh section part.smf --plane z=0.5 --plane 1,1,0,0 -o cuts.csv");
-  return {c, [a](Console& console) { run_section(*a, console); }};
+  return {&c, [a](Console& console) { run_section(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

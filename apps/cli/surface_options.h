@@ -7,11 +7,9 @@
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/prepare_cloud.h"
 
-namespace CLI {
-class App;
-}
-
 namespace sansmesh::cli {
+
+class CommandLine;
 
 struct SurfaceArguments {
   SurfaceOptions options;
@@ -22,9 +20,9 @@ struct SurfaceArguments {
 };
 
 /// --sharp, --smoothing, --bandwidth, …, --remove-outliers
-void add_surface_details(CLI::App& command, SurfaceArguments& arguments, CloudUse& cloud);
+void add_surface_details(CommandLine& command, SurfaceArguments& arguments, CloudUse& cloud);
 /// --surface, and these. `what` says what is done with it.
-void add_surface(CLI::App& command, SurfaceArguments& arguments, CloudUse& cloud, const std::string& what);
+void add_surface(CommandLine& command, SurfaceArguments& arguments, CloudUse& cloud, const std::string& what);
 /// All surfaces with what they are, a line each, as part of a footer.
 std::string surface_list();
 

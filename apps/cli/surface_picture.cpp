@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "render.h"
@@ -100,7 +99,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     console.say(files.size() == 1 ? fmt::format("{}: {} × {} pixels", files[0], options.width, options.height)
                                   : fmt::format("{} … {}: {} × {} pixels each", files.front(), files.back(),
                                                 options.width, options.height));
-    nlohmann::ordered_json json;
+    Json json;
     json["input"] = {{"file", arguments.input}, {"format", read.format}, {"samples", report.samples}};
     json["surface"] = {{"method", method.name},         {"spacing", report.spacing}, {"noise", report.noise},
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
