@@ -53,34 +53,25 @@ PolynomialTail<D> make_tail(std::span<const Position<D>> x, int degree) {
   return tail;
 }
 
-template <int D>
-DenseResult solve_dense(const RadialKernel& kernel, double ridge, std::span<const Position<D>> x,
-                        std::span<const double> f, PolynomialTail<D>& tail, std::span<double> c) {
-  using Eigen::Index;
-  const auto n = static_cast<Index>(x.size());
-  const auto at = [&](Index i) -> const Position<D>& { return x[static_cast<std::size_t>(i)]; };
-  Eigen::MatrixXd a(n, n);
-  for (Index j = 0; j < n; ++j)
-    for (Index i = j; i < n; ++i) a(i, j) = a(j, i) = kernel(squared_distance<D>(at(i), at(j)));
-  a.diagonal().array() += ridge;
-  Eigen::VectorXd rhs = Eigen::Map<const Eigen::VectorXd>(f.data(), n);
+namespace {
 
+using Eigen::Index;
+
+/// Solves (A + λ) c + P b = f, Pᵀ c = 0; the same for any dimension, so that Eigen's part is compiled once. Overwrites
+/// a, to which λ has been added, and rhs, which is f.
+DenseResult solve_saddle(Eigen::MatrixXd& a, const Eigen::MatrixXd& p, Eigen::VectorXd& rhs, std::span<double> b,
+                         std::span<double> c) {
+  const Index n = a.rows();
   // P = Q R up to a permutation of its columns; dependent ones are left out.
-  Eigen::MatrixXd p(n, tail.size);
-  std::array<double, PolynomialTail<D>::kMaxSize> m;
-  for (Index i = 0; i < n; ++i) {
-    tail.basis(at(i), m.data());
-    for (Index j = 0; j < tail.size; ++j) p(i, j) = m[static_cast<std::size_t>(j)];
-  }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   Index rank = 0;
-  if (tail.size > 0) {
+  if (p.cols() > 0) {
     qr.setThreshold(1e-9);
     qr.compute(p);
     rank = qr.rank();
   }
   DenseResult result;
-  result.dropped = tail.size - static_cast<int>(rank);
+  result.dropped = static_cast<int>(p.cols() - rank);
   // With B = Qᵀ A Q and g = Qᵀ f the coefficients are c = Q (0, y), B₂₂ y = g₂, and R b = g₁ − B₁₂ y.
   if (rank > 0) {
     // Only the first `rank` reflections: Q's leading columns then span the columns kept.
@@ -93,36 +84,56 @@ DenseResult solve_dense(const RadialKernel& kernel, double ridge, std::span<cons
   const Index free = n - rank;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(n);
   if (free > 0) {
-    Eigen::MatrixXd b = a.bottomRightCorner(free, free);
-    const double unit = std::max(b.diagonal().cwiseAbs().maxCoeff(), 1e-300);
+    Eigen::MatrixXd free_part = a.bottomRightCorner(free, free);
+    const double unit = std::max(free_part.diagonal().cwiseAbs().maxCoeff(), 1e-300);
     double added = 0;
     for (double step = 1e-15 * unit;; step *= 100) {
-      Eigen::LLT<Eigen::MatrixXd> llt(b);
+      Eigen::LLT<Eigen::MatrixXd> llt(free_part);
       // A factor whose diagonal spans 1e-8 comes from a matrix of condition 1e16.
       if (llt.info() == Eigen::Success && llt.matrixLLT().diagonal().minCoeff() > 3e-8 * std::sqrt(unit)) {
         y.tail(free) = llt.solve(rhs.tail(free));
         // One step of refinement: what is left of the residual is due to the condition.
-        y.tail(free) += llt.solve(rhs.tail(free) - b * y.tail(free));
+        y.tail(free) += llt.solve(rhs.tail(free) - free_part * y.tail(free));
         break;
       }
       if (step > unit) throw DataError("approximation: the system of the radial basis functions cannot be solved");
-      b.diagonal().array() += step;
+      free_part.diagonal().array() += step;
       added += step;
     }
     result.added_ridge = added;
   }
-  tail.coefficient.fill(0);
+  std::fill(b.begin(), b.end(), 0.0);
   if (rank > 0) {
-    Eigen::VectorXd b = rhs.head(rank) - a.topRightCorner(rank, free) * y.tail(free);
-    qr.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().solveInPlace(b);
-    for (Index j = 0; j < rank; ++j)
-      tail.coefficient[static_cast<std::size_t>(qr.colsPermutation().indices()[j])] = b[j];
+    Eigen::VectorXd kept = rhs.head(rank) - a.topRightCorner(rank, free) * y.tail(free);
+    qr.matrixR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solveInPlace(kept);
+    for (Index j = 0; j < rank; ++j) b[static_cast<std::size_t>(qr.colsPermutation().indices()[j])] = kept[j];
     auto q = qr.householderQ();
     q.setLength(rank);
     y.applyOnTheLeft(q);
   }
   for (Index i = 0; i < n; ++i) c[static_cast<std::size_t>(i)] = y[i];
   return result;
+}
+
+}  // namespace
+
+template <int D>
+DenseResult solve_dense(const RadialKernel& kernel, double ridge, std::span<const Position<D>> x,
+                        std::span<const double> f, PolynomialTail<D>& tail, std::span<double> c) {
+  const auto n = static_cast<Index>(x.size());
+  const auto at = [&](Index i) -> const Position<D>& { return x[static_cast<std::size_t>(i)]; };
+  Eigen::MatrixXd a(n, n);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = j; i < n; ++i) a(i, j) = a(j, i) = kernel(squared_distance<D>(at(i), at(j)));
+  a.diagonal().array() += ridge;
+  Eigen::VectorXd rhs = Eigen::Map<const Eigen::VectorXd>(f.data(), n);
+  Eigen::MatrixXd p(n, tail.size);
+  std::array<double, PolynomialTail<D>::kMaxSize> m;
+  for (Index i = 0; i < n; ++i) {
+    tail.basis(at(i), m.data());
+    for (Index j = 0; j < tail.size; ++j) p(i, j) = m[static_cast<std::size_t>(j)];
+  }
+  return solve_saddle(a, p, rhs, tail.coefficient, c);
 }
 
 #define SANSMESH_INSTANTIATE(D)                                                                  \

@@ -102,6 +102,57 @@ Rows build_rows(std::size_t n, Fill&& fill) {
   return rows;
 }
 
+// What Eigen does is the same for any dimension, and takes long to compile: once here, not in what follows.
+
+using Local = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFactorNeighbours + 1, kFactorNeighbours + 1>;
+using LocalRow = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFactorNeighbours + 1, 1>;
+
+/// The last row of the inverse of a symmetric matrix, which is overwritten; of the identity where there is none.
+LocalRow last_of_inverse(Local& matrix) {
+  const Eigen::Index last = matrix.rows() - 1;
+  LocalRow y(matrix.rows());
+  y.setZero();
+  y[last] = 1;
+  Eigen::LLT<Eigen::Ref<Local>> llt(matrix);
+  if (llt.info() == Eigen::Success) llt.solveInPlace(y);
+  if (llt.info() != Eigen::Success || !(y[last] > 0) || !y.allFinite()) {  // nearly coincident: Jacobi
+    y.setZero();
+    y[last] = 1;
+  }
+  return y;
+}
+
+/// Solves (Pᵀ A⁻¹ P) b = Pᵀ A⁻¹ f, c = A⁻¹ f − A⁻¹ P b. `b` holds f and P, `solution` A⁻¹ of these, 1 + tail columns
+/// each. Returns how many monomials were dropped.
+int solve_tail(std::span<const double> b, std::span<const double> solution, std::span<double> tail,
+               std::span<double> c) {
+  const auto size = static_cast<Eigen::Index>(tail.size());
+  const std::size_t n = c.size(), m = 1 + tail.size();
+  int dropped = 0;
+  Eigen::VectorXd beta;
+  if (size > 0) {
+    Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd rhs = Eigen::VectorXd::Zero(size);
+    for (std::size_t i = 0; i < n; ++i)
+      for (Eigen::Index k = 0; k < size; ++k) {
+        const double pk = b[i * m + 1 + static_cast<std::size_t>(k)];
+        rhs[k] += pk * solution[i * m];
+        for (Eigen::Index l = 0; l < size; ++l) schur(k, l) += pk * solution[i * m + 1 + static_cast<std::size_t>(l)];
+      }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(size, size);
+    qr.setThreshold(1e-9);
+    qr.compute(schur);
+    beta = qr.solve(rhs);
+    dropped = static_cast<int>(size - qr.rank());
+  }
+  for (Eigen::Index k = 0; k < size; ++k) tail[static_cast<std::size_t>(k)] = beta[k];
+  for (std::size_t i = 0; i < n; ++i) {
+    c[i] = solution[i * m];
+    for (Eigen::Index k = 0; k < size; ++k) c[i] -= beta[k] * solution[i * m + 1 + static_cast<std::size_t>(k)];
+  }
+  return dropped;
+}
+
 // Dot products of c interleaved vectors.
 std::vector<double> dots(std::size_t c, std::span<const double> a, std::span<const double> b) {
   return parallel_reduce(
@@ -155,22 +206,13 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
     for (std::size_t e = a.start[i]; e < a.start[i + 1] && count < static_cast<Eigen::Index>(kFactorNeighbours); ++e)
       if (a.column[e] != i && rank(a.column[e]) < rank(i)) set[static_cast<std::size_t>(count++)] = a.column[e];
     set[static_cast<std::size_t>(count++)] = static_cast<std::uint32_t>(i);
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFactorNeighbours + 1, kFactorNeighbours + 1> local(count,
-                                                                                                                 count);
+    Local local(count, count);
     for (Eigen::Index p = 0; p < count; ++p)
       for (Eigen::Index q = 0; q <= p; ++q)
         local(p, q) = local(q, p) =
             kernel(squared_distance<D>(x[set[static_cast<std::size_t>(p)]], x[set[static_cast<std::size_t>(q)]])) +
             (p == q ? ridge : 0);
-    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFactorNeighbours + 1, 1> y(count);
-    y.setZero();
-    y[count - 1] = 1;
-    Eigen::LLT<Eigen::Ref<decltype(local)>> llt(local);
-    if (llt.info() == Eigen::Success) llt.solveInPlace(y);
-    if (llt.info() != Eigen::Success || !(y[count - 1] > 0) || !y.allFinite()) {  // nearly coincident: Jacobi
-      y.setZero();
-      y[count - 1] = 1;
-    }
+    const LocalRow y = last_of_inverse(local);
     const double root = std::sqrt(y[count - 1]);
     for (Eigen::Index p = 0; p < count; ++p) {
       column.push_back(set[static_cast<std::size_t>(p)]);
@@ -225,30 +267,9 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
     throw DataError("approximation: conjugate gradients reach a residual of " + std::to_string(result.residual) +
                     " only: lower the scale, add a ridge or raise the tolerance");
 
-  // (Pᵀ A⁻¹ P) b = Pᵀ A⁻¹ f, c = A⁻¹ f − A⁻¹ P b.
-  Eigen::VectorXd beta;
-  if (tail.size > 0) {
-    Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(tail.size, tail.size);
-    Eigen::VectorXd rhs = Eigen::VectorXd::Zero(tail.size);
-    for (std::size_t i = 0; i < n; ++i)
-      for (Eigen::Index k = 0; k < tail.size; ++k) {
-        const double pk = b[i * m + 1 + static_cast<std::size_t>(k)];
-        rhs[k] += pk * solution[i * m];
-        for (Eigen::Index l = 0; l < tail.size; ++l)
-          schur(k, l) += pk * solution[i * m + 1 + static_cast<std::size_t>(l)];
-      }
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(tail.size, tail.size);
-    qr.setThreshold(1e-9);
-    qr.compute(schur);
-    beta = qr.solve(rhs);
-    result.dropped = tail.size - static_cast<int>(qr.rank());
-  }
   tail.coefficient.fill(0);
-  for (Eigen::Index k = 0; k < tail.size; ++k) tail.coefficient[static_cast<std::size_t>(k)] = beta[k];
-  for (std::size_t i = 0; i < n; ++i) {
-    c[i] = solution[i * m];
-    for (Eigen::Index k = 0; k < tail.size; ++k) c[i] -= beta[k] * solution[i * m + 1 + static_cast<std::size_t>(k)];
-  }
+  const std::span<double> coefficients = std::span(tail.coefficient).first(static_cast<std::size_t>(tail.size));
+  result.dropped = solve_tail(b, solution, coefficients, c.first(n));
   return result;
 }
 

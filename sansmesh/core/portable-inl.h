@@ -51,9 +51,9 @@ HWY_INLINE hn::Vec<D> MulAddHalf(const V& a, const V& b, const V& c, bool& doubt
   return hn::DemoteTo(d, sum);
 }
 
-/// a b + c, rounded once.
+/// a b + c, rounded once. Called, not inlined: kernels would take four times as long to compile for all targets.
 template <class V>
-HWY_INLINE V MulAdd(const V& a, const V& b, const V& c) {
+HWY_NOINLINE V MulAdd(const V& a, const V& b, const V& c) {
   const hn::DFromV<V> d;
   const hn::Half<decltype(d)> half;
   bool low = false, high = false;

@@ -7,20 +7,18 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <variant>
 
 namespace sansmesh::io {
 namespace {
 
-/// Calls use(at) with at(i) -> Vec3: one loader for the three columns where they agree in type, as they do in practice.
-template <class Use>
+/// Calls use(at) with at(i) -> Vec3. What `use` does is compiled once for each of the types, which are those that the
+/// three columns have in practice, and once for all others.
+template <NumberType... types, class Use>
 void with_triples(const Column (&c)[3], Use&& use) {
   const bool uniform = c[0].type == c[1].type && c[1].type == c[2].type && c[0].stride == c[1].stride &&
                        c[1].stride == c[2].stride && c[0].swap == c[1].swap && c[1].swap == c[2].swap;
-  if (!uniform) {
-    use([&c](std::size_t i) { return Vec3{c[0][i], c[1][i], c[2][i]}; });
-    return;
-  }
-  with_loader(c[0].type, c[0].swap, [&](auto at) {
+  const auto by = [&](auto at) {
     const char* const x = c[0].at;
     const char* const y = c[1].at;
     const char* const z = c[2].at;
@@ -29,7 +27,14 @@ void with_triples(const Column (&c)[3], Use&& use) {
       const std::size_t o = i * stride;
       return Vec3{static_cast<double>(at(x + o)), static_cast<double>(at(y + o)), static_cast<double>(at(z + o))};
     });
-  });
+    return true;
+  };
+  const auto is = [&]<NumberType type>() {
+    using T = typename std::variant_alternative_t<static_cast<std::size_t>(type), AttributeValues>::value_type;
+    return c[0].type == type && (c[0].swap ? by(Loader<T, true>{}) : by(Loader<T, false>{}));
+  };
+  if (uniform && (is.template operator()<types>() || ...)) return;
+  use([&c](std::size_t i) { return Vec3{c[0][i], c[1][i], c[2][i]}; });
 }
 
 /// More arrays than any file means; a header of nothing but names must not take forever.
@@ -170,7 +175,7 @@ double cell_number(double cell, NumberType type) {
 void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points, const Vec3& scale,
                     const Vec3& offset) {
   const std::size_t grain = 1 << 14;
-  with_triples(columns.position, [&](auto at) {
+  with_triples<NumberType::f32, NumberType::f64, NumberType::i32>(columns.position, [&](auto at) {
     if (scale == Vec3{1, 1, 1} && offset == Vec3{}) {
       place_positions(points, n, at);
     } else {
@@ -182,13 +187,14 @@ void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points
   });
   if (columns.has_normals()) {
     points.normals.resize(n);
-    with_triples(columns.normal,
-                 [&](auto at) { parallel_for(0, n, grain, [&](std::size_t i) { points.normals[i] = Vec3f(at(i)); }); });
+    with_triples<NumberType::f32, NumberType::f64>(columns.normal, [&](auto at) {
+      parallel_for(0, n, grain, [&](std::size_t i) { points.normals[i] = Vec3f(at(i)); });
+    });
   }
   if (columns.has_colors()) {
     const NumberType type = columns.color[0].type;
     points.colors.resize(n);
-    with_triples(columns.color, [&](auto at) {
+    with_triples<NumberType::u8, NumberType::u16, NumberType::f32>(columns.color, [&](auto at) {
       double factor = 1;
       if (type != NumberType::u8) {
         const double largest = parallel_reduce(
