@@ -31,7 +31,7 @@ if(CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
   endif()
 endif()
 
-# Parsing these takes half of the time in which most sources of the library and the tool compile: they are precompiled.
+# Most sources of the library and the tool compile faster where these are precompiled (benchmarks/README.md).
 set(SANSMESH_COMMON_HEADERS
     <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstdint> <cstring> <fmt/core.h> <functional> <limits> <map> <memory> <mutex>
     <numbers> <numeric> <optional> <set> <span> <string> <string_view> <unordered_map> <utility> <variant> <vector>)
@@ -43,7 +43,7 @@ function(sansmesh_warnings target)
   endif()
 endfunction()
 
-# For the tool and tests, most of whose compile time is that of headers of others (CLI11, Eigen, GoogleTest): undefined
+# For the tool and tests, much of whose compile time is that of headers of others (CLI11, Eigen, GoogleTest): undefined
 # behaviour is looked for in the library, errors of memory everywhere.
 function(sansmesh_instrument_lightly target)
   if(SANSMESH_INSTRUMENTED)

@@ -84,7 +84,7 @@ Option CommandLine::add_flag_callback(const std::string& names, std::function<vo
 }
 
 Option CommandLine::add_words(const std::string& names, std::vector<std::string> words,
-                              std::function<void(std::size_t)> use, const std::string& what) {
+                              const std::function<void(std::size_t)>& use, const std::string& what) {
   const auto find = [words](const std::string& text) {
     return static_cast<std::size_t>(std::find(words.begin(), words.end(), text) - words.begin());
   };

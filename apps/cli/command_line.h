@@ -90,8 +90,8 @@ class CommandLine {
 
  private:
   explicit CommandLine(CLI::App& app);
-  Option add_words(const std::string& names, std::vector<std::string> words, std::function<void(std::size_t)> use,
-                   const std::string& what);
+  Option add_words(const std::string& names, std::vector<std::string> words,
+                   const std::function<void(std::size_t)>& use, const std::string& what);
 
   std::unique_ptr<CLI::App> own_;  // of the whole tool
   CLI::App* app_;

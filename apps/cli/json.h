@@ -3,6 +3,7 @@
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -18,6 +19,7 @@ namespace sansmesh::cli {
 class Json {
  public:
   Json() = default;  ///< null
+  Json(std::nullptr_t) {}
   template <std::same_as<bool> T>
   Json(T value) : kind_(Kind::truth), whole_(value ? 1 : 0) {}
   template <std::integral T>

@@ -14,10 +14,6 @@
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/color_bytes.h"
 
-#include "sansmesh/core/number_words.h"
-#include "sansmesh/io/assemble_points.h"
-#include "sansmesh/io/color_bytes.h"
-
 namespace sansmesh::io {
 namespace {
 

@@ -73,6 +73,7 @@ TEST(Parallel, SortsAsOneThreadDoes) {
 #if SANSMESH_WATCHED_THREADS
 TEST(Parallel, RacesOfBodiesAreSeen) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const ThreadScope two(2);
   int sum = 0;
   const auto add = [&](std::size_t) { ++sum; };
   EXPECT_EXIT((parallel_for(0, 2, 1, add), std::exit(0)), testing::ExitedWithCode(66), "data race");
