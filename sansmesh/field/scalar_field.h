@@ -49,8 +49,8 @@ class ScalarField {
 
   /// What all values within `radius` (>= 0) of each of x lie between: where that does not hold 0, no surface is so
   /// near. As many entries as x; infinite ends where nothing is known. Fields that do not override this (fields of
-  /// samples, of callers) are taken to be no steeper than kAssumedSlope; the others prove it, and say where they
-  /// cannot. Safe from several threads.
+  /// samples, of callers) are taken to be no steeper than kAssumedSlope; the others say what they take for
+  /// granted. Safe from several threads.
   virtual void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
 };
 

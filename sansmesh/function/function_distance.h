@@ -25,8 +25,8 @@ class FunctionDistance : public ScalarField {
   /// Those of the function; values are distances outside, too.
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
-  /// Values lie between the distance to the mesh and those of the function; proven but where the side is another than
-  /// the mesh's.
+  /// Values lie between the distance to the mesh and those of the function; where the side is another
+  /// than the mesh's they may not.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
  private:

@@ -24,7 +24,9 @@ struct FarBatch {
   static constexpr std::size_t kBatch = 16;
   alignas(64) float x[3][kBatch], sum[3][kBatch], slope[3][3][kBatch];
 };
-constexpr float kOpen = GlobalSign::kOpen, kClosed = GlobalSign::kClosed;
+/// Squared distance from a group in squares of its radius: below the first its members count, beyond the second it
+/// counts as one. Closer up a group's 1/r⁶ is so far from that of its members that the hand-over would be steep.
+constexpr float kOpen = 2.2f, kClosed = 4.8f;
 }  // namespace sansmesh
 #endif
 
@@ -221,7 +223,8 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : uni
 
 namespace {
 
-constexpr double kFar = GlobalSign::kFarthest;
+/// From so many units away all patches are one point, and the sums of 1/r⁶ are still far from the smallest floats.
+constexpr double kFar = 1000;
 
 /// The place in the same direction that is at most kFar away. `ratio`: how much farther x is.
 Vec3f pulled_in(const Vec3f& x, float& ratio) {

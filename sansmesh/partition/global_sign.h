@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/search/box_levels.h"
 
 namespace sansmesh {
@@ -41,16 +40,6 @@ class GlobalSign {
 
   /// The winding number alone.
   void winding_number(std::span<const Vec3f> x, std::span<float> values) const;
-
-  /// What all signed distances within `radius` of x lie between: proven, term by term. Infinite where the ball is so
-  /// large that it would take long to say.
-  ValueRange range(const Vec3f& x, float radius) const;
-
-  /// Squared distance from a group in squares of its radius: below the first its members count, beyond the second it
-  /// counts as one. Closer up a group's 1/r⁶ is so far from that of its members that the hand-over would be steep.
-  static constexpr float kOpen = 2.2f, kClosed = 4.8f;
-  /// From so many units away all patches are one point, and the sums of 1/r⁶ are still far from the smallest floats.
-  static constexpr double kFarthest = 1000;
 
   /// Eight siblings side by side. radius < 0 marks an unused place.
   struct Octet {

@@ -26,9 +26,9 @@ class PartitionOfUnity : public ScalarField {
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
 
-  /// Proven, from the slopes of the local functions (PartitionData::slopes), the weights, and the patches of the far
-  /// field; but for rounding, for which they are widened. As narrow as a few slopes times the radius where neighbouring
-  /// functions agree; in balls that are larger than supports, infinite.
+  /// From proven slopes of the local functions (PartitionData::slopes), the weights, and a measured slope of the far
+  /// field; widened for rounding. As narrow as a few slopes times the radius where neighbouring functions agree; in
+  /// balls that very many supports reach, infinite.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
   /// All that it is made of; positions relative to its origin.
