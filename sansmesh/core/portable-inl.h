@@ -51,7 +51,7 @@ HWY_INLINE hn::Vec<D> MulAddHalf(const V& a, const V& b, const V& c, bool& doubt
   return hn::DemoteTo(d, sum);
 }
 
-/// a b + c, rounded once. Called, not inlined: kernels would take four times as long to compile for all targets.
+/// a b + c, rounded once. Called, not inlined: kernels would take about three times as long to compile.
 template <class V>
 HWY_NOINLINE V MulAdd(const V& a, const V& b, const V& c) {
   const hn::DFromV<V> d;
