@@ -3,6 +3,7 @@
 // would silence every race of our own. Here it sees all, and is shown as much as can be: every thread has chunks of its
 // own, whichever comes first, so that neighbours are always on different threads, and nothing but its start and its end
 // orders what two threads do.
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/core/parallel_backend.h"
 #if SANSMESH_WATCHED_THREADS
 
