@@ -34,18 +34,9 @@ std::array<Probe, 18> make_probes() {
   return probes;
 }
 
-/// ‖∇g‖ at (u, v).
 float height_slope(const LocalFunction& f, float u, float v) {
-  const auto& c = f.coefficient;
-  float gu = 0, gv = 0;
-  if (f.degree >= 1) gu = c[1], gv = c[2];
-  if (f.degree >= 2) gu += 2 * u * c[3] + v * c[4], gv += u * c[4] + 2 * v * c[5];
-  if (f.degree >= 3)
-    gu += 3 * u * u * c[6] + 2 * u * v * c[7] + v * v * c[8], gv += u * u * c[7] + 2 * u * v * c[8] + 3 * v * v * c[9];
-  if (f.degree >= 4)
-    gu += 4 * u * u * u * c[10] + 3 * u * u * v * c[11] + 2 * u * v * v * c[12] + v * v * v * c[13],
-        gv += u * u * u * c[11] + 2 * u * u * v * c[12] + 3 * u * v * v * c[13] + 4 * v * v * v * c[14];
-  return std::hypot(gu, gv);
+  const HeightGradient g = height_gradient(f, u, v);
+  return std::hypot(g.u, g.v);
 }
 
 /// A bound for the norm of g's second derivatives where u² + v² ≤ r²: the Frobenius norm of bounds for each, in which
@@ -64,6 +55,19 @@ float height_bend(const LocalFunction& f, float r) {
 }
 
 }  // namespace
+
+HeightGradient height_gradient(const LocalFunction& f, float u, float v) {
+  const auto& c = f.coefficient;
+  float gu = 0, gv = 0;
+  if (f.degree >= 1) gu = c[1], gv = c[2];
+  if (f.degree >= 2) gu += 2 * u * c[3] + v * c[4], gv += u * c[4] + 2 * v * c[5];
+  if (f.degree >= 3)
+    gu += 3 * u * u * c[6] + 2 * u * v * c[7] + v * v * c[8], gv += u * u * c[7] + 2 * u * v * c[8] + 3 * v * v * c[9];
+  if (f.degree >= 4)
+    gu += 4 * u * u * u * c[10] + 3 * u * u * v * c[11] + 2 * u * v * v * c[12] + v * v * v * c[13],
+        gv += u * u * u * c[11] + 2 * u * u * v * c[12] + 3 * u * v * v * c[13] + 4 * v * v * v * c[14];
+  return {gu, gv};
+}
 
 float local_value(const LocalFunction& f, const Vec3f& x) {
   const Vec3f d = (x - f.center) / f.scale;

@@ -33,6 +33,12 @@ struct LocalFunction {
 /// f(x) of one piece, by itself.
 float local_value(const LocalFunction& f, const Vec3f& x);
 
+/// ∇g at (u, v).
+struct HeightGradient {
+  float u, v;
+};
+HeightGradient height_gradient(const LocalFunction& f, float u, float v);
+
 /// A proven bound for ‖∇f‖ in the ball of this radius around `center`: at least 1, about as large as the largest
 /// gradient there; 0 for constants.
 float local_slope(const LocalFunction& f, const Vec3f& center, float radius);

@@ -27,21 +27,11 @@ constexpr float kLeastPatch = 0.5f;
 
 /// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
 bool is_steep(const LocalFunction& f) {
-  const auto& c = f.coefficient;
   for (const float ring : {0.5f, 0.9f})
     for (int k = 0; k < 8; ++k) {
       const float angle = static_cast<float>(k) * std::numbers::pi_v<float> / 4, r = ring * f.radius / f.scale;
-      const float u = r * std::cos(angle), v = r * std::sin(angle);
-      float gu = 0, gv = 0;
-      if (f.degree >= 1) gu = c[1], gv = c[2];
-      if (f.degree >= 2) gu += 2 * u * c[3] + v * c[4], gv += u * c[4] + 2 * v * c[5];
-      if (f.degree >= 3)
-        gu += 3 * u * u * c[6] + 2 * u * v * c[7] + v * v * c[8],
-            gv += u * u * c[7] + 2 * u * v * c[8] + 3 * v * v * c[9];
-      if (f.degree >= 4)
-        gu += 4 * u * u * u * c[10] + 3 * u * u * v * c[11] + 2 * u * v * v * c[12] + v * v * v * c[13],
-            gv += u * u * u * c[11] + 2 * u * u * v * c[12] + 3 * u * v * v * c[13] + 4 * v * v * v * c[14];
-      if (gu * gu + gv * gv > kSteep * kSteep) return true;
+      const HeightGradient g = height_gradient(f, r * std::cos(angle), r * std::sin(angle));
+      if (g.u * g.u + g.v * g.v > kSteep * kSteep) return true;
     }
   return false;
 }

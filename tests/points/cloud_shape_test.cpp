@@ -9,12 +9,6 @@
 namespace sansmesh {
 namespace {
 
-PointSet cloud(std::vector<Vec3f> positions) {
-  PointSet points;
-  points.positions = std::move(positions);
-  return points;
-}
-
 // A box rotated and moved: its shape must not change.
 PointSet moved_box(Vec3f half, Vec3 offset) {
   PointSet points = sample_box(500, half, 1);

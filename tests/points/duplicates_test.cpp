@@ -4,14 +4,10 @@
 
 #include <limits>
 
+#include "points/shapes.h"
+
 namespace sansmesh {
 namespace {
-
-PointSet cloud(std::vector<Vec3f> positions) {
-  PointSet points;
-  points.positions = std::move(positions);
-  return points;
-}
 
 TEST(Duplicates, AreMarkedAfterTheFirst) {
   constexpr float inf = std::numeric_limits<float>::infinity();

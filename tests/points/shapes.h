@@ -4,11 +4,19 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/data/point_set.h"
 
 namespace sansmesh {
+
+/// Samples without normals.
+inline PointSet cloud(std::vector<Vec3f> positions) {
+  PointSet points;
+  points.positions = std::move(positions);
+  return points;
+}
 
 inline Vec3f random_direction(std::mt19937& random) {
   std::normal_distribution<float> g;
