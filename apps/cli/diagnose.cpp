@@ -13,7 +13,7 @@ namespace sansmesh::cli {
 namespace {
 
 /// Places of each kind that are printed; --json has all.
-constexpr std::size_t kPrinted = 5;
+constexpr std::size_t kPrintedPlaces = 5;
 
 struct DiagnoseArguments {
   std::string input, script, preview;
@@ -75,7 +75,7 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
                             d.found[k] == 0 ? std::string("nowhere") : counted(d.found[k], "place"), extra));
     std::size_t printed = 0;
     for (const SuspiciousPlace& p : d.places) {
-      if (p.kind != kind || printed++ >= kPrinted) continue;
+      if (p.kind != kind || printed++ >= kPrintedPlaces) continue;
       console.say(fmt::format("  at ({:.6g}, {:.6g}, {:.6g}), radius {}: {}, {}", p.position.x, p.position.y,
                               p.position.z, length(p.radius), worst_of(p), counted(p.supports, "fit")));
     }

@@ -16,7 +16,7 @@ namespace sansmesh::cli {
 namespace {
 
 /// So many points are printed as well.
-constexpr std::size_t kPrinted = 20;
+constexpr std::size_t kPrintedPoints = 20;
 /// Step of the second derivatives over the spacing of the samples.
 constexpr double kStep = 0.25;
 
@@ -88,7 +88,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   double mean = 0;
   for (const double s : size) mean += s / static_cast<double>(n);
   console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"), grouped(inside)));
-  if (n <= kPrinted) {
+  if (n <= kPrintedPoints) {
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 p = points.origin + Vec3(points.positions[i]);
       const LevelSetPoint& f = found[i];
@@ -106,7 +106,7 @@ void run_eval(const EvalArguments& a, Console& console) {
                {"inside", inside},
                {"absolute_value", {{"mean", mean}, {"median", size[n / 2]}, {"max", size[n - 1]}}},
                {"largest_gradient", steepest}};
-  if (n <= kPrinted) {
+  if (n <= kPrintedPoints) {
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 p = points.origin + Vec3(points.positions[i]);
       const LevelSetPoint& f = found[i];

@@ -15,8 +15,8 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr std::size_t kPrinted = 20;   // components
-constexpr std::size_t kListed = 1000;  // components in JSON
+constexpr std::size_t kPrintedComponents = 20;  // components
+constexpr std::size_t kListed = 1000;           // components in JSON
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -102,13 +102,14 @@ void run_measure(const std::string& file, Console& console) {
                           place(box.axes[0]), place(box.axes[1]), place(box.axes[2])));
   if (m.components.size() > 1) {
     console.say(fmt::format("{:<10} {:>12} {:>14} {:>14}  {}", "component", "triangles", "area", "volume", "centre"));
-    for (std::size_t i = 0; i < std::min(kPrinted, m.components.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kPrintedComponents, m.components.size()); ++i) {
       const BodyMeasures& b = m.components[i];
       console.say(fmt::format("{:<10} {:>12} {:>14.6g} {:>14}  {}", i, grouped(b.triangles), b.area,
                               b.mass ? fmt::format("{:.6g}", b.mass->volume) : "not closed",
                               place(b.mass ? b.mass->center : b.surface_center)));
     }
-    if (m.components.size() > kPrinted) console.say(fmt::format("… {} more", grouped(m.components.size() - kPrinted)));
+    if (m.components.size() > kPrintedComponents)
+      console.say(fmt::format("… {} more", grouped(m.components.size() - kPrintedComponents)));
   }
   console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
 

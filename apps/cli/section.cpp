@@ -20,7 +20,7 @@ namespace sansmesh::cli {
 namespace {
 
 /// More planes than this are summed up in one line.
-constexpr std::size_t kPrinted = 30;
+constexpr std::size_t kPrintedPlanes = 30;
 
 struct SectionArguments {
   std::string input, output;
@@ -110,12 +110,12 @@ void run_section(const SectionArguments& a, Console& console) {
                               {"vertices", vertices},
                               {"length", s.length},
                               {"area", s.area}});
-    if (i < kPrinted)
+    if (i < kPrintedPlanes)
       console.say(fmt::format("{:<20} length {:<11.6g} area {:<11.6g} {}{}", equation(s.plane), s.length, s.area,
                               s.curves.empty() ? "nothing there" : counted(s.curves.size(), "curve"),
                               open_here > 0 ? fmt::format(" ({} open)", grouped(open_here)) : ""));
   }
-  if (sections.size() > kPrinted) console.say(fmt::format("… {}", counted(sections.size(), "plane")));
+  if (sections.size() > kPrintedPlanes) console.say(fmt::format("… {}", counted(sections.size(), "plane")));
   if (open > 0)
     console.warn(a.input, {fmt::format("{} of {} open: the surface has borders there, which enclose no area",
                                        grouped(open), counted(curves, "curve"))});

@@ -17,7 +17,7 @@ namespace {
 using Token = CsgToken;
 using Kind = CsgParameter::Kind;
 
-constexpr int kMaxDepth = 200;  // of parentheses: the parser calls itself
+constexpr int kMaxParentheses = 200;  // of parentheses: the parser calls itself
 
 std::string shown(const Token& t) {
   if (t.kind == Token::Kind::end) return "the end";
@@ -107,7 +107,7 @@ class Parser {
   }
 
   void descend(const Token& t) {
-    if (++depth_ > kMaxDepth) csg_error(t.at, fmt::format("nested more than {} deep", kMaxDepth));
+    if (++depth_ > kMaxParentheses) csg_error(t.at, fmt::format("nested more than {} deep", kMaxParentheses));
   }
 
   Solid load(const Token& t) {

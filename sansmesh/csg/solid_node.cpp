@@ -12,7 +12,7 @@ namespace sansmesh {
 namespace {
 
 /// Evaluation and destruction go as deep as the tree.
-constexpr int kMaxDepth = 1000;
+constexpr int kMaxNesting = 1000;
 constexpr std::uint64_t kMaxPieces = 1u << 30;
 
 }  // namespace
@@ -25,8 +25,8 @@ SolidNode::SolidNode(const Traits& traits)
       depth_(traits.depth),
       thickness_(traits.thickness),
       hollow_thickness_(traits.hollow_thickness) {
-  if (traits.depth > kMaxDepth)
-    throw ArgumentError(fmt::format("solids are nested more than {} deep: combine them in groups", kMaxDepth));
+  if (traits.depth > kMaxNesting)
+    throw ArgumentError(fmt::format("solids are nested more than {} deep: combine them in groups", kMaxNesting));
   if (traits.pieces > kMaxPieces) throw ArgumentError("the solid has too many pieces: combine fewer solids");
 }
 

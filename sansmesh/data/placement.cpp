@@ -10,21 +10,21 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 15;
+constexpr std::size_t kMoved = 1 << 15;
 
 /// Nothing is added where there is nothing to add: zeros keep their signs.
 void from_input(std::vector<Vec3f>& positions, const Vec3& origin, const Placement& place) {
   if (origin == place.origin) {
-    parallel_for(0, positions.size(), kGrain,
+    parallel_for(0, positions.size(), kMoved,
                  [&](std::size_t i) { positions[i] = Vec3f(Vec3(positions[i]) * (1 / place.unit)); });
   } else {
-    parallel_for(0, positions.size(), kGrain,
+    parallel_for(0, positions.size(), kMoved,
                  [&](std::size_t i) { positions[i] = Vec3f(place.from_input(origin, positions[i])); });
   }
 }
 
 void to_input(std::vector<Vec3f>& positions, double unit) {
-  parallel_for(0, positions.size(), kGrain, [&](std::size_t i) { positions[i] = Vec3f(Vec3(positions[i]) * unit); });
+  parallel_for(0, positions.size(), kMoved, [&](std::size_t i) { positions[i] = Vec3f(Vec3(positions[i]) * unit); });
 }
 
 Vec3 origin_in_input(const Vec3& origin, const Placement& place) {

@@ -51,7 +51,7 @@ struct Field {
   }
 };
 
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   std::uint64_t width = 0, height = 1, points = 0;
   bool has_points = false;
@@ -71,8 +71,8 @@ struct Header {
   }
 };
 
-Header parse_header(const Input& in) {
-  Header h;
+PcdHeader parse_header(const Input& in) {
+  PcdHeader h;
   TextScanner text(in.bytes);
   bool seen_version = false;
   while (h.data.empty()) {
@@ -139,7 +139,7 @@ Header parse_header(const Input& in) {
   return h;
 }
 
-void refuse_too_many(const Input& in, const Header& h, std::uint64_t bytes_each, std::size_t have) {
+void refuse_too_many(const Input& in, const PcdHeader& h, std::uint64_t bytes_each, std::size_t have) {
   if (h.points <= have / bytes_each) return;
   if (h.points > (std::uint64_t{1} << 40)) in.fail(fmt::format("malformed PCD header: announces {} points", h.points));
   in.fail_truncated(h.points * bytes_each - have, h.data == "ascii");
@@ -159,7 +159,7 @@ void unpack_colors(PointSet& points, std::size_t n, At&& at) {
 /// Decodes positions, normals, colours and attributes; column(field) gives the Column of its first number. `text`: they
 /// are cells.
 template <class MakeColumn>
-void decode_fields(const Input& in, const Header& h, bool text, PointSet& points, MakeColumn&& column) {
+void decode_fields(const Input& in, const PcdHeader& h, bool text, PointSet& points, MakeColumn&& column) {
   const std::size_t n = static_cast<std::size_t>(h.points);
   CloudColumns c;
   std::vector<const Field*> used, picked;
@@ -198,7 +198,7 @@ void decode_fields(const Input& in, const Header& h, bool text, PointSet& points
   points.attributes = decode_attributes(in, others, n);
 }
 
-void read_records(const Input& in, const Header& h, PointSet& points) {
+void read_records(const Input& in, const PcdHeader& h, PointSet& points) {
   const std::size_t n = static_cast<std::size_t>(h.points);
   std::vector<char> unpacked;
   const char* base = h.body.data();
@@ -228,7 +228,7 @@ void read_records(const Input& in, const Header& h, PointSet& points) {
   }
 }
 
-void read_rows(const Input& in, const Header& h, PointSet& points) {
+void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
   refuse_too_many(in, h, 2 * h.words, h.body.size() + 1);
   const std::size_t n = static_cast<std::size_t>(h.points);
   const Field* const rgb = h.find({"rgb", "rgba"});
@@ -269,7 +269,7 @@ void read_rows(const Input& in, const Header& h, PointSet& points) {
 }  // namespace
 
 PointSet read_pcd(const Input& in) {
-  const Header h = parse_header(in);
+  const PcdHeader h = parse_header(in);
   in.report.format = "PCD " + h.data;
   PointSet points;
   if (h.data == "ascii")

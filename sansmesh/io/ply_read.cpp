@@ -18,7 +18,6 @@ namespace {
 
 using Property = PlyProperty;
 using Element = PlyElement;
-using Header = PlyHeader;
 
 /// The property that has one of the names, the earlier names first, or npos.
 std::size_t find_property(const Element& e, std::initializer_list<const char*> names) {
@@ -361,7 +360,7 @@ void read_ascii_element(const Input& in, const Element& e, TextScanner& text, Po
 }  // namespace
 
 PointSet read_ply(const Input& in) {
-  const Header header = parse_ply_header(in);
+  const PlyHeader header = parse_ply_header(in);
   in.report.format = header.encoding == PlyEncoding::ascii    ? "PLY ascii"
                      : header.encoding == PlyEncoding::little ? "PLY binary little endian"
                                                               : "PLY binary big endian";

@@ -13,12 +13,12 @@
 namespace sansmesh {
 namespace {
 
-using Parts = std::vector<std::string>;
+using FileParts = std::vector<std::string>;
 
 template <class Data>
 struct Writer {
   const char* ending;
-  Parts (*write)(const Data&, const WriteOptions&);
+  FileParts (*write)(const Data&, const WriteOptions&);
 };
 
 constexpr Writer<TriangleMesh> mesh_writers[] = {

@@ -14,16 +14,16 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 8192;
+constexpr std::size_t kMassChunk = 8192;
 
 /// Integrals over surface and inside, relative to a middle.
-struct Sums {
+struct MassSums {
   double area = 0, volume = 0;
   Vec3 surface, first;             ///< ∫ x over the surface, over the inside
   std::array<double, 6> second{};  ///< ∫ xx, yy, zz, xy, yz, zx over the inside
 };
 
-Sums combine(Sums a, const Sums& b) {
+MassSums combine_mass(MassSums a, const MassSums& b) {
   a.area += b.area;
   a.volume += b.volume;
   a.surface += b.surface;
@@ -34,7 +34,7 @@ Sums combine(Sums a, const Sums& b) {
 
 /// Adds a triangle, and the tetrahedron from the middle to it: over that with corners 0, a, b, c and s = a + b + c the
 /// integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
-void add(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
+void add(const Vec3& a, const Vec3& b, const Vec3& c, MassSums& sums) {
   const double area = triangle_area(a, b, c), det = Matrix3{a, b, c}.determinant();
   const Vec3 s = a + b + c;
   sums.area += area;
@@ -48,7 +48,7 @@ void add(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
   }
 }
 
-MassMeasures mass_of(const Sums& sums, const Vec3& middle) {
+MassMeasures mass_of(const MassSums& sums, const Vec3& middle) {
   MassMeasures mass;
   mass.volume = sums.volume;
   if (sums.volume == 0) {
@@ -100,7 +100,7 @@ TriangleMesh joined_places(const TriangleMesh& mesh) {
 void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& component, SolidMeasures& result) {
   // Key: the unordered pair; index: triangle and direction.
   std::vector<KeyIndex> edges(3 * mesh.triangles.size());
-  parallel_for(0, mesh.triangles.size(), kChunk, [&](std::size_t i) {
+  parallel_for(0, mesh.triangles.size(), kMassChunk, [&](std::size_t i) {
     const Triangle& t = mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
@@ -150,10 +150,10 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
     for (std::size_t i = begin; i < end; ++i)
       for (const std::uint32_t v : clean.triangles[grouped[i]]) box.extend(clean.vertices[v]);
     const Vec3 middle = box.empty() ? Vec3{} : (Vec3(box.lower) + Vec3(box.upper)) * 0.5;
-    const Sums sums = parallel_reduce(
-        end - begin, kChunk, Sums{},
+    const MassSums sums = parallel_reduce(
+        end - begin, kMassChunk, MassSums{},
         [&](std::size_t from, std::size_t to) {
-          Sums part;
+          MassSums part;
           for (std::size_t i = begin + from; i < begin + to; ++i) {
             const Triangle& t = clean.triangles[grouped[i]];
             add(Vec3(clean.vertices[t[0]]) - middle, Vec3(clean.vertices[t[1]]) - middle,
@@ -161,7 +161,7 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
           }
           return part;
         },
-        combine);
+        combine_mass);
     body.area = sums.area;
     body.box = {clean.origin + Vec3(box.lower), clean.origin + Vec3(box.upper)};
     body.surface_center = clean.origin + middle + (sums.area > 0 ? sums.surface / sums.area : Vec3{});

@@ -15,7 +15,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 1024;  // fixed: neighbours in a chunk share hints
+constexpr std::size_t kMapChunk = 1024;  // fixed: neighbours in a chunk share hints
 constexpr double kInRange = 0.99;
 constexpr std::array<std::uint8_t, 3> kLeftOut{150, 150, 150};
 
@@ -172,10 +172,10 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   enum class Left : std::uint8_t { no, beyond, lost, border };
   std::vector<Left> left(n, Left::no);
   std::vector<std::uint8_t> border(n);
-  const std::size_t chunks = (order.size() + kChunk - 1) / kChunk;
+  const std::size_t chunks = (order.size() + kMapChunk - 1) / kMapChunk;
   progress.begin("distances", chunks);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
-    const std::size_t first = c * kChunk, count = std::min(kChunk, order.size() - first);
+    const std::size_t first = c * kMapChunk, count = std::min(kMapChunk, order.size() - first);
     std::vector<Vec3> x(count);
     std::vector<MeasuredPoint> found(count);
     for (std::size_t k = 0; k < count; ++k) x[k] = part.origin + Vec3(part.vertices[order[first + k]]);

@@ -11,7 +11,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 1 << 15;
+constexpr std::size_t kSectionChunk = 1 << 15;
 
 struct PositionHash {
   std::size_t operator()(const Vec3f& p) const {
@@ -31,10 +31,10 @@ struct PositionHash {
 std::vector<std::uint32_t> cut_triangles(const TriangleMesh& mesh, const Vec3& normal, double offset) {
   const std::size_t n = mesh.vertices.size();
   const auto height = [&](std::uint32_t i) { return dot(normal, Vec3(mesh.vertices[i])) - offset; };
-  std::vector<std::vector<std::uint32_t>> parts((mesh.triangles.size() + kChunk - 1) / kChunk);
+  std::vector<std::vector<std::uint32_t>> parts((mesh.triangles.size() + kSectionChunk - 1) / kSectionChunk);
   parallel_for(0, parts.size(), 1, [&](std::size_t c) {
-    const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kChunk);
-    for (std::size_t i = c * kChunk; i < last; ++i) {
+    const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kSectionChunk);
+    for (std::size_t i = c * kSectionChunk; i < last; ++i) {
       const Triangle& t = mesh.triangles[i];
       if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
       const double a = height(t[0]), b = height(t[1]), c2 = height(t[2]);

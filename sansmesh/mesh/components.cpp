@@ -9,22 +9,18 @@
 #include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh {
-namespace {
-
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-}  // namespace
+namespace {}  // namespace
 
 MeshComponents find_components(const TriangleMesh& mesh) {
   UnionFind sets(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
   MeshComponents result;
   result.of_triangle.resize(mesh.triangles.size());
-  std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoVertex);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
     std::uint32_t& c = number[sets.find(t[0])];
-    if (c == kNone) {
+    if (c == kNoVertex) {
       c = static_cast<std::uint32_t>(result.area.size());
       result.area.push_back(0);
     }
@@ -45,7 +41,7 @@ MeshComponents find_components(const TriangleMesh& mesh) {
 }
 
 void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
-  std::vector<std::uint32_t> renumber(mesh.vertices.size(), kNone), kept, used;
+  std::vector<std::uint32_t> renumber(mesh.vertices.size(), kNoVertex), kept, used;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!keep[i]) continue;
     for (const std::uint32_t v : mesh.triangles[i]) renumber[v] = 0;
@@ -56,7 +52,7 @@ void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
     mesh.triangle_attributes = mesh.triangle_attributes.taken(kept);
   mesh.triangles.resize(kept.size());
   for (std::size_t v = 0; v < renumber.size(); ++v) {
-    if (renumber[v] == kNone) continue;
+    if (renumber[v] == kNoVertex) continue;
     renumber[v] = static_cast<std::uint32_t>(used.size());
     used.push_back(static_cast<std::uint32_t>(v));
   }
@@ -80,11 +76,11 @@ void separate_fans(TriangleMesh& mesh) {
         const std::uint32_t a = corner[first[v] + i], b = corner[first[v] + j];
         if (mesh.triangles[a / 3][(a % 3 + 1) % 3] == mesh.triangles[b / 3][(b % 3 + 2) % 3]) fans.join(i, j);
       }
-    std::vector<std::uint32_t> copy(count, kNone);
+    std::vector<std::uint32_t> copy(count, kNoVertex);
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::uint32_t fan = fans.find(i);
       if (fan == fans.find(0)) continue;
-      if (copy[fan] == kNone) {
+      if (copy[fan] == kNoVertex) {
         copy[fan] = append_vertex_copy(mesh, static_cast<std::uint32_t>(v));
       }
       renamed.emplace_back(corner[first[v] + i], copy[fan]);

@@ -16,7 +16,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 2048;  // samples that share one chain of hints: fixed, so that results repeat
+constexpr std::size_t kDistanceChunk = 2048;  // samples that share one chain of hints: fixed, so that results repeat
 
 bool valid(const TriangleMesh& mesh, const Triangle& t) {
   const std::size_t n = mesh.vertices.size();
@@ -97,11 +97,11 @@ class Target {
   std::unique_ptr<KdTree> points_;
 };
 
-struct Sums {
+struct DistanceSums {
   double sum = 0, squares = 0, max = 0, angles = 0, signed_angles = 0, with_normal = 0;
 };
 
-Sums combine(Sums a, const Sums& b) {
+DistanceSums combine_distances(DistanceSums a, const DistanceSums& b) {
   return {a.sum + b.sum,
           a.squares + b.squares,
           std::max(a.max, b.max),
@@ -110,7 +110,7 @@ Sums combine(Sums a, const Sums& b) {
           a.with_normal + b.with_normal};
 }
 
-void add_angle(const Vec3f& a, const Vec3f& b, Sums& sums) {
+void add_angle(const Vec3f& a, const Vec3f& b, DistanceSums& sums) {
   const double c = std::clamp(static_cast<double>(dot(a, b)), -1.0, 1.0);
   if (squared_norm(a) == 0 || squared_norm(b) == 0 || std::isnan(c)) return;
   // For small angles from the sine: the arc cosine of a float near 1 is good to a hundredth of a degree only.
@@ -128,10 +128,10 @@ OneWayDistance measure(const Samples& samples, const std::vector<Vec3>& vertices
   if (n == 0) return result;
   const bool normals = !samples.normals.empty() && target.has_normals();
   std::vector<double> distances(n);
-  const Sums sums = parallel_reduce(
-      n, kChunk, Sums{},
+  const DistanceSums sums = parallel_reduce(
+      n, kDistanceChunk, DistanceSums{},
       [&](std::size_t first, std::size_t last) {
-        Sums part;
+        DistanceSums part;
         ClosestTriangle::Hit hint;
         for (std::size_t i = first; i < last; ++i) {
           const auto [distance, normal] = target.ask(samples.positions[i] + shift, normals, hint);
@@ -144,9 +144,9 @@ OneWayDistance measure(const Samples& samples, const std::vector<Vec3>& vertices
         progress.advance(last - first);
         return part;
       },
-      combine);
+      combine_distances);
   const double farthest = parallel_reduce(
-      vertices.size(), kChunk, 0.0,
+      vertices.size(), kDistanceChunk, 0.0,
       [&](std::size_t first, std::size_t last) {
         double max = 0;
         ClosestTriangle::Hit hint;

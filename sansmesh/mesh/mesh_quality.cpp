@@ -11,12 +11,12 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 16384;
+constexpr std::size_t kQualityChunk = 16384;
 constexpr double kLargestAspect = 1e6;
 constexpr double kSmallAngle = 10;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-struct Sums {
+struct QualitySums {
   double n = 0, aspect = 0, aspect_squares = 0, aspect_max = 0, angles = 0, angle_min = 180, small = 0, edges = 0;
 };
 
@@ -24,7 +24,7 @@ double aspect_of(double x, double y, double z, double area) {
   return std::max({x, y, z}) * (x + y + z) / (4 * std::numbers::sqrt3 * area);
 }
 
-void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
+void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, QualitySums& sums) {
   const double area = triangle_area(a, b, c);
   const double x = norm(b - a), y = norm(c - b), z = norm(a - c);
   if (!(area > 0) || !std::isfinite(area)) return;
@@ -44,7 +44,7 @@ void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, Sums& sums) {
   sums.edges += x + y + z;
 }
 
-Sums combine(Sums a, const Sums& b) {
+QualitySums combine_quality(QualitySums a, const QualitySums& b) {
   a.n += b.n;
   a.aspect += b.aspect;
   a.aspect_squares += b.aspect_squares;
@@ -66,10 +66,10 @@ double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 MeshQuality measure_quality(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
-  const Sums sums = parallel_reduce(
-      mesh.triangles.size(), kChunk, Sums{},
+  const QualitySums sums = parallel_reduce(
+      mesh.triangles.size(), kQualityChunk, QualitySums{},
       [&](std::size_t first, std::size_t last) {
-        Sums part;
+        QualitySums part;
         for (std::size_t i = first; i < last; ++i) {
           const Triangle& t = mesh.triangles[i];
           if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
@@ -77,7 +77,7 @@ MeshQuality measure_quality(const TriangleMesh& mesh) {
         }
         return part;
       },
-      combine);
+      combine_quality);
   MeshQuality result;
   const MeshSize size = measure_size(mesh);
   result.area = size.area;

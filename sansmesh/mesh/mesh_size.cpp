@@ -7,7 +7,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 16384;
+constexpr std::size_t kSizeChunk = 16384;
 
 }  // namespace
 
@@ -17,7 +17,7 @@ MeshSize measure_size(const TriangleMesh& mesh) {
   const Vec3 middle = box.empty() ? Vec3{} : Vec3(box.center());
   const std::size_t n = mesh.vertices.size();
   return parallel_reduce(
-      mesh.triangles.size(), kChunk, MeshSize{},
+      mesh.triangles.size(), kSizeChunk, MeshSize{},
       [&](std::size_t first, std::size_t last) {
         MeshSize part;
         for (std::size_t i = first; i < last; ++i) {

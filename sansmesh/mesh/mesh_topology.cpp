@@ -13,7 +13,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 8192;
+constexpr std::size_t kTopologyChunk = 8192;
 
 bool has_area(const TriangleMesh& mesh, const Triangle& t) {
   const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
@@ -99,7 +99,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
 
   const VertexCorners corners(triangles, n);
   const Local total = parallel_reduce(
-      n, kChunk, Local{},
+      n, kTopologyChunk, Local{},
       [&](std::size_t first, std::size_t last) {
         Local part;
         std::vector<Spoke> spokes;

@@ -10,6 +10,9 @@
 
 namespace sansmesh {
 
+/// In tables of numbers of vertices: none.
+constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
+
 /// Appends a copy of a vertex; returns its index.
 std::uint32_t append_vertex_copy(TriangleMesh& mesh, std::uint32_t v);
 

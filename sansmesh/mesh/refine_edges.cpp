@@ -10,8 +10,6 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
 std::uint32_t add_middle(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   return append_vertex_between(mesh, a, b, 0.5f, Vec3f((Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5));
 }
@@ -36,8 +34,8 @@ bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles)
     if (after == mesh.triangles.size()) return true;
     if (after > most_triangles) return false;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      if (!long_edge(a, b)) return kNone;
-      const auto [at, fresh] = middles.try_emplace(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), kNone);
+      if (!long_edge(a, b)) return kNoVertex;
+      const auto [at, fresh] = middles.try_emplace(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), kNoVertex);
       if (fresh) at->second = add_middle(mesh, std::min(a, b), std::max(a, b));
       return at->second;
     };
@@ -55,8 +53,8 @@ bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles)
       Triangle c = t;
       std::array<std::uint32_t, 3> m{};
       for (std::size_t k = 0; k < 3; ++k) m[k] = middle(t[k], t[(k + 1) % 3]);
-      const auto cuts = std::count_if(m.begin(), m.end(), [](std::uint32_t v) { return v != kNone; });
-      while ((cuts == 1 && m[0] == kNone) || (cuts == 2 && m[2] != kNone)) {
+      const auto cuts = std::count_if(m.begin(), m.end(), [](std::uint32_t v) { return v != kNoVertex; });
+      while ((cuts == 1 && m[0] == kNoVertex) || (cuts == 2 && m[2] != kNoVertex)) {
         std::rotate(c.begin(), c.begin() + 1, c.end());
         std::rotate(m.begin(), m.begin() + 1, m.end());
       }

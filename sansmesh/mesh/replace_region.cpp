@@ -14,8 +14,6 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
 bool inside(const TriangleMesh& mesh, const Triangle& t, const Box3f& box) {
   return box.contains(mesh.vertices[t[0]]) && box.contains(mesh.vertices[t[1]]) && box.contains(mesh.vertices[t[2]]);
 }
@@ -44,7 +42,7 @@ struct TriangleHash {
   }
 };
 
-/// For each vertex of the patch the one of the mesh at the same place; kNone where there is none.
+/// For each vertex of the patch the one of the mesh at the same place; kNoVertex where there is none.
 std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const TriangleMesh& patch, const Box3f& box,
                                          float tolerance) {
   std::vector<Vec3f> near;
@@ -52,17 +50,17 @@ std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const Triangl
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (box.contains(mesh.vertices[v]))
       near.push_back(mesh.vertices[v]), number.push_back(static_cast<std::uint32_t>(v));
-  std::vector<std::uint32_t> same(patch.vertices.size(), kNone);
+  std::vector<std::uint32_t> same(patch.vertices.size(), kNoVertex);
   if (near.empty()) return same;
   const KdTree tree(near);
   // One to one: where triangles are smaller than the tolerance the nearest pair wins.
-  std::vector<std::uint32_t> taken(near.size(), kNone);
+  std::vector<std::uint32_t> taken(near.size(), kNoVertex);
   std::vector<float> distance(near.size(), std::numeric_limits<float>::infinity());
   for (std::size_t v = 0; v < same.size(); ++v) {
     const auto found = tree.nearest(patch.vertices[v]);
     if (!found || found->squared_distance > tolerance * tolerance || found->squared_distance >= distance[found->index])
       continue;
-    if (taken[found->index] != kNone) same[taken[found->index]] = kNone;
+    if (taken[found->index] != kNoVertex) same[taken[found->index]] = kNoVertex;
     taken[found->index] = static_cast<std::uint32_t>(v);
     distance[found->index] = found->squared_distance;
     same[v] = number[found->index];
@@ -96,7 +94,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
     const Triangle& t = patch.triangles[i];
     const Triangle m{same[t[0]], same[t[1]], same[t[2]]};
-    const bool known = m[0] != kNone && m[1] != kNone && m[2] != kNone;
+    const bool known = m[0] != kNoVertex && m[1] != kNoVertex && m[2] != kNoVertex;
     const auto found = known ? of_mesh.find(rotated(m)) : of_mesh.end();
     const bool counts = inside(patch, t, sound) && !touches(patch, t, changed);
     off += counts;
@@ -123,7 +121,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   const auto vertex = [&](const Single& s, std::size_t k) -> std::size_t {
     if (!s.of_patch) return mesh.triangles[s.triangle][k];
     const std::uint32_t v = patch.triangles[s.triangle][k];
-    return same[v] != kNone ? same[v] : n + v;
+    return same[v] != kNoVertex ? same[v] : n + v;
   };
   for (std::size_t i = 0; i < singles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -138,7 +136,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     if (touches(of, of.triangles[s.triangle], changed)) wanted[piece] = 1;
     if (s.of_patch) {
       if (!inside(patch, patch.triangles[s.triangle], sound)) spoiled[piece] = 1;
-      for (const std::uint32_t v : patch.triangles[s.triangle]) spoiled[piece] |= same[v] != kNone && rim[same[v]];
+      for (const std::uint32_t v : patch.triangles[s.triangle]) spoiled[piece] |= same[v] != kNoVertex && rim[same[v]];
     } else {
       for (const std::uint32_t v : mesh.triangles[s.triangle]) spoiled[piece] |= rim[v];
     }
@@ -148,7 +146,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
 
   // Exchange.
   std::vector<std::uint8_t> keep(mesh.triangles.size(), 1);
-  std::vector<std::uint32_t> new_number(patch.vertices.size(), kNone), new_vertices;
+  std::vector<std::uint32_t> new_number(patch.vertices.size(), kNoVertex), new_vertices;
   for (std::size_t v = 0; v < same.size(); ++v) new_number[v] = same[v];
   std::vector<Triangle> added;
   std::vector<std::uint32_t> taken;  // triangles of the patch
@@ -162,7 +160,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     }
     Triangle t = patch.triangles[s.triangle];
     for (std::uint32_t& v : t) {
-      if (new_number[v] == kNone) {
+      if (new_number[v] == kNoVertex) {
         new_number[v] = static_cast<std::uint32_t>(n + new_vertices.size());
         new_vertices.push_back(v);
       }

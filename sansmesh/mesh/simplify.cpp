@@ -18,7 +18,6 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr double kTurn = 0.5;          // least cosine between a triangle's normals before and after
 constexpr double kTether = 1e-3;       // share of the quadric's trace that ties the optimum to the edge's centroid
@@ -69,7 +68,7 @@ struct Simplifier {
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> original;  ///< in the end: the number that each triangle had
   std::vector<std::uint8_t> fixed;
-  std::vector<std::uint32_t> merged_into;  ///< kNone: alive
+  std::vector<std::uint32_t> merged_into;  ///< kNoVertex: alive
   // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end; places
   // that were given up go when they are as many as those in use.
   std::vector<std::size_t> first;
@@ -91,8 +90,8 @@ struct Simplifier {
         own_weight(x.size()),
         triangles(std::move(all)),
         fixed(x.size(), 0),
-        merged_into(x.size(), kNone),
-        to(x.size(), kNone),
+        merged_into(x.size(), kNoVertex),
+        to(x.size(), kNoVertex),
         cost(x.size(), 0),
         blocked(x.size(), 0),
         end_claim(x.size(), kNoKey),
@@ -179,7 +178,7 @@ struct Simplifier {
   }
 
   struct Collapse {
-    std::uint32_t with = kNone;
+    std::uint32_t with = kNoVertex;
     double cost = 0;  ///< mean squared distance
     Vec3 position;
   };
@@ -231,7 +230,7 @@ struct Simplifier {
   }
 
   void find_cheapest(std::uint32_t v) {
-    to[v] = kNone;
+    to[v] = kNoVertex;
     blocked[v] = 0;
     if (fixed[v]) return;
     std::array<Collapse, kMostRing> all;
@@ -336,7 +335,7 @@ struct Simplifier {
     first[w] = place;
     valence[w] = count;
     valence[v] = 0;
-    to[v] = kNone;
+    to[v] = kNoVertex;
   }
 
   Box3 bounds_of() const {
@@ -351,17 +350,17 @@ struct Simplifier {
     std::vector<std::uint32_t> changed, candidates, chosen;
     std::vector<std::size_t> place;
     for (std::uint32_t v = 0; v < x.size(); ++v)
-      if (merged_into[v] == kNone) changed.push_back(v);
+      if (merged_into[v] == kNoVertex) changed.push_back(v);
     std::vector<std::uint8_t> flag(x.size(), 0);
     for (int round = 0; round < kMostRounds; ++round) {
       progress.check();
       parallel_for(0, changed.size(), 512, [&](std::size_t i) { find_cheapest(changed[i]); });
       // Those that did not win the last round, and those whose surroundings changed.
       for (const std::uint32_t v : changed) flag[v] = 1;
-      std::erase_if(candidates, [&](std::uint32_t v) { return flag[v] || to[v] == kNone; });
+      std::erase_if(candidates, [&](std::uint32_t v) { return flag[v] || to[v] == kNoVertex; });
       for (const std::uint32_t v : changed) {
         flag[v] = 0;
-        if (to[v] != kNone) candidates.push_back(v);
+        if (to[v] != kNoVertex) candidates.push_back(v);
       }
       parallel_for(0, candidates.size(), 4096, [&](std::size_t i) { lay_claim(candidates[i]); });
       chosen.clear();
@@ -424,7 +423,7 @@ struct Simplifier {
       for (const std::uint32_t i : ring(v))
         for (const std::uint32_t u : triangles[i]) prepare(u);
       find_cheapest(v);
-      can += to[v] != kNone;
+      can += to[v] != kNoVertex;
     }
     return looked > 0 ? static_cast<double>(can) / static_cast<double>(looked) : 0;
   }
@@ -484,10 +483,10 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
   }
 
   // What belongs to the vertices that were merged, then those that are left.
-  std::vector<std::uint32_t> target(n), number(n, kNone), left;
+  std::vector<std::uint32_t> target(n), number(n, kNoVertex), left;
   for (std::size_t v = 0; v < n; ++v) {
     std::uint32_t t = static_cast<std::uint32_t>(v);
-    while (s.merged_into[t] != kNone) t = s.merged_into[t];
+    while (s.merged_into[t] != kNoVertex) t = s.merged_into[t];
     target[v] = t;
     if (t != v) continue;
     number[v] = static_cast<std::uint32_t>(left.size());

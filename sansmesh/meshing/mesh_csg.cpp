@@ -30,10 +30,10 @@ constexpr double kFinestShare = 4;
 constexpr double kAcross = 2, kLeastAcross = 1;
 constexpr std::size_t kMostBlocks = 1'000'000;
 /// Default quadric error, in cells: a tenth of what curved parts are off anyway.
-constexpr double kSimplify = 9.5e-4;
+constexpr double kCsgSimplify = 9.5e-4;
 /// By default nothing is simplified where a smaller share of the vertices could go: otherwise the time would be spent
 /// in vain.
-constexpr double kLeastGain = 0.05;
+constexpr double kCsgLeastGain = 0.05;
 /// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
 constexpr double kFlat = 0.5;
 constexpr double kRounding = 1.0001;
@@ -167,12 +167,12 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
   const double thickness = field.thickness();
   const Cells cells = cells_of(reached, thickness, options);
   PolygonizeOptions polygonize;
-  polygonize.simplify = options.simplify.value_or(kSimplify * cells.smooth);
-  polygonize.least_gain = options.simplify ? 0 : kLeastGain;
+  polygonize.simplify = options.simplify.value_or(kCsgSimplify * cells.smooth);
+  polygonize.least_gain = options.simplify ? 0 : kCsgLeastGain;
   CreaseBlockOptions sizes;
   sizes.smooth_cell = cells.smooth, sizes.slope = slope;
   if (polygonize.simplify > 0) {
-    sizes.flat = kFlat * std::min(polygonize.simplify, kSimplify * cells.smooth);
+    sizes.flat = kFlat * std::min(polygonize.simplify, kCsgSimplify * cells.smooth);
     polygonize.root_steps = kRootSteps;
   }
   auto [tree, cell] = affordable_blocks(field, box, cells, thickness, sizes, progress);

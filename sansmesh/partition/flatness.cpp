@@ -7,7 +7,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr float kBottomless = std::numeric_limits<float>::infinity();
 constexpr float kSecondSheet = 0.2f;  ///< share of the samples in a block that must lie on another sheet
 constexpr float kChamfer = 0.02f;     ///< mean gap along a crease, in units of the block's edge
 
@@ -16,7 +16,7 @@ constexpr float kChamfer = 0.02f;     ///< mean gap along a crease, in units of 
 /// so sure that what is left of a plane residual that is mostly noise could be trusted to be flat. h: edge of the
 /// block.
 float gap_of(const Trial& t, float noise, float radius, float h) {
-  if (t.plane() < 0) return kInfinite;
+  if (t.plane() < 0) return kBottomless;
   const float bent = std::sqrt(std::max(0.0f, t.plane() - 0.5f * noise));
   return bent / (0.097f * radius * radius) * h * h / 32;
 }
@@ -25,7 +25,7 @@ float gap_of(const Trial& t, float noise, float radius, float h) {
 
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell) {
   const Trial& t = choice.trials[static_cast<std::size_t>(level)][cell];
-  if (t.dropped > kSecondSheet) return kInfinite;
+  if (t.dropped > kSecondSheet) return kBottomless;
   // Samples that face away are a second sheet, or a surface that bends by more than a right angle.
   const float noise = t.noise >= 0 ? t.noise : static_cast<float>(choice.variance);
   const float radius = fitter.support_radius(level);

@@ -11,7 +11,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kChunk = 65536;
+constexpr std::size_t kSearchChunk = 65536;
 constexpr std::size_t kCoarse = 30000;  ///< samples of the tree that tells the local density
 
 std::uint64_t scramble(std::uint64_t x) {  // splitmix64
@@ -111,7 +111,7 @@ std::vector<float> choose_radii(const KdTree& coarse, double ratio, std::span<co
   return radii;
 }
 
-struct Candidate {
+struct FoundOffset {
   std::uint32_t ball;
   Vec3f offset;
 };
@@ -138,7 +138,7 @@ Neighbourhood sort_neighbourhood(const Vec3f& place, std::vector<Vec3f>& offsets
 std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size) {
   const std::size_t n = points.size();
   const Box3f box = parallel_reduce(
-      n, kChunk, Box3f{},
+      n, kSearchChunk, Box3f{},
       [&](std::size_t first, std::size_t last) {
         Box3f part;
         for (std::size_t i = first; i < last; ++i)
@@ -159,9 +159,9 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const BallGrid grid(box, sorted[sorted.size() / 2], centers, radii);
 
-  std::vector<std::vector<Candidate>> parts((n + kChunk - 1) / kChunk);
+  std::vector<std::vector<FoundOffset>> parts((n + kSearchChunk - 1) / kSearchChunk);
   parallel_for(0, parts.size(), 1, [&](std::size_t c) {
-    for (std::size_t i = c * kChunk; i < std::min(n, (c + 1) * kChunk); ++i) {
+    for (std::size_t i = c * kSearchChunk; i < std::min(n, (c + 1) * kSearchChunk); ++i) {
       if (!is_finite(points[i])) continue;
       grid.for_each_ball(points[i], [&](std::uint32_t ball) {
         const Vec3f offset = points[i] - centers[ball];
@@ -171,7 +171,7 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
   });
   std::vector<std::vector<Vec3f>> offsets(centers.size());
   for (const auto& part : parts)
-    for (const Candidate& candidate : part) offsets[candidate.ball].push_back(candidate.offset);
+    for (const FoundOffset& candidate : part) offsets[candidate.ball].push_back(candidate.offset);
   std::vector<Neighbourhood> result(centers.size());
   parallel_for(0, centers.size(), 8,
                [&](std::size_t c) { result[c] = sort_neighbourhood(centers[c], offsets[c], size); });

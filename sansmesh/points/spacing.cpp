@@ -11,7 +11,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kPlaces = 500;
+constexpr std::size_t kSpacingPlaces = 500;
 constexpr std::size_t kNear = 24;    ///< neighbours that tell the spacing of a clean cloud
 constexpr std::size_t kWide = 200;   ///< and of one whose noise hides the surface from the nearest ones
 constexpr double kThickness = 0.35;  ///< deviation across / along the surface from which on a cloud is such
@@ -43,7 +43,7 @@ double flattened_spacing(const Neighbourhood& neighbourhood) {
 }  // namespace
 
 double estimate_spacing(const PointSet& points) {
-  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kPlaces, kWide);
+  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kSpacingPlaces, kWide);
   std::vector<double> spacing, thickness, flattened;
   for (const Neighbourhood& neighbourhood : sample) {
     const std::size_t k = std::min(kNear, neighbourhood.offsets.size() - 1);

@@ -11,7 +11,7 @@ namespace {
 
 /// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
 /// share of a block.
-constexpr Vec3 kShift{0.3819, 0.2361, 0.4271};
+constexpr Vec3 kBlockShift{0.3819, 0.2361, 0.4271};
 /// Room between larger blocks and places with two pieces, in cells: the triangles of a crease zone are all of one size.
 constexpr double kRoom = 2;
 /// What is asked lies in a cube larger than the block by this share of a cell: curved parts that begin right beside a
@@ -119,7 +119,7 @@ std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& 
   int depth = 0;
   while (cell * static_cast<double>(1 << depth) < longest + 4 * cell) ++depth;
   const double edge = cell * static_cast<double>(1 << depth);
-  BlockTree tree(box.center() - Vec3{edge, edge, edge} * 0.5 + cell * (kShift - Vec3{0.5, 0.5, 0.5}), edge);
+  BlockTree tree(box.center() - Vec3{edge, edge, edge} * 0.5 + cell * (kBlockShift - Vec3{0.5, 0.5, 0.5}), edge);
   progress.begin("blocks", static_cast<std::size_t>(depth));
   std::vector<std::uint32_t> level{0};
   for (int l = 0; l < depth; ++l) {

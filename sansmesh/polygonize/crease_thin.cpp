@@ -10,7 +10,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kLeastShape = 0.3;
+constexpr double kThinLeastShape = 0.3;
 constexpr double kTurn = 0.5;  // least cosine between a triangle's normals before and after
 constexpr std::size_t kMostRing = 16;
 constexpr int kMostPasses = 40;
@@ -87,7 +87,7 @@ struct Thinner {
 
   Found merge(std::uint32_t v) {
     if (!gather(v)) return Found::nothing;
-    double least = kLeastShape;
+    double least = kThinLeastShape;
     bool asked = false, flat = false;
     double best = 0;
     std::size_t chosen = kMostRing;

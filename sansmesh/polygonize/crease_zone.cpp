@@ -11,7 +11,6 @@ namespace {
 constexpr double kSnapCrease = 0.3, kSnapCorner = 0.5;
 constexpr double kForced = 0.8;    // a vertex that belongs to neither side of a crease may go farther to reach it
 constexpr double kOnPiece = 1e-4;  // on the surface; two pieces agree
-constexpr double kFlatCorner = 0.02;
 
 std::uint8_t rank_of(const PieceLabel& l) {
   const std::size_t n = l.pieces.count;

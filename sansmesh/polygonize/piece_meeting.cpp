@@ -14,7 +14,6 @@ constexpr double kConverged = 1e-10;  // last step, as a share of the reach
 constexpr double kResidual = 1e-4;    // distance from each piece, as a share of the reach: for fields that are noisy
 constexpr double kOffSurface = 1e-3;  // |F| as a share of the reach: then another piece cut the crease away
 constexpr double kStep = 0.01;        // how far from a point its surroundings are looked at, as a share of the reach
-constexpr double kFlatCorner = 0.02;
 
 /// The shortest d with g[i] · d = r[i] for i < n; false if the g are not independent.
 bool shortest_step(const std::array<Vec3, 3>& g, const std::array<double, 3>& r, std::uint32_t n, Vec3& d) {

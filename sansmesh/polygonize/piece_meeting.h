@@ -57,9 +57,12 @@ struct Meeting {
 /// be placed exactly.
 constexpr double kTangentSine = 0.035;
 
+/// Determinant of three unit normals from which they span space: no corner is placed where they span less.
+constexpr double kFlatCorner = 0.02;
+
 /// Newton's method on all pieces of each at once, with steps of least length, so that the point found is about the one
 /// nearest to `start`. Not found: where the pieces are tangent (kTangentSine; three: their normals span less than
-/// 0.02), where it would be out of reach, and where the field itself does not vanish.
+/// kFlatCorner), where it would be out of reach, and where the field itself does not vanish.
 void find_meetings(const PiecewiseField& field, std::span<Meeting> all);
 
 }  // namespace sansmesh

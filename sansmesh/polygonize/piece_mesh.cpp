@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kReach = 0.5;      // how far a vertex may go back to its pieces, as a share of its shortest edge
 constexpr double kLeastTurn = 0.5;  // cosine between a triangle's normals before and after
-constexpr double kFlatCorner = 0.02;
 
 /// The three of the pieces whose normals at x span the most; fewer where they do not span space.
 void choose_pieces(const PiecewiseField& field, const PieceSet& pieces, Meeting& m) {

@@ -10,13 +10,13 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr std::uint32_t kNoEntry = ~std::uint32_t{0};
 
 /// Gives every name used a number: merged lattice vertices first (ascending), then crossing points (ascending).
 SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_t lattice_vertices) {
   if (named.size() > kMostTriangles) throw DataError("the mesh would have more triangles than can be counted");
   SurfaceChain chain;
-  std::vector<std::uint32_t> of_lattice(lattice_vertices, kNone);
+  std::vector<std::uint32_t> of_lattice(lattice_vertices, kNoEntry);
   std::vector<std::uint64_t> edges;
   for (const ChainTriangle& t : named)
     for (const ChainVertex& v : t) {
@@ -27,7 +27,7 @@ SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_
       }
     }
   for (std::size_t i = 0; i < of_lattice.size(); ++i) {
-    if (of_lattice[i] == kNone) continue;
+    if (of_lattice[i] == kNoEntry) continue;
     of_lattice[i] = static_cast<std::uint32_t>(chain.vertices.size());
     chain.vertices.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)});
   }
@@ -88,7 +88,7 @@ struct Fans {
 int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fans& fans) {
   const std::uint32_t first = c.first[v], n = c.first[v + 1] - first;
   auto& [link, out, back] = fans;
-  link.assign(n, kNone);
+  link.assign(n, kNoEntry);
   out.resize(n), back.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t corner = c.corner[first + i];
@@ -102,12 +102,12 @@ int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fa
   int count = 0;
   bool border = false;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (link[i] != kNone) continue;
-    for (std::uint32_t at = i; at != kNone && link[at] == kNone;) {
+    if (link[i] != kNoEntry) continue;
+    for (std::uint32_t at = i; at != kNoEntry && link[at] == kNoEntry;) {
       link[at] = static_cast<std::uint32_t>(count);
       const std::uint32_t want = back[at];
       at = static_cast<std::uint32_t>(std::find(out.begin(), out.end(), want) - out.begin());
-      if (at == n) at = kNone, border = true;
+      if (at == n) at = kNoEntry, border = true;
     }
     ++count;
   }
@@ -185,12 +185,12 @@ SurfaceChain make_surface_chain(
         }
       }
     }
-    std::vector<std::uint32_t> renumber(chain.vertices.size(), kNone);
+    std::vector<std::uint32_t> renumber(chain.vertices.size(), kNoEntry);
     for (const Triangle& t : chain.triangles)
       for (const std::uint32_t v : t) renumber[v] = 0;
     std::uint32_t used = 0;
     for (std::size_t v = 0; v < renumber.size(); ++v) {
-      if (renumber[v] == kNone) continue;
+      if (renumber[v] == kNoEntry) continue;
       renumber[v] = used;
       chain.vertices[used++] = chain.vertices[v];
     }

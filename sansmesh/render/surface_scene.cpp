@@ -10,9 +10,9 @@
 namespace sansmesh {
 namespace {
 
-constexpr float kOffset = 2e-4f;           // of the diagonal: hides what floats cannot resolve
+constexpr float kShadowOffset = 2e-4f;     // of the diagonal: hides what floats cannot resolve
 constexpr float kOffSurface = 0.02f;       // of the ball's radius: many tolerances off the surface
-constexpr double kDiscOverSpacing = 1.3;   // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
+constexpr double kDiscWidth = 1.3;         // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kLeastWeight = 1.0f / 32;  // of light that rays are cast for
 
 /// Share that a clear body mirrors (Fresnel, unpolarised). `cosine`: of the angle outside of the normal, 0..1; `ratio`:
@@ -78,7 +78,7 @@ std::optional<RayScene> SurfaceScene::shadow_discs() {
   std::vector<float> sorted = balls.radii;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const double radius = sorted[sorted.size() / 2], spacing = estimate_spacing(cloud);
-  disc_over_ball_ = static_cast<float>(std::min(1.0, kDiscOverSpacing * spacing / radius));
+  disc_over_ball_ = static_cast<float>(std::min(1.0, kDiscWidth * spacing / radius));
   std::vector<float> radii;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -98,7 +98,8 @@ std::optional<RayScene> SurfaceScene::shadow_discs() {
 
 /// In the painter's coordinates, on the side that `toward` points to.
 Vec3f SurfaceScene::off_surface(const CastHit& hit, const Vec3f& toward, float share) const {
-  return frame_.to_picture(hit.position) + toward * (kOffset + share * hit.radius / static_cast<float>(frame_.size));
+  return frame_.to_picture(hit.position) +
+         toward * (kShadowOffset + share * hit.radius / static_cast<float>(frame_.size));
 }
 
 void SurfaceScene::color_hits(Scratch& s) const {

@@ -16,7 +16,7 @@ namespace {
 
 using Weights = CurvatureOptions::Weights;
 
-constexpr double kCut = 1.6;  ///< neighbourhoods end at this many h: exp(−1.6²) = 0.08
+constexpr double kReachOverWidth = 1.6;  ///< neighbourhoods end at this many h: exp(−1.6²) = 0.08
 constexpr std::array<std::size_t, 11> kSizes{20, 28, 40, 56, 80, 112, 160, 224, 320, 448, 640};
 constexpr std::size_t kPlaces = 400;
 constexpr double kGoodEnough = 0.02;  ///< relative error of the curvatures that no larger neighbourhood is asked for
@@ -186,7 +186,7 @@ class CurvatureFitter {
     weight = 1 / (squared * squared);
     if (options_.weights == Weights::m_like)
       for (int k = 0; k < options_.tau; ++k) weight *= squared;
-    if (options_.weights != Weights::uniform) weight *= std::exp(-kCut * kCut * squared);
+    if (options_.weights != Weights::uniform) weight *= std::exp(-kReachOverWidth * kReachOverWidth * squared);
     return true;
   }
 
@@ -331,7 +331,7 @@ void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3>
       if (!is_finite(x[i]) || !(squared_norm(normal) > 0)) continue;
       double radius = 0;
       if (options_.radius) {
-        radius = kCut * *options_.radius;
+        radius = kReachOverWidth * *options_.radius;
         tree_.within(Vec3f(x[i]), static_cast<float>(radius), found);
       } else {
         found.resize(static_cast<std::size_t>(neighbours_));
@@ -369,7 +369,7 @@ std::vector<PrincipalCurvatures> CurvatureEstimator::at_samples(Progress& progre
     };
     if (options_.radius) {
       std::vector<Neighbour> found;
-      const double radius = kCut * *options_.radius;
+      const double radius = kReachOverWidth * *options_.radius;
       for (std::size_t slot = first; slot < last; ++slot) {
         tree_.within(positions_[slot], static_cast<float>(radius), found);
         fit(slot, found, false, radius);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kRounds = 30;
 constexpr float kContact = 2;  // contacts nearer than this many spacings are noise, not another part of the surface
-constexpr std::size_t kNeighbours = 12;
+constexpr std::size_t kFeatureNeighbours = 12;
 constexpr int kSpreads = 4;
 
 float shrink_ball(const SurfaceSamples& s, std::size_t i, float sign, float largest) {
@@ -49,7 +49,7 @@ std::vector<float> estimate_feature_size(const SurfaceSamples& samples, Progress
   });
   // A ball that missed its contact is too large: the size at x is at most that at y plus ‖x − y‖.
   for (int round = 0; round < kSpreads; ++round) {
-    samples.tree.for_each_nearest(kNeighbours, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+    samples.tree.for_each_nearest(kFeatureNeighbours, [&](std::uint32_t slot, std::span<const Neighbour> found) {
       const std::uint32_t i = samples.tree.order()[slot];
       float least = size[i];
       for (const Neighbour& f : found)

@@ -73,8 +73,8 @@ class Rows {
   BallTree tree_;
 };
 
-constexpr std::size_t kPlaces = 100;  // samples left out in turn
-constexpr double kMostEntries = 5e8;  // of the matrix: 4 GB
+constexpr std::size_t kLeftOut = 100;  // samples left out in turn
+constexpr double kMostEntries = 5e8;   // of the matrix: 4 GB
 constexpr int kMostIterations = 10;
 constexpr double kRough = 0.35;    // noise over spacing from which on …
 constexpr int kMostWhenRough = 2;  // … no more are tried: they fit what is left of the noise
@@ -243,7 +243,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
   const bool rough = is_rough(samples);
   const int tried = rough ? kMostWhenRough : kMostIterations;
   const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : tried;
-  const std::size_t places = std::min(kPlaces, samples.size());
+  const std::size_t places = std::min(kLeftOut, samples.size());
   IterationChoice best;
   best.error = std::numeric_limits<double>::infinity();
   for (const double factor : candidates) {

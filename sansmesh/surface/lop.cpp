@@ -21,7 +21,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kCut = 0.65;     ///< θ(0.65 h) = 0.001: beyond, nothing counts
+constexpr double kReachOfTheta = 0.65;  ///< θ(0.65 h) = 0.001: beyond, nothing counts
 constexpr double kMargin = 0.15;  ///< lists of neighbours reach this many h farther, and serve until points moved half
 /// Distances are rounded off below this many h: a point next to a sample would stay there, and where there are more
 /// points than samples they would gather on those.
@@ -167,7 +167,7 @@ class Consolidation {
     parallel_ranges(0, samples_.size(), kGrain, [&](std::size_t first, std::size_t last) {
       std::vector<Neighbour> found;
       for (std::size_t slot = first; slot < last; ++slot) {
-        tree_.within(tree_.position(slot), static_cast<float>(kCut * h_), found);
+        tree_.within(tree_.position(slot), static_cast<float>(kReachOfTheta * h_), found);
         double density = 0;
         for (const Neighbour& n : found) density += theta(static_cast<double>(n.squared_distance));
         weights_[tree_.order()[slot]] = 1 / density;  // the sample itself is the 1 in 1 + Σ
@@ -178,7 +178,7 @@ class Consolidation {
   /// Root mean square of the steps.
   double step() {
     if (listed_.empty() || drift_ > 0.5 * kMargin * h_) {
-      const auto reach = static_cast<float>((kCut + kMargin) * h_);
+      const auto reach = static_cast<float>((kReachOfTheta + kMargin) * h_);
       near_samples_ = neighbour_lists(tree_, x_, reach);
       std::vector<Vec3f> positions = result();
       near_points_ = neighbour_lists(KdTree(positions), x_, reach);
@@ -203,7 +203,7 @@ class Consolidation {
       for (const std::uint32_t j : near_samples_.of(i)) {
         const Vec3 d = Vec3(samples_[j]) - x_[i];
         const double squared = squared_norm(d);
-        if (squared > kCut * kCut * h_ * h_) continue;
+        if (squared > kReachOfTheta * kReachOfTheta * h_ * h_) continue;
         double w = theta(squared) / std::sqrt(squared + near * near);
         if (options_.weighted) w *= weights_[j];
         attraction += d * w;
@@ -220,7 +220,7 @@ class Consolidation {
         Vec3 d = x_[i] - x_[j];
         if (squared_norm(d) < 1e-12 * h_ * h_) d = apart(i, j) * (1e-6 * h_);
         const double squared = squared_norm(d), r = std::sqrt(squared);
-        if (r > kCut * h_) continue;
+        if (r > kReachOfTheta * h_) continue;
         // −r falls slowly and keeps the points even over the whole neighbourhood (Huang et al.); Lipman's 1/(3r³) acts
         // between the nearest.
         const double part = std::max(squared / (h_ * h_), 0.0025);

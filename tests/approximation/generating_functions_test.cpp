@@ -11,14 +11,14 @@
 namespace sansmesh {
 namespace {
 
-constexpr RadialFunction kAll[] = {RadialFunction::kThinPlate,           RadialFunction::kBiharmonic,
-                                   RadialFunction::kTriharmonic,         RadialFunction::kMultiquadric,
-                                   RadialFunction::kInverseMultiquadric, RadialFunction::kGaussian,
-                                   RadialFunction::kWendlandC2,          RadialFunction::kWendlandC4};
+constexpr RadialFunction kAllKernels[] = {RadialFunction::kThinPlate,           RadialFunction::kBiharmonic,
+                                          RadialFunction::kTriharmonic,         RadialFunction::kMultiquadric,
+                                          RadialFunction::kInverseMultiquadric, RadialFunction::kGaussian,
+                                          RadialFunction::kWendlandC2,          RadialFunction::kWendlandC4};
 constexpr WeightFunction kWeights[] = {WeightFunction::kCompact, WeightFunction::kWendland, WeightFunction::kGaussian};
 
 TEST(RadialKernel, ValueAndSlopeAgree) {
-  for (const RadialFunction function : kAll) {
+  for (const RadialFunction function : kAllKernels) {
     const RadialKernel kernel(function, 1.7);
     for (const double r : {0.05, 0.3, 1.0, 1.5, 1.69, 1.8, 4.0}) {
       SCOPED_TRACE(testing::Message() << name_of(function) << " at " << r);
@@ -50,7 +50,7 @@ TEST(RadialKernel, ValueAndSlopeAgree) {
 // cᵀ A c > 0 for all c that are orthogonal to the polynomials of degree < order().
 TEST(RadialKernel, IsPositiveDefiniteUpToItsOrder) {
   const auto x = test::random_positions<3>(60, 3);
-  for (const RadialFunction function : kAll) {
+  for (const RadialFunction function : kAllKernels) {
     const RadialKernel kernel(function, 0.6);
     const auto n = static_cast<Eigen::Index>(x.size());
     Eigen::MatrixXd a(n, n), p(n, kernel.order() == 0 ? 0 : kernel.order() == 1 ? 1 : 4);

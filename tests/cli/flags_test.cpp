@@ -27,7 +27,7 @@ class Flags : public ToolTest {
 TEST_F(Flags, ErrorsNameWhatWasTyped) {
   write_points(path("ball.ply"), sphere(300));
   ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
-  struct Wrong {
+  struct Mistyped {
     std::vector<std::string> command, typed;
   };
   const std::vector<std::string> reconstruct{"reconstruct", "ball.ply", "-o", "x.ply"},
@@ -37,47 +37,47 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
       curvature{"curvature", "ball.ply", "-o", "x.ply"}, diagnose{"diagnose", "ball.smf"},
       csg{"csg", "sphere(1)", "-o", "x.ply"}, section{"section", "ball.smf"},
       compare{"compare", "ball.ply", "ball.ply"}, evaluate{"evaluate", "ball.ply", "ball.ply"};
-  std::vector<Wrong> wrong{{reconstruct, {"--depth", "40"}},
-                           {reconstruct, {"--error", "-1"}},
-                           {reconstruct, {"--support", "99"}},
-                           {reconstruct, {"--degree", "0"}},
-                           {reconstruct, {"--mesh-error", "0"}},
-                           {reconstruct, {"--triangles", "3"}},
-                           {reconstruct, {"--trim", "-3"}},
-                           {reconstruct, {"--displacement", "2", "--no-enhance"}},
-                           {reconstruct, {"--components", "0"}},
-                           {fit, {"--depth", "1"}},
-                           {fit, {"--error", "1e9"}},
-                           {mesh, {"--depth", "15"}},
-                           {mesh, {"--mesh-error", "nan"}},
-                           {mesh, {"--box", "1,1,1,0,0,0"}},
-                           {render, {"--width", "0"}},
-                           {render, {"--antialiasing", "9"}},
-                           {render, {"--elevation", "100"}},
-                           {render, {"--azimuth", "nan"}},
-                           {render, {"--point-radius", "-1"}},
-                           {render, {"--reflection", "2", "--surface", "apss"}},
-                           {project, {"--steps", "0"}},
-                           {project, {"--tolerance", "7"}},
-                           {lop, {"--radius", "-1"}},
-                           {lop, {"--repulsion", "0.9"}},
-                           {normals, {"--neighbours", "2"}},
-                           {normals, {"--reweightings", "99"}},
-                           {curvature, {"--tau", "9"}},
-                           {curvature, {"--neighbours", "2"}},
-                           {curvature, {"--radius", "-2"}},
-                           {diagnose, {"--coverage", "3"}},
-                           {diagnose, {"--error", "-1"}},
-                           {diagnose, {"--gradient", "0"}},
-                           {csg, {"--cell", "-1"}},
-                           {csg, {"--resolution", "1"}},
-                           {csg, {"--simplify", "-1"}},
-                           {csg, {"--box", "1,1,1,0,0,0"}},
-                           {section, {"--resolution", "1"}},
-                           {compare, {"--tolerance", "-1"}},
-                           {compare, {"--max-distance", "0"}},
-                           {compare, {"--range", "0"}},
-                           {evaluate, {"--samples", "0"}}};
+  std::vector<Mistyped> wrong{{reconstruct, {"--depth", "40"}},
+                              {reconstruct, {"--error", "-1"}},
+                              {reconstruct, {"--support", "99"}},
+                              {reconstruct, {"--degree", "0"}},
+                              {reconstruct, {"--mesh-error", "0"}},
+                              {reconstruct, {"--triangles", "3"}},
+                              {reconstruct, {"--trim", "-3"}},
+                              {reconstruct, {"--displacement", "2", "--no-enhance"}},
+                              {reconstruct, {"--components", "0"}},
+                              {fit, {"--depth", "1"}},
+                              {fit, {"--error", "1e9"}},
+                              {mesh, {"--depth", "15"}},
+                              {mesh, {"--mesh-error", "nan"}},
+                              {mesh, {"--box", "1,1,1,0,0,0"}},
+                              {render, {"--width", "0"}},
+                              {render, {"--antialiasing", "9"}},
+                              {render, {"--elevation", "100"}},
+                              {render, {"--azimuth", "nan"}},
+                              {render, {"--point-radius", "-1"}},
+                              {render, {"--reflection", "2", "--surface", "apss"}},
+                              {project, {"--steps", "0"}},
+                              {project, {"--tolerance", "7"}},
+                              {lop, {"--radius", "-1"}},
+                              {lop, {"--repulsion", "0.9"}},
+                              {normals, {"--neighbours", "2"}},
+                              {normals, {"--reweightings", "99"}},
+                              {curvature, {"--tau", "9"}},
+                              {curvature, {"--neighbours", "2"}},
+                              {curvature, {"--radius", "-2"}},
+                              {diagnose, {"--coverage", "3"}},
+                              {diagnose, {"--error", "-1"}},
+                              {diagnose, {"--gradient", "0"}},
+                              {csg, {"--cell", "-1"}},
+                              {csg, {"--resolution", "1"}},
+                              {csg, {"--simplify", "-1"}},
+                              {csg, {"--box", "1,1,1,0,0,0"}},
+                              {section, {"--resolution", "1"}},
+                              {compare, {"--tolerance", "-1"}},
+                              {compare, {"--max-distance", "0"}},
+                              {compare, {"--range", "0"}},
+                              {evaluate, {"--samples", "0"}}};
   // Options of surfaces: out of range, and of other methods.
   for (const std::vector<std::string>& typed :
        {std::vector<std::string>{"--smoothing", "99"}, std::vector<std::string>{"--bandwidth", "-1"},
@@ -96,7 +96,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
         std::vector<std::string>{"--smooth"}, std::vector<std::string>{"--trim=0"}})
     wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "apss"}, typed});
 
-  for (const Wrong& w : wrong) {
+  for (const Mistyped& w : wrong) {
     std::vector<std::string> arguments = w.command;
     arguments.insert(arguments.end(), w.typed.begin(), w.typed.end());
     std::string shown;

@@ -277,11 +277,11 @@ TEST_F(SurfaceCommands, ReconstructCutsTheSurfaceOut) {
 TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
   write_sphere("ball.ply", 300);
   const auto before = listing();
-  struct Wrong {
+  struct Refused {
     std::vector<std::string> arguments;
     const char* cause;
   };
-  for (const Wrong& wrong : std::vector<Wrong>{
+  for (const Refused& wrong : std::vector<Refused>{
            {{"project", "ball.ply", "-o", "out.ply", "--method", "magic"}, "magic"},
            {{"project", "ball.ply", "-o", "out.ply", "--points", "0"}, "--points"},
            {{"project", "ball.ply", "-o", "out.ply", "--steps", "0"}, "steps"},

@@ -12,7 +12,7 @@
 namespace sansmesh::test {
 namespace {
 
-SurfaceFunction fit(const PointSet& cloud, const FitOptions& options = {}) {
+SurfaceFunction fit_cloud(const PointSet& cloud, const FitOptions& options = {}) {
   Progress progress;
   return fit_surface_function(cloud, options, progress);
 }
@@ -30,7 +30,7 @@ std::vector<SuspiciousPlace> of_kind(const Diagnosis& d, Suspicion kind) {
 }
 
 TEST(Diagnose, NothingIsWrongWithASphere) {
-  const Diagnosis d = diagnose(fit(sphere(5000)));
+  const Diagnosis d = diagnose(fit_cloud(sphere(5000)));
   EXPECT_TRUE(d.places.empty());
   EXPECT_EQ(d.found, (std::array<std::size_t, kSuspicions>{}));
   EXPECT_TRUE(d.edits().empty());
@@ -41,7 +41,7 @@ TEST(Diagnose, NothingIsWrongWithASphere) {
 }
 
 TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
-  const SurfaceFunction function = fit(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
+  const SurfaceFunction function = fit_cloud(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
   const Diagnosis d = diagnose(function);
   const auto extra = of_kind(d, Suspicion::extra_sheet);
   ASSERT_EQ(extra.size(), 1u);
@@ -95,7 +95,7 @@ TEST(Diagnose, AHoleHasLowCoverageAroundIt) {
   }
   DiagnoseOptions options;
   options.coverage_below = 0.7;
-  const Diagnosis d = diagnose(fit(cloud), options);
+  const Diagnosis d = diagnose(fit_cloud(cloud), options);
   const auto low = of_kind(d, Suspicion::low_coverage);
   ASSERT_FALSE(low.empty());
   for (const SuspiciousPlace& p : low) {
@@ -107,7 +107,7 @@ TEST(Diagnose, AHoleHasLowCoverageAroundIt) {
 }
 
 TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
-  const SurfaceFunction function = fit(torus(6000));
+  const SurfaceFunction function = fit_cloud(torus(6000));
   DiagnoseOptions options;
   options.gradient_above = 1.001;
   options.places = 3;
@@ -127,7 +127,7 @@ TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
 }
 
 TEST(Diagnose, FunctionsWithoutSamples) {
-  SurfaceFunction function = fit(sphere(2000));
+  SurfaceFunction function = fit_cloud(sphere(2000));
   function.samples = std::make_shared<const PointSet>();
   EXPECT_TRUE(diagnose(function).places.empty());
 }

@@ -54,7 +54,7 @@ struct Meshed {
   CsgMeshReport report;
 };
 
-Meshed meshed(const std::string& text, const Fitted& fitted, int resolution) {
+Meshed meshed_csg(const std::string& text, const Fitted& fitted, int resolution) {
   Meshed m;
   Progress progress;
   const auto fails = [](const std::string&) -> Solid { throw std::logic_error("no distance asked for"); };
@@ -80,11 +80,11 @@ double sphere_distance(const Vec3& x) { return norm(x) - 1; }
 
 TEST(FunctionDistance, ShellsOfASphere) {
   for (const double t : {0.15, 0.6}) {
-    const Meshed inside = meshed("shell(a, " + std::to_string(t) + ", inside)", ball(), 28);
+    const Meshed inside = meshed_csg("shell(a, " + std::to_string(t) + ", inside)", ball(), 28);
     EXPECT_EQ(inside.report.components, 2u) << t;
     EXPECT_NEAR(inside.report.volume / (4 * kPi / 3 * (1 - std::pow(1 - t, 3))), 1, 2e-3) << t;
     EXPECT_LT(off_walls(inside.mesh, 0, -t, sphere_distance), 0.05 * inside.report.cell) << t;
-    const Meshed both = meshed("shell(a, " + std::to_string(t) + ")", ball(), 28);
+    const Meshed both = meshed_csg("shell(a, " + std::to_string(t) + ")", ball(), 28);
     EXPECT_EQ(both.report.components, 2u) << t;
     EXPECT_LT(off_walls(both.mesh, -t / 2, t / 2, sphere_distance), 0.05 * both.report.cell) << t;
   }
@@ -92,7 +92,7 @@ TEST(FunctionDistance, ShellsOfASphere) {
 
 TEST(FunctionDistance, OffsetsOfASphere) {
   for (const double d : {-0.7, -0.1, 0.1, 0.5}) {
-    const Meshed m = meshed("offset(a, " + std::to_string(d) + ")", ball(), 20);
+    const Meshed m = meshed_csg("offset(a, " + std::to_string(d) + ")", ball(), 20);
     EXPECT_EQ(m.report.components, 1u) << d;
     EXPECT_NEAR(m.report.volume / (4 * kPi / 3 * std::pow(1 + d, 3)), 1, 4e-3) << d;
     EXPECT_LT(off_walls(m.mesh, d, d, sphere_distance), 0.08 * m.report.cell) << d;
@@ -100,7 +100,7 @@ TEST(FunctionDistance, OffsetsOfASphere) {
 }
 
 TEST(FunctionDistance, ShellOfATorus) {
-  const Meshed m = meshed("shell(a, 0.2, inside)", ring(), 36);
+  const Meshed m = meshed_csg("shell(a, 0.2, inside)", ring(), 36);
   EXPECT_EQ(m.report.components, 2u);
 
   EXPECT_EQ(measure_topology(m.mesh).euler, 0);
@@ -117,7 +117,7 @@ TEST(FunctionDistance, ShellOfATorus) {
 
 TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
   SANSMESH_NOT_SANITIZED("the same of simpler functions is run");
-  const Meshed shell = meshed("shell(a, 6, side=inside)", owl(), 64);
+  const Meshed shell = meshed_csg("shell(a, 6, side=inside)", owl(), 64);
   EXPECT_EQ(shell.report.components, 2u);
   Progress progress;
   const TriangleMesh surface = mesh_function(*owl().function, {}, progress);
@@ -131,7 +131,7 @@ TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
   EXPECT_LT(off_walls(shell.mesh, 0, -6, distance, 0.02), 0.06 * shell.report.cell);
   EXPECT_LT(off_walls(shell.mesh, 0, -6, distance), shell.report.cell);
   for (const double d : {-10, 12}) {
-    const Meshed m = meshed("offset(a, " + std::to_string(d) + ")", owl(), 32);
+    const Meshed m = meshed_csg("offset(a, " + std::to_string(d) + ")", owl(), 32);
     EXPECT_EQ(m.report.components, 1u) << d;
     EXPECT_LT(off_walls(m.mesh, d, d, distance, 0.02), 0.05 * m.report.cell) << d;
     // Where the mesh folds its normals mislead about the side.

@@ -18,7 +18,7 @@ namespace {
 using namespace test;
 
 /// Survey coordinates: far from zero, and in a small unit.
-PointSet surveyed(PointSet cloud) {
+PointSet moved_far(PointSet cloud) {
   cloud.origin = {431234.5, 5812345.25, 812};
   for (Vec3f& p : cloud.positions) p *= 0.01f;
   return cloud;
@@ -63,7 +63,7 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
   smooth.sharp = false, smooth.max_degree = 2, smooth.support = 1.4, smooth.max_depth = 6, smooth.error = 1e-3;
   const std::pair<PointSet, FitOptions> cases[] = {{sphere(1500), {}},
                                                    {colored(cube(6000)), {}},
-                                                   {surveyed(colored(torus(2000))), {}},
+                                                   {moved_far(colored(torus(2000))), {}},
                                                    {sphere(2000, 0.01), smooth}};
   for (const auto& [cloud, options] : cases) {
     const SurfaceFunction before = fitted(cloud, options);
@@ -122,7 +122,7 @@ TEST(FunctionFile, OldFilesGetTheirSlopes) {
 
 TEST(FunctionFile, ReconstructIsFitAndMesh) {
   const Folder folder;
-  const PointSet cloud = surveyed(colored(torus(2500)));
+  const PointSet cloud = moved_far(colored(torus(2500)));
   Progress progress;
   const TriangleMesh whole = reconstruct(cloud, {}, progress);
   write_function(folder / "f.smf", fitted(cloud));

@@ -301,7 +301,7 @@ TEST(Attributes, ThatAreNumberedAreComponents) {
 
 TEST(Attributes, ThatAreNumberedStayApartWhereTheirNameIsTaken) {
   const Folder folder;
-  for (const std::vector<std::string> names : {std::vector<std::string>{"v", "v_0", "v_1"}, {"v_0", "v_1", "v"}}) {
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"v", "v_0", "v_1"}, {"v_0", "v_1", "v"}}) {
     PointSet points;
     points.positions = {{1, 2, 3}, {4, 5, 6}};
     float value = 0;

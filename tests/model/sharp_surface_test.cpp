@@ -145,6 +145,7 @@ void expect_sharper(const PointSet& cloud, const TriangleMesh& truth, std::initi
 }
 
 TEST(SharpSurface, OfACube) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others run the same surface");
   PointSet cloud = test::cube(12000);
   TriangleMesh truth = test::cube_of_faces();
   for (std::vector<Vec3f>* vectors : {&cloud.positions, &cloud.normals, &truth.vertices})

@@ -320,6 +320,7 @@ TEST(SurfaceModel, MakesTheFieldOfAProjectionWhereItCanBeSeenAndStopped) {
 }
 
 TEST(SurfaceModel, KnownNoiseAndSpacingAreWhatWouldBeEstimated) {
+  SANSMESH_NOT_SANITIZED("compares results; others make the same models");
   PointSet given = test::torus(3000);
   for (std::size_t i = 0; i < given.size(); ++i)
     given.positions[i] += given.normals[i] * (0.006f * static_cast<float>(static_cast<int>(i % 5) - 2));
@@ -336,7 +337,7 @@ TEST(SurfaceModel, KnownNoiseAndSpacingAreWhatWouldBeEstimated) {
       PreparedCloud unknown = known;
       ASSERT_TRUE(known.noise);
       EXPECT_EQ(*known.noise, estimate_noise(known.points));
-      if (known.spacing) EXPECT_EQ(*known.spacing, estimate_spacing(known.points));
+      EXPECT_TRUE(!known.spacing || *known.spacing == estimate_spacing(known.points));
       unknown.noise = unknown.spacing = std::nullopt;
       const SurfaceModel a = make_surface_model(known, options, progress),
                          b = make_surface_model(std::move(unknown), options, progress);

@@ -7,17 +7,17 @@
 namespace sansmesh {
 namespace {
 
-struct Sheets {
+struct CornerSamples {
   std::vector<Vec3f> positions, normals;
   std::vector<float> weights;
 };
 
 /// Samples near the origin of the boundary of {x < 0, y < 0 (and z < 0)}: two or three faces of a box; mirrored for
 /// concave.
-Sheets box_corner(int faces, float sign) {
+CornerSamples box_corner(int faces, float sign) {
   std::mt19937 generator(4);
   std::uniform_real_distribution<float> uniform(-0.5f, 0), both(-0.5f, 0.5f);
-  Sheets s;
+  CornerSamples s;
   for (int i = 0; i < 120; ++i) {
     const auto axis = static_cast<std::size_t>(i % faces);
     Vec3f p{uniform(generator), uniform(generator), faces == 3 ? uniform(generator) : both(generator)}, n;
@@ -32,7 +32,7 @@ Sheets box_corner(int faces, float sign) {
 
 TEST(CreaseFit, FindsAConvexAndAConcaveEdge) {
   for (const bool convex : {true, false}) {
-    const Sheets s = box_corner(2, convex ? 1.0f : -1.0f);
+    const CornerSamples s = box_corner(2, convex ? 1.0f : -1.0f);
     const CreaseFit fit = fit_crease(s.positions, s.normals, s.weights, {0, 0, 0}, 1, 4);
     ASSERT_EQ(fit.pieces.size(), 2u);
     EXPECT_EQ(fit.pieces[0].convex != 0, convex);
@@ -41,7 +41,7 @@ TEST(CreaseFit, FindsAConvexAndAConcaveEdge) {
 }
 
 TEST(CreaseFit, FindsACorner) {
-  const Sheets s = box_corner(3, 1);
+  const CornerSamples s = box_corner(3, 1);
   const CreaseFit fit = fit_crease(s.positions, s.normals, s.weights, {0, 0, 0}, 1, 4);
   ASSERT_EQ(fit.pieces.size(), 3u);
   EXPECT_TRUE(fit.pieces[0].convex);
@@ -50,7 +50,7 @@ TEST(CreaseFit, FindsACorner) {
 }
 
 TEST(CreaseFit, SeesNoneOnASmoothSurfaceOrInNoise) {
-  Sheets smooth;
+  CornerSamples smooth;
   std::mt19937 generator(4);
   std::uniform_real_distribution<float> uniform(-0.5f, 0.5f);
   for (int i = 0; i < 100; ++i) {

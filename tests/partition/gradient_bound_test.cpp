@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kPoints = 200000;
 
-SurfaceFunction fit(PointSet cloud) {
+SurfaceFunction fit_shape(PointSet cloud) {
   Progress progress;
   return fit_surface_function(std::move(cloud), {}, progress);
 }
@@ -101,7 +101,7 @@ class ThinShapes : public testing::TestWithParam<Thin> {};
 /// Gradients, and that the function is the shape that it should be.
 TEST_P(ThinShapes, StayAboutADistance) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
-  const SurfaceFunction s = fit(test::even_samples(GetParam().shape, GetParam().spacing));
+  const SurfaceFunction s = fit_shape(test::even_samples(GetParam().shape, GetParam().spacing));
   expect_sound(s);
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);
@@ -127,7 +127,7 @@ TEST_P(GyroidShells, AreBounded) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const double wall = GetParam();
   const test::ThinShape shape = test::gyroid_shell(wall, 0.8);
-  const SurfaceFunction s = fit(test::even_samples(shape, 0.03));
+  const SurfaceFunction s = fit_shape(test::even_samples(shape, 0.03));
   expect_sound(s);
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);
@@ -150,7 +150,7 @@ TEST(ExtraGradientBound, FertilityReduced) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const std::string file = test::shared_points("fertility_4k.off");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
-  const SurfaceFunction s = fit(sample_faces(read_points(file), 60000));
+  const SurfaceFunction s = fit_shape(sample_faces(read_points(file), 60000));
   expect_sound(s);
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);

@@ -15,7 +15,7 @@
 namespace sansmesh {
 namespace {
 
-PartitionOfUnity fit(const PointSet& cloud, const PartitionOptions& options = {}) {
+PartitionOfUnity fit_cloud(const PointSet& cloud, const PartitionOptions& options = {}) {
   Progress progress;
   return fit_partition_of_unity(cloud, options, progress);
 }
@@ -35,13 +35,13 @@ std::vector<Vec3> random_directions(std::size_t n) {
 }
 
 TEST(PartitionOfUnity, IsTheDistanceToASphereNearIt) {
-  const PartitionOfUnity field = fit(test::sphere(20000));
+  const PartitionOfUnity field = fit_cloud(test::sphere(20000));
   for (const Vec3& d : random_directions(200))
     for (const double r : {0.99, 1.0, 1.01}) EXPECT_NEAR(value_at(field, d * r), r - 1, 3e-4);
 }
 
 TEST(PartitionOfUnity, IsNegativeInsideAndPositiveOutsideEverywhere) {
-  const PartitionOfUnity field = fit(test::sphere(5000));
+  const PartitionOfUnity field = fit_cloud(test::sphere(5000));
   for (const Vec3& d : random_directions(300)) {
     for (const double r : {0.0, 0.3, 0.7, 0.9, 0.97}) EXPECT_LT(value_at(field, d * r), 0) << r;
     for (const double r : {1.03, 1.1, 1.5, 3.0, 50.0}) {
@@ -53,7 +53,7 @@ TEST(PartitionOfUnity, IsNegativeInsideAndPositiveOutsideEverywhere) {
 }
 
 TEST(PartitionOfUnity, GradientMatchesDifferences) {
-  const PartitionOfUnity field = fit(test::torus(20000));
+  const PartitionOfUnity field = fit_cloud(test::torus(20000));
   std::vector<Vec3> x;
   const PointSet cloud = test::torus(300, 8);
   x.reserve(cloud.size());
@@ -72,7 +72,7 @@ TEST(PartitionOfUnity, GradientMatchesDifferences) {
 }
 
 TEST(PartitionOfUnity, ValuesDoNotDependOnTheBatchOrTheThreads) {
-  const PartitionOfUnity field = fit(test::sphere(5000));
+  const PartitionOfUnity field = fit_cloud(test::sphere(5000));
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> uniform(-1.2, 1.2);
   std::vector<Vec3> x(5000);
@@ -89,7 +89,7 @@ TEST(PartitionOfUnity, ValuesDoNotDependOnTheBatchOrTheThreads) {
 
 TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
   const double noise = 0.01;
-  const PartitionOfUnity field = fit(test::sphere(40000, noise));
+  const PartitionOfUnity field = fit_cloud(test::sphere(40000, noise));
   EXPECT_NEAR(field.report().noise, noise, 0.15 * noise);
   double sum = 0;
   const auto directions = random_directions(500);
@@ -104,7 +104,7 @@ TEST(PartitionOfUnity, KnowsNoiseThatIsLargeAgainstTheSpacing) {
   const double spacing = std::sqrt(4 * std::numbers::pi / n);
   for (const double ratio : {0.5, 1.0, 1.5, 2.0}) {
     const double noise = ratio * spacing;
-    const PartitionOfUnity field = fit(test::sphere(n, noise, 5));
+    const PartitionOfUnity field = fit_cloud(test::sphere(n, noise, 5));
     EXPECT_NEAR(field.report().noise, noise, 0.06 * noise) << ratio;
     double squares = 0;
     const auto directions = random_directions(400);
@@ -117,7 +117,7 @@ TEST(PartitionOfUnity, ReproducesCreases) {
   const PointSet cloud = test::cube(20000);
   PartitionOptions smooth;
   smooth.sharp = false;
-  const PartitionOfUnity with = fit(cloud), without = fit(cloud, smooth);
+  const PartitionOfUnity with = fit_cloud(cloud), without = fit_cloud(cloud, smooth);
   EXPECT_GT(with.report().creased, 0u);
   double sharp_error = 0, smooth_error = 0;
   for (int i = 0; i < 100; ++i) {
@@ -129,13 +129,13 @@ TEST(PartitionOfUnity, ReproducesCreases) {
   EXPECT_LT(sharp_error / 100, 1e-3);
 }
 
-TEST(PartitionOfUnity, SeesNoCreaseOnASmoothSurface) { EXPECT_EQ(fit(test::torus(20000)).report().creased, 0u); }
+TEST(PartitionOfUnity, SeesNoCreaseOnASmoothSurface) { EXPECT_EQ(fit_cloud(test::torus(20000)).report().creased, 0u); }
 
 TEST(PartitionOfUnity, FitsOnTheDeepestLevelHoweverDenseTheCloud) {
   PartitionOptions options;
   for (const int depth : {2, 3, 4}) {
     options.max_depth = depth;
-    const PartitionOfUnity field = fit(test::sphere(120000), options);
+    const PartitionOfUnity field = fit_cloud(test::sphere(120000), options);
     EXPECT_LE(field.report().depth, depth);
     for (const Vec3& d : random_directions(50)) EXPECT_NEAR(value_at(field, d), 0, 0.05);
   }
@@ -143,15 +143,15 @@ TEST(PartitionOfUnity, FitsOnTheDeepestLevelHoweverDenseTheCloud) {
 
 TEST(PartitionOfUnity, MovesWithTheCloud) {
   PointSet cloud = test::sphere(4000);
-  const PartitionOfUnity here = fit(cloud);
+  const PartitionOfUnity here = fit_cloud(cloud);
   cloud.origin = {512700.123, 5403800.456, 300.789};
-  const PartitionOfUnity there = fit(cloud);
+  const PartitionOfUnity there = fit_cloud(cloud);
   for (const Vec3& d : random_directions(50))
     EXPECT_NEAR(value_at(here, d * 1.01), value_at(there, cloud.origin + d * 1.01), 1e-6);
 }
 
 TEST(PartitionOfUnity, GradientStaysBoundedInTheDomain) {
-  const PartitionOfUnity field = fit(test::torus(10000));
+  const PartitionOfUnity field = fit_cloud(test::torus(10000));
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> uniform(-1.4, 1.4);
   std::vector<Vec3> x(20000);
@@ -167,19 +167,19 @@ TEST(PartitionOfUnity, GradientStaysBoundedInTheDomain) {
 
 TEST(PartitionOfUnity, RejectsWhatItCannotUse) {
   PointSet few = test::sphere(3);
-  EXPECT_THROW(fit(few), DataError);
+  EXPECT_THROW(fit_cloud(few), DataError);
   PointSet bare = test::sphere(100);
   bare.normals.clear();
-  EXPECT_THROW(fit(bare), DataError);
+  EXPECT_THROW(fit_cloud(bare), DataError);
   PointSet same = test::sphere(100);
   for (Vec3f& p : same.positions) p = {1, 2, 3};
-  EXPECT_THROW(fit(same), DataError);
+  EXPECT_THROW(fit_cloud(same), DataError);
   PartitionOptions options;
   options.support = 0.5;
-  EXPECT_THROW(fit(test::sphere(100), options), ArgumentError);
+  EXPECT_THROW(fit_cloud(test::sphere(100), options), ArgumentError);
   options = {};
   options.max_degree = 7;
-  EXPECT_THROW(fit(test::sphere(100), options), ArgumentError);
+  EXPECT_THROW(fit_cloud(test::sphere(100), options), ArgumentError);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-Vec3 in_ball(Random& random, const Vec3& center, double radius) {
+Vec3 point_in_ball(Random& random, const Vec3& center, double radius) {
   std::normal_distribution<double> gauss;
   std::uniform_real_distribution<double> unit(0, 1);
   const Vec3 d = normalized(Vec3{gauss(random), gauss(random), gauss(random)});
@@ -64,7 +64,7 @@ TEST(LocalSlope, IsNeverExceededAndNearlyReached) {
     const auto slope = static_cast<double>(local_slope(f, center, radius));
     double largest = 0;
     for (int i = 0; i < 1500; ++i)
-      largest = std::max(largest, gradient_length(f, in_ball(random, Vec3(center), static_cast<double>(radius))));
+      largest = std::max(largest, gradient_length(f, point_in_ball(random, Vec3(center), static_cast<double>(radius))));
     ASSERT_LE(largest, slope * (1 + 1e-6)) << trial;
     if (f.degree == 0) {
       ASSERT_NEAR(slope, 1, 1e-3);
@@ -109,7 +109,7 @@ void expect_true_ranges(const PartitionOfUnity& field, std::size_t balls, std::s
     for (std::size_t i = 0; i < balls; ++i) {
       const LocalFunction& f = data.functions[random() % data.supports.size()];
       const double wide = static_cast<double>(f.radius) * (i % 3 == 0 ? 3 : 1);
-      Vec3 place = in_ball(random, data.origin + Vec3(f.center), wide);
+      Vec3 place = point_in_ball(random, data.origin + Vec3(f.center), wide);
       if (i % 4 == 0)
         for (std::size_t k = 0; k < 3; ++k) place[k] = box.lower[k] + box.size()[k] * unit(random);
       centers.push_back(place);
@@ -119,7 +119,7 @@ void expect_true_ranges(const PartitionOfUnity& field, std::size_t balls, std::s
     std::vector<Vec3> x;
     constexpr std::size_t kEach = 50;
     for (const Vec3& c : centers)
-      for (std::size_t k = 0; k < kEach; ++k) x.push_back(k == 0 ? c : in_ball(random, c, radius));
+      for (std::size_t k = 0; k < kEach; ++k) x.push_back(k == 0 ? c : point_in_ball(random, c, radius));
     std::vector<double> values(x.size());
     field.evaluate(x, values);
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -190,13 +190,13 @@ TEST(PartitionRanges, HoldAllValuesFarAway) {
     Random random(7);
     for (const double far : {0.0, 1.1, 3.0, 30.0, 500.0}) {
       std::vector<Vec3> centers(60);
-      for (Vec3& c : centers) c = in_ball(random, middle, far);
+      for (Vec3& c : centers) c = point_in_ball(random, middle, far);
       const double radius = 1e-4;
       std::vector<ValueRange> ranges(centers.size());
       field.ranges(centers, radius, ranges);
       for (std::size_t i = 0; i < centers.size(); ++i) {
         std::vector<Vec3> x(40);
-        for (Vec3& p : x) p = in_ball(random, centers[i], radius);
+        for (Vec3& p : x) p = point_in_ball(random, centers[i], radius);
         std::vector<double> values(x.size());
         field.evaluate(x, values);
         for (const double v : values) {
@@ -220,7 +220,7 @@ TEST(PartitionRanges, OfASphereTellWhereItIsNot) {
   Random random(2);
   for (const double off : {-0.9, -0.5, -0.2, -0.1, -0.03, 0.03, 0.1, 0.2, 0.5}) {
     std::vector<Vec3> x(300);
-    for (Vec3& p : x) p = in_ball(random, {}, 1), p = normalized(p) * (1 + off);
+    for (Vec3& p : x) p = point_in_ball(random, {}, 1), p = normalized(p) * (1 + off);
     std::vector<ValueRange> ranges(x.size());
     field.ranges(x, std::abs(off) / 10, ranges);
     const auto unsure = std::count_if(ranges.begin(), ranges.end(), [](const ValueRange& r) { return r.holds_zero(); });

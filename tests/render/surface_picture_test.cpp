@@ -23,7 +23,7 @@ namespace {
 using test::brightness;
 using Background = RenderOptions::Background;
 
-SurfaceRenderOptions small_picture() {
+SurfaceRenderOptions small_surface_picture() {
   SurfaceRenderOptions options;
   options.width = 96;
   options.height = 72;
@@ -34,7 +34,7 @@ SurfaceRenderOptions small_picture() {
 }
 
 SurfaceRenderOptions clear_picture() {
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.shadows = false;
   options.occlusion_rays = 0;
   options.transmission = 1;
@@ -110,7 +110,7 @@ TEST(SurfaceDepth, AgreesWithThePolygonisedSurface) {
 TEST(SurfacePicture, DoesNotDependOnThreads) {
   const test::Torus torus;
   const BallUnion balls = test::torus_balls(10000);
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.ground = true;
   options.up = UpAxis::z;
   options.view = {30, 35};
@@ -160,7 +160,7 @@ TEST(SurfacePicture, MirrorsShowWhatTheyShould) {
   const test::Spheres sphere({1});
   const BallUnion balls = test::sphere_balls(20000);
   const SurfaceCaster caster(sphere, balls);
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.samples = 1;
   options.shadows = false;
   options.occlusion_rays = 0;
@@ -204,7 +204,7 @@ TEST(SurfacePicture, MirrorsShowOtherParts) {
     both.radii.push_back(outer.radii[i]);
   }
   const SurfaceCaster alone(shell, inner), in_bowl(shell, both);
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.shadows = false;
   options.occlusion_rays = 0;
   options.reflection = 0.5;
@@ -227,7 +227,7 @@ TEST(SurfacePicture, ShowsColors) {
   const test::Spheres sphere({1});
   const SurfaceCaster caster(sphere, test::sphere_balls(4000));
   const LeftAndRight colors;
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   Image image = render(caster, options, &colors);
   EXPECT_GT(image.at(38, 36)[0], 2 * image.at(38, 36)[2]);
   EXPECT_GT(image.at(58, 36)[2], 2 * image.at(58, 36)[0]);
@@ -246,7 +246,7 @@ TEST(SurfacePicture, OpenSurfacesAreLitFromBehindToo) {
     balls.radii.push_back(all.radii[i]);
   }
   const SurfaceCaster caster(sphere, balls);
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.background = Background::transparent;
   const Image image = render(caster, options);
   EXPECT_GT(covered(image), 1000);
@@ -256,7 +256,7 @@ TEST(SurfacePicture, OpenSurfacesAreLitFromBehindToo) {
 TEST(SurfacePicture, ShadowsOfDiscsAreLikeThoseOfTheSurface) {
   const test::Torus torus;
   const SurfaceCaster caster(torus, test::torus_balls(20000));
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.up = UpAxis::z;
   options.view = {20, 25};
   options.ground = true;
@@ -286,7 +286,7 @@ TEST(SurfacePicture, SteadyViewsDoNotZoom) {
   std::vector<Vec3f> points = caster.balls().centers;
   points.push_back({-1, 0, 0});
   points.push_back({1, 0, 0});
-  SurfaceRenderOptions options = small_picture();
+  SurfaceRenderOptions options = small_surface_picture();
   options.background = Background::transparent;
   const auto area = [&](double azimuth, bool steady) {
     options.view.azimuth = azimuth;

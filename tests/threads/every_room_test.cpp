@@ -165,7 +165,9 @@ TEST(EveryRoom, FunctionsAreEditedAndJudged) {
     Edit edit;
     edit.select.ball = {Vec3{1, 0, 0}, 0.5};
     Findings found;
-    for (const auto& action : {decltype(edit.action)(Refit{.max_degree = 2}), decltype(edit.action)(SetDegree{1})}) {
+    Refit quadrics;
+    quadrics.max_degree = 2;
+    for (const auto& action : {decltype(edit.action)(quadrics), decltype(edit.action)(SetDegree{1})}) {
       edit.action = action;
       editor.apply(edit, progress);
     }

@@ -11,7 +11,7 @@
 namespace sansmesh {
 namespace {
 
-using Corners = std::array<LatticeVertex<3>, 4>;
+using LatticeCorners = std::array<LatticeVertex<3>, 4>;
 
 TEST(J1aLattice, PatternsAreTheEnumeratedSimplices) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
@@ -29,16 +29,16 @@ TEST(J1aLattice, PatternsAreTheEnumeratedSimplices) {
       const BlockTree::Block& block = blocks[b];
       BlockCell<3> cell;
       for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<std::int32_t>(block.cell[k]);
-      std::set<Corners> from_tuples, from_table;
+      std::set<LatticeCorners> from_tuples, from_table;
       for (const auto& s : simplices_of<3>(tree, block.level, cell)) {
-        Corners v = vertices(s);
+        LatticeCorners v = vertices(s);
         std::sort(v.begin(), v.end());
         from_tuples.insert(v);
       }
       const std::int64_t quarter = kLatticeEdge >> (block.level + 2);
       const BlockPattern& pattern = table.pattern(refinement_of(blocks, b));
       for (const auto& t : pattern.tets) {
-        Corners v;
+        LatticeCorners v;
         for (std::size_t i = 0; i < 4; ++i) {
           const int slot = pattern.slots[t[i]];
           v[i] = {(4 * cell[0] + slot % 5) * quarter, (4 * cell[1] + slot / 5 % 5) * quarter,
