@@ -23,7 +23,7 @@ constexpr double kSupported = 0.02;
 /// Samples that are enough to tell the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
-constexpr double kSeen = 16;
+constexpr double kSeen = 5;
 /// Samples farther than so many spacings, and so many times the noise, from the mesh have no surface. Above this share
 /// of them a warning says so, and where most of them are, within so many spacings.
 constexpr double kLost = 2, kLostInNoise = 4, kMuchLost = 0.01, kTogether = 30;
