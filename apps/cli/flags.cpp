@@ -16,8 +16,8 @@ constexpr FlagOfField kFlags[] = {
     {"max_depth", "--depth"},           {"block_depth", "--depth"},          {"max_degree", "--degree"},
     {"sharp = false", "--smooth"},      {"enhance = false", "--no-enhance"}, {"carry_colors = false", "--no-colors"},
     {"separate_sheets", "--no-sheets"}, {"coverage_below", "--coverage"},    {"error_above", "--error"},
-    {"gradient_above", "--gradient"},   {"range", "--color-range"},          {"samples", "--antialiasing"},
-    {"view.azimuth", "--azimuth"},      {"view.elevation", "--elevation"}};
+    {"gradient_above", "--gradient"},   {"range", "--color-range"},          {"classes", "--class"},
+    {"samples", "--antialiasing"},      {"view.azimuth", "--azimuth"},       {"view.elevation", "--elevation"}};
 
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {
