@@ -93,14 +93,16 @@ void describe(const AttributeTable& table, const char* of, Console& console, Jso
   for (const Attribute& a : table) {
     std::string ranges;
     Json lower = Json::array(), upper = Json::array();
+    const int digits = a.type() == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
     for (std::size_t c = 0; c < a.components; ++c) {
       const auto range = range_of(a, c);
       lower.push_back(range ? Json(range->first) : Json());
       upper.push_back(range ? Json(range->second) : Json());
       if (c == 9) ranges += ", …";
       if (c >= 9) continue;
-      ranges += range ? fmt::format("{}{:.6g} to {:.6g}", c > 0 ? ", " : "", range->first, range->second)
-                      : fmt::format("{}no numbers", c > 0 ? ", " : "");
+      ranges +=
+          range ? fmt::format("{}{:.{}g} to {:.{}g}", c > 0 ? ", " : "", range->first, digits, range->second, digits)
+                : fmt::format("{}no numbers", c > 0 ? ", " : "");
     }
     const std::string components = a.components > 1 ? fmt::format(" × {}", a.components) : std::string();
     console.say(fmt::format("{:<12}{} ({}{} a {}): {}", "attribute", printable(a.name, 80), name_of(a.type()),

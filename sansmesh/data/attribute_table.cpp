@@ -231,7 +231,8 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
         for (std::size_t r = 0; r < group.size(); ++r)
           for (std::size_t c = 0; c < width; ++c)
             sum[group[r] * width + c] += weight[r] * static_cast<double>(values[r * width + c]);
-        for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<T>(sum[i] / total[i / width]);
+        for (std::size_t g = 0; g < groups; ++g)
+          for (std::size_t c = 0; c < width; ++c) out[g * width + c] = static_cast<T>(sum[g * width + c] / total[g]);
       } else {
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = values[heaviest[i / width] * width + i % width];
       }

@@ -30,7 +30,8 @@ struct ReadReport {
 /// flagged so; overlap in point formats 6 to 10), `scan_angle` (float, degrees from straight down, positive to the
 /// right of the flight), `point_source_id` (uint16, flight line), `user_data` (uint8), `gps_time` (double, seconds as
 /// the file counts them) and `near_infrared` (uint16), as far as the point format has them and any point has another
-/// than 0. Points flagged as withheld are left out with a warning.
+/// than 0; and what else the file describes (extra bytes) by the names that it gives, double where they are scaled.
+/// Points flagged as withheld are left out with a warning.
 ///
 /// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
 PointSet read_points(const std::string& file, ReadReport* report = nullptr);

@@ -96,6 +96,87 @@ AttributeTable las_attributes(const LasRecords& r) {
   return table;
 }
 
+/// Numbers that follow those of the point format in each record.
+struct LasExtra {
+  NamedColumns columns;       ///< of the first record
+  std::vector<Vec3> scaling;  ///< number of the file · x + y, a component each; empty if the numbers count as they are
+};
+
+/// What the header's records of user "LASF_Spec" and number 4 say of the bytes from `first` on in each record of
+/// points: descriptions of 192 bytes (LAS 1.4, "extra bytes"; writers of older versions have adopted them). The
+/// header's records lie in [at, begin). Damage ends the list: the points themselves do not depend on it.
+std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r,
+                                  std::size_t first) {
+  constexpr std::size_t kHead = 54, kDescription = 192;
+  constexpr unsigned kScale = 8, kOffset = 16;
+  constexpr NumberType types[] = {NumberType::u8,  NumberType::i8,  NumberType::u16, NumberType::i16, NumberType::u32,
+                                  NumberType::i32, NumberType::u64, NumberType::i64, NumberType::f32, NumberType::f64};
+  const char* const data = in.bytes.data();
+  std::vector<LasExtra> extras;
+  for (std::uint32_t left = load<std::uint32_t>(data + 100); left > 0 && at + kHead <= begin; --left) {
+    const std::string_view user = in.bytes.substr(at + 2, 16);
+    const std::size_t number = load<std::uint16_t>(data + at + 18), length = load<std::uint16_t>(data + at + 20);
+    std::size_t description = at + kHead;
+    at = description + length;
+    if (at > begin) break;
+    if (number != 4 || user.substr(0, user.find('\0')) != "LASF_Spec") continue;
+    for (; description + kDescription <= at; description += kDescription) {
+      const char* const d = data + description;
+      const unsigned type = load<std::uint8_t>(d + 2), options = load<std::uint8_t>(d + 3);
+      if (type == 0) {  // bytes without a meaning
+        first += options;
+        continue;
+      }
+      if (type > 30) return extras;
+      const std::string_view name(d + 4, 32);
+      LasExtra extra;
+      extra.columns.name = std::string(name.substr(0, name.find('\0')));
+      extra.columns.type = types[(type - 1) % 10];
+      const std::size_t components = 1 + (type - 1) / 10, bytes = size_of(extra.columns.type);
+      if (first + components * bytes > r.stride) {
+        in.warn("describes more numbers than its records of points have room for: they were left out");
+        return extras;
+      }
+      for (std::size_t k = 0; k < components; ++k, first += bytes) {
+        extra.columns.components.push_back({r.first + first, r.stride, extra.columns.type, false});
+        const double scale = options & kScale ? load<double>(d + 112 + 8 * k) : 1;
+        const double offset = options & kOffset ? load<double>(d + 136 + 8 * k) : 0;
+        if (options & (kScale | kOffset)) extra.scaling.push_back({scale, offset, 0});
+      }
+      extras.push_back(std::move(extra));
+    }
+  }
+  return extras;
+}
+
+/// Adds those that are not 0 everywhere, and none of the name of what is there already.
+void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_t n, AttributeTable& table) {
+  std::vector<NamedColumns> plain;
+  for (const LasExtra& extra : extras) plain.push_back(extra.columns);
+  for (Attribute a : decode_attributes(in, plain, n, false)) {
+    const bool zero = std::visit(
+        [](const auto& values) { return std::all_of(values.begin(), values.end(), [](auto v) { return v == 0; }); },
+        a.values);
+    if (zero) continue;
+    if (table.find(a.name)) {
+      in.warn(fmt::format("'{}' is there twice: the second one was left out", printable(a.name, 80)));
+      continue;
+    }
+    const auto of =
+        std::find_if(extras.begin(), extras.end(), [&](const LasExtra& extra) { return extra.columns.name == a.name; });
+    if (of->scaling.empty()) {
+      table.set(std::move(a));
+      continue;
+    }
+    std::vector<double> values(a.size());
+    parallel_for(0, values.size(), 1 << 15, [&](std::size_t i) {
+      const Vec3& scaling = of->scaling[i % a.components];
+      values[i] = a.number(i) * scaling.x + scaling.y;
+    });
+    table.set(a.name, std::move(values), a.components);
+  }
+}
+
 /// Points that the file marks as no longer part of it.
 void leave_out_withheld(const Input& in, const LasRecords& r, PointSet& points) {
   std::vector<std::uint8_t> withheld(r.count);
@@ -165,6 +246,8 @@ PointSet read_las(const Input& in) {
   if (black) points.colors.clear();
   const LasRecords records{data + begin, record, n, format_byte, minor == 0};
   points.attributes = las_attributes(records);
+  const std::size_t header = load<std::uint16_t>(data + 94);
+  add_extras(in, find_extras(in, header, begin, records, least_record[format_byte]), n, points.attributes);
   leave_out_withheld(in, records, points);
   finish(in, points);
   return points;

@@ -36,8 +36,8 @@ void append_if_all(const std::vector<std::string>& files, std::vector<PointSet>&
 /// The tables of all parts as one. Warns of what has one name and several types.
 AttributeTable join(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
                     AttributeTable PointSet::*table, const std::vector<std::size_t>& rows, ReadReport& report) {
-  std::vector<const AttributeTable*> tables;
-  for (const PointSet& part : parts) tables.push_back(&(part.*table));
+  std::vector<const AttributeTable*> tables(parts.size());
+  for (std::size_t k = 0; k < parts.size(); ++k) tables[k] = &(parts[k].*table);
   AttributeTable all = join_rows(tables, rows);
   for (std::size_t k = 0; k < parts.size(); ++k)
     for (const Attribute& a : *tables[k])
@@ -50,10 +50,10 @@ AttributeTable join(const std::vector<std::string>& files, const std::vector<Poi
 }  // namespace
 
 PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSet> parts, ReadReport& report) {
-  std::vector<std::size_t> points, triangles;
+  std::vector<std::size_t> points(parts.size()), triangles(parts.size());
   std::size_t n = 0, faces = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    points.push_back(parts[k].size()), triangles.push_back(parts[k].triangles.size());
+    points[k] = parts[k].size(), triangles[k] = parts[k].triangles.size();
     n += points[k], faces += triangles[k];
     if (n > 0xfffffffeu)
       throw FileError(files[k], "together with those before it holds " + grouped(n) +

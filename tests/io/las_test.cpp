@@ -87,6 +87,77 @@ TEST(LasAttributes, OfEveryVersionAndPointFormat) {
   }
 }
 
+/// A record between header and points.
+std::string variable_record(const std::string& user, std::uint16_t number, const std::string& content) {
+  std::string s(54, '\0');
+  s.replace(2, user.size(), user);
+  s.replace(18, 2, raw(number)), s.replace(20, 2, raw(static_cast<std::uint16_t>(content.size())));
+  return s + content;
+}
+
+/// What LAS 1.4 says of numbers after those of the point format.
+std::string description(unsigned type, const std::string& name, unsigned options = 0, double scale = 0,
+                        double offset = 0) {
+  std::string s(192, '\0');
+  s[2] = static_cast<char>(type), s[3] = static_cast<char>(options);
+  s.replace(4, name.size(), name);
+  for (std::size_t k = 0; k < 3; ++k) {
+    s.replace(112 + 8 * k, 8, raw(scale * static_cast<double>(k + 1)));
+    s.replace(136 + 8 * k, 8, raw(offset));
+  }
+  return s;
+}
+
+TEST(LasAttributes, OfExtraBytes) {
+  const Folder folder;
+  for (const auto& [minor, format] : {std::pair{2u, 3u}, std::pair{4u, 6u}}) {
+    LasFile file{.minor = minor, .format = format, .extra = 2};
+    file.points = varied_points(file, 300);
+    file.own = [](const LasPoint& p) {
+      return raw(static_cast<std::uint16_t>(p.intensity / 2)) + std::string("\1\2\3") + raw(0.25f * p.source) +
+             raw(std::int16_t{7}) + raw(static_cast<std::int16_t>(-p.user_data)) + raw(std::int32_t{0}) +
+             raw(std::uint8_t{9});
+    };
+    const std::string described = description(3, "Amplitude", 8, 0.01) + description(0, "nothing", 3) +
+                                  description(9, "Reflectance") + description(14, "tilt", 8 | 16, 0.5, -1) +
+                                  description(6, "zero") + description(1, "intensity");
+    file.variable = variable_record("LASF_Spec", 3, std::string(40, 'x')) +
+                    variable_record("somebody", 4, std::string(192, '\1')) + variable_record("LASF_Spec", 4, described);
+    file.variable_count = 3;
+    ReadReport report;
+    const PointSet p = read_points(folder.put("a.las", file.bytes()), &report);
+    EXPECT_EQ(report.warnings, std::vector<std::string>{"'intensity' is there twice: the second one was left out"});
+    const auto& amplitude = *p.attributes.find<double>("Amplitude");
+    const auto& reflectance = *p.attributes.find<float>("Reflectance");
+    const auto& tilt = *p.attributes.find<double>("tilt");
+    ASSERT_EQ(tilt.size(), 600u);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const LasPoint& q = file.points[i];
+      ASSERT_EQ(amplitude[i], 0.01 * (q.intensity / 2)) << i;
+      ASSERT_EQ(reflectance[i], 0.25f * q.source) << i;
+      ASSERT_EQ(tilt[2 * i], 0.5 * 7 - 1) << i;
+      ASSERT_EQ(tilt[2 * i + 1], 1.0 * -q.user_data - 1) << i;
+    }
+    EXPECT_EQ(p.attributes.find("zero"), nullptr);
+    EXPECT_EQ(p.attributes.find("nothing"), nullptr);
+    const PointSet bare = [&] {
+      LasFile plain = file;
+      plain.variable.clear(), plain.variable_count = 0;
+      return read_points(folder.put("b.las", plain.bytes()));
+    }();
+    EXPECT_EQ(p.attributes.size(), bare.attributes.size() + 3);
+    EXPECT_EQ(*p.attributes.find("intensity"), *bare.attributes.find("intensity"));
+
+    // Damaged descriptions cost nothing but themselves.
+    const std::size_t extras = file.variable.size() - described.size();
+    for (std::size_t at = 0; at < file.variable.size(); ++at) {
+      LasFile damaged = file;
+      damaged.variable[at] = static_cast<char>(at < extras ? 255 : damaged.variable[at] ^ 0x5f);
+      EXPECT_EQ(read_points(folder.put("b.las", damaged.bytes())).positions, p.positions) << at;
+    }
+  }
+}
+
 TEST(LasAttributes, ThatAreZeroEverywhereAreLeftOut) {
   const Folder folder;
   for (const unsigned format : {3u, 8u}) {

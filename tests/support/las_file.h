@@ -35,6 +35,9 @@ struct LasFile {
   std::size_t extra = 0;                     ///< bytes after each record that belong to nobody
   std::optional<std::uint32_t> short_count;  ///< of the header of LAS 1.4; as the format wants it if absent
   std::optional<std::uint64_t> long_count;
+  std::string variable;  ///< records between header and points
+  std::uint32_t variable_count = 0;
+  std::string (*own)(const LasPoint&) = nullptr;  ///< bytes after each record with a meaning, before the extra ones
   std::vector<LasPoint> points;
 
   bool wide() const { return format >= 6; }
@@ -65,6 +68,7 @@ struct LasFile {
       for (const std::uint16_t c : p.rgb) put(s, c);
     if (has_infrared()) put(s, p.near_infrared);
     if (has_waves()) s += std::string(29, '\x55');
+    if (own) s += own(p);
     return s + std::string(extra, '\x77');
   }
 
@@ -76,12 +80,14 @@ struct LasFile {
     };
     s.replace(0, 4, "LASF");
     s[24] = 1, s[25] = static_cast<char>(minor), s[104] = static_cast<char>(format);
-    at(94, static_cast<std::uint16_t>(head)), at(96, static_cast<std::uint32_t>(head));
+    at(94, static_cast<std::uint16_t>(head)), at(96, static_cast<std::uint32_t>(head + variable.size())),
+        at(100, variable_count);
     at(105, static_cast<std::uint16_t>(record({}).size()));
     const auto count = static_cast<std::uint32_t>(points.size());
     at(107, short_count.value_or(wide() ? 0 : count));
     if (minor >= 4) at(247, long_count.value_or(count));
     for (std::size_t k = 0; k < 3; ++k) at(131 + 8 * k, scale[k]), at(155 + 8 * k, offset[k]);
+    s += variable;
     for (const LasPoint& p : points) s += record(p);
     return s;
   }
