@@ -47,7 +47,11 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   if (std::find(inside.begin(), inside.end(), 0) != inside.end()) trim_mesh(mesh, inside);
   if (options.trim)
     trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), place.from_input(*options.trim)));
-  finish_mesh(mesh, model.points(), spacing, options, r);
+  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), options, r);
+  if (r.most_lost) {
+    r.most_lost = place.to_input(*r.most_lost);
+    r.warnings.push_back(lost_samples(r) + "; `components = all` keeps every part");
+  }
   move_to_input(mesh, place);
   progress.finish();
   return mesh;
@@ -92,6 +96,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   r.noise = function.place.to_input(f.noise);
   r.fits = f.functions;
   r.fit_depth = f.depth;
+  r.open_share = f.area > 0 ? f.open_area / f.area : 0;
+  r.behind = f.behind;
   r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());
   return mesh;
 }

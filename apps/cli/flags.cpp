@@ -12,12 +12,22 @@ struct FlagOfField {
 };
 
 /// Where the flag is not the field's name with dashes. Of several, the first that a command has.
-constexpr FlagOfField kFlags[] = {
-    {"max_depth", "--depth"},           {"block_depth", "--depth"},          {"max_degree", "--degree"},
-    {"sharp = false", "--smooth"},      {"enhance = false", "--no-enhance"}, {"carry_colors = false", "--no-colors"},
-    {"separate_sheets", "--no-sheets"}, {"coverage_below", "--coverage"},    {"error_above", "--error"},
-    {"gradient_above", "--gradient"},   {"range", "--color-range"},          {"classes", "--class"},
-    {"samples", "--antialiasing"},      {"view.azimuth", "--azimuth"},       {"view.elevation", "--elevation"}};
+constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
+                                  {"block_depth", "--depth"},
+                                  {"max_degree", "--degree"},
+                                  {"open = true", "--open"},
+                                  {"sharp = false", "--smooth"},
+                                  {"enhance = false", "--no-enhance"},
+                                  {"carry_colors = false", "--no-colors"},
+                                  {"separate_sheets", "--no-sheets"},
+                                  {"coverage_below", "--coverage"},
+                                  {"error_above", "--error"},
+                                  {"gradient_above", "--gradient"},
+                                  {"range", "--color-range"},
+                                  {"classes", "--class"},
+                                  {"samples", "--antialiasing"},
+                                  {"view.azimuth", "--azimuth"},
+                                  {"view.elevation", "--elevation"}};
 
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {

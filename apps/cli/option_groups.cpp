@@ -142,6 +142,12 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
       .type_name("DEGREE")
       .group("Fit");
   c.add_flag_callback(
+       "--open", [&o] { o.open = true; }, "The surface bounds no solid: it ends where the samples end [from data]")
+      .group("Fit");
+  c.add_flag_callback(
+       "--closed", [&o] { o.open = false; }, "The surface is closed, also where there are no samples [from data]")
+      .group("Fit");
+  c.add_flag_callback(
        "--smooth", [&o] { o.sharp = false; }, "Do not look for creases and corners")
       .group("Fit");
 }
@@ -151,6 +157,9 @@ void add_mesh_options(CommandLine& c, MeshOptions& o) {
        "--components", [&o](const std::string& text) { o.components = parse_components(text); },
        "Parts to keep: auto (those that enough samples stand for), all, largest or a number [auto]")
       .type_name("CHOICE");
+  c.add_option("--fill-holes", o.fill_holes,
+               "Where the surface ends with its samples: close holes up to so wide [gaps between scan lines]")
+      .type_name("LENGTH");
   c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near as this [without a value: from data]")
       .type_name("LENGTH")
       .without_value("0");

@@ -27,6 +27,15 @@ struct InputSize {
   Vec3f extent;
 };
 
+/// What was decided on whether the surface bounds a solid, and why.
+std::string openness(const ReconstructReport& r, std::optional<bool> asked) {
+  if (asked) return *asked ? "open, as asked: the surface ends where the samples end" : "closed, as asked";
+  const std::string why = fmt::format("winding number {:.2f} behind the samples", r.behind);
+  if (r.open_share <= 0) return fmt::format("closed ({})", why);
+  if (r.open_share > 0.995) return fmt::format("open ({}): the surface ends where the samples end", why);
+  return fmt::format("{:.0f} % open ({}): there the surface ends where the samples end", 100 * r.open_share, why);
+}
+
 void print_report(const ReconstructArguments& arguments, const ReadReport& read, const InputSize& input,
                   const ReconstructReport& report, const TriangleMesh& mesh, Console& console) {
   console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input.name(), counted(input.points, "point"),
@@ -37,8 +46,9 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
             : fmt::format("{} down to depth {}", counted(report.fits, "local fit"), report.fit_depth);
   console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(report.spacing),
                           length(report.noise), made, counted(report.blocks, "block"), report.block_depth));
-  // The partition is closed by construction.
-  const bool closed = (!other && !arguments.options.trim) || measure_topology(mesh).closed();
+  if (!other) console.say(openness(report, arguments.options.open));
+  // A closed partition is closed by construction.
+  const bool closed = (!other && !arguments.options.trim && !report.open) || measure_topology(mesh).closed();
   console.say(fmt::format("{}: {}, {} in {}{}", arguments.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()) + " vertices",
                           counted(static_cast<unsigned long long>(report.components), "component"),
@@ -77,6 +87,9 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     json["noise"] = report.noise;
     json["fits"] = report.fits;
     json["fit_depth"] = report.fit_depth;
+    json["open_share"] = report.open_share;
+    json["winding_number_behind"] = report.behind;
+    json["lost_share"] = report.lost;
     json["blocks"] = report.blocks;
     json["block_depth"] = report.block_depth;
     json["output"] = {{"file", arguments.output.file},      {"vertices", mesh.vertices.size()},

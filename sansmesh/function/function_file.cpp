@@ -79,7 +79,8 @@ Json to_json(const PartitionOptions& o) {
           {"max_samples", o.max_samples},
           {"coverage", o.coverage},
           {"max_eccentricity", o.max_eccentricity},
-          {"sharp", o.sharp}};
+          {"sharp", o.sharp},
+          {"open", o.open ? Json(*o.open) : Json()}};
 }
 
 PartitionOptions options_of(const ReadJson& json) {
@@ -93,6 +94,7 @@ PartitionOptions options_of(const ReadJson& json) {
   for (std::size_t d = 0; d < o.coverage.size(); ++d) o.coverage[d] = number(json.at("coverage").at(d));
   o.max_eccentricity = number(json.at("max_eccentricity"));
   json.at("sharp").get_to(o.sharp);
+  if (json.contains("open") && !json.at("open").is_null()) o.open = json.at("open").get<bool>();  // from 1.2 on
   return o;
 }
 
@@ -101,7 +103,8 @@ Json to_json(const PartitionReport& r) {
           {"accuracy", r.accuracy},   {"area", r.area},
           {"spacing", r.spacing},     {"depth", r.depth},
           {"functions", r.functions}, {"functions_of_degree", r.functions_of_degree},
-          {"creased", r.creased}};
+          {"creased", r.creased},     {"open_area", r.open_area},
+          {"behind", r.behind}};
 }
 
 PartitionReport report_of(const ReadJson& json) {
@@ -116,6 +119,10 @@ PartitionReport report_of(const ReadJson& json) {
   for (std::size_t d = 0; d < r.functions_of_degree.size(); ++d)
     r.functions_of_degree[d] = whole<std::size_t>(json.at("functions_of_degree").at(d));
   r.creased = whole<std::size_t>(json.at("creased"));
+  if (json.contains("behind")) {  // from 1.2 on
+    r.open_area = number(json.at("open_area"));
+    r.behind = number(json.at("behind"));
+  }
   return r;
 }
 

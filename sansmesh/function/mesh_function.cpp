@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/replace_region.h"
 #include "sansmesh/meshing/mesh_options.h"
@@ -175,17 +176,25 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     box = place.from_input(*options.box);
     cut.meshing.region = with_seeds(field.data(), *box);
   }
+  const PointSet& points = *function.samples;
+  std::optional<double> trim;
+  if (options.trim) {
+    if (points.size() == 0) throw DataError("cannot be trimmed: its samples were not kept");
+    trim = *options.trim > 0 ? place.from_input(*options.trim) : std::max(4 * f.spacing, 6 * f.noise);
+  }
+  std::optional<FunctionDomain> domain;
+  if (FunctionDomain::needed(function, trim)) {
+    progress.begin("find borders");
+    std::optional<double> fill;
+    if (options.fill_holes) fill = place.from_input(*options.fill_holes);
+    domain.emplace(function, fill, trim);
+    domain->refine(cut.blocks, options.block_depth.value_or(BlockTree::kMaxLevel));
+    cut.meshing.domain = &*domain;
+  }
+  r.open = f.open_area > 0;
   TriangleMesh mesh = detail::cut_out(field, cut.blocks, options, cut.meshing, progress, r);
 
   progress.begin("finish mesh");
-  const PointSet& points = *function.samples;
-  if (options.trim) {
-    if (points.size() == 0) throw DataError("cannot be trimmed: its samples were not kept");
-    const double close = std::max(4 * f.spacing, 6 * f.noise);
-    const KdTree samples(points.positions);
-    detail::trim_mesh(mesh,
-                      detail::near_samples(mesh, samples, *options.trim > 0 ? place.from_input(*options.trim) : close));
-  }
   MeshOptions finish = options;
   if (box) {
     clip_mesh(mesh, {Vec3f(box->lower), Vec3f(box->upper)});
@@ -193,7 +202,13 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     // What the box cuts off says nothing about what a piece belongs to.
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
-  detail::finish_mesh(mesh, points, f.spacing, finish, r);
+  detail::finish_mesh(mesh, points, f.spacing, f.noise, finish, r);
+  if (r.most_lost) {
+    r.most_lost = place.to_input(*r.most_lost);
+    r.warnings.push_back(detail::lost_samples(r) +
+                         (f.open_area < 0.999 * f.area ? "; `open = true` ends the surface where they end, " : "; ") +
+                         "`components = all` keeps every part");
+  }
   move_to_input(mesh, place);
   progress.finish();
   return mesh;
@@ -210,7 +225,8 @@ TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, c
     return before;
   }
   // What depends on the whole mesh can only be made from the whole.
-  const bool whole = options.triangles || options.trim || options.box || options.measure_quality;
+  const bool whole = options.triangles || options.trim || options.box || options.measure_quality ||
+                     FunctionDomain::needed(function, {});
   if (!whole && update_in_place(function, before, changed, options, progress, u)) return before;
   return mesh_function(function, options, progress);
 }

@@ -19,6 +19,7 @@ PartitionOptions partition_options(const FitOptions& options, const Placement& p
   fit.support = options.support;
   fit.max_degree = options.max_degree;
   fit.sharp = options.sharp;
+  fit.open = options.open;
   return fit;
 }
 

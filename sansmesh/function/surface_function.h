@@ -23,6 +23,9 @@ struct FitOptions {
   std::optional<double> support;  ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
   int max_degree = 4;             ///< largest degree of the local polynomials, 1..4
   bool sharp = true;              ///< reproduce creases where the data shows them
+  /// Whether the surface bounds no solid, and ends where its samples end: true, everywhere, false, nowhere; default:
+  /// decided from the data for each connected part.
+  std::optional<bool> open;
 
   /// Throws ArgumentError naming the option.
   void validate() const;

@@ -1,5 +1,6 @@
 #include "sansmesh/mesh/clip_mesh.h"
 
+#include <algorithm>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -10,16 +11,15 @@
 namespace sansmesh {
 namespace {
 
-/// Keeps the side of a plane across `axis` where sign · (x − at) >= 0.
-class PlaneCut {
+/// Keeps what is at height 0 or above; new vertices are placed by `place(position)` in the end.
+template <class Place>
+class HeightCut {
  public:
-  PlaneCut(TriangleMesh& mesh, std::size_t axis, float at, float sign)
-      : mesh_(mesh), axis_(axis), at_(at), sign_(sign) {}
+  HeightCut(TriangleMesh& mesh, std::vector<float> heights, const Place& place)
+      : mesh_(mesh), heights_(std::move(heights)), place_(place) {}
 
   void run() {
-    bool any_out = false;
-    for (const Vec3f& v : mesh_.vertices) any_out = any_out || height(v) < 0;
-    if (!any_out) return;
+    if (std::none_of(heights_.begin(), heights_.end(), [](float h) { return h < 0; })) return;
     std::vector<Triangle> kept;
     std::vector<std::uint32_t> of;  // the triangle that each was part of
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
@@ -31,16 +31,15 @@ class PlaneCut {
   }
 
  private:
-  float height(const Vec3f& v) const { return sign_ * (v[axis_] - at_); }
-
-  /// The vertex where the edge from an inner to an outer vertex crosses the plane.
+  /// The vertex where the edge from an inner to an outer vertex crosses height 0.
   std::uint32_t crossing(std::uint32_t in, std::uint32_t out) {
-    if (height(mesh_.vertices[in]) == 0) return in;
+    if (heights_[in] == 0) return in;
     const auto [entry, is_new] = made_.try_emplace(std::uint64_t{in} << 32 | out, 0);
     if (!is_new) return entry->second;
-    const float a = height(mesh_.vertices[in]), b = height(mesh_.vertices[out]), t = a / (a - b);
+    const float a = heights_[in], b = heights_[out], t = a / (a - b);
     Vec3f x = mesh_.vertices[in] + (mesh_.vertices[out] - mesh_.vertices[in]) * t;
-    x[axis_] = at_;
+    place_(x);
+    heights_.push_back(0);
     return entry->second = append_vertex_between(mesh_, in, out, t, x);
   }
 
@@ -52,7 +51,7 @@ class PlaneCut {
     };
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      const bool a_in = height(mesh_.vertices[a]) >= 0, b_in = height(mesh_.vertices[b]) >= 0;
+      const bool a_in = heights_[a] >= 0, b_in = heights_[b] >= 0;
       if (a_in) add(a);
       if (a_in != b_in) add(a_in ? crossing(a, b) : crossing(b, a));
     }
@@ -61,18 +60,63 @@ class PlaneCut {
   }
 
   TriangleMesh& mesh_;
-  std::size_t axis_;
-  float at_, sign_;
+  std::vector<float> heights_;
+  const Place& place_;
   std::unordered_map<std::uint64_t, std::uint32_t> made_;
 };
+
+/// Keeps the side of a plane across `axis` where sign · (x − at) >= 0.
+void cut_by_plane(TriangleMesh& mesh, std::size_t axis, float at, float sign) {
+  std::vector<float> heights(mesh.vertices.size());
+  for (std::size_t v = 0; v < heights.size(); ++v) heights[v] = sign * (mesh.vertices[v][axis] - at);
+  const auto place = [&](Vec3f& x) { x[axis] = at; };
+  HeightCut(mesh, std::move(heights), place).run();
+}
+
+/// Moves vertices close to the contour onto it, along the edge that crosses it nearest to them.
+void snap_to_contour(TriangleMesh& mesh, std::vector<float>& heights, float snap) {
+  struct Move {
+    float share = 1;  ///< of the edge
+    Vec3f to;
+  };
+  std::unordered_map<std::uint32_t, Move> moves;
+  const auto look = [&](std::uint32_t v, std::uint32_t to) {
+    const float t = heights[v] / (heights[v] - heights[to]);
+    if (!(t <= snap)) return;
+    Move& m = moves[v];
+    if (t < m.share) m = {t, mesh.vertices[v] + (mesh.vertices[to] - mesh.vertices[v]) * t};
+  };
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if ((heights[a] < 0) == (heights[b] < 0)) continue;
+      look(a, b), look(b, a);
+    }
+  for (const auto& [v, move] : moves) {
+    mesh.vertices[v] = move.to;
+    heights[v] = 0;
+  }
+}
 
 }  // namespace
 
 void clip_mesh(TriangleMesh& mesh, const Box3f& box) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    PlaneCut(mesh, axis, box.lower[axis], 1).run();
-    PlaneCut(mesh, axis, box.upper[axis], -1).run();
+    cut_by_plane(mesh, axis, box.lower[axis], 1);
+    cut_by_plane(mesh, axis, box.upper[axis], -1);
   }
+  keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));
+  separate_fans(mesh);
+}
+
+void clip_mesh(TriangleMesh& mesh, std::vector<float> heights, float snap) {
+  snap_to_contour(mesh, heights, snap);
+  const std::vector<float> kept = heights;
+  const auto stay = [](Vec3f&) {};
+  // A triangle that has been moved onto the contour whole is not above it.
+  std::erase_if(mesh.triangles,
+                [&](const Triangle& t) { return kept[t[0]] <= 0 && kept[t[1]] <= 0 && kept[t[2]] <= 0; });
+  HeightCut(mesh, std::move(heights), stay).run();
   keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));
   separate_fans(mesh);
 }

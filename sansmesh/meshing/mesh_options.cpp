@@ -18,6 +18,7 @@ void MeshOptions::validate() const {
         "`triangles` must be at least 4, and does not go with `enhance = false`");
   check(displacement >= 0 && displacement < 1, "`displacement` must lie in [0, 1)");
   check(displacement == 0 || !enhance, "`displacement` needs `enhance = false`: clustering undoes it");
+  check(!fill_holes || (std::isfinite(*fill_holes) && *fill_holes >= 0), "`fill_holes` must be a length of at least 0");
   check(!trim || (std::isfinite(*trim) && *trim >= 0), "`trim` must be a length of at least 0");
   check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
         "the number of `components` must be at least 1");

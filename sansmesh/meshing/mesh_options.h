@@ -22,6 +22,9 @@ struct MeshOptions {
   std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
   /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
   std::optional<std::size_t> triangles;
+  /// Where the surface ends with its samples (it bounds no solid): holes up to so wide are closed (length); default:
+  /// what the samples' local spacing leaves between them, such as gaps between the lines of a scanner.
+  std::optional<double> fill_holes;
   std::optional<double> trim;  ///< cut the surface farther than this from any sample (length); 0 = choose from data
   ComponentChoice components;
   bool carry_colors = true;
@@ -45,6 +48,10 @@ struct MeshReport {
   double aspect_mean_before = 0, aspect_deviation_before = 0;  ///< aspect ratio of the unenhanced mesh
   double aspect_mean = 0, aspect_deviation = 0;
   double mesh_error = 0;  ///< distance between mesh and surface aimed at (length)
+  bool open = false;      ///< some of the surface bounds no solid, and ends where its samples do
+  /// Share of the samples farther from the mesh than two spacings and four times the noise: they have no surface.
+  double lost = 0;
+  std::optional<Vec3> most_lost;  ///< if that is more than one in a hundred: where most of them are
   std::vector<std::string> warnings;
 };
 

@@ -1,5 +1,7 @@
 #include "sansmesh/meshing/mesh_steps.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -7,6 +9,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/sample_colors.h"
@@ -19,6 +22,12 @@ namespace {
 constexpr double kSupported = 0.02;
 /// Samples that are enough to tell the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
+/// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
+constexpr double kSeen = 16;
+/// Samples farther than so many spacings, and so many times the noise, from the mesh have no surface. Above this share
+/// of them a warning says so, and where most of them are, within so many spacings.
+constexpr double kLost = 2, kLostInNoise = 4, kMuchLost = 0.01, kTogether = 30;
+constexpr std::size_t kPlacesOfLost = 300;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for.
 constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8;
@@ -66,8 +75,10 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return;
 
   std::vector<double> supported = components.area;
-  if (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0])
+  const bool seen = report.open && points.size() > 0;
+  if (points.size() > 0 && !seen && components.area[1] >= kSmallComponent * components.area[0])
     supported = supported_area(mesh, components, points, spacing);
+  if (seen) supported = supported_area(mesh, components, points, spacing);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -77,9 +88,9 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
   for (const std::uint32_t k : order) {
     const bool automatic = choice.kind == ComponentChoice::Kind::automatic;
     if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
-    if (automatic && kept > 0 &&
-        (supported[k] < kSmallComponent * supported[order[0]] || supported[k] < kSupported * components.area[k]))
-      continue;
+    const double small = seen ? std::min(kSeen * spacing * spacing, kSmallComponent * supported[order[0]])
+                              : kSmallComponent * supported[order[0]];
+    if (automatic && kept > 0 && (supported[k] < small || supported[k] < kSupported * components.area[k])) continue;
     chosen[k] = 1;
     ++kept;
   }
@@ -161,11 +172,44 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
   return polygonize(field, blocks, {}, meshing, progress);
 }
 
-void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options,
+void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report) {
+  if (points.size() == 0) return;
+  const std::size_t stride = 1 + points.size() / kSupportSamples, n = (points.size() + stride - 1) / stride;
+  const Vec3 shift = points.origin - mesh.origin;
+  const double far = std::max(kLost * spacing, kLostInNoise * noise);
+  const ClosestTriangle closest(mesh);
+  std::vector<std::uint8_t> is_lost(n);
+  parallel_ranges(0, n, 512, [&](std::size_t first, std::size_t last) {
+    ClosestTriangle::Hit hit;
+    for (std::size_t i = first; i < last; ++i) {
+      hit = closest.closest(Vec3(points.positions[i * stride]) + shift, hit);
+      is_lost[i] = hit.squared_distance > far * far;
+    }
+  });
+  std::vector<Vec3f> lost;
+  for (std::size_t i = 0; i < n; ++i)
+    if (is_lost[i]) lost.push_back(points.positions[i * stride]);
+  report.lost = static_cast<double>(lost.size()) / static_cast<double>(n);
+  if (report.lost <= kMuchLost) return;
+  const KdTree tree(lost);
+  std::size_t most = 0, at = 0;
+  for (std::size_t i = 0; i < lost.size(); i += 1 + lost.size() / kPlacesOfLost)
+    if (const std::size_t c = tree.count_within(lost[i], static_cast<float>(kTogether * spacing)); c > most)
+      most = c, at = i;
+  report.most_lost = points.origin + Vec3(lost[at]);
+}
+
+std::string lost_samples(const MeshReport& r) {
+  return fmt::format("{:.1f} % of the samples are far from the mesh, most of them around {:.6g} {:.6g} {:.6g}",
+                     100 * r.lost, r.most_lost->x, r.most_lost->y, r.most_lost->z);
+}
+
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const MeshOptions& options,
                  MeshReport& r) {
   choose_components(mesh, options.components, points, spacing, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
+  if (!options.box) report_lost(mesh, points, spacing, noise, r);
   if (options.measure_quality) {
     const MeshQuality after = measure_quality(mesh);
     r.aspect_mean = after.aspect_mean;

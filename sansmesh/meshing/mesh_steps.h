@@ -50,7 +50,14 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
 /// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples);
 
+/// Fills in which samples have no surface.
+void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report);
+
+/// What a warning says of them, if there are many; `most_lost` in the input.
+std::string lost_samples(const MeshReport& report);
+
 /// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
-void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, const MeshOptions& options, MeshReport& r);
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const MeshOptions& options,
+                 MeshReport& r);
 
 }  // namespace sansmesh::detail

@@ -19,7 +19,8 @@
 #ifndef SANSMESH_GLOBAL_SIGN_ONCE
 #define SANSMESH_GLOBAL_SIGN_ONCE
 namespace sansmesh {
-/// Points and the sums over all patches at each: of dipoles, of area / r⁴, of area / r⁶; and the gradients of those.
+/// Points and the sums over all patches at each: of dipoles / r³ (of open ones / r⁶), of area / r⁴, of area / r⁶; and
+/// the gradients of those.
 struct FarBatch {
   static constexpr std::size_t kBatch = 16;
   alignas(64) float x[3][kBatch], sum[3][kBatch], slope[3][3][kBatch];
@@ -36,11 +37,11 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
 
-/// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³, Σ area / r⁴, Σ area / r⁶ (and their gradients if
-/// kGradient). A group counts as one where it is farther than about twice its radius; around that it hands over to
-/// its members smoothly, so that the sums do not jump. All points walk down the tree together, each with its own share
-/// in every group, so that what is found at one does not depend on the others.
-template <bool kGradient>
+/// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³ (/ r⁶ if kSheets), Σ area / r⁴, Σ area / r⁶ (and
+/// their gradients if kGradient). A group counts as one where it is farther than about twice its radius; around that it
+/// hands over to its members smoothly, so that the sums do not jump. All points walk down the tree together, each with
+/// its own share in every group, so that what is found at one does not depend on the others.
+template <bool kGradient, bool kSheets>
 void SumSourcesT(const std::vector<std::vector<GlobalSign::Octet>>& levels, FarBatch& batch, std::size_t first) {
   constexpr std::size_t kLanes = 16, kStack = 256;
   const hn::CappedTag<float, kLanes> d;
@@ -105,17 +106,18 @@ void SumSourcesT(const std::vector<std::vector<GlobalSign::Octet>>& levels, FarB
       const V area = hn::Set(d, o.area[k]);
       const V root = pn::ReciprocalSqrt(r2);
       const V square = hn::Mul(root, root), cube = hn::Mul(root, square);
-      const V term[3] = {hn::Mul(dot, cube), hn::Mul(area, hn::Mul(square, square)),
-                         hn::Mul(area, hn::Mul(cube, cube))};
+      const V sixth = hn::Mul(cube, cube), pull_of_dipole = kSheets ? sixth : cube;
+      const V term[3] = {hn::Mul(dot, pull_of_dipole), hn::Mul(area, hn::Mul(square, square)), hn::Mul(area, sixth)};
       for (std::size_t m = 0; m < 3; ++m) sum[m] = pn::MulAdd(share, term[m], sum[m]);
       if (kGradient) {
-        constexpr float kPower[3] = {3, 4, 6};  // ∇ 1/rⁿ = n/rⁿ⁺² (p − x)
+        constexpr float kPower[3] = {kSheets ? 6 : 3, 4, 6};  // ∇ 1/rⁿ = n/rⁿ⁺² (p − x)
         for (std::size_t m = 0; m < 3; ++m) {
           const V pull = hn::Mul(hn::Mul(hn::Set(d, kPower[m]), hn::Mul(share, square)), term[m]);
           for (std::size_t a = 0; a < 3; ++a)
             slope[m][a] = pn::MulAdd(share_slope[a], term[m], pn::MulAdd(pull, step[a], slope[m][a]));
         }
-        for (std::size_t a = 0; a < 3; ++a) slope[0][a] = pn::NegMulAdd(hn::Mul(share, cube), normal[a], slope[0][a]);
+        for (std::size_t a = 0; a < 3; ++a)
+          slope[0][a] = pn::NegMulAdd(hn::Mul(share, pull_of_dipole), normal[a], slope[0][a]);
       }
     }
   }
@@ -125,14 +127,14 @@ void SumSourcesT(const std::vector<std::vector<GlobalSign::Octet>>& levels, FarB
       for (std::size_t a = 0; a < 3; ++a) hn::StoreU(slope[m][a], d, batch.slope[m][a] + first);
 }
 
-void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, bool gradient, std::size_t count,
+void SumSources(const std::vector<std::vector<GlobalSign::Octet>>& levels, bool gradient, bool open, std::size_t count,
                 FarBatch& batch) {
   const std::size_t lanes = hn::Lanes(hn::CappedTag<float, 16>());
   for (std::size_t i = 0; i < count; i += lanes) {
     if (gradient) {
-      SumSourcesT<true>(levels, batch, i);
+      open ? SumSourcesT<true, true>(levels, batch, i) : SumSourcesT<true, false>(levels, batch, i);
     } else {
-      SumSourcesT<false>(levels, batch, i);
+      open ? SumSourcesT<false, true>(levels, batch, i) : SumSourcesT<false, false>(levels, batch, i);
     }
   }
 }
@@ -175,7 +177,7 @@ float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& l
   return 0.5f * norm(sum);
 }
 
-GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit) : unit_(unit) {
+GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit, bool open) : unit_(unit), open_(open) {
   struct Item {
     Vec3f position, area;
     float weight = 0, radius = -1;
@@ -243,13 +245,13 @@ namespace {
 
 /// The sums at some of the points, brought within kFar.
 void sum_batch(const std::vector<std::vector<GlobalSign::Octet>>& levels, std::span<const Vec3f> x, float unit,
-               bool gradient, float* ratio, FarBatch& batch) {
+               bool gradient, bool open, float* ratio, FarBatch& batch) {
   for (std::size_t i = 0; i < FarBatch::kBatch; ++i) {
     const std::size_t k = std::min(i, x.size() - 1);
     const Vec3f p = pulled_in(x[k] / unit, ratio[k]);
     for (std::size_t a = 0; a < 3; ++a) batch.x[a][i] = p[a];
   }
-  HWY_DYNAMIC_DISPATCH(SumSources)(levels, gradient, x.size(), batch);
+  HWY_DYNAMIC_DISPATCH(SumSources)(levels, gradient, open, x.size(), batch);
 }
 
 }  // namespace
@@ -259,43 +261,89 @@ void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> value
   float ratio[FarBatch::kBatch];
   for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
     const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
-    if (!empty()) sum_batch(levels_, x.subspan(first, n), unit_, false, ratio, batch);
+    if (!empty()) sum_batch(levels_, x.subspan(first, n), unit_, false, false, ratio, batch);
     for (std::size_t i = 0; i < n; ++i)
       values[first + i] = empty() ? 0 : batch.sum[0][i] / (4 * std::numbers::pi_v<float>);
   }
 }
 
-void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients) const {
-  if (empty()) {
-    std::fill(values.begin(), values.end(), 0.0f);
-    std::fill(gradients.begin(), gradients.end(), Vec3f{});
-    return;
+namespace {
+
+/// Over a plane at distance d, ∫ dA / r⁴ is π / d² and ∫ dA / r⁶ is π / (2 d⁴): their ratio is the square of a mean
+/// distance that grows no faster than r, however far away. `f.value` is a length; `in_units` the value at the place
+/// that the sums belong to, `ratio` times nearer.
+void closed_value(const FarBatch& batch, std::size_t i, bool gradient, float ratio, float unit, FarValue& f,
+                  float& in_units) {
+  const float dipole = batch.sum[0][i], fourth = batch.sum[1][i], sixth = batch.sum[2][i];
+  const float distance = sixth > 0 ? std::sqrt(0.5f * fourth / sixth) : 0;
+  const float inside = 1 - dipole / (2 * std::numbers::pi_v<float>), sign = std::clamp(inside, -1.0f, 1.0f);
+  in_units = sign * distance;
+  f.value = sign * std::min(distance * ratio * unit, 1e37f);
+  if (!gradient || !(distance > 0)) return;
+  for (std::size_t a = 0; a < 3; ++a) {
+    f.gradient[a] = (batch.slope[1][a][i] / fourth - batch.slope[2][a][i] / sixth) * (0.5f * distance * sign);
+    if (sign == inside) f.gradient[a] -= batch.slope[0][a][i] * (distance / (2 * std::numbers::pi_v<float>));
   }
+}
+
+void open_value(const FarBatch& batch, std::size_t i, bool gradient, float ratio, float unit, FarValue& f,
+                float& in_units) {
+  const float dipole = batch.sum[0][i], sixth = batch.sum[2][i];
+  in_units = sixth > 0 ? -dipole / sixth : 0;
+  f.value = std::clamp(in_units * ratio * unit, -1e37f, 1e37f);
+  if (!gradient || !(sixth > 0)) return;
+  for (std::size_t a = 0; a < 3; ++a) f.gradient[a] = -(batch.slope[0][a][i] + in_units * batch.slope[2][a][i]) / sixth;
+}
+
+}  // namespace
+
+void GlobalSign::far_values(std::span<const Vec3f> x, bool gradient, std::span<FarValue> values) const {
+  std::fill(values.begin(), values.end(), FarValue{});
+  if (empty()) return;
   FarBatch batch;
   float ratio[FarBatch::kBatch];
   for (std::size_t first = 0; first < x.size(); first += FarBatch::kBatch) {
     const std::size_t n = std::min(FarBatch::kBatch, x.size() - first);
-    sum_batch(levels_, x.subspan(first, n), unit_, !gradients.empty(), ratio, batch);
+    sum_batch(levels_, x.subspan(first, n), unit_, gradient, open_, ratio, batch);
     for (std::size_t i = 0; i < n; ++i) {
-      const float dipole = batch.sum[0][i], fourth = batch.sum[1][i], sixth = batch.sum[2][i];
-      // Over a plane at distance d, ∫ dA / r⁴ is π / d² and ∫ dA / r⁶ is π / (2 d⁴): their ratio is the square of a
-      // mean distance that grows no faster than r, however far away.
-      const float distance = sixth > 0 ? std::sqrt(0.5f * fourth / sixth) : 0;
-      const float inside = 1 - dipole / (2 * std::numbers::pi_v<float>), sign = std::clamp(inside, -1.0f, 1.0f);
-      values[first + i] = sign * std::min(distance * ratio[i] * unit_, 1e37f);
-      if (gradients.empty()) continue;
-      Vec3f g;
-      if (distance > 0)
-        for (std::size_t a = 0; a < 3; ++a) {
-          g[a] = (batch.slope[1][a][i] / fourth - batch.slope[2][a][i] / sixth) * (0.5f * distance * sign);
-          if (sign == inside) g[a] -= batch.slope[0][a][i] * (distance / (2 * std::numbers::pi_v<float>));
-        }
+      FarValue& f = values[first + i];
+      float in_units = 0;
+      (open_ ? open_value : closed_value)(batch, i, gradient, ratio[i], unit_, f, in_units);
+      f.weight = batch.sum[2][i];
+      if (!gradient) continue;
+      for (std::size_t a = 0; a < 3; ++a) f.weight_gradient[a] = batch.slope[2][a][i] / unit_;
       if (ratio[i] > 1) {  // out there the values grow in proportion along the ray
         const Vec3f p{batch.x[0][i], batch.x[1][i], batch.x[2][i]}, ray = normalized(p);
-        g += ray * (sign * distance / norm(p) - dot(ray, g));
+        f.gradient += ray * (in_units / norm(p) - dot(ray, f.gradient));
       }
-      gradients[first + i] = g;
     }
+  }
+}
+
+void GlobalSign::signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients) const {
+  std::vector<FarValue> far(x.size());
+  far_values(x, !gradients.empty(), far);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    values[i] = far[i].value;
+    if (!gradients.empty()) gradients[i] = far[i].gradient;
+  }
+}
+
+void FarField::signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients) const {
+  if (open.empty()) return closed.signed_distance(x, values, gradients);
+  if (closed.empty()) return open.signed_distance(x, values, gradients);
+  const bool gradient = !gradients.empty();
+  std::vector<FarValue> solid(x.size()), sheet(x.size());
+  closed.far_values(x, gradient, solid);
+  open.far_values(x, gradient, sheet);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const FarValue &a = solid[i], &b = sheet[i];
+    const float sum = a.weight + b.weight, share = sum > 0 ? a.weight / sum : 1;
+    values[i] = b.value + share * (a.value - b.value);
+    if (!gradient) continue;
+    gradients[i] = b.gradient + (a.gradient - b.gradient) * share;
+    if (sum > 0)
+      gradients[i] += (a.weight_gradient * (1 - share) - b.weight_gradient * share) * ((a.value - b.value) / sum);
   }
 }
 

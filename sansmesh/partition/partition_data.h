@@ -26,6 +26,8 @@ struct PartitionOptions {
   std::array<double, kMaxDegree + 1> coverage{0, 0, 0.4, 0.6, 0.7};  ///< least coverage k for each degree
   double max_eccentricity = 0.2;  ///< beyond it (a border of the data) only planes: curved fits overshoot there
   bool sharp = true;              ///< split supports at creases
+  /// Whether the surface bounds no solid: true, of all sheets, false, of none; default: decided for each of them.
+  std::optional<bool> open;
 
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -42,6 +44,8 @@ struct PartitionReport {
   std::size_t functions = 0;  ///< supports
   std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
   std::size_t creased = 0;  ///< supports with a crease or corner
+  double open_area = 0;     ///< of sheets that bound no solid (length²)
+  double behind = 0;        ///< mean winding number just behind the samples: 1 if the surface is closed, 1/2 of a plane
 };
 
 /// Of one support, beside its function: which block it belongs to, and how well it was fitted. The layout is that of
@@ -57,7 +61,7 @@ struct Support {
   std::uint8_t level = 0;     ///< of the block
   std::uint8_t state = fitted;
   std::uint8_t creased = 0;  ///< 1: there is a crease or corner in it
-  std::uint8_t unused = 0;
+  std::uint8_t open = 0;     ///< 1: on a sheet that bounds no solid (sheets that end: openness.h)
 };
 static_assert(sizeof(Support) == 40 && alignof(Support) == 8);
 

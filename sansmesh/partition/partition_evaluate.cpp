@@ -265,11 +265,11 @@ struct FarPoints {
   std::vector<float> values;
 };
 
-void hand_over(const GlobalSign& sign, FarPoints& far, const Output& out) {
+void hand_over(const FarField& field, FarPoints& far, const Output& out) {
   const bool gradient = !out.gradients.empty();
   far.values.resize(far.x.size());
   far.gradients.resize(gradient ? far.x.size() : 0);
-  sign.signed_distance(far.x, far.values, far.gradients);
+  field.signed_distance(far.x, far.values, far.gradients);
   constexpr float kRise = 1 / (kFade - kRound);
   for (std::size_t j = 0; j < far.x.size(); ++j) {
     const FarPoints::Near& near = far.near[j];
@@ -373,9 +373,9 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
         px[i] = local(places[i]);
       }
       evaluate_tile(s, {px, m}, {places, m}, out, list, tile, far);
-      if (far.x.size() >= FarPoints::kMany) hand_over(s.sign, far, out);
+      if (far.x.size() >= FarPoints::kMany) hand_over(s.far, far, out);
     }
-    hand_over(s.sign, far, out);
+    hand_over(s.far, far, out);
   });
 }
 

@@ -9,6 +9,7 @@
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
+#include "sansmesh/partition/openness.h"
 
 namespace sansmesh {
 namespace {
@@ -93,6 +94,8 @@ void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progres
   data.report.noise = std::sqrt(choice.variance);
   data.report.error = choice.accepted;
   data.report.accuracy = estimated_accuracy(choice, diagonal);
+  progress.begin("look for open sheets");
+  decide_open(data.options.open, data);
   data.flatness = record_flatness(tree, fitter, choice, data);
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/openness.h"
 #include "sansmesh/partition/partition_evaluate.h"
 #include "sansmesh/partition/partition_range.h"
 #include "sansmesh/partition/partition_state.h"
@@ -21,9 +22,6 @@ constexpr double kClean = 0.05;
 
 /// Rounding of 1 − d²/R² may leave a support some weight this little beyond its radius.
 constexpr float kRim = 1 + 1e-6f;
-
-/// Least share of a support's patch in the far field's distance, in squares of its block's edge.
-constexpr float kLeastPatch = 0.5f;
 
 /// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
 bool is_steep(const LocalFunction& f) {
@@ -58,12 +56,17 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) {
   });
   // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
   // where no support reaches.
-  std::vector<OrientedPatch> patches(d.supports.size());
-  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
-    const float h = d.edge / static_cast<float>(1u << d.supports[i].level);
-    patches[i] = {d.supports[i].foot, d.functions[i].nu * d.supports[i].area, kLeastPatch * h * h};
-  });
-  state->sign = GlobalSign(patches, d.edge);
+  std::vector<OrientedPatch> closed = support_patches(d), open;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (d.supports[i].open) {
+      open.push_back(closed[i]);
+    } else {
+      closed[kept++] = closed[i];
+    }
+  }
+  closed.resize(kept);
+  state->far = {GlobalSign(closed, d.edge), GlobalSign(open, d.edge, true)};
   state_ = state;
 }
 

@@ -169,7 +169,7 @@ struct Batch {
       at.push_back(i), centers.push_back(Vec3f(p)), reach.push_back(kFarSlope * wide);
     }
     values.resize(at.size());
-    s.sign.signed_distance(centers, values);
+    s.far.signed_distance(centers, values);
     for (std::size_t j = 0; j < at.size(); ++j) {
       const double value = static_cast<double>(values[j]);
       ValueRange& r = found[at[j]];

@@ -28,7 +28,7 @@ struct PartitionState {
   PartitionData data;
   BallTree tree;                     ///< the supports
   std::vector<std::uint8_t> manner;  ///< of each function: kNormalised | kClose, from the data
-  GlobalSign sign;                   ///< the far field
+  FarField far;                      ///< where no support reaches
 };
 
 }  // namespace sansmesh

@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/simplify.h"
 #include "sansmesh/polygonize/lattice.h"
 #include "sansmesh/polygonize/surface_chain.h"
@@ -30,7 +31,8 @@ struct Extraction {
   const ScalarField& field;
   BlockTree tree;
   Vec3 origin;
-  std::optional<Box3> region = {};  ///< only blocks that meet it, and kLayers around them
+  std::optional<Box3> region = {};               ///< only blocks that meet it, and kLayers around them
+  std::vector<std::uint8_t> beyond_domain = {};  ///< of each block; empty: none is
   LatticeNumbering numbering = {};
   PatternTable patterns = {};
   std::vector<ActiveBlock> active = {};
@@ -129,12 +131,30 @@ struct Extraction {
       const Vec3 p = (seeds[i] - tree.lower()) * scale;
       at[i] = tree.find(tree.depth(), static_cast<std::int64_t>(std::floor(p.x)),
                         static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z)));
-      if (at[i] >= 0 && !in_region(static_cast<std::size_t>(at[i]))) at[i] = -1;
+      if (at[i] >= 0 && (!in_region(static_cast<std::size_t>(at[i])) || out_of_domain(static_cast<std::size_t>(at[i]))))
+        at[i] = -1;
     });
     std::vector<std::uint32_t> blocks;
     for (const std::int64_t b : at)
       if (b >= 0) blocks.push_back(static_cast<std::uint32_t>(b));
     return blocks;
+  }
+
+  bool out_of_domain(std::size_t block) const { return !beyond_domain.empty() && beyond_domain[block]; }
+
+  /// Leaves without any place where `domain` is not positive.
+  void leave_out(const ScalarField& domain) {
+    beyond_domain.assign(tree.size(), 0);
+    std::vector<std::vector<std::uint32_t>> of_level(static_cast<std::size_t>(tree.depth()) + 1);
+    for (const std::uint32_t b : tree.leaves()) of_level[tree[b].level].push_back(b);
+    for (const std::vector<std::uint32_t>& blocks : of_level) {
+      if (blocks.empty()) continue;
+      std::vector<Vec3> x(blocks.size());
+      std::vector<ValueRange> ranges(blocks.size());
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] = tree.block_center(blocks[i]);
+      domain.ranges(x, 0.5 * std::sqrt(3.0) * tree.block_edge(blocks[0]), ranges);
+      for (std::size_t i = 0; i < x.size(); ++i) beyond_domain[blocks[i]] = ranges[i].least > 0;
+    }
   }
 
   bool in_region(std::size_t block) const {
@@ -155,7 +175,8 @@ struct Extraction {
     field.evaluate(centres, at_centre);
     std::vector<std::uint32_t> blocks;
     for (std::size_t i = 0; i < leaves.size(); ++i)
-      if (in_region(leaves[i]) && std::abs(at_centre[i]) <= tree.block_edge(leaves[i])) blocks.push_back(leaves[i]);
+      if (in_region(leaves[i]) && !out_of_domain(leaves[i]) && std::abs(at_centre[i]) <= tree.block_edge(leaves[i]))
+        blocks.push_back(leaves[i]);
     return blocks;
   }
 
@@ -172,7 +193,8 @@ struct Extraction {
       });
       std::vector<std::uint32_t> next;
       for (const auto& blocks : found)
-        for (const std::uint32_t b : blocks) (in_region(b) ? next : beyond).push_back(b);
+        for (const std::uint32_t b : blocks)
+          if (!out_of_domain(b)) (in_region(b) ? next : beyond).push_back(b);
       add_new(std::move(next), is_active);
     }
   }
@@ -342,6 +364,7 @@ RawSurface extract(const ScalarField& field, BlockTree blocks, const Vec3& origi
                    Progress& progress) {
   Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .region = options.region};
   progress.begin("evaluate lattice");
+  if (options.domain) e.leave_out(*options.domain);
   e.activate(options.seeds);
   if (options.displacement > 0) e.displace(options.displacement);
 
@@ -393,6 +416,23 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   return changed;
 }
 
+/// Vertices this close to the contour, as a share of an edge that crosses it, are moved onto it.
+constexpr float kSnapToContour = 0.3f;
+
+/// Leaves out what is not in the domain of the mesh with its vertices at x.
+void cut_off(const ScalarField& domain, TriangleMesh& mesh, std::vector<Vec3>& x) {
+  std::vector<double> value(x.size());
+  domain.evaluate(x, value);
+  std::vector<float> height(x.size());
+  parallel_for(0, x.size(), 8192, [&](std::size_t i) {
+    mesh.vertices[i] = Vec3f(x[i] - mesh.origin);
+    height[i] = -static_cast<float>(value[i]);
+  });
+  clip_mesh(mesh, std::move(height), kSnapToContour);
+  x.resize(mesh.vertices.size());
+  parallel_for(0, x.size(), 8192, [&](std::size_t i) { x[i] = mesh.origin + Vec3(mesh.vertices[i]); });
+}
+
 }  // namespace
 
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
@@ -434,11 +474,15 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
     });
   };
   for (int step = 1; step < options.root_steps; ++step) to_surface();
-  const Rings rings(mesh.triangles, n);
+  Rings rings(mesh.triangles, n);
   if (options.smoothing_rounds > 0)
     smooth_tangentially(mesh.triangles, rings, mesh.normals, options.smoothing_rounds, x);
   to_surface();
   if (options.creases) snap_to_creases(place, mesh.triangles, rings, mesh.normals, x);
+  if (options.domain) {
+    cut_off(*options.domain, mesh, x);
+    rings = Rings(mesh.triangles, mesh.vertices.size());
+  }
   if (simplified(options, mesh, x, progress)) {
     place_again(place, options, mesh, x);
   } else if (options.balance) {

@@ -43,6 +43,10 @@ struct PolygonizeOptions {
   /// Only the surface in this box: the mesh is as that of the whole there, and ends a few blocks beyond in a border
   /// around which its vertices are not quite where they would be.
   std::optional<Box3> region;
+  /// The surface ends where this field becomes positive, in a border along the contour where it passes zero: it is cut
+  /// off there before it is simplified, as finely as the blocks are. Blocks where its ranges() are above zero are not
+  /// even looked at. Must outlive the call.
+  const ScalarField* domain = nullptr;
 };
 
 }  // namespace sansmesh

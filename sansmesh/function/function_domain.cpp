@@ -1,0 +1,115 @@
+#include "sansmesh/function/function_domain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+/// Next to a closed sheet: as deep inside as among samples on all sides.
+constexpr double kOnClosed = -0.42;
+/// Largest edge of the blocks along a border, in spacings of the samples there.
+constexpr float kBorderBlock = 1.5f;
+
+std::vector<Vec3f> feet(const PartitionData& data, bool open) {
+  std::vector<Vec3f> feet;
+  for (const Support& s : data.supports.view())
+    if (s.state != Support::constant && (s.open != 0) == open) feet.push_back(s.foot);
+  return feet;
+}
+
+Coverage coverage_of(const SurfaceFunction& function, std::optional<double> fill) {
+  const PartitionReport& report = function.field.report();
+  if (function.samples->size() > 0) return {function.samples->positions, report.spacing, fill};
+  std::vector<Vec3f> places = feet(function.field.data(), true);
+  const std::vector<Vec3f> closed = feet(function.field.data(), false);
+  places.insert(places.end(), closed.begin(), closed.end());
+  const double spacing = std::sqrt(report.area / static_cast<double>(std::max<std::size_t>(places.size(), 1)));
+  return {places, spacing, fill};
+}
+
+double distance_to(const KdTree& tree, const Vec3f& x) {
+  const auto found = tree.nearest(x);
+  return found ? std::sqrt(static_cast<double>(found->squared_distance)) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+FunctionDomain::FunctionDomain(const SurfaceFunction& function, std::optional<double> fill, std::optional<double> trim)
+    : coverage_(coverage_of(function, fill)),
+      trim_(trim),
+      open_(feet(function.field.data(), true)),
+      closed_(feet(function.field.data(), false)),
+      samples_(trim ? KdTree(function.samples->positions) : KdTree()) {}
+
+void FunctionDomain::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  if (open_.size() > 0) {
+    coverage_.evaluate(x, values, gradients);
+  } else {
+    std::fill(values.begin(), values.end(), kOnClosed);
+  }
+  std::fill(gradients.begin(), gradients.end(), Vec3{});
+  parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Vec3f p(x[i]);
+      if (values[i] > 0 && closed_.size() > 0 && distance_to(closed_, p) <= distance_to(open_, p))
+        values[i] = kOnClosed;
+      if (trim_) values[i] = std::max(values[i], distance_to(samples_, p) / *trim_ - 1);
+    }
+  });
+}
+
+void FunctionDomain::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (open_.size() > 0) {
+    coverage_.ranges(x, radius, found);
+  } else {
+    std::fill(found.begin(), found.end(), ValueRange{-kInfinity, kInfinity});
+  }
+  parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const Vec3f p(x[i]);
+      // Somewhere in the ball a closed sheet may be nearer than an open one.
+      if (found[i].least > 0 && closed_.size() > 0 && distance_to(closed_, p) <= distance_to(open_, p) + 2 * radius)
+        found[i] = {-kInfinity, kInfinity};
+      if (trim_ && distance_to(samples_, p) - radius > *trim_) found[i] = {1e-9, kInfinity};
+    }
+  });
+}
+
+void FunctionDomain::refine(BlockTree& blocks, int deepest) const {
+  const std::vector<Coverage::Border> borders = coverage_.borders();
+  std::vector<Vec3f> centers;
+  std::vector<float> reach, edge;
+  for (const Coverage::Border& b : borders) {
+    const bool ends = trim_ || distance_to(open_, b.position) < distance_to(closed_, b.position);
+    if (!ends) continue;
+    centers.push_back(b.position);
+    reach.push_back(b.reach);
+    edge.push_back(kBorderBlock * b.spacing);
+  }
+  const BallTree tree(centers, reach);
+  std::vector<std::uint32_t> near;
+  std::vector<std::size_t> stack{0};
+  while (!stack.empty()) {
+    const std::size_t block = stack.back();
+    stack.pop_back();
+    if (blocks.is_leaf(block)) {
+      if (static_cast<int>(blocks[block].level) >= deepest) continue;
+      const double h = blocks.block_edge(block);
+      const Vec3 center = blocks.block_center(block), half = Vec3{h, h, h} * 0.5;
+      const Box3f box{Vec3f(center - half), Vec3f(center + half)};
+      bool divide = !tree.touching(box, 256, near);  // so many: it is far too large
+      for (const std::uint32_t i : near) divide = divide || h > static_cast<double>(edge[i]);
+      if (!divide) continue;
+      blocks.subdivide(block);
+    }
+    const auto first = static_cast<std::size_t>(blocks[block].first_child);
+    for (std::size_t c = 0; c < 8; ++c) stack.push_back(first + c);
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,44 @@
+// Where the surface of a fitted function is cut off: where a sheet that bounds no solid runs out of samples, and where
+// trimming was asked for.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/points/coverage.h"
+#include "sansmesh/search/kd_tree.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+/// Negative where there is surface, as PolygonizeOptions::domain wants it; in the coordinates of the function's field.
+/// Next to closed sheets there is surface even without samples.
+class FunctionDomain : public ScalarField {
+ public:
+  /// Lengths in the unit of the field. `fill`: holes of open sheets up to so wide are closed (Coverage). `trim`: no
+  /// surface farther than this from any sample, of whatever sheet. Without samples that were kept, the feet of the
+  /// supports stand for them.
+  FunctionDomain(const SurfaceFunction& function, std::optional<double> fill, std::optional<double> trim);
+
+  /// Whether it leaves anything out of the surface of such a function at all.
+  static bool needed(const SurfaceFunction& function, std::optional<double> trim) {
+    return trim || function.field.report().open_area > 0;
+  }
+
+  Box3 bounds() const override { return coverage_.bounds(); }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
+
+  /// Divides the blocks along the borders until these are no wider than what happens there, at most `deepest`.
+  void refine(BlockTree& blocks, int deepest) const;
+
+ private:
+  Coverage coverage_;
+  std::optional<double> trim_;
+  KdTree open_, closed_;  ///< feet of the supports
+  KdTree samples_;        ///< only to trim
+};
+
+}  // namespace sansmesh

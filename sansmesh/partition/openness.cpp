@@ -1,0 +1,119 @@
+#include "sansmesh/partition/openness.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/sheets.h"
+
+namespace sansmesh {
+namespace {
+
+/// Least share of a support's patch in the far field's distance, in squares of its block's edge.
+constexpr float kLeastPatch = 0.5f;
+/// How far behind its surface a support looks, in radii of a disc as large as its patch: near enough that thin walls
+/// have room for it, and far enough that patches are seen as a surface. The largest number found counts.
+constexpr std::array<float, 3> kDepths{0.5f, 1.0f, 2.0f};
+/// A sheet across which the number falls by less is none.
+constexpr double kLeastJump = 0.25;
+/// Sheets with less of the largest one's area follow the others.
+constexpr double kSmallSheet = 0.02;
+
+/// What the disc that a patch is has more of the solid angle seen from `depth` radii behind it than the far field takes
+/// it to have, over 4π: next to a large patch that is not a point.
+float own_disc(float depth) {
+  const float pi = std::numbers::pi_v<float>, r2 = depth * depth + 0.25f * pi;  // softened there
+  return 0.5f * (1 - depth / std::sqrt(depth * depth + 1)) - depth / (4 * r2 * std::sqrt(r2));
+}
+
+/// Winding numbers on both sides of a patch, at the depth where that behind it is largest.
+struct Sides {
+  float behind = -1, before = 0;
+};
+
+std::vector<Sides> winding_sides(const GlobalSign& sign, std::span<const OrientedPatch> patches) {
+  std::vector<Sides> sides(patches.size());
+  parallel_ranges(0, patches.size(), 256, [&](std::size_t first, std::size_t last) {
+    std::vector<Vec3f> x(2 * (last - first));
+    std::vector<float> w(x.size());
+    for (const float depth : kDepths) {
+      for (std::size_t i = first; i < last; ++i) {
+        const float area = norm(patches[i].area);
+        const float distance = depth * std::sqrt(area / std::numbers::pi_v<float>);
+        const Vec3f step = area > 0 ? patches[i].area * (distance / area) : Vec3f{};
+        x[2 * (i - first)] = patches[i].position - step;
+        x[2 * (i - first) + 1] = patches[i].position + step;
+      }
+      sign.winding_number(x, w);
+      for (std::size_t i = first; i < last; ++i) {
+        const Sides at{w[2 * (i - first)] + own_disc(depth), w[2 * (i - first) + 1] - own_disc(depth)};
+        if (at.behind > sides[i].behind) sides[i] = at;
+      }
+    }
+  });
+  return sides;
+}
+
+/// The mean over the patches, weighted by their areas, behind a surface that has all of its area: across it the number
+/// falls by 1, and by less where patches are missing, as cells that hardly touch the surface have no samples.
+double mean_behind(const GlobalSign& sign, std::span<const OrientedPatch> patches) {
+  const std::vector<Sides> sides = winding_sides(sign, patches);
+  double behind = 0, jump = 0, area = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const double a = static_cast<double>(norm(patches[i].area));
+    behind += a * static_cast<double>(sides[i].behind);
+    jump += a * static_cast<double>(sides[i].behind - sides[i].before), area += a;
+  }
+  return jump > kLeastJump * area ? behind / jump : 0;
+}
+
+}  // namespace
+
+std::vector<OrientedPatch> support_patches(const PartitionData& data) {
+  std::vector<OrientedPatch> patches(data.supports.size());
+  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
+    const float h = data.edge / static_cast<float>(1u << data.supports[i].level);
+    patches[i] = {data.supports[i].foot, data.functions[i].nu * data.supports[i].area, kLeastPatch * h * h};
+  });
+  return patches;
+}
+
+void decide_open(std::optional<bool> open, PartitionData& data) {
+  const std::size_t n = data.supports.size();
+  std::vector<OrientedPatch> patches = support_patches(data);
+  for (OrientedPatch& p : patches) p.least = 0;
+  const Sheets sheets = find_sheets(data, {});
+  std::vector<std::vector<OrientedPatch>> of_sheet(sheets.size());
+  for (std::size_t i = 0; i < n; ++i)
+    if (const std::uint32_t k = sheets.of_support[i]; k != Sheets::kNone) of_sheet[k].push_back(patches[i]);
+  const GlobalSign all(patches, data.edge);
+  // Largest first: the rest follows what they say.
+  double area_behind = 0, area = 0, open_area = 0;
+  std::vector<std::uint8_t> is_open(sheets.size());
+  for (std::size_t k = 0; k < sheets.size(); ++k) {
+    if (sheets.area[k] < kSmallSheet * sheets.area[0]) {
+      is_open[k] = 2 * open_area > area;
+      continue;
+    }
+    // Closed by itself (an object above a floor, which would take away from the sum of all), or together with others.
+    double behind = mean_behind(all, of_sheet[k]);
+    if (behind < kClosedBehind && sheets.size() > 1)
+      behind = std::max(behind, mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]));
+    is_open[k] = open.value_or(behind < kClosedBehind);
+    area += sheets.area[k], area_behind += behind * sheets.area[k];
+    if (is_open[k]) open_area += sheets.area[k];
+  }
+  data.report.behind = area > 0 ? area_behind / area : 1;
+  data.report.open_area = 0;
+  std::vector<Support> supports(data.supports.view().begin(), data.supports.view().end());
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t k = sheets.of_support[i];
+    supports[i].open = k == Sheets::kNone ? 2 * open_area > area : is_open[k];
+    if (supports[i].open) data.report.open_area += static_cast<double>(supports[i].area);
+  }
+  data.supports = std::move(supports);
+}
+
+}  // namespace sansmesh
