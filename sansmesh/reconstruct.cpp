@@ -16,6 +16,8 @@ using namespace detail;
 /// Mesh error of surfaces that do not know their own, over the spacing and the noise.
 constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 
+constexpr const char* kKeepAll = "; `components = all` keeps every part";
+
 /// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples, and trimmed where it leaves
 /// its domain of definition.
 TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
@@ -47,10 +49,10 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   if (std::find(inside.begin(), inside.end(), 0) != inside.end()) trim_mesh(mesh, inside);
   if (options.trim)
     trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), place.from_input(*options.trim)));
-  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), options, r);
+  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, options, r);
   if (r.most_lost) {
     r.most_lost = place.to_input(*r.most_lost);
-    r.warnings.push_back(lost_samples(r) + "; `components = all` keeps every part");
+    r.warnings.push_back(lost_samples(r) + kKeepAll);
   }
   move_to_input(mesh, place);
   progress.finish();
@@ -98,6 +100,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   r.fit_depth = f.depth;
   r.open_share = f.area > 0 ? f.open_area / f.area : 0;
   r.behind = f.behind;
+  if (r.most_lost && !r.warnings.empty())
+    r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where they end" : kKeepAll;
   r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());
   return mesh;
 }

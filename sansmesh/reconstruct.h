@@ -37,8 +37,9 @@ struct ReconstructReport : MeshReport {
   double open_share = 0, behind = 1;
 };
 
-/// Points (normals are estimated or oriented if need be) → closed manifold mesh. Throws DataError where the points
-/// cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane), ArgumentError for bad options.
+/// Points (normals are estimated or oriented if need be) → manifold mesh, closed where the surface bounds a solid.
+/// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
+/// ArgumentError for bad options.
 TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
                          ReconstructReport* report = nullptr);
 

@@ -61,7 +61,7 @@ void run_mesh(MeshArguments& a, Console& console) {
 }  // namespace
 
 Command add_mesh(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("mesh", "Function file → triangle mesh, closed unless asked otherwise");
+  CommandLine& c = app.add_subcommand("mesh", "Function file → triangle mesh, closed where it bounds a solid");
   auto a = std::make_shared<MeshArguments>();
   c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
   add_mesh_output(c, a->output);

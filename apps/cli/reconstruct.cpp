@@ -1,4 +1,4 @@
-// sansmesh reconstruct: points in, closed mesh out.
+// sansmesh reconstruct: points in, mesh out.
 #include <fmt/core.h>
 
 #include <utility>
@@ -126,7 +126,7 @@ Command add_reconstruct(CommandLine& app) {
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
            "  sansmesh reconstruct terrain.las -o terrain.ply --class ground\n"
-           "  sansmesh reconstruct west.las east.las -o ground.ply --class ground --trim\n"
+           "  sansmesh reconstruct west.las east.las -o ground.ply --class ground\n"
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return {&c, [shared](Console& console) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/openness.h"
 
 namespace sansmesh {
 namespace {
@@ -26,13 +27,34 @@ std::vector<Vec3f> feet(const PartitionData& data, bool open) {
 
 Coverage coverage_of(const SurfaceFunction& function, std::optional<double> fill) {
   const PartitionReport& report = function.field.report();
+  const PartitionData& data = function.field.data();
+  // Wider holes than the cube is are all that there is.
+  if (fill) fill = std::min(*fill, static_cast<double>(data.edge));
   if (function.samples->size() > 0) return {function.samples->positions, report.spacing, fill};
-  std::vector<Vec3f> places = feet(function.field.data(), true);
-  const std::vector<Vec3f> closed = feet(function.field.data(), false);
-  places.insert(places.end(), closed.begin(), closed.end());
-  const double spacing = std::sqrt(report.area / static_cast<double>(std::max<std::size_t>(places.size(), 1)));
-  return {places, spacing, fill};
+  // Without samples each support stands for what fills its block.
+  std::vector<Vec3f> places;
+  std::vector<float> spacings;
+  for (const Support& s : data.supports.view()) {
+    if (s.state == Support::constant) continue;
+    places.push_back(s.foot);
+    spacings.push_back(data.edge / static_cast<float>(1u << s.level));
+  }
+  return {places, spacings, fill};
 }
+
+/// The patches of closed sheets, where there are open ones, too.
+GlobalSign solid_of(const PartitionData& data) {
+  std::vector<OrientedPatch> patches = support_patches(data);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    if (!data.supports[i].open) patches[kept++] = patches[i];
+  const bool both = kept > 0 && kept < patches.size();
+  patches.resize(kept);
+  return both ? GlobalSign(patches, data.edge) : GlobalSign();
+}
+
+/// A membrane is where the winding number lies between these, far from 0 and 1.
+constexpr float kMembrane = 0.25f;
 
 double distance_to(const KdTree& tree, const Vec3f& x) {
   const auto found = tree.nearest(x);
@@ -46,7 +68,14 @@ FunctionDomain::FunctionDomain(const SurfaceFunction& function, std::optional<do
       trim_(trim),
       open_(feet(function.field.data(), true)),
       closed_(feet(function.field.data(), false)),
+      solid_(solid_of(function.field.data())),
+      origin_(function.field.data().origin),
       samples_(trim ? KdTree(function.samples->positions) : KdTree()) {}
+
+bool FunctionDomain::needed(const SurfaceFunction& function, std::optional<double> trim) {
+  const auto supports = function.field.data().supports.view();
+  return trim || std::any_of(supports.begin(), supports.end(), [](const Support& s) { return s.open != 0; });
+}
 
 void FunctionDomain::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   if (open_.size() > 0) {
@@ -58,8 +87,11 @@ void FunctionDomain::evaluate(std::span<const Vec3> x, std::span<double> values,
   parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const Vec3f p(x[i]);
-      if (values[i] > 0 && closed_.size() > 0 && distance_to(closed_, p) <= distance_to(open_, p))
-        values[i] = kOnClosed;
+      if (values[i] > 0 && !solid_.empty() && distance_to(closed_, p) <= distance_to(open_, p)) {
+        float w = 0;
+        solid_.winding_number({&p, 1}, {&w, 1});
+        if (w > kMembrane && w < 1 - kMembrane) values[i] = kOnClosed;
+      }
       if (trim_) values[i] = std::max(values[i], distance_to(samples_, p) / *trim_ - 1);
     }
   });

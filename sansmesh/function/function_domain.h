@@ -7,6 +7,7 @@
 
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/partition/global_sign.h"
 #include "sansmesh/points/coverage.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
@@ -14,7 +15,7 @@
 namespace sansmesh {
 
 /// Negative where there is surface, as PolygonizeOptions::domain wants it; in the coordinates of the function's field.
-/// Next to closed sheets there is surface even without samples.
+/// On the membranes that close the holes of closed sheets there is surface even without samples.
 class FunctionDomain : public ScalarField {
  public:
   /// Lengths in the unit of the field. `fill`: holes of open sheets up to so wide are closed (Coverage). `trim`: no
@@ -22,10 +23,8 @@ class FunctionDomain : public ScalarField {
   /// supports stand for them.
   FunctionDomain(const SurfaceFunction& function, std::optional<double> fill, std::optional<double> trim);
 
-  /// Whether it leaves anything out of the surface of such a function at all.
-  static bool needed(const SurfaceFunction& function, std::optional<double> trim) {
-    return trim || function.field.report().open_area > 0;
-  }
+  /// Whether there are open sheets, or a surface to trim: whether it leaves anything out at all.
+  static bool needed(const SurfaceFunction& function, std::optional<double> trim);
 
   Box3 bounds() const override { return coverage_.bounds(); }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
@@ -38,7 +37,9 @@ class FunctionDomain : public ScalarField {
   Coverage coverage_;
   std::optional<double> trim_;
   KdTree open_, closed_;  ///< feet of the supports
-  KdTree samples_;        ///< only to trim
+  GlobalSign solid_;      ///< of the closed ones, if there are both
+  Vec3 origin_;
+  KdTree samples_;  ///< only to trim
 };
 
 }  // namespace sansmesh

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/replace_region.h"
@@ -202,12 +203,14 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     // What the box cuts off says nothing about what a piece belongs to.
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
-  detail::finish_mesh(mesh, points, f.spacing, f.noise, finish, r);
-  if (r.most_lost) {
+  detail::finish_mesh(mesh, points, f.spacing, f.noise, cut.mesh_error, finish, r);
+  if (options.triangles && mesh.triangles.size() > *options.triangles)
+    r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
+                         ": borders keep their vertices, and thin parts theirs");
+  // An edit takes away what samples stand for on purpose.
+  if (r.most_lost && function.history.empty()) {
     r.most_lost = place.to_input(*r.most_lost);
-    r.warnings.push_back(detail::lost_samples(r) +
-                         (f.open_area < 0.999 * f.area ? "; `open = true` ends the surface where they end, " : "; ") +
-                         "`components = all` keeps every part");
+    r.warnings.push_back(detail::lost_samples(r));
   }
   move_to_input(mesh, place);
   progress.finish();

@@ -11,9 +11,9 @@
 
 namespace sansmesh {
 
-/// The zero set of the function as a closed manifold mesh (open where it was trimmed or cut by the box), in the
-/// coordinates of the input. The report is written anew. Throws DataError if nothing of it is left, ArgumentError for
-/// bad options.
+/// The zero set of the function as a manifold mesh (closed unless it bounds no solid, was trimmed or cut by the box),
+/// in the coordinates of the input. The report is written anew. Throws DataError if nothing of it is left,
+/// ArgumentError for bad options.
 TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report = nullptr);
 
@@ -24,7 +24,8 @@ struct MeshUpdate {
 
 /// The mesh of an edited function, from the mesh that mesh_function made of it before with the same options: only what
 /// lies around `changed` (input coordinates, FunctionEditor::changed) is made anew, and joined where old and new have
-/// the same triangles. Where that fails the whole mesh is made anew. `before` may have gone through a file.
+/// the same triangles. Where that fails, and where some of the surface is open, the whole mesh is made anew. `before`
+/// may have gone through a file.
 TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, const Box3& changed,
                          const MeshOptions& options, Progress& progress, MeshUpdate* update = nullptr);
 

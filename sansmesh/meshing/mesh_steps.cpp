@@ -76,9 +76,8 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
 
   std::vector<double> supported = components.area;
   const bool seen = report.open && points.size() > 0;
-  if (points.size() > 0 && !seen && components.area[1] >= kSmallComponent * components.area[0])
+  if (points.size() > 0 && (seen || components.area[1] >= kSmallComponent * components.area[0]))
     supported = supported_area(mesh, components, points, spacing);
-  if (seen) supported = supported_area(mesh, components, points, spacing);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -204,12 +203,14 @@ std::string lost_samples(const MeshReport& r) {
                      100 * r.lost, r.most_lost->x, r.most_lost->y, r.most_lost->z);
 }
 
-void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const MeshOptions& options,
-                 MeshReport& r) {
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
+                 const MeshOptions& options, MeshReport& r) {
   choose_components(mesh, options.components, points, spacing, r);
   if (options.carry_colors && points.has_colors()) carry_colors(mesh, points, KdTree(points.positions));
   if (mesh.triangles.empty()) throw DataError("no surface was found near the samples");
-  if (!options.box) report_lost(mesh, points, spacing, noise, r);
+  // A mesh that is meant to be coarse is far from its samples everywhere.
+  if (!options.box && !options.triangles && !options.block_depth && !options.trim)
+    report_lost(mesh, points, spacing, std::max(noise, mesh_error), r);
   if (options.measure_quality) {
     const MeshQuality after = measure_quality(mesh);
     r.aspect_mean = after.aspect_mean;

@@ -57,7 +57,7 @@ void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacin
 std::string lost_samples(const MeshReport& report);
 
 /// Chooses the components, carries the colours over, measures. Throws DataError if nothing is left.
-void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const MeshOptions& options,
-                 MeshReport& r);
+void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
+                 const MeshOptions& options, MeshReport& r);
 
 }  // namespace sansmesh::detail

@@ -89,23 +89,36 @@ void decide_open(std::optional<bool> open, PartitionData& data) {
   std::vector<std::vector<OrientedPatch>> of_sheet(sheets.size());
   for (std::size_t i = 0; i < n; ++i)
     if (const std::uint32_t k = sheets.of_support[i]; k != Sheets::kNone) of_sheet[k].push_back(patches[i]);
-  const GlobalSign all(patches, data.edge);
-  // Largest first: the rest follows what they say.
-  double area_behind = 0, area = 0, open_area = 0;
-  std::vector<std::uint8_t> is_open(sheets.size());
-  for (std::size_t k = 0; k < sheets.size(); ++k) {
-    if (sheets.area[k] < kSmallSheet * sheets.area[0]) {
-      is_open[k] = 2 * open_area > area;
-      continue;
+  const auto small = [&](std::size_t k) { return sheets.area[k] < kSmallSheet * sheets.area[0]; };
+  std::size_t large = 0;  // they are sorted
+  while (large < sheets.size() && !small(large)) ++large;
+
+  // A sheet is closed by itself (an object above a floor, which would take away from the sum of all), or together with
+  // others that are: a floor says nothing of the one below. So those that are open leave until nothing changes.
+  std::vector<double> behind(large), alone(large);
+  for (std::size_t k = 0; k < large; ++k) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
+  std::vector<std::uint8_t> is_open(sheets.size(), 0);
+  for (bool changed = true; changed;) {
+    std::vector<OrientedPatch> lent;
+    for (std::size_t k = 0; k < sheets.size(); ++k)
+      if (!is_open[k]) lent.insert(lent.end(), of_sheet[k].begin(), of_sheet[k].end());
+    const GlobalSign together(lent, data.edge);
+    changed = false;
+    for (std::size_t k = 0; k < large; ++k) {
+      if (is_open[k]) continue;
+      behind[k] = alone[k];
+      if (alone[k] < kClosedBehind && sheets.size() > 1)
+        behind[k] = std::max(behind[k], mean_behind(together, of_sheet[k]));
+      if (behind[k] < kClosedBehind) is_open[k] = changed = true;
     }
-    // Closed by itself (an object above a floor, which would take away from the sum of all), or together with others.
-    double behind = mean_behind(all, of_sheet[k]);
-    if (behind < kClosedBehind && sheets.size() > 1)
-      behind = std::max(behind, mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]));
-    is_open[k] = open.value_or(behind < kClosedBehind);
-    area += sheets.area[k], area_behind += behind * sheets.area[k];
+  }
+  double area_behind = 0, area = 0, open_area = 0;
+  for (std::size_t k = 0; k < large; ++k) {
+    is_open[k] = open.value_or(is_open[k] != 0);
+    area += sheets.area[k], area_behind += behind[k] * sheets.area[k];
     if (is_open[k]) open_area += sheets.area[k];
   }
+  for (std::size_t k = large; k < sheets.size(); ++k) is_open[k] = 2 * open_area > area;
   data.report.behind = area > 0 ? area_behind / area : 1;
   std::vector<Support> supports(data.supports.view().begin(), data.supports.view().end());
   for (std::size_t i = 0; i < n; ++i) {

@@ -45,7 +45,7 @@ struct PartitionReport {
   std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
   std::size_t creased = 0;  ///< supports with a crease or corner
   double open_area = 0;     ///< of sheets that bound no solid (length²)
-  double behind = 0;        ///< mean winding number just behind the samples: 1 if the surface is closed, 1/2 of a plane
+  double behind = 1;        ///< mean winding number just behind the samples: 1 if the surface is closed, 1/2 of a plane
 };
 
 /// Of one support, beside its function: which block it belongs to, and how well it was fitted. The layout is that of

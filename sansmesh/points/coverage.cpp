@@ -67,8 +67,19 @@ Coverage::Coverage(std::span<const Vec3f> samples, double spacing, std::optional
         of_distance * std::sqrt(static_cast<double>(found.empty() ? 0 : found.back().squared_distance));
     all_.reach[slot] = static_cast<float>(kReachOverSpacing * std::clamp(local, least, most));
   });
+  build(samples, fill.value_or(0), least);
+}
+
+Coverage::Coverage(std::span<const Vec3f> places, std::span<const float> spacings, std::optional<double> fill) {
+  const KdTree tree(places);
+  all_.samples = tree.positions();
+  for (const std::uint32_t i : tree.order()) all_.reach.push_back(static_cast<float>(kReachOverSpacing) * spacings[i]);
+  build(places, fill.value_or(0), 0);
+}
+
+void Coverage::build(std::span<const Vec3f> samples, double fill, double least) {
   all_.tree = BallTree(all_.samples, all_.reach);
-  if (const double reach = 0.5 * fill.value_or(0); reach > kReachOverSpacing * least) {
+  if (const double reach = 0.5 * fill; reach > kReachOverSpacing * least) {
     wide_.emplace();
     wide_->samples = KdTree(thinned(samples, reach / kWideSamples)).positions();
     wide_->reach.assign(wide_->samples.size(), static_cast<float>(reach));

@@ -26,6 +26,9 @@ class Coverage : public ScalarField {
   /// those narrower than 6 times the local spacing, as gaps between the lines of a scanner want it.
   Coverage(std::span<const Vec3f> samples, double spacing, std::optional<double> fill = {});
 
+  /// Of places that stand for samples so far apart (lengths, as many as places).
+  Coverage(std::span<const Vec3f> places, std::span<const float> spacings, std::optional<double> fill = {});
+
   Box3 bounds() const override { return bounds_; }
   /// No gradients: asked for, they are zero.
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
@@ -51,6 +54,8 @@ class Coverage : public ScalarField {
     bool reaches(const Box3f& box, std::vector<std::uint32_t>& near) const;
   };
   double value(const Vec3f& x, std::vector<std::uint32_t>& near) const;
+  /// The trees over what all_ holds and, if that reaches farther, what closes wide holes.
+  void build(std::span<const Vec3f> samples, double fill, double least);
 
   Layer all_;
   std::optional<Layer> wide_;  ///< fewer, with a longer reach

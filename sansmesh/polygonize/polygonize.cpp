@@ -419,14 +419,15 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
 /// Vertices this close to the contour, as a share of an edge that crosses it, are moved onto it.
 constexpr float kSnapToContour = 0.3f;
 
-/// Leaves out what is not in the domain of the mesh with its vertices at x.
-void cut_off(const ScalarField& domain, TriangleMesh& mesh, std::vector<Vec3>& x) {
+/// Leaves out what is not in the domain of the mesh with its vertices at x, and what closes it at the cube's faces.
+void cut_off(const ScalarField& domain, const std::vector<std::uint8_t>& on_cap, TriangleMesh& mesh,
+             std::vector<Vec3>& x) {
   std::vector<double> value(x.size());
   domain.evaluate(x, value);
   std::vector<float> height(x.size());
   parallel_for(0, x.size(), 8192, [&](std::size_t i) {
     mesh.vertices[i] = Vec3f(x[i] - mesh.origin);
-    height[i] = -static_cast<float>(value[i]);
+    height[i] = on_cap[i] ? std::min(-1.0f, -static_cast<float>(value[i])) : -static_cast<float>(value[i]);
   });
   clip_mesh(mesh, std::move(height), kSnapToContour);
   x.resize(mesh.vertices.size());
@@ -480,7 +481,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   to_surface();
   if (options.creases) snap_to_creases(place, mesh.triangles, rings, mesh.normals, x);
   if (options.domain) {
-    cut_off(*options.domain, mesh, x);
+    cut_off(*options.domain, on_cap, mesh, x);
     rings = Rings(mesh.triangles, mesh.vertices.size());
   }
   if (simplified(options, mesh, x, progress)) {

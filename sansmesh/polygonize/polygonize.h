@@ -10,9 +10,9 @@
 
 namespace sansmesh {
 
-/// The zero set of `field` inside the tree's cube, as a closed 2-manifold: where it leaves the cube, it is closed just
-/// inside the cube's faces. Vertex normals are the field's normalised gradients. Deterministic for any number of
-/// threads. `blocks` is balanced first. Positions are relative to `origin`.
+/// The zero set of `field` inside the tree's cube, as a 2-manifold, closed unless there is a domain: where it leaves
+/// the cube, it is closed just inside the cube's faces. Vertex normals are the field's normalised gradients.
+/// Deterministic for any number of threads. `blocks` is balanced first. Positions are relative to `origin`.
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress);
 

@@ -91,6 +91,29 @@ TEST(OpenFunction, WhatIsClosedStaysClosedBesideAnOpenFloor) {
   EXPECT_EQ(euler_of(mesh), 1 + 2);  // a disc and a sphere
 }
 
+TEST(OpenFunction, AFloorAboveAClosedThingMakesNoMembrane) {
+  PointSet floor = noisy_square(20000, 0);
+  for (Vec3f& p : floor.positions) p = (p - Vec3f{0.5f, 0.5f, 0}) * 6.0f + Vec3f{0, 0, 1.5f};
+  const TriangleMesh mesh = open_mesh(fitted(joined(sphere(8000), floor)));
+  EXPECT_NEAR(measure_size(mesh).area, 4 * std::numbers::pi + 36, 1.5);
+}
+
+TEST(OpenFunction, OfFewSamplesIsNotCappedAtTheCube) {
+  for (const std::size_t n : {30u, 100u}) {
+    const PointSet cloud = noisy_square(n, 0.01f);
+    const TriangleMesh mesh = open_mesh(fitted(cloud));
+    EXPECT_GT(measure_topology(mesh).boundary_edges, 0u) << n;
+    for (const Vec3f& v : mesh.vertices) ASSERT_LT(std::abs(v.z), 0.15f) << n;
+  }
+}
+
+TEST(OpenFunction, EndsAboutThereAlsoIfTheSamplesAreNotKept) {
+  SurfaceFunction function = fitted(noisy_square(20000, 0));
+  function.samples = std::make_shared<PointSet>();
+  const TriangleMesh mesh = open_mesh(function);
+  EXPECT_NEAR(measure_size(mesh).area, 1.006, 0.1);
+}
+
 TEST(OpenFunction, IsKeptInFiles) {
   const Folder folder;
   const SurfaceFunction before = fitted(noisy_square(5000, 0));

@@ -80,6 +80,16 @@ TEST(Openness, AnObjectAboveAFloorIsClosedAndTheFloorOpen) {
   }
 }
 
+TEST(Openness, FloorsOfABuildingDoNotCloseEachOther) {
+  PointSet floors = terrain(15000, 0.02f);
+  floors = joined(joined(floors, terrain(15000, 0.02f), 1, {0, 0, 0.3f}), terrain(15000, 0.02f), 1, {0, 0, 0.6f});
+  EXPECT_FLOAT_EQ(open_share(with_openness(floors)), 1);
+  // But two that face away from each other are a slab.
+  PointSet below = terrain(15000, 0.02f);
+  for (Vec3f& n : below.normals) n = -n;
+  EXPECT_EQ(open_share(with_openness(joined(below, terrain(15000, 0.02f), 1, {0, 0, 0.08f}))), 0);
+}
+
 TEST(Openness, IsWhatIsAskedFor) {
   EXPECT_FLOAT_EQ(open_share(with_openness(sphere(4000), true)), 1);
   EXPECT_FLOAT_EQ(open_share(with_openness(terrain(4000), false)), 0);
