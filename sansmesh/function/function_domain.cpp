@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/partition/openness.h"
+#include "sansmesh/partition/support_patches.h"
 
 namespace sansmesh {
 namespace {

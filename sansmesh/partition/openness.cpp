@@ -8,12 +8,11 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/sheets.h"
+#include "sansmesh/partition/support_patches.h"
 
 namespace sansmesh {
 namespace {
 
-/// Least share of a support's patch in the far field's distance, in squares of its block's edge.
-constexpr float kLeastPatch = 0.5f;
 /// How far behind its surface a support looks, in radii of a disc as large as its patch: near enough that thin walls
 /// have room for it, and far enough that patches are seen as a surface. The largest number found counts.
 constexpr std::array<float, 3> kDepths{0.5f, 1.0f, 2.0f};
@@ -71,15 +70,6 @@ double mean_behind(const GlobalSign& sign, std::span<const OrientedPatch> patche
 }
 
 }  // namespace
-
-std::vector<OrientedPatch> support_patches(const PartitionData& data) {
-  std::vector<OrientedPatch> patches(data.supports.size());
-  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
-    const float h = data.edge / static_cast<float>(1u << data.supports[i].level);
-    patches[i] = {data.supports[i].foot, data.functions[i].nu * data.supports[i].area, kLeastPatch * h * h};
-  });
-  return patches;
-}
 
 void decide_open(std::optional<bool> open, PartitionData& data) {
   const std::size_t n = data.supports.size();

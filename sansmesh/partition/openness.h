@@ -2,17 +2,10 @@
 #pragma once
 
 #include <optional>
-#include <span>
-#include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/partition/global_sign.h"
 #include "sansmesh/partition/partition_data.h"
 
 namespace sansmesh {
-
-/// Each support's piece of surface within its own block: together they tile the surface.
-std::vector<OrientedPatch> support_patches(const PartitionData& data);
 
 /// From this mean winding number behind its samples on, a sheet counts as closed: its holes take less than a tenth of
 /// what is seen from there. It is 1/2 behind a plane, 0.8 behind half a sphere; of closed scans and parts 0.99 to 1.07

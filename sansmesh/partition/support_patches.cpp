@@ -1,0 +1,22 @@
+#include "sansmesh/partition/support_patches.h"
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+/// Least share of a support's patch in the far field's distance, in squares of its block's edge.
+constexpr float kLeastPatch = 0.5f;
+
+}  // namespace
+
+std::vector<OrientedPatch> support_patches(const PartitionData& data) {
+  std::vector<OrientedPatch> patches(data.supports.size());
+  parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
+    const float h = data.edge / static_cast<float>(1u << data.supports[i].level);
+    patches[i] = {data.supports[i].foot, data.functions[i].nu * data.supports[i].area, kLeastPatch * h * h};
+  });
+  return patches;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,14 @@
+// The surface of a partition of unity as patches, for the far field.
+#pragma once
+
+#include <vector>
+
+#include "sansmesh/partition/global_sign.h"
+#include "sansmesh/partition/partition_data.h"
+
+namespace sansmesh {
+
+/// Each support's piece of surface within its own block: together they tile the surface.
+std::vector<OrientedPatch> support_patches(const PartitionData& data);
+
+}  // namespace sansmesh
