@@ -29,7 +29,10 @@ Json to_json(const CloudTraits& t) {
           {"crease_length", t.creases_known ? Json(t.crease_length) : Json()},
           {"borders", t.borders},
           {"border_length", t.border_length},
+          {"open", t.open},
           {"faces", t.faces},
+          {"open_edges", t.faces ? Json(t.open_edges) : Json()},
+          {"open_loops", t.faces ? Json(t.open_loops) : Json()},
           {"normals", normals_word(t.normals)}};
 }
 
@@ -63,7 +66,6 @@ std::string command_of(const Recommendation& r, const std::string& file) {
       command = "sansmesh project " + input + " -o smooth.ply --method " + name;
       break;
   }
-  if (r.trim) command += " --trim";
   if (r.sharp) command += " --sharp";
   if (r.remove_outliers) command += " --remove-outliers";
   return command;
@@ -117,7 +119,8 @@ Command add_advise(CommandLine& app) {
   auto file = std::make_shared<std::string>();
   c.add_option("input", *file, "Points, or a mesh or polygon soup").type_name("FILE").required();
   c.footer(std::string(kReadable) +
-           "\n\nLooks at noise, density, sharp edges, borders, stray samples and normals. Writes nothing."
+           "\n\nLooks at noise, density, sharp edges, borders, whether the surface is open, stray samples and normals. "
+           "Writes nothing."
            "\n\nExamples:\n"
            "  sansmesh advise scan.ply\n"
            "  sansmesh advise scan.ply --json");
