@@ -7,6 +7,7 @@
 #include <cctype>
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "flags.h"
 #include "option_groups.h"
@@ -48,9 +49,13 @@ std::string quoted(const std::string& name) {
 }
 
 /// The command that does what is recommended.
-std::string command_of(const Recommendation& r, const std::string& file) {
+std::string command_of(const Recommendation& r, const CloudInput& of) {
   using Aim = Recommendation::Aim;
-  const std::string input = quoted(file), name = surface_method_info(r.surface).name;
+  const std::string name = surface_method_info(r.surface).name;
+  std::string input;
+  for (const std::string& file : of.files) input += (input.empty() ? "" : " ") + quoted(file);
+  if (!of.with.empty()) input += " --class " + quoted(of.with);
+  if (!of.without.empty()) input += " --without-class " + quoted(of.without);
   std::string command;
   switch (r.aim) {
     case Aim::mesh:
@@ -72,38 +77,35 @@ std::string command_of(const Recommendation& r, const std::string& file) {
 }
 
 /// `recommended`: the command whose options reasons may name.
-void run_advise(const std::string& file, const CommandLine& recommended, Console& console) {
+void run_advise(const CloudInput& input, const CommandLine& recommended, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const PointSet points = read_points(file, &read);
-  console.warn(file, read.warnings);
+  const PointSet points = input.read(console, read);
   Advice advice;
   try {
     advice = advise(points, progress);
   } catch (const DataError& error) {
-    throw FileError(file, error.what());
+    throw FileError(input.name(), error.what());
   }
   progress.finish();
-  console.warn(file, advice.warnings);
+  console.warn(input.name(), advice.warnings);
 
   const CloudTraits& t = advice.traits;
-  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", file, counted(t.samples, "sample"), length(t.spacing),
-                          length(t.noise), read.format));
+  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", input.name(), counted(t.samples, "sample"),
+                          length(t.spacing), length(t.noise), read.format));
   for (const std::string& finding : advice.findings) console.say("  " + finding);
   for (const Recommendation& r : advice.recommendations) {
     console.say(fmt::format("{:<10}{}", aim_word(r.aim), in_flags(r.why, recommended)));
-    console.say("  $ " + command_of(r, file));
+    console.say("  $ " + command_of(r, input));
   }
 
-  Json json = {{"input", {{"file", file}, {"format", read.format}, {"points", points.size()}}},
-               {"traits", to_json(t)},
-               {"findings", advice.findings}};
+  Json json = {{"input", input.json(read, points.size())}, {"traits", to_json(t)}, {"findings", advice.findings}};
   json["recommendations"] = Json::array();
   for (const Recommendation& r : advice.recommendations)
     json["recommendations"].push_back({{"aim", aim_word(r.aim)},
                                        {"surface", surface_method_info(r.surface).name},
-                                       {"commands", std::vector{command_of(r, file)}},
+                                       {"commands", std::vector{command_of(r, input)}},
                                        {"why", in_flags(r.why, recommended)}});
   std::vector<std::string> warnings = read.warnings;
   warnings.insert(warnings.end(), advice.warnings.begin(), advice.warnings.end());
@@ -116,15 +118,15 @@ void run_advise(const std::string& file, const CommandLine& recommended, Console
 
 Command add_advise(CommandLine& app) {
   CommandLine& c = app.add_subcommand("advise", "Points → which method suits them, why, and the commands to run");
-  auto file = std::make_shared<std::string>();
-  c.add_option("input", *file, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  auto input = std::make_shared<CloudInput>();
+  add_cloud_input(c, *input, "Points, or a mesh or polygon soup");
   c.footer(std::string(kReadable) +
            "\n\nLooks at noise, density, sharp edges, borders, whether the surface is open, stray samples and normals. "
            "Writes nothing."
            "\n\nExamples:\n"
            "  sansmesh advise scan.ply\n"
            "  sansmesh advise scan.ply --json");
-  return {&c, [file, &app](Console& console) { run_advise(*file, app.subcommand("reconstruct"), console); }};
+  return {&c, [input, &app](Console& console) { run_advise(*input, app.subcommand("reconstruct"), console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -64,6 +64,12 @@ void Console::warn(const std::string& file, const std::vector<std::string>& warn
   for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}: {}\n", file, in_flags(warning));
 }
 
+void Console::warn(const std::vector<std::string>& warnings) {
+  if (options_.quiet) return;
+  clear();
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", in_flags(warning));
+}
+
 std::string Console::in_flags(const std::string& message) const { return cli::in_flags(message, command_); }
 
 std::vector<std::string> Console::in_flags(std::vector<std::string> messages) const {

@@ -37,6 +37,8 @@ class Console {
   void say_json(const Json& json);
   /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
+  /// The same of warnings that name their files themselves.
+  void warn(const std::vector<std::string>& warnings);
   /// The same for what is printed in other ways.
   std::string in_flags(const std::string& message) const;
   std::vector<std::string> in_flags(std::vector<std::string> messages) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -19,7 +20,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct CurvatureArguments {
-  std::string input, output, preview;
+  CloudInput input;
+  std::string output, preview;
   std::optional<CurvatureQuantity> color_by;
   std::optional<double> color_range;
   bool ascii = false;
@@ -55,14 +57,13 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet given = read_points(arguments.input, &read);
-  console.warn(arguments.input, read.warnings);
+  PointSet given = arguments.input.read(console, read);
   PointSet points;
   double noise = 0;
   std::vector<PrincipalCurvatures> curvatures;
   try {
     PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
-    console.warn(arguments.input, cloud.warnings);
+    console.warn(arguments.input.name(), cloud.warnings);
     CurvatureOptions options = arguments.options;
     options.noise = *cloud.noise;  // known unless normals are taken as given
     noise = cloud.place.to_input(*cloud.noise);
@@ -74,7 +75,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     const auto unit = static_cast<float>(cloud.place.unit);
     for (PrincipalCurvatures& c : curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
   } catch (const DataError& error) {
-    throw FileError(arguments.input, error.what());
+    throw FileError(arguments.input.name(), error.what());
   }
 
   const std::size_t n = points.size();
@@ -121,7 +122,8 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   progress.finish();
 
   const double low = quantile(values, 0.05), middle = quantile(values, 0.5), high = quantile(values, 0.95);
-  console.say(fmt::format("{}: {}, noise {} ({})", arguments.input, counted(n, "sample"), length(noise), read.format));
+  console.say(
+      fmt::format("{}: {}, noise {} ({})", arguments.input.name(), counted(n, "sample"), length(noise), read.format));
   console.say(fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", word, length(low),
                           length(middle), length(high),
                           quantity == CurvatureQuantity::gaussian ? "1/length²" : "1/length, positive where convex"));
@@ -130,7 +132,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
                   "up to ±{}",
                   arguments.output, word, length(range)));
-  const Json json = {{"input", {{"file", arguments.input}, {"format", read.format}, {"points", n}}},
+  const Json json = {{"input", arguments.input.json(read, n)},
                      {"noise", noise},
                      {"undefined", undefined},
                      {word, {{"q05", low}, {"median", middle}, {"q95", high}}},
@@ -146,7 +148,7 @@ Command add_curvature(CommandLine& app) {
   CommandLine& c = app.add_subcommand("curvature", "Points → principal curvatures and directions at them");
   auto shared = std::make_shared<CurvatureArguments>();
   CurvatureArguments& a = *shared;
-  c.add_option("input", a.input, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output, "Points to write with attributes: .ply .csv .pcd .vtp (others: colours only)")
       .type_name("FILE")
       .required();

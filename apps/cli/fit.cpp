@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -14,7 +15,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct FitArguments {
-  std::string input, output;
+  CloudInput input;
+  std::string output;
   bool without_samples = false;
   CloudUse cloud;
   FitOptions options;
@@ -26,24 +28,23 @@ void run_fit(const FitArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = read_points(a.input, &read);
+  PointSet points = a.input.read(console, read);
   const std::size_t given = points.size();
-  console.warn(a.input, read.warnings);
   try {
     const SurfaceFunction function =
         fit_surface_function(prepare_cloud(std::move(points), a.cloud, progress), a.options, progress);
-    console.warn(a.input, function.warnings);
+    console.warn(a.input.name(), function.warnings);
     progress.begin("write");
     write_function(a.output, function, !a.without_samples);
     progress.finish();
     const PartitionReport& r = function.field.report();
     const Placement& place = function.place;
-    console.say(fmt::format("{}: {} ({})", a.input, counted(given, "point"), read.format));
+    console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
     console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(place.to_input(r.spacing)),
                             length(place.to_input(r.noise)), length(place.to_input(r.accuracy))));
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
-    const Json json = {{"input", {{"file", a.input}, {"format", read.format}, {"points", given}}},
+    const Json json = {{"input", a.input.json(read, given)},
                        {"spacing", place.to_input(r.spacing)},
                        {"noise", place.to_input(r.noise)},
                        {"accuracy", place.to_input(r.accuracy)},
@@ -54,7 +55,7 @@ void run_fit(const FitArguments& a, Console& console) {
                        {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
     console.say_json(json);
   } catch (const DataError& error) {
-    throw FileError(a.input, error.what());
+    throw FileError(a.input.name(), error.what());
   }
   console.print_timings();
 }
@@ -70,7 +71,7 @@ void check_function_writable(const std::string& file) {
 Command add_fit(CommandLine& app) {
   CommandLine& c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
   auto a = std::make_shared<FitArguments>();
-  c.add_option("input", a->input, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  add_cloud_input(c, a->input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE").required();
   c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
   c.add_flag("--remove-outliers", a->cloud.remove_outliers, "Leave out samples that belong to no surface");

@@ -25,6 +25,7 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"error_above", "--error"},
                                   {"gradient_above", "--gradient"},
                                   {"range", "--color-range"},
+                                  {"classes", "--class"},
                                   {"samples", "--antialiasing"},
                                   {"view.azimuth", "--azimuth"},
                                   {"view.elevation", "--elevation"}};

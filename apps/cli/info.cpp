@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -92,14 +93,16 @@ void describe(const AttributeTable& table, const char* of, Console& console, Jso
   for (const Attribute& a : table) {
     std::string ranges;
     Json lower = Json::array(), upper = Json::array();
+    const int digits = a.type() == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
     for (std::size_t c = 0; c < a.components; ++c) {
       const auto range = range_of(a, c);
       lower.push_back(range ? Json(range->first) : Json());
       upper.push_back(range ? Json(range->second) : Json());
       if (c == 9) ranges += ", …";
       if (c >= 9) continue;
-      ranges += range ? fmt::format("{}{:.6g} to {:.6g}", c > 0 ? ", " : "", range->first, range->second)
-                      : fmt::format("{}no numbers", c > 0 ? ", " : "");
+      ranges +=
+          range ? fmt::format("{}{:.{}g} to {:.{}g}", c > 0 ? ", " : "", range->first, digits, range->second, digits)
+                : fmt::format("{}no numbers", c > 0 ? ", " : "");
     }
     const std::string components = a.components > 1 ? fmt::format(" × {}", a.components) : std::string();
     console.say(fmt::format("{:<12}{} ({}{} a {}): {}", "attribute", printable(a.name, 80), name_of(a.type()),
@@ -113,13 +116,28 @@ void describe(const AttributeTable& table, const char* of, Console& console, Jso
   }
 }
 
-void run_info(const std::string& file, Console& console) {
-  if (is_function_file(file)) return run_function_info(file, console);
+/// How many points there are of each class.
+void describe_classes(const PointSet& points, Console& console, Json& json) {
+  const Attribute* const of = find_point_classes(points);
+  if (!of) return;
+  const auto counts = count_point_classes(*of);
+  std::string text;
+  for (unsigned c = 0; c < counts.size(); ++c) {
+    if (counts[c] == 0) continue;
+    const std::string_view name = point_class_name(c);
+    text += fmt::format("{}{}{}: {}", text.empty() ? "" : ", ", c, name.empty() ? "" : fmt::format(" {}", name),
+                        grouped(counts[c]));
+    json["classes"][std::to_string(c).c_str()] = counts[c];
+  }
+  if (!text.empty()) console.say(fmt::format("{:<12}{}", "classes", text));
+}
+
+void run_info(const CloudInput& input, Console& console) {
+  if (input.is_function()) return run_function_info(input.files[0], console);
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const PointSet points = read_points(file, &read);
-  console.warn(file, read.warnings);
+  const PointSet points = input.read(console, read);
 
   progress.begin("measure");
   const Box3f box = bounds(points);
@@ -130,7 +148,7 @@ void run_info(const std::string& file, Console& console) {
   const char* normals = normals_word(check_orientation(points, noise));
   const Vec3f size = box.size();
 
-  console.say(fmt::format("{}: {}", file, read.format));
+  console.say(fmt::format("{}: {}", input.name(), read.format));
   console.say(fmt::format("{:<12}{}{}", "points", grouped(points.size()),
                           duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(duplicates)) : ""));
   console.say(fmt::format("{:<12}{} × {} × {}, from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "box",
@@ -151,8 +169,8 @@ void run_info(const std::string& file, Console& console) {
   describe(points.attributes, "point", console, tables);
   describe(points.triangle_attributes, "triangle", console, tables);
 
-  Json json;
-  json["file"] = file;
+  Json json = input.json();
+  describe_classes(points, console, json);
   json["format"] = read.format;
   json["points"] = points.size();
   json["duplicates"] = duplicates;
@@ -188,10 +206,10 @@ void run_info(const std::string& file, Console& console) {
 
 Command add_info(CommandLine& app) {
   CommandLine& c = app.add_subcommand("info", "File → what is in it: points, box, spacing, noise, normals, faces");
-  auto file = std::make_shared<std::string>();
-  c.add_option("input", *file, "Points, mesh or function (.smf)").type_name("FILE").required();
+  auto input = std::make_shared<CloudInput>();
+  add_cloud_input(c, *input, "Points, mesh or function (.smf)");
   c.footer(kReadable);
-  return {&c, [file](Console& console) { run_info(*file, console); }};
+  return {&c, [input](Console& console) { run_info(*input, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -17,7 +18,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct NormalsArguments {
-  std::string input, output;
+  CloudInput input;
+  std::string output;
   bool ascii = false;
   bool keep = false;       ///< orient the file's normals instead of estimating new ones
   bool no_orient = false;  ///< leave the signs as they come
@@ -31,12 +33,11 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = read_points(arguments.input, &read);
-  console.warn(arguments.input, read.warnings);
+  PointSet points = arguments.input.read(console, read);
   if (arguments.keep && !points.has_normals())
-    throw FileError(arguments.input, "holds no normals to keep; leave out --keep to estimate them");
+    throw FileError(arguments.input.name(), "holds no normals to keep; leave out --keep to estimate them");
   if (count_unique(points) < 3)
-    throw FileError(arguments.input, "holds fewer than 3 different points: normals need neighbours");
+    throw FileError(arguments.input.name(), "holds fewer than 3 different points: normals need neighbours");
 
   progress.begin("spacing and noise");
   NormalOptions options = arguments.options;
@@ -54,7 +55,7 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
   progress.finish();
 
   const auto unknown = static_cast<std::size_t>(std::count(points.normals.begin(), points.normals.end(), Vec3f{}));
-  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input, counted(points.size(), "point"),
+  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input.name(), counted(points.size(), "point"),
                           length(*options.spacing), length(*options.noise), read.format));
   console.say(fmt::format("{}: normals {}{}{}", arguments.output,
                           arguments.keep ? "of the file" : fmt::format("from {} neighbours", neighbours),
@@ -62,7 +63,7 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
                           unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
   if (console.options().json) {
     Json json;
-    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", points.size()}};
+    json["input"] = arguments.input.json(read, points.size());
     json["output"] = {{"file", arguments.output}};
     json["spacing"] = *options.spacing;
     json["noise"] = *options.noise;
@@ -81,7 +82,7 @@ Command add_normals(CommandLine& app) {
   CommandLine& c = app.add_subcommand("normals", "Points → points with oriented normals");
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
-  c.add_option("input", a.input, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
   add_ascii_flag(c, a.ascii);
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")

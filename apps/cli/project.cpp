@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -17,7 +18,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct ProjectArguments {
-  std::string input, onto, output;
+  CloudInput input;
+  std::string onto, output;
   std::string method = "curvature";  ///< a projection, an implicit surface, or lop
   bool ascii = false;
   CloudUse cloud;
@@ -63,8 +65,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = read_points(arguments.input, &read);
-  console.warn(arguments.input, read.warnings);
+  PointSet points = arguments.input.read(console, read);
   const std::size_t given = points.size();
 
   PointSet result;
@@ -76,16 +77,16 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     try {
       result = consolidate(points, options, progress);
     } catch (const DataError& error) {
-      throw FileError(arguments.input, error.what());
+      throw FileError(arguments.input.name(), error.what());
     }
     report.projected = result.size();
   } else {
     SurfaceOptions surface = arguments.surface.options;
     surface.method = surface_method(arguments.method);
     surface.validate();
-    const std::string& onto = arguments.onto.empty() ? arguments.input : arguments.onto;
+    const std::string onto = arguments.onto.empty() ? arguments.input.name() : arguments.onto;
     ReadReport read_onto;
-    PointSet samples = onto == arguments.input ? points : read_points(onto, &read_onto);
+    PointSet samples = arguments.onto.empty() ? points : read_points(onto, &read_onto);
     console.warn(onto, read_onto.warnings);
     try {
       const SurfaceModel model =
@@ -96,13 +97,14 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     } catch (const DataError& error) {
       throw FileError(onto, error.what());
     }
-    if (result.size() == 0) throw FileError(arguments.input, "no point lies near enough to the surface of " + onto);
+    if (result.size() == 0)
+      throw FileError(arguments.input.name(), "no point lies near enough to the surface of " + onto);
   }
   progress.begin("write");
   write_points(arguments.output, result, {.ascii = arguments.ascii});
   progress.finish();
 
-  console.say(fmt::format("{}: {} ({})", arguments.input, counted(given, "point"), read.format));
+  console.say(fmt::format("{}: {} ({})", arguments.input.name(), counted(given, "point"), read.format));
   if (arguments.method != "lop" && !arguments.points)
     console.say(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
                             length(report.mean_move), length(report.rms_move), length(report.largest_move),
@@ -110,7 +112,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
   console.say(fmt::format("{}: {} by {}{}", arguments.output, counted(result.size(), "point"), arguments.method,
                           result.has_normals() ? ", with normals" : ""));
   const Json json = {
-      {"input", {{"file", arguments.input}, {"format", read.format}, {"points", given}}},
+      {"input", arguments.input.json(read, given)},
       {"method", arguments.method},
       {"moved", {{"mean", report.mean_move}, {"rms", report.rms_move}, {"largest", report.largest_move}}},
       {"left_out", report.left_out},
@@ -125,7 +127,7 @@ Command add_project(CommandLine& app) {
   CommandLine& c = app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
-  c.add_option("input", a.input, "Points to move").type_name("FILE").required();
+  add_cloud_input(c, a.input, "Points to move");
   c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
   c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]").type_name("FILE");
   add_ascii_flag(c, a.ascii);

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -15,7 +16,7 @@ namespace sansmesh::cli {
 namespace {
 
 struct ReconstructArguments {
-  std::string input;
+  CloudInput input;
   MeshOutput output;
   ReconstructOptions options;
   SurfaceArguments surface;
@@ -37,7 +38,7 @@ std::string openness(const ReconstructReport& r, std::optional<bool> asked) {
 
 void print_report(const ReconstructArguments& arguments, const ReadReport& read, const InputSize& input,
                   const ReconstructReport& report, const TriangleMesh& mesh, Console& console) {
-  console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input, counted(input.points, "point"),
+  console.say(fmt::format("{}: {}, {} × {} × {} ({})", arguments.input.name(), counted(input.points, "point"),
                           length(input.extent[0]), length(input.extent[1]), length(input.extent[2]), read.format));
   const bool other = arguments.options.other_surface();
   const std::string made =
@@ -62,18 +63,17 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = read_points(arguments.input, &read);
+  PointSet points = arguments.input.read(console, read);
   const InputSize size{points.size(), bounds(points).size()};
-  console.warn(arguments.input, read.warnings);
 
   ReconstructReport report;
   TriangleMesh mesh;
   try {
     mesh = reconstruct(std::move(points), arguments.options, progress, &report);
   } catch (const DataError& error) {
-    throw FileError(arguments.input, error.what());
+    throw FileError(arguments.input.name(), error.what());
   }
-  console.warn(arguments.input, report.warnings);
+  console.warn(arguments.input.name(), report.warnings);
 
   arguments.output.write(mesh, progress);
   progress.finish();
@@ -82,7 +82,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   if (console.options().json) {
     const MeshTopology topology = measure_topology(mesh);
     Json json;
-    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"points", size.points}};
+    json["input"] = arguments.input.json(read, size.points);
     json["spacing"] = report.spacing;
     json["noise"] = report.noise;
     json["fits"] = report.fits;
@@ -116,7 +116,7 @@ Command add_reconstruct(CommandLine& app) {
   CommandLine& c = app.add_subcommand("reconstruct", "Points → triangle mesh, closed unless asked otherwise");
   auto shared = std::make_shared<ReconstructArguments>();
   ReconstructArguments& a = *shared;
-  c.add_option("input", a.input, "Points, or a mesh or polygon soup").type_name("FILE").required();
+  add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   add_mesh_output(c, a.output);
   add_mesh_options(c, a.options);
   add_cloud_options(c, a.options);
@@ -126,6 +126,7 @@ Command add_reconstruct(CommandLine& app) {
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
            "  sansmesh reconstruct terrain.las -o terrain.ply --trim\n"
+           "  sansmesh reconstruct west.las east.las -o ground.ply --class ground --trim\n"
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return {&c, [shared](Console& console) {

@@ -32,7 +32,7 @@ void complete(RenderArguments& a) {
   static_cast<RenderOptions&>(a.options) = picture_options(a);
   a.surface = a.of_samples.chosen();
   const SurfaceRenderOptions& s = a.options;
-  const bool function = is_function_file(a.input);
+  const bool function = a.input.is_function();
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
   if (!a.surface && !function) {
     require(a.frames == 0 && !a.color_by && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
@@ -48,7 +48,7 @@ void complete(RenderArguments& a) {
 
 void run_render(RenderArguments& a, Console& console) {
   complete(a);
-  if (a.surface || is_function_file(a.input)) return run_surface_picture(a, console);
+  if (a.surface || a.input.is_function()) return run_surface_picture(a, console);
   const RenderOptions& options = a.options;
   options.validate();
   check_writable(a.output, "image");
@@ -56,13 +56,12 @@ void run_render(RenderArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const TriangleMesh mesh = to_mesh(read_points(a.input, &read));
-  console.warn(a.input, read.warnings);
+  const TriangleMesh mesh = to_mesh(a.input.read(console, read));
   Image image;
   try {
     image = render_mesh(mesh, options, progress);
   } catch (const DataError& error) {
-    throw FileError(a.input, error.what());
+    throw FileError(a.input.name(), error.what());
   }
   progress.begin("write");
   write_image(a.output, image);
@@ -80,7 +79,7 @@ Command add_render(CommandLine& app) {
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
   RenderOptions& o = a.picture.options;
-  c.add_option("input", a.input, "Mesh, points or function (.smf)").type_name("FILE").required();
+  add_cloud_input(c, a.input, "Mesh, points or function (.smf)");
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
   c.add_option("--azimuth", o.view.azimuth, "Degrees around the up axis; 0: the front [35]")

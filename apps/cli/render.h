@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cloud_input.h"
 #include "console.h"
 #include "option_groups.h"
 #include "sansmesh/render/surface_picture.h"
@@ -12,7 +13,8 @@
 namespace sansmesh::cli {
 
 struct RenderArguments {
-  std::string input, output;
+  CloudInput input;
+  std::string output;
   PictureArguments picture;
   std::string background = "gradient";
   bool flat = false, no_shadows = false;

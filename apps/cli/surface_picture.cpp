@@ -38,12 +38,13 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
 }
 
 /// The surface of a function file, or that of samples.
-SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Progress& progress) {
-  if (is_function_file(arguments.input)) {
+SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Console& console) {
+  Progress& progress = console.progress();
+  if (arguments.input.is_function()) {
     read.format = "function";
-    return make_surface_model(read_function(arguments.input));
+    return make_surface_model(read_function(arguments.input.files[0]));
   }
-  return make_surface_model(prepare_cloud(read_points(arguments.input, &read), arguments.cloud, progress),
+  return make_surface_model(prepare_cloud(arguments.input.read(console, read), arguments.cloud, progress),
                             *arguments.surface, progress);
 }
 
@@ -60,9 +61,8 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
   ReadReport read;
   std::vector<std::string> files;
   try {
-    const SurfaceModel model = read_model(arguments, read, progress);
-    console.warn(arguments.input, read.warnings);
-    console.warn(arguments.input, model.warnings());
+    const SurfaceModel model = read_model(arguments, read, console);
+    console.warn(arguments.input.name(), model.warnings());
     const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
     SurfaceCastOptions cast;
@@ -88,8 +88,9 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     const SurfaceReport& report = model.report();
     const CastCounts counts = caster.counts();
     const SurfaceMethodInfo& method = surface_method_info(report.method);
-    console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input, counted(report.samples, "sample"),
-                            method.name, length(report.spacing), length(report.noise)));
+    console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input.name(),
+                            counted(report.samples, "sample"), method.name, length(report.spacing),
+                            length(report.noise)));
     if (report.smoothing > 0)
       console.say(fmt::format("weights {:.2f} spacings wide{}", report.smoothing,
                               method.heeds(SurfaceOption::order)
@@ -100,7 +101,9 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
                                   : fmt::format("{} … {}: {} × {} pixels each", files.front(), files.back(),
                                                 options.width, options.height));
     Json json;
-    json["input"] = {{"file", arguments.input}, {"format", read.format}, {"samples", report.samples}};
+    json["input"] = arguments.input.json();
+    json["input"]["format"] = read.format;
+    json["input"]["samples"] = report.samples;
     json["surface"] = {{"method", method.name},         {"spacing", report.spacing}, {"noise", report.noise},
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
     json["rays"] = {
@@ -110,7 +113,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
     console.say_json(json);
   } catch (const DataError& error) {
-    throw FileError(arguments.input, error.what());
+    throw FileError(arguments.input.name(), error.what());
   }
   console.print_timings();
 }

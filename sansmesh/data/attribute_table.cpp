@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 
 #include "sansmesh/core/error.h"
@@ -230,7 +231,8 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
         for (std::size_t r = 0; r < group.size(); ++r)
           for (std::size_t c = 0; c < width; ++c)
             sum[group[r] * width + c] += weight[r] * static_cast<double>(values[r * width + c]);
-        for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<T>(sum[i] / total[i / width]);
+        for (std::size_t g = 0; g < groups; ++g)
+          for (std::size_t c = 0; c < width; ++c) out[g * width + c] = static_cast<T>(sum[g * width + c] / total[g]);
       } else {
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = values[heaviest[i / width] * width + i % width];
       }
@@ -238,6 +240,32 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
     }));
   }
   return result;
+}
+
+AttributeTable join_rows(std::span<const AttributeTable* const> tables, std::span<const std::size_t> rows) {
+  const std::size_t total = std::accumulate(rows.begin(), rows.end(), std::size_t{0});
+  AttributeTable all;
+  for (const AttributeTable* const table : tables) {
+    for (const Attribute& a : *table) {
+      if (all.find(a.name)) continue;
+      all.set(remade(a, [&](const auto& values) {
+        using Values = std::decay_t<decltype(values)>;
+        Values out;
+        out.reserve(total * a.components);
+        for (std::size_t k = 0; k < tables.size(); ++k) {
+          const Attribute* const from = tables[k]->find(a.name);
+          if (alike(a, from)) {
+            const Values& source = std::get<Values>(from->values);
+            out.insert(out.end(), source.begin(), source.end());
+          } else {
+            out.resize(out.size() + rows[k] * a.components, unknown<typename Values::value_type>());
+          }
+        }
+        return out;
+      }));
+    }
+  }
+  return all;
 }
 
 std::vector<std::string> keep_common(AttributeTable& a, std::span<const AttributeTable* const> others) {

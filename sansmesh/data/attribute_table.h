@@ -109,6 +109,11 @@ class AttributeTable {
   std::vector<Attribute> arrays_;
 };
 
+/// The rows of several tables, rows[k] of table k, one after the other, with all arrays that any of them has. Where a
+/// table has one not, or of another type or number of components than the first table that has it, the numbers are
+/// unknown: NaN, or 0 if they are integers.
+AttributeTable join_rows(std::span<const AttributeTable* const> tables, std::span<const std::size_t> rows);
+
 /// Takes the arrays out of `a` that not every one of the `others` has with its type and number of components; returns
 /// their names.
 std::vector<std::string> keep_common(AttributeTable& a, std::span<const AttributeTable* const> others);

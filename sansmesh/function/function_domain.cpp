@@ -11,8 +11,9 @@ namespace {
 
 /// Next to a closed sheet: as deep inside as among samples on all sides.
 constexpr double kOnClosed = -0.42;
-/// Largest edge of the blocks along a border, in spacings of the samples there.
-constexpr float kBorderBlock = 1.5f;
+/// Largest edge of the blocks along a border, in spacings of the samples there, and how far from these the border may
+/// be, in reaches.
+constexpr float kBorderBlock = 3, kBorderWidth = 0.6f;
 
 std::vector<Vec3f> feet(const PartitionData& data, bool open) {
   std::vector<Vec3f> feet;
@@ -88,7 +89,7 @@ void FunctionDomain::refine(BlockTree& blocks, int deepest) const {
     const bool ends = trim_ || distance_to(open_, b.position) < distance_to(closed_, b.position);
     if (!ends) continue;
     centers.push_back(b.position);
-    reach.push_back(b.reach);
+    reach.push_back(kBorderWidth * b.reach);
     edge.push_back(kBorderBlock * b.spacing);
   }
   const BallTree tree(centers, reach);

@@ -9,6 +9,14 @@
 #include "sansmesh/core/number_words.h"
 
 namespace sansmesh::io {
+namespace {
+
+/// Strays are at most one position in so many at each end of an axis, and make the box so many times larger than that
+/// of the others.
+constexpr std::size_t kStrays = 1000, kFewestWithStrays = 20;
+constexpr double kFarAway = 100;
+
+}  // namespace
 
 Vec3 choose_origin(const Box3& box) {
   const double diagonal = box.diagonal();
@@ -21,6 +29,22 @@ Vec3 choose_origin(const Box3& box) {
     origin[k] = std::round(box.center()[k] / grid) * grid;
   }
   return origin;
+}
+
+Vec3 choose_origin(const Box3& box, std::vector<Vec3>& some) {
+  if (box.empty()) return {};
+  if (some.size() < kFewestWithStrays) return choose_origin(box);
+  const auto cut = static_cast<std::ptrdiff_t>(1 + some.size() / kStrays);
+  Box3 most;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto less = [k](const Vec3& a, const Vec3& b) { return a[k] < b[k]; };
+    std::nth_element(some.begin(), some.begin() + cut, some.end(), less);
+    most.lower[k] = some[static_cast<std::size_t>(cut)][k];
+    std::nth_element(some.begin(), some.end() - 1 - cut, some.end(), less);
+    most.upper[k] = (some.end() - 1 - cut)->operator[](k);
+  }
+  const bool strays = most.diagonal() > 0 && box.diagonal() > kFarAway * most.diagonal();
+  return choose_origin(strays ? most : box);
 }
 
 void set_scanner(PointSet& points, const Vec3& towards) {

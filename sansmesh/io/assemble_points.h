@@ -18,27 +18,39 @@ inline constexpr double largest_coordinate = 1e18;
 /// else the centre rounded to a power-of-two grid near the size of the box, so that float coordinates stay exact.
 Vec3 choose_origin(const Box3& box);
 
+/// The same for a cloud in `box` of which some positions are given: a few strays far away from nearly all others (a
+/// line of zeros among survey coordinates) do not count. The order of `some` is changed.
+Vec3 choose_origin(const Box3& box, std::vector<Vec3>& some);
+
 /// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, to be
 /// removed by `finish`.
 template <class At>
-void place_positions(PointSet& points, std::size_t n, At&& at) {
+void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) {
   const auto usable = [](const Vec3& p) {
     return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate &&
            std::abs(p.z) <= largest_coordinate;
   };
   const std::size_t chunk = 1 << 15;
-  const Box3 box = parallel_reduce(
-      n, chunk, Box3{},
-      [&](std::size_t first, std::size_t last) {
-        Box3 b;
-        for (std::size_t i = first; i < last; ++i) {
-          const Vec3 p = at(i);
-          if (usable(p)) b.extend(p);
-        }
-        return b;
-      },
-      [](Box3 a, const Box3& b) { return a.extend(b), a; });
-  points.origin = box.empty() ? Vec3{} : choose_origin(box);
+  if (in.origin) {
+    points.origin = *in.origin;
+  } else {
+    const Box3 box = parallel_reduce(
+        n, chunk, Box3{},
+        [&](std::size_t first, std::size_t last) {
+          Box3 b;
+          for (std::size_t i = first; i < last; ++i) {
+            const Vec3 p = at(i);
+            if (usable(p)) b.extend(p);
+          }
+          return b;
+        },
+        [](Box3 a, const Box3& b) { return a.extend(b), a; });
+    std::vector<Vec3> some;
+    const std::size_t step = 1 + n / (1 << 16);
+    for (std::size_t i = 0; i < n; i += step)
+      if (const Vec3 p = at(i); usable(p)) some.push_back(p);
+    points.origin = choose_origin(box, some);
+  }
   points.positions.resize(n);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   parallel_for(0, n, chunk, [&](std::size_t i) {

@@ -20,8 +20,8 @@ struct CloudColumns {
 
 /// Decodes `n` records in parallel into positions, normals and colours. Positions are `scale` * value + `offset` per
 /// axis. Colours: 8 bits as they are, 16 bits or more if any value exceeds 255, reals as fractions if none exceeds 1.
-void decode_columns(const CloudColumns& columns, std::size_t n, PointSet& points, const Vec3& scale = {1, 1, 1},
-                    const Vec3& offset = {});
+void decode_columns(const Input& in, const CloudColumns& columns, std::size_t n, PointSet& points,
+                    const Vec3& scale = {1, 1, 1}, const Vec3& offset = {});
 
 /// Columns that mean nothing to a reader but have a name: what becomes an attribute.
 struct NamedColumns {

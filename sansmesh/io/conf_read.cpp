@@ -1,7 +1,9 @@
 // Stanford .conf: range scans and the rigid motions that bring them together.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
@@ -19,6 +21,7 @@ struct Scan {
   PointSet points;
   ReadReport report;
   std::string error;
+  bool missing = false;  ///< there is no file of that name
 
   /// R(q)ᵀ v: these files store the inverse of the rotation that is to be applied.
   Vec3 rotate(const Vec3& v) const {
@@ -55,6 +58,14 @@ std::vector<Scan> parse(const Input& in) {
   return scans;
 }
 
+/// Alignments name scans that were never handed out with them: what is there is read.
+void leave_out_missing(const Input& in, std::vector<Scan>& scans) {
+  if (std::all_of(scans.begin(), scans.end(), [](const Scan& s) { return s.missing; })) return;
+  for (const Scan& s : scans)
+    if (s.missing) in.warn(fmt::format("names the scan {}, which is not there: left out", printable(s.file, 200)));
+  std::erase_if(scans, [](const Scan& s) { return s.missing; });
+}
+
 }  // namespace
 
 PointSet read_conf(const Input& in) {
@@ -63,6 +74,8 @@ PointSet read_conf(const Input& in) {
   parallel_for(0, scans.size(), 1, [&](std::size_t s) {
     Scan& scan = scans[s];
     const std::filesystem::path path = folder / scan.file;
+    std::error_code unknown;
+    scan.missing = !std::filesystem::exists(path, unknown) && !unknown;
     try {
       if (ending(path.string()) == "conf") throw FileError(path.string(), "an alignment inside an alignment");
       scan.points = read_points(path.string(), &scan.report);
@@ -70,6 +83,8 @@ PointSet read_conf(const Input& in) {
       scan.error = e.what();
     }
   });
+  const std::size_t listed = scans.size();
+  leave_out_missing(in, scans);
   std::size_t n = 0;
   bool normals = true, colors = true;
   for (const Scan& s : scans) {
@@ -78,7 +93,8 @@ PointSet read_conf(const Input& in) {
     normals &= s.points.has_normals(), colors &= s.points.has_colors();
     for (const std::string& w : s.report.warnings) in.warn(s.file + ": " + w);
   }
-  in.report.format = fmt::format("Stanford alignment of {} scans", scans.size());
+  in.report.format = scans.size() == listed ? fmt::format("Stanford alignment of {} scans", listed)
+                                            : fmt::format("Stanford alignment of {} of {} scans", scans.size(), listed);
 
   PointSet all;
   std::vector<Vec3> world(n);
@@ -115,7 +131,7 @@ PointSet read_conf(const Input& in) {
   };
   all.attributes = joined(&PointSet::attributes, false);
   all.triangle_attributes = joined(&PointSet::triangle_attributes, true);
-  place_positions(all, n, [&](std::size_t i) { return world[i]; });
+  place_positions(in, all, n, [&](std::size_t i) { return world[i]; });
   for (const Vec3& eye : eyes) all.scanners.push_back(Vec3f(eye - all.origin));
   finish(in, all);
   return all;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,7 @@ struct Input {
   const std::string& file;
   std::string_view bytes;
   ReadReport& report;
+  std::optional<Vec3> origin = {};  ///< that the cloud is to have, for the sake of others; else chosen for it
 
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// "truncated: 1,234 bytes are missing".

@@ -20,12 +20,30 @@ struct ReadReport {
 };
 
 /// Points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file or of a Stanford .conf alignment
-/// (several scans merged with their transforms), gzipped or not. Non-finite points are left out with a warning. Further
-/// numbers of points and faces (PLY scalars, named columns of tables, PCD fields, VTP arrays of points and cells)
-/// become attributes of the type that the file says; text without types: int32, or int64 or uint64 where they need it,
-/// if all are whole, else double. Throws FileError where the file is missing, empty, truncated, malformed or holds no
-/// points.
+/// (several scans merged with their transforms; a scan that is not there is left out with a warning unless all are
+/// missing), gzipped or not. Non-finite points are left out with a warning. Further numbers of points and faces (PLY
+/// scalars, named columns of tables, PCD fields, VTP arrays of points and cells) become attributes of the type that the
+/// file says; text without types: int32, or int64 or uint64 where they need it, if all are whole, else double.
+///
+/// LAS: the attributes are `intensity` (uint16), `return_number` and `number_of_returns` (uint8, 1 the first),
+/// `classification` (uint8, the ASPRS classes of points/point_classes.h), `synthetic` and `overlap` (uint8, 1 where
+/// flagged so; overlap in point formats 6 to 10), `scan_angle` (float, degrees from straight down, positive to the
+/// right of the flight), `point_source_id` (uint16, flight line), `user_data` (uint8), `gps_time` (double, seconds as
+/// the file counts them) and `near_infrared` (uint16), as far as the point format has them and any point has another
+/// than 0; and what else the file describes (extra bytes) by the names that it gives, double where they are scaled.
+/// Points flagged as withheld are left out with a warning.
+///
+/// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
 PointSet read_points(const std::string& file, ReadReport* report = nullptr);
+
+/// The points of several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All have
+/// one origin, that of the first file, so that a place has the same position whichever file it comes from. Attributes
+/// are those of all files; where a file has one not, or of another type than the first that has it, its points' numbers
+/// are unknown (NaN, or 0 of integers). Normals, colours and scanner positions are left out, with a warning, unless all
+/// files have them. Of meshes the faces come together too. Points at the same place in several files stay as they are.
+/// Warnings begin with the name of their file. Throws FileError as read_points, and where some of the files have faces
+/// and others have none; ArgumentError for no files at all.
+PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr);
 
 /// A mesh (polygons are triangulated as fans). Throws FileError as read_points, and where the file has no faces.
 TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);

@@ -118,7 +118,7 @@ PointSet read_off(const Input& in) {
     sink.add_polygon(corners);
   }
   sink.done();
-  place_positions(points, n, [&](std::size_t i) { return positions[i]; });
+  place_positions(in, points, n, [&](std::size_t i) { return positions[i]; });
   finish(in, points);
   return points;
 }

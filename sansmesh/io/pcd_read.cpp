@@ -178,7 +178,7 @@ void decode_fields(const Input& in, const PcdHeader& h, bool text, PointSet& poi
   use_picked(c.has_colors());
   const Field* const red = h.find({"r", "red"});
   c.whole_colors = text && red && red->kind != 'F';
-  decode_columns(c, n, points);
+  decode_columns(in, c, n, points);
 
   std::vector<NamedColumns> others;
   const Field* const rgb = h.find({"rgb", "rgba"});

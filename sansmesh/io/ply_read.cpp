@@ -74,7 +74,7 @@ void decode_vertices(const Input& in, const Element& e, MakeColumn&& column, boo
   CloudColumns columns = name_columns(in, e, column, used);
   const std::size_t red = find_property(e, {"red", "r", "diffuse_red"});
   columns.whole_colors = text && red != std::string::npos && !is_real(e.properties[red].type);
-  decode_columns(columns, n, points);
+  decode_columns(in, columns, n, points);
   points.attributes = decode_attributes(in, other_columns(e, used, column), n);
 }
 

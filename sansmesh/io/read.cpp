@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include "sansmesh/io/file_content.h"
+#include "sansmesh/io/merge_points.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/readers.h"
@@ -66,9 +67,9 @@ std::string known_endings() {
   return known.substr(1) + " (and each with .gz)";
 }
 
-PointSet read_any(const std::string& file, ReadReport& report) {
+PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin = {}) {
   const io::FileContent content(file);
-  const Input in{file, content.bytes(), report};
+  const Input in{file, content.bytes(), report, origin};
   const std::string name = io::ending(file);
   const Format* by_name = nullptr;
   for (const Format& f : formats) {
@@ -94,6 +95,31 @@ PointSet read_points(const std::string& file, ReadReport* report) {
   ReadReport& r = report ? *report : own;
   r = {};
   return read_any(file, r);
+}
+
+PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) {
+  if (files.empty()) throw ArgumentError("read_merged: no files");
+  if (files.size() == 1) return read_points(files[0], report);
+  ReadReport own;
+  ReadReport& all = report ? *report : own;
+  all = {};
+  std::vector<PointSet> parts;
+  std::string formats;
+  for (const std::string& file : files) {
+    ReadReport of_file;
+    std::optional<Vec3> origin;
+    if (!parts.empty()) origin = parts[0].origin;
+    parts.push_back(read_any(file, of_file, origin));
+    if (parts.back().triangles.empty() != parts[0].triangles.empty()) {
+      const bool mesh = parts[0].triangles.empty();
+      throw FileError(file, (mesh ? "holds faces and " : "holds no faces, but ") + printable(files[0], 200) +
+                                (mesh ? " none" : " does") + ": points and meshes cannot be read as one");
+    }
+    for (const std::string& w : of_file.warnings) all.warnings.push_back(printable(file, 200) + ": " + w);
+    if (formats.find(of_file.format) == std::string::npos) formats += (formats.empty() ? "" : ", ") + of_file.format;
+  }
+  all.format = fmt::format("{} files, {}", files.size(), formats);
+  return io::merge_points(files, std::move(parts), all);
 }
 
 TriangleMesh read_mesh(const std::string& file, ReadReport* report) {

@@ -372,7 +372,7 @@ PointSet read_table(const Input& in) {
     }
   }
   PointSet points;
-  decode_columns(cloud, n, points);
+  decode_columns(in, cloud, n, points);
   points.attributes = decode_attributes(in, others, n);
   in.report.format = fmt::format("text, {} columns{}{}", head.columns, points.has_normals() ? ", normals" : "",
                                  points.has_colors() ? ", colours" : "");

@@ -314,7 +314,7 @@ class VtpReader {
     sink.done();
     points.attributes = join_tables(in_, std::move(of_points), "pieces");
     if (cells_known) points.triangle_attributes = join_tables(in_, std::move(of_faces), "pieces").taken(face_of);
-    place_positions(points, positions.size(), [&](std::size_t i) { return positions[i]; });
+    place_positions(in_, points, positions.size(), [&](std::size_t i) { return positions[i]; });
     finish(in_, points);
     return points;
   }

@@ -23,7 +23,7 @@ constexpr double kSupported = 0.02;
 /// Samples that are enough to tell the components' shares.
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
-constexpr double kSeen = 16;
+constexpr double kSeen = 5;
 /// Above this share of the samples without a surface a warning says so, and where most of them are.
 constexpr double kMuchLost = 0.01;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was

@@ -18,41 +18,72 @@ constexpr std::size_t kLocalNeighbours = 16;
 /// one side that it would count as a border.
 constexpr double kReachOverSpacing = 3;
 /// The local spacing counts as no less than this share of the mean, and no more than so many times that (strays).
-constexpr double kLeastLocal = 0.5, kMostLocal = 12;
+constexpr double kLeastLocal = 0.5, kMostLocal = 3;
 /// One-sidedness half a spacing beyond a straight border.
 constexpr double kOneSided = 0.42;
 /// A sample lies at a border if it sees others a little to one side, and so many reaches away from them the surface has
 /// ended.
 constexpr float kAtBorder = 0.1f, kBeyond = 0.45f;
 
+/// The same a tenth of a reach beyond a straight border, and nowhere around a hole narrower than two reaches.
+constexpr double kAlongBorder = 0.35;
+/// Samples that close wide holes are so many to a reach.
+constexpr double kWideSamples = 6;
+
+/// The first sample in each cell of a lattice, in the order of the cells.
+std::vector<Vec3f> thinned(std::span<const Vec3f> samples, double cell) {
+  Box3f box;
+  for (const Vec3f& p : samples) box.extend(p);
+  std::vector<KeyIndex> cells(samples.size());
+  static constexpr double kMostCells = 2097151;  // 21 bits each
+  const Vec3 size(box.size());
+  const double edge = std::max(cell, std::max({size.x, size.y, size.z}) / kMostCells);
+  parallel_for(0, samples.size(), 16384, [&](std::size_t i) {
+    const Vec3 p = Vec3(samples[i] - box.lower) * (1 / edge);
+    const auto at = [](double v) { return static_cast<std::uint64_t>(std::clamp(v, 0.0, kMostCells)); };
+    cells[i] = {at(p.x) << 42 | at(p.y) << 21 | at(p.z), static_cast<std::uint32_t>(i)};
+  });
+  parallel_sort(cells);
+  std::vector<Vec3f> first;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (i == 0 || cells[i].key != cells[i - 1].key) first.push_back(samples[cells[i].index]);
+  return first;
+}
+
 }  // namespace
 
 Coverage::Coverage(std::span<const Vec3f> samples, double spacing, std::optional<double> fill) {
   const KdTree tree(samples);
-  samples_ = tree.positions();
-  reach_.resize(samples_.size());
-  const std::size_t k = std::min(kLocalNeighbours + 1, samples_.size());
+  all_.samples = tree.positions();
+  all_.reach.resize(all_.samples.size());
+  const std::size_t k = std::min(kLocalNeighbours + 1, all_.samples.size());
   const double least = kLeastLocal * spacing, most = kMostLocal * spacing;
   const double of_distance = std::sqrt(std::numbers::pi / static_cast<double>(kLocalNeighbours));
   tree.for_each_nearest(k, [&](std::uint32_t slot, std::span<const Neighbour> found) {
     const double local =
         of_distance * std::sqrt(static_cast<double>(found.empty() ? 0 : found.back().squared_distance));
-    reach_[slot] =
-        static_cast<float>(std::max(kReachOverSpacing * std::clamp(local, least, most), 0.5 * fill.value_or(0)));
+    all_.reach[slot] = static_cast<float>(kReachOverSpacing * std::clamp(local, least, most));
   });
-  tree_ = BallTree(samples_, reach_);
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const Vec3 r = Vec3{1, 1, 1} * static_cast<double>(reach_[i]), x(samples_[i]);
-    bounds_.extend(x - r), bounds_.extend(x + r);
+  all_.tree = BallTree(all_.samples, all_.reach);
+  if (const double reach = 0.5 * fill.value_or(0); reach > kReachOverSpacing * least) {
+    wide_.emplace();
+    wide_->samples = KdTree(thinned(samples, reach / kWideSamples)).positions();
+    wide_->reach.assign(wide_->samples.size(), static_cast<float>(reach));
+    wide_->tree = BallTree(wide_->samples, wide_->reach);
   }
+  for (const Layer* layer : {&all_, wide_ ? &*wide_ : nullptr})
+    for (std::size_t i = 0; layer && i < layer->samples.size(); ++i) {
+      const Vec3 r = Vec3{1, 1, 1} * static_cast<double>(layer->reach[i]), x(layer->samples[i]);
+      bounds_.extend(x - r), bounds_.extend(x + r);
+    }
 }
 
-Vec3f Coverage::to_samples(const Vec3f& x, std::vector<std::uint32_t>& near) const {
-  tree_.touching({x, x}, near);
+Vec3f Coverage::Layer::to_samples(const Vec3f& x, std::vector<std::uint32_t>& near) const {
+  tree.touching({x, x}, near);
   Vec3f sum;
   float weight = 0;
   for (const std::uint32_t i : near) {
-    const Vec3f d = (samples_[i] - x) / reach_[i];
+    const Vec3f d = (samples[i] - x) / reach[i];
     const float inside = 1 - squared_norm(d);
     if (!(inside > 0)) continue;
     sum += d * (inside * inside), weight += inside * inside;
@@ -61,11 +92,20 @@ Vec3f Coverage::to_samples(const Vec3f& x, std::vector<std::uint32_t>& near) con
   return weight > 0 ? sum / weight : Vec3f{1, 0, 0};
 }
 
+bool Coverage::Layer::reaches(const Box3f& box, std::vector<std::uint32_t>& near) const {
+  return !tree.touching(box, 1, near) || !near.empty();
+}
+
+double Coverage::value(const Vec3f& x, std::vector<std::uint32_t>& near) const {
+  const double value = static_cast<double>(norm(all_.to_samples(x, near))) - kOneSided;
+  if (!wide_ || value < 0) return value;
+  return std::min(value, static_cast<double>(norm(wide_->to_samples(x, near))) - kAlongBorder);
+}
+
 void Coverage::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   parallel_ranges(0, x.size(), 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> near;
-    for (std::size_t i = first; i < last; ++i)
-      values[i] = static_cast<double>(norm(to_samples(Vec3f(x[i]), near))) - kOneSided;
+    for (std::size_t i = first; i < last; ++i) values[i] = value(Vec3f(x[i]), near);
   });
   std::fill(gradients.begin(), gradients.end(), Vec3{});
 }
@@ -77,27 +117,29 @@ void Coverage::ranges(std::span<const Vec3> x, double radius, std::span<ValueRan
     for (std::size_t i = first; i < last; ++i) {
       const auto r = static_cast<float>(radius);
       const Vec3f p(x[i]), half{r, r, r};
-      const bool any = !tree_.touching({p - half, p + half}, 1, near) || !near.empty();
+      const Box3f box{p - half, p + half};
+      const bool any = all_.reaches(box, near) || (wide_ && wide_->reaches(box, near));
       found[i] = any ? ValueRange{-kInfinity, kInfinity} : ValueRange{1 - kOneSided, kInfinity};
     }
   });
 }
 
 std::vector<Coverage::Border> Coverage::borders() const {
-  std::vector<std::uint8_t> at_border(samples_.size());
-  parallel_ranges(0, samples_.size(), 512, [&](std::size_t first, std::size_t last) {
+  const std::vector<Vec3f>& samples = all_.samples;
+  std::vector<std::uint8_t> at_border(samples.size());
+  parallel_ranges(0, samples.size(), 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> near;
     for (std::size_t i = first; i < last; ++i) {
-      const Vec3f inward = to_samples(samples_[i], near);
+      const Vec3f inward = all_.to_samples(samples[i], near);
       const float size = norm(inward);
       if (!(size > kAtBorder)) continue;
-      const Vec3f beyond = samples_[i] - inward * (kBeyond * reach_[i] / size);
-      at_border[i] = static_cast<double>(norm(to_samples(beyond, near))) > kOneSided;
+      at_border[i] = value(samples[i] - inward * (kBeyond * all_.reach[i] / size), near) > 0;
     }
   });
   std::vector<Border> borders;
-  for (std::size_t i = 0; i < samples_.size(); ++i)
-    if (at_border[i]) borders.push_back({samples_[i], reach_[i], reach_[i] / static_cast<float>(kReachOverSpacing)});
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (at_border[i])
+      borders.push_back({samples[i], all_.reach[i], all_.reach[i] / static_cast<float>(kReachOverSpacing)});
   return borders;
 }
 

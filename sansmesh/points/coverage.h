@@ -16,13 +16,14 @@ namespace sansmesh {
 ///
 ///   one-sidedness(x) = ‖Σ w (p − x)/r‖ / Σ w :
 ///
-/// 0 among samples, 0.29 at a straight border, and 1 where the last sample is out of reach; beyond, its distance in
-/// reaches. Mean over about 30 samples, so that its contour does not follow single ones; a hole narrower than two
-/// reaches is surrounded by samples, and closed.
+/// 0 among samples, 0.29 at a straight border, and 1 where the last sample is out of reach. It is a mean over about 30
+/// samples, so that its contour does not follow single ones; and a hole narrower than two reaches is surrounded by
+/// samples, and closed.
 class Coverage : public ScalarField {
  public:
-  /// `spacing`: of all samples, √(area / count) (length). `fill`: holes up to so wide are closed (length); default:
-  /// from the local spacing, 6 times as much, as gaps between the lines of a scanner want it.
+  /// `spacing`: of all samples, √(area / count) (length). `fill`: holes up to so wide are closed (length), by samples
+  /// farther apart with a reach of half as much, which reach a tenth of that beyond a straight border; default: only
+  /// those narrower than 6 times the local spacing, as gaps between the lines of a scanner want it.
   Coverage(std::span<const Vec3f> samples, double spacing, std::optional<double> fill = {});
 
   Box3 bounds() const override { return bounds_; }
@@ -39,12 +40,20 @@ class Coverage : public ScalarField {
   std::vector<Border> borders() const;
 
  private:
-  /// Weighted mean of the way to the samples in reach, in reaches.
-  Vec3f to_samples(const Vec3f& x, std::vector<std::uint32_t>& near) const;
+  /// Samples that are looked at together.
+  struct Layer {
+    std::vector<Vec3f> samples;
+    std::vector<float> reach;
+    BallTree tree;
 
-  std::vector<Vec3f> samples_;
-  std::vector<float> reach_;
-  BallTree tree_;
+    /// Weighted mean of the way to the samples in reach, in reaches.
+    Vec3f to_samples(const Vec3f& x, std::vector<std::uint32_t>& near) const;
+    bool reaches(const Box3f& box, std::vector<std::uint32_t>& near) const;
+  };
+  double value(const Vec3f& x, std::vector<std::uint32_t>& near) const;
+
+  Layer all_;
+  std::optional<Layer> wide_;  ///< fewer, with a longer reach
   Box3 bounds_;
 };
 

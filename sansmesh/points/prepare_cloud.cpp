@@ -117,6 +117,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
 }
 
 PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress) {
+  if (use.classes) keep_classes(points, *use.classes);
   PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
   if (use.remove_outliers) {
     progress.begin("find outliers");

@@ -8,6 +8,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/points/point_classes.h"
 
 namespace sansmesh {
 
@@ -24,6 +25,8 @@ struct CloudUse {
   NormalUse normals = NormalUse::automatic;
   /// Leave out samples that belong to no surface (`find_outliers`), with a warning that counts them.
   bool remove_outliers = false;
+  /// Only points of these classes (`keep_classes`), the others being left out before anything else.
+  std::optional<PointClasses> classes = {};
 };
 
 struct PreparedCloud {
@@ -39,7 +42,7 @@ struct PreparedCloud {
 /// any. Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
-/// All of it. Throws DataError as above.
+/// All of it. Throws DataError as above, and as keep_classes.
 PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
 
 }  // namespace sansmesh

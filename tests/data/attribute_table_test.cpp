@@ -177,5 +177,43 @@ TEST(AttributeTable, IntegersOf64BitsLoseNothing) {
   EXPECT_EQ((*mean.find<std::int64_t>("id"))[0], large - 1);
 }
 
+/// Each part is what it was, with unknown numbers where it had none.
+TEST(AttributeTable, RowsOfSeveralTables) {
+  const AttributeTable every = every_type(5), none;
+  const AttributeTable* const tables[] = {&none, &every, &none, &every};
+  const std::size_t rows[] = {2, 5, 0, 5};
+  const AttributeTable all = join_rows(tables, rows);
+  ASSERT_EQ(all.size(), every.size());
+  for (const Attribute& a : all) {
+    ASSERT_EQ(a.rows(), 12u);
+    const Attribute& part = *every.find(a.name);
+    EXPECT_EQ(a.type(), part.type());
+    for (std::size_t i = 0; i < 2 * a.components; ++i) {
+      if (is_real(a.type()))
+        EXPECT_TRUE(std::isnan(a.number(i))) << a.name;
+      else
+        EXPECT_EQ(a.number(i), 0) << a.name;
+    }
+    for (std::size_t i = 0; i < part.size(); ++i)
+      for (const std::size_t first : {2, 7}) EXPECT_EQ(a.number(first * a.components + i), part.number(i)) << a.name;
+  }
+}
+
+TEST(AttributeTable, RowsOfTablesThatAgreeOnNamesOnly) {
+  AttributeTable a, b, c;
+  a.set("id", std::vector<std::uint8_t>{1, 2});
+  b.set("id", std::vector<float>{3, 4, 5});
+  b.set("height", std::vector<float>{6, 7, 8});
+  c.set("id", std::vector<std::uint8_t>{9, 10}, 2);
+  const AttributeTable* const tables[] = {&a, &b, &c};
+  const std::size_t rows[] = {2, 3, 1};
+  const AttributeTable all = join_rows(tables, rows);
+  EXPECT_EQ(*all.find<std::uint8_t>("id"), (std::vector<std::uint8_t>{1, 2, 0, 0, 0, 0}));
+  const std::vector<float>& height = *all.find<float>("height");
+  EXPECT_EQ(height[3], 7);
+  EXPECT_TRUE(std::isnan(height[1]) && std::isnan(height[5]));
+  EXPECT_TRUE(join_rows({}, {}).empty());
+}
+
 }  // namespace
 }  // namespace sansmesh

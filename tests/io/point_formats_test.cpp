@@ -300,6 +300,28 @@ TEST(Conf, MergesScansWithTheirMotions) {
   EXPECT_EQ(p.scanners.size(), 2u);
 }
 
+/// As in Stanford's own dragonStandRight.conf.
+TEST(Conf, ScansThatAreNotThereAreNamedAndLeftOut) {
+  const Folder folder;
+  folder.put("a.ply", tetrahedron_ply(Ply::ascii));
+  ReadReport report;
+  const PointSet p = read_points(folder.put("a.conf",
+                                            "camera 0 0 0 0 0 0 1\nmesh gone.ply 0 0 0 0 0 0 1\n"
+                                            "bmesh a.ply 1 0 0 0 0 0 1\nbmesh sub/gone.ply 0 0 0 0 0 0 1\n"
+                                            "bmesh a.ply 0 5 0 0 0 0 1\n"),
+                                 &report);
+  EXPECT_EQ(report.format, "Stanford alignment of 2 of 4 scans");
+  EXPECT_EQ(report.warnings, (std::vector<std::string>{"names the scan gone.ply, which is not there: left out",
+                                                       "names the scan sub/gone.ply, which is not there: left out"}));
+  ASSERT_EQ(p.size(), 8u);
+  EXPECT_EQ(p.scan_of_point, (std::vector<std::uint16_t>{0, 0, 0, 0, 1, 1, 1, 1}));
+  EXPECT_EQ(p.scanners.size(), 2u);
+  EXPECT_LT(norm(p.origin + Vec3(p.positions[0]) - Vec3{1, 0, 0}), 1e-6);
+  EXPECT_LT(norm(p.origin + Vec3(p.positions[4]) - Vec3{0, 5, 0}), 1e-6);
+  expect_unreadable(folder.put("b.conf", "bmesh gone.ply 0 0 0 0 0 0 1\nmesh sub/gone.ply 0 0 0 0 0 0 1\n"),
+                    "gone.ply: no such file");
+}
+
 TEST(Conf, BadFiles) {
   const Folder folder;
   folder.put("a.ply", tetrahedron_ply(Ply::ascii));

@@ -1,0 +1,93 @@
+#include "cloud_input.h"
+
+#include <fmt/core.h>
+
+#include "command_line.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// What --class or --without-class names.
+PointClasses classes_of(const std::string& list) {
+  try {
+    return parse_point_classes(list);
+  } catch (const ArgumentError& error) {
+    throw ValueError(error.what());
+  }
+}
+
+}  // namespace
+
+std::string CloudInput::name() const {
+  if (files.size() == 1) return files[0];
+  return fmt::format("{} and {}", files[0], counted(files.size() - 1, "other file"));
+}
+
+Json CloudInput::json() const {
+  Json json;
+  if (files.size() == 1)
+    json["file"] = files[0];
+  else
+    json["files"] = files;
+  return json;
+}
+
+Json CloudInput::json(const ReadReport& read, std::size_t points) const {
+  Json all = json();
+  all["format"] = read.format;
+  all["points"] = points;
+  return all;
+}
+
+bool CloudInput::is_function() const {
+  if (files.size() != 1 || !is_function_file(files[0])) return false;
+  if (classes) throw ArgumentError("--class and --without-class are for points: the input is a function");
+  return true;
+}
+
+PointSet CloudInput::read(Console& console, ReadReport& report) const {
+  PointSet points = read_merged(files, &report);
+  if (files.size() == 1)
+    console.warn(files[0], report.warnings);
+  else
+    console.warn(report.warnings);
+  if (classes) {
+    const std::size_t given = points.size();
+    try {
+      keep_classes(points, *classes);
+    } catch (const DataError& error) {
+      throw FileError(name(), console.in_flags(error.what()));
+    }
+    console.say(
+        fmt::format("{}: {} of {} are of the classes chosen", name(), grouped(points.size()), counted(given, "point")));
+  }
+  return points;
+}
+
+void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what) {
+  c.add_option("input", input.files, what + "; several (tiles) are read as one").type_name("FILE").required();
+  c.add_option_function(
+       "--class",
+       [&input](const std::string& list) {
+         const PointClasses wanted = classes_of(list);
+         input.classes = input.classes ? *input.classes & wanted : wanted;
+         input.with = list;
+       },
+       "Only points of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)")
+      .type_name("CLASSES")
+      .group("Input");
+  c.add_option_function(
+       "--without-class",
+       [&input](const std::string& list) {
+         const PointClasses unwanted = classes_of(list);
+         input.classes = input.classes ? *input.classes & ~unwanted : ~unwanted;
+         input.without = list;
+       },
+       "All but points of these classes: noise")
+      .type_name("CLASSES")
+      .group("Input");
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,39 @@
+// The clouds that a command reads: files, and which of their points.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/points/point_classes.h"
+
+namespace sansmesh::cli {
+
+class CommandLine;
+
+/// One file, or several that are read as one cloud.
+struct CloudInput {
+  std::vector<std::string> files;       ///< at least one once the command line is read
+  std::string with, without;            ///< as given to --class and --without-class
+  std::optional<PointClasses> classes;  ///< what follows from these
+
+  /// "a.las", "a.las and 2 other files"
+  std::string name() const;
+  /// "file", or "files".
+  Json json() const;
+  /// With what was read: "format" and "points".
+  Json json(const ReadReport& read, std::size_t points) const;
+  /// Whether it is a function file and not a cloud. Throws ArgumentError where points of it were to be chosen.
+  bool is_function() const;
+  /// All as one cloud, and of it the points of the classes that were asked for. Warnings go to the console. Throws
+  /// FileError.
+  PointSet read(Console& console, ReadReport& report) const;
+};
+
+/// The files, --class and --without-class. `what` describes the files.
+void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what);
+
+}  // namespace sansmesh::cli

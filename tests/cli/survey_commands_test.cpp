@@ -1,0 +1,189 @@
+// Surveys as they come: tiles, classes of points, coordinates of a thousand kilometres in millimetres.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "run_tool.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "support/clouds.h"
+#include "support/las_file.h"
+
+namespace sansmesh::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kRadius = 25;
+constexpr std::size_t kSamples = 6000;
+const Vec3 kCenter{1234567.891, 5432109.877, 321.005};
+
+class SurveyCommands : public ToolTest {
+ protected:
+  /// Two tiles that overlap: a ball's surface of class 2, with strays of class 7 around it in the first one.
+  void write_tiles() const {
+    LasFile west{.format = 6, .offset = {1234000, 5432000, 0}}, east{.format = 1, .offset = {1230000, 5430000, 100}};
+    const auto put = [](LasFile& tile, const Vec3& x, unsigned number) {
+      const Vec3 steps = (x - tile.offset) * 1000.0;
+      tile.points.push_back({.x = static_cast<std::int32_t>(std::lround(steps.x)),
+                             .y = static_cast<std::int32_t>(std::lround(steps.y)),
+                             .z = static_cast<std::int32_t>(std::lround(steps.z)),
+                             .intensity = 100,
+                             .classification = number});
+    };
+    for (const Vec3f& p : sphere(kSamples).positions) {
+      const Vec3 x = kCenter + Vec3(p) * kRadius;
+      if (p.x < 0.1f) put(west, x, 2);
+      if (p.x > -0.1f) put(east, x, 2);
+    }
+    for (int i = 0; i < 300; ++i)
+      put(west, kCenter + Vec3{-40 + 0.2 * i, 30 + 10 * std::sin(i), 10 * std::cos(3.0 * i)}, 7);
+    write("west.las", west.bytes());
+    write("east.las", east.bytes());
+  }
+
+  static double off_the_ball(const TriangleMesh& mesh) {
+    double worst = 0;
+    for (const Vec3f& v : mesh.vertices)
+      worst = std::max(worst, std::abs(norm(mesh.origin + Vec3(v) - kCenter) - kRadius));
+    return worst;
+  }
+};
+
+TEST_F(SurveyCommands, TilesAndClassesMakeOneSurface) {
+  write_tiles();
+  const Outcome outcome =
+      run({"reconstruct", "west.las", "east.las", "--class", "ground", "-o", "ball.ply", "--threads", "2"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("west.las and 1 other file"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find("at the position of another sample"), std::string::npos) << outcome.err;
+  const TriangleMesh mesh = read_mesh(path("ball.ply"));
+  EXPECT_TRUE(measure_topology(mesh).closed());
+  EXPECT_EQ(measure_topology(mesh).components, 1u);
+  EXPECT_LT(off_the_ball(mesh), 0.01 * kRadius);
+
+  // To leave the strays out comes to the same.
+  const Json json = json_of({"reconstruct", "west.las", "east.las", "--without-class", "noise", "-o", "again.ply"});
+  EXPECT_EQ(slurp(path("again.ply")), slurp(path("ball.ply")));
+  EXPECT_EQ(json["input"]["files"], (Json{"west.las", "east.las"}));
+  EXPECT_EQ(json["input"]["format"], "2 files, LAS 1.4");
+  EXPECT_EQ(json["input"]["points"], read_points(path("west.las")).size() + read_points(path("east.las")).size() - 300);
+}
+
+TEST_F(SurveyCommands, OtherCommandsReadThemToo) {
+  write_tiles();
+  const std::vector<std::string> tiles{"west.las", "east.las", "--class", "2"};
+  const auto with = [&](std::string command, std::vector<std::string> more) {
+    more.insert(more.begin(), tiles.begin(), tiles.end());
+    more.insert(more.begin(), std::move(command));
+    return more;
+  };
+  const std::size_t points = read_points(path("west.las")).size() + read_points(path("east.las")).size() - 300;
+  for (const auto& [command, more] :
+       std::vector<std::pair<std::string, std::vector<std::string>>>{{"fit", {"-o", "a.smf"}},
+                                                                     {"normals", {"-o", "a.ply"}},
+                                                                     {"project", {"-o", "b.ply"}},
+                                                                     {"curvature", {"-o", "c.ply"}},
+                                                                     {"advise", {}}}) {
+    const Json json = json_of(with(command, more));
+    // Curvature counts what is left of what was read: what lies in both tiles is found, to the last point.
+    EXPECT_EQ(json["input"]["points"], command == "curvature" ? kSamples : points) << command;
+    EXPECT_EQ(json["input"]["files"], (Json{"west.las", "east.las"})) << command;
+    if (command == "advise") {
+      const std::string told = json["recommendations"][0]["commands"][0];
+      EXPECT_NE(told.find(" west.las east.las --class 2 "), std::string::npos) << told;
+    }
+  }
+  EXPECT_EQ(read_points(path("a.ply")).size(), points);
+  for (const std::vector<std::string>& how : {std::vector<std::string>{}, {"--surface", "apss"}}) {
+    std::vector<std::string> arguments = with("render", {"-o", "a.png", "--width", "64", "--height", "48"});
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    EXPECT_EQ(run(arguments).code, 0);
+  }
+
+  const Json all = json_of({"info", "west.las", "east.las"});
+  EXPECT_EQ(all["points"], points + 300);
+  EXPECT_EQ(all["classes"], (Json{{"2", points}, {"7", 300}}));
+  const Outcome told = run({"info", "west.las"});
+  EXPECT_NE(told.out.find("7 low-noise: 300"), std::string::npos) << told.out;
+}
+
+TEST_F(SurveyCommands, BadChoicesAreOneLine) {
+  write_tiles();
+  PointSet bare = sphere(100);
+  write_points(path("bare.ply"), bare);
+  write("bad.las", "LASF and nothing more");
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  write_mesh(path("mesh.ply"), mesh);
+  expect_failures({
+      {{"reconstruct", "west.las", "-o", "a.ply", "--class", "grund"}, 2, {"--class", "'grund'", "ground", "building"}},
+      {{"fit", "west.las", "-o", "a.smf", "--without-class", "300"}, 2, {"--without-class", "'300'"}},
+      {{"normals", "bare.ply", "-o", "a.ply", "--class", "2"}, 1, {"bare.ply", "no class", "--class"}},
+      {{"info", "west.las", "--class", "water"}, 1, {"west.las", "--class", "2 (ground), 7 (low-noise)"}},
+      {{"info", "west.las", "east.las", "--without-class", "ground,noise"}, 1, {"west.las and 1 other file"}},
+      {{"reconstruct", "west.las", "none.las", "-o", "a.ply"}, 1, {"none.las", "no such file"}},
+      {{"reconstruct", "west.las", "bad.las", "-o", "a.ply"}, 1, {"bad.las", "truncated"}},
+      {{"reconstruct", "west.las", "mesh.ply", "-o", "a.ply"}, 1, {"mesh.ply", "holds faces"}},
+  });
+  ASSERT_EQ(run({"fit", "west.las", "--class", "ground", "-o", "a.smf"}).code, 0);
+  expect_failures({
+      {{"info", "a.smf", "west.las"}, 1, {"a.smf", "is a function"}},
+      {{"render", "a.smf", "--class", "ground", "-o", "a.png"}, 2, {"--class", "function"}},
+  });
+}
+
+TEST_F(SurveyCommands, WarningsNameTheirFiles) {
+  LasFile a{.format = 1, .offset = kCenter}, b = a;
+  for (const Vec3f& p : sphere(2000).positions) {
+    LasFile& tile = p.z > 0 ? a : b;
+    tile.points.push_back({.x = static_cast<std::int32_t>(10000 * p.x),
+                           .y = static_cast<std::int32_t>(10000 * p.y),
+                           .z = static_cast<std::int32_t>(10000 * p.z)});
+  }
+  for (int i = 0; i < 10; ++i) b.points[static_cast<std::size_t>(100 * i)].withheld = true;
+  write("a.las", a.bytes());
+  write("b.las", b.bytes());
+  const Outcome outcome = run({"normals", "a.las", "b.las", "-o", "n.ply"});
+  ASSERT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "warning: b.las: 10 of 1,000 points are flagged as withheld and were left out\n");
+}
+
+/// The same ball, near zero and far away, from files of three kinds to meshes of all kinds: where it lies costs
+/// nothing.
+TEST_F(SurveyCommands, MillimetresSurviveReconstruction) {
+  LasFile las{.format = 0, .offset = kCenter};
+  std::string table;
+  PointSet far;
+  far.origin = kCenter;
+  for (const Vec3f& p : sphere(4000).positions) {
+    const Vec3 steps = Vec3(p) * (1000 * kRadius);
+    const Vec3 x{std::round(steps.x), std::round(steps.y), std::round(steps.z)};
+    las.points.push_back({.x = static_cast<std::int32_t>(x.x),
+                          .y = static_cast<std::int32_t>(x.y),
+                          .z = static_cast<std::int32_t>(x.z)});
+    far.positions.push_back(Vec3f(x * 0.001));
+    char line[80];
+    const Vec3 world = kCenter + x * 0.001;
+    std::snprintf(line, sizeof line, "%.3f %.3f %.3f\n", world.x, world.y, world.z);
+    table += line;
+  }
+  write("far.las", las.bytes());
+  write("far.xyz", table);
+  write_points(path("far.ply"), far);
+  far.origin = {};
+  write_points(path("near.ply"), far);
+  ASSERT_EQ(run({"reconstruct", "near.ply", "-o", "mesh.ply"}).code, 0);
+  TriangleMesh near = read_mesh(path("mesh.ply"));
+  near.origin = near.origin + kCenter;
+  const double wanted = off_the_ball(near);
+  for (const std::string input : {"far.las", "far.xyz", "far.ply"})
+    for (const std::string output : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "mesh.vtp"}) {
+      ASSERT_EQ(run({"reconstruct", input, "-o", output}).code, 0);
+      EXPECT_LT(off_the_ball(read_mesh(path(output))), wanted + 0.002) << input << " to " << output;
+    }
+  EXPECT_LT(wanted, 0.002 * kRadius);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
