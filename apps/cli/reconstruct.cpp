@@ -113,7 +113,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
 }  // namespace
 
 Command add_reconstruct(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("reconstruct", "Points → triangle mesh, closed unless asked otherwise");
+  CommandLine& c = app.add_subcommand("reconstruct", "Points → triangle mesh, closed where they bound a solid");
   auto shared = std::make_shared<ReconstructArguments>();
   ReconstructArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
@@ -125,7 +125,7 @@ Command add_reconstruct(CommandLine& app) {
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
-           "  sansmesh reconstruct terrain.las -o terrain.ply --trim\n"
+           "  sansmesh reconstruct terrain.las -o terrain.ply --class ground\n"
            "  sansmesh reconstruct west.las east.las -o ground.ply --class ground --trim\n"
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");

@@ -14,6 +14,8 @@ constexpr double kOnClosed = -0.42;
 /// Largest edge of the blocks along a border, in spacings of the samples there, and how far from these the border may
 /// be, in reaches.
 constexpr float kBorderBlock = 3, kBorderWidth = 0.6f;
+/// Of so many samples at a border one tells whether a block is too large.
+constexpr std::size_t kEnough = 256;
 
 std::vector<Vec3f> feet(const PartitionData& data, bool open) {
   std::vector<Vec3f> feet;
@@ -103,7 +105,8 @@ void FunctionDomain::refine(BlockTree& blocks, int deepest) const {
       const double h = blocks.block_edge(block);
       const Vec3 center = blocks.block_center(block), half = Vec3{h, h, h} * 0.5;
       const Box3f box{Vec3f(center - half), Vec3f(center + half)};
-      bool divide = !tree.touching(box, 256, near);  // so many: it is far too large
+      bool divide = false;
+      tree.touching(box, kEnough, near);
       for (const std::uint32_t i : near) divide = divide || h > static_cast<double>(edge[i]);
       if (!divide) continue;
       blocks.subdivide(block);

@@ -21,7 +21,7 @@ namespace {
 
 /// Not text (0x89), and damaged by whatever changes the ends of lines.
 constexpr char kMagic[8] = {'\x89', 'S', 'M', 'F', '\r', '\n', '\x1a', '\n'};
-constexpr std::uint32_t kMajor = 1, kMinor = 1;
+constexpr std::uint32_t kMajor = 1, kMinor = 2;
 constexpr std::size_t kAlignment = 64, kMostSections = 256;
 
 struct Header {

@@ -32,13 +32,16 @@ void sum_up(PartitionData& data) {
   report.depth = 0;
   report.creased = 0;
   report.area = 0;
+  report.open_area = 0;
   report.functions_of_degree = {};
   for (std::size_t i = 0; i < data.supports.size(); ++i) {
     report.depth = std::max<int>(report.depth, data.supports[i].level);
     report.creased += data.supports[i].creased;
     ++report.functions_of_degree[static_cast<std::size_t>(data.functions[i].degree)];
     // Summed as the far field does it, in the precision of its patches.
-    report.area += norm(data.functions[i].nu * data.supports[i].area);
+    const float area = norm(data.functions[i].nu * data.supports[i].area);
+    report.area += area;
+    if (data.supports[i].open) report.open_area += area;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/sheets.h"
 
 namespace sansmesh {
@@ -106,14 +107,13 @@ void decide_open(std::optional<bool> open, PartitionData& data) {
     if (is_open[k]) open_area += sheets.area[k];
   }
   data.report.behind = area > 0 ? area_behind / area : 1;
-  data.report.open_area = 0;
   std::vector<Support> supports(data.supports.view().begin(), data.supports.view().end());
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t k = sheets.of_support[i];
     supports[i].open = k == Sheets::kNone ? 2 * open_area > area : is_open[k];
-    if (supports[i].open) data.report.open_area += static_cast<double>(supports[i].area);
   }
   data.supports = std::move(supports);
+  sum_up(data);
 }
 
 }  // namespace sansmesh

@@ -58,7 +58,7 @@ bool is_sensible_support(const PartitionData& data, std::size_t i) {
     ok &= std::abs(f.center[k] - (data.lower[k] + (static_cast<float>(cell[k]) + 0.5f) * h)) <= 0.5f * h;
   return ok && s.area >= 0 && s.area <= 4 * h * h && sensible(s.foot) &&
          (s.area == 0 || norm(s.foot - f.center) <= 2 * h) && sensible(s.error) && sensible(s.coverage) &&
-         s.state <= Support::constant && s.creased <= 1;
+         s.state <= Support::constant && s.creased <= 1 && s.open <= 1;
 }
 
 /// Along the Morton curve, each block after the end of the one before it.

@@ -253,6 +253,18 @@ Selection in_served_blocks(const PartitionData& data, const Selection& chosen, s
   return served;
 }
 
+/// The chosen support that is nearest to another along the curve.
+std::uint32_t nearest_of(const PartitionData& data, const Selection& chosen, const Support& support) {
+  const auto place = [](const Support& s) { return curve_position(s.level, s.code); };
+  const std::uint64_t at = place(support);
+  const auto next = std::lower_bound(chosen.begin(), chosen.end(), at, [&](std::uint32_t i, std::uint64_t position) {
+    return place(data.supports[i]) < position;
+  });
+  if (next == chosen.begin()) return *next;
+  if (next == chosen.end()) return *std::prev(next);
+  return place(data.supports[*next]) - at < at - place(data.supports[*std::prev(next)]) ? *next : *std::prev(next);
+}
+
 }  // namespace
 
 Selection select_supports(const PartitionData& data, const SupportQuery& query) {
@@ -347,6 +359,8 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
     for (std::size_t i = first; i < last; ++i) leaves[i] = fit_leaf(fitter, choice, choice.leaves[i], ws);
     progress.advance(last - first);
   });
+  // Whether a sheet bounds a solid is not decided anew for a part of it.
+  for (FittedLeaf& leaf : leaves) leaf.support.open = data.supports[nearest_of(data, chosen, leaf.support)].open;
   std::vector<PartitionData::Flatness> flatness = updated_flatness(data, fitter, choice, roots, leaves);
   EditResult result = replaced(data, served, std::move(leaves));
   result.data.flatness = std::move(flatness);

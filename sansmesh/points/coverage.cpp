@@ -27,6 +27,8 @@ constexpr float kAtBorder = 0.1f, kBeyond = 0.45f;
 
 /// The same a tenth of a reach beyond a straight border, and nowhere around a hole narrower than two reaches.
 constexpr double kAlongBorder = 0.35;
+/// Edge of the lattice that keeps one sample a cell, over the least local spacing.
+constexpr double kThinned = 0.5;
 /// Samples that close wide holes are so many to a reach.
 constexpr double kWideSamples = 6;
 
@@ -53,7 +55,8 @@ std::vector<Vec3f> thinned(std::span<const Vec3f> samples, double cell) {
 }  // namespace
 
 Coverage::Coverage(std::span<const Vec3f> samples, double spacing, std::optional<double> fill) {
-  const KdTree tree(samples);
+  // Where they are much closer together than elsewhere, most of them say nothing new.
+  const KdTree tree(thinned(samples, kThinned * kLeastLocal * spacing));
   all_.samples = tree.positions();
   all_.reach.resize(all_.samples.size());
   const std::size_t k = std::min(kLocalNeighbours + 1, all_.samples.size());
