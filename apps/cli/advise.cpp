@@ -30,7 +30,10 @@ Json to_json(const CloudTraits& t) {
           {"crease_length", t.creases_known ? Json(t.crease_length) : Json()},
           {"borders", t.borders},
           {"border_length", t.border_length},
+          {"open", t.open},
           {"faces", t.faces},
+          {"open_edges", t.faces ? Json(t.open_edges) : Json()},
+          {"open_loops", t.faces ? Json(t.open_loops) : Json()},
           {"normals", normals_word(t.normals)}};
 }
 
@@ -68,7 +71,6 @@ std::string command_of(const Recommendation& r, const CloudInput& of) {
       command = "sansmesh project " + input + " -o smooth.ply --method " + name;
       break;
   }
-  if (r.trim) command += " --trim";
   if (r.sharp) command += " --sharp";
   if (r.remove_outliers) command += " --remove-outliers";
   return command;
@@ -119,7 +121,8 @@ Command add_advise(CommandLine& app) {
   auto input = std::make_shared<CloudInput>();
   add_cloud_input(c, *input, "Points, or a mesh or polygon soup");
   c.footer(std::string(kReadable) +
-           "\n\nLooks at noise, density, sharp edges, borders, stray samples and normals. Writes nothing."
+           "\n\nLooks at noise, density, sharp edges, borders, whether the surface is open, stray samples and normals. "
+           "Writes nothing."
            "\n\nExamples:\n"
            "  sansmesh advise scan.ply\n"
            "  sansmesh advise scan.ply --json");

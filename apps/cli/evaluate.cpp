@@ -2,12 +2,15 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 
 #include "commands.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/points/sample_faces.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -57,6 +60,28 @@ Json to_json(const MeshQuality& q) {
           {"volume", q.volume}};
 }
 
+Json to_json(const FarPlaces& f) {
+  return {{"share", f.share},
+          {"looked_at", f.looked_at},
+          {"beyond", f.beyond},
+          {"most_around", f.most ? Json{f.most->x, f.most->y, f.most->z} : Json()}};
+}
+
+std::string share_of(const FarPlaces& f) {
+  return f.share > 0 && f.share < 5e-5 ? "less than 0.01 %" : fmt::format("{:.2f} %", 100 * f.share);
+}
+
+std::string most_around(const FarPlaces& f) {
+  return f.most ? fmt::format(", most of it around ({:.6g}, {:.6g}, {:.6g})", f.most->x, f.most->y, f.most->z) : "";
+}
+
+void say_coverage(const MeshCoverage& c, Console& console) {
+  console.say(fmt::format("{:<16}{} of the samples: farther than {} from the mesh{}", "lost", share_of(c.lost),
+                          length(c.lost.beyond), most_around(c.lost)));
+  console.say(fmt::format("{:<16}{} of the area: farther than {} from every sample{}", "invented", share_of(c.invented),
+                          length(c.invented.beyond), most_around(c.invented)));
+}
+
 void say_distance(const char* name, const OneWayDistance& d, const SurfaceDistance& both, Console& console) {
   const auto percent = [&](double x) { return fmt::format("{} ({:.4f} %)", length(x), both.percent(x)); };
   console.say(fmt::format("{:<16}mean {}, rms {}, 95 % below {}, max {}{}", name, percent(d.mean), percent(d.rms),
@@ -71,9 +96,15 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   const TriangleMesh surface = to_mesh(read_points(arguments.surface, &read));
   console.warn(arguments.surface, read.warnings);
   TriangleMesh reference;
+  PointSet samples;  // of the reference, where that is a cloud or a meshed scan
   if (!arguments.reference.empty()) {
-    reference = to_mesh(read_points(arguments.reference, &read));
+    PointSet points = read_points(arguments.reference, &read);
     console.warn(arguments.reference, read.warnings);
+    if (!surface.triangles.empty() && (points.triangles.empty() || vertices_suffice(points))) {
+      samples.origin = points.origin;
+      samples.positions = points.positions;
+    }
+    reference = to_mesh(std::move(points));
   }
 
   Json json;
@@ -117,6 +148,12 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["reference"] = {{"file", arguments.reference}, {"diagonal", d.diagonal}};
     json["to_reference"] = to_json(d.to_reference);
     json["from_reference"] = to_json(d.from_reference);
+    if (samples.size() > 0) {
+      const MeshCoverage c = measure_coverage(surface, samples, arguments.samples, progress);
+      say_coverage(c, console);
+      json["coverage"] = {
+          {"spacing", c.spacing}, {"noise", c.noise}, {"lost", to_json(c.lost)}, {"invented", to_json(c.invented)}};
+    }
   }
   progress.finish();
   console.say_json(json);
@@ -134,7 +171,10 @@ Command add_evaluate(CommandLine& app) {
   c.add_option("--samples", a.samples, "Samples on each mesh [300000]").type_name("COUNT").within(1, 2000000000);
   c.footer(
       "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
-      "Where a side is a set of points, distances do not fall below half their spacing.");
+      "Where a side is a set of points, distances do not fall below half their spacing.\n"
+      "Of the samples of a cloud or a meshed scan: lost, the share of them without a surface, farther from it than "
+      "two\n"
+      "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from all.");
   return {&c, [shared](Console& console) { run_evaluate(*shared, console); }};
 }
 

@@ -3,7 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <string>
 #include <utility>
+
+#include "sansmesh/core/number_words.h"
 
 namespace sansmesh {
 namespace {
@@ -17,14 +20,15 @@ constexpr double kVeryNoisy = 0.5;     // from here on a single sample says litt
 constexpr double kSharp = 1;           // length of the creases over the diagonal
 constexpr double kSharpShare = 0.01;   // and share of places there: fewer are chance,
 constexpr double kSharpByNoise = 0.1;  // which noise makes more likely
-constexpr double kOpen = 1;            // length of the borders over the diagonal
-constexpr double kOpenShare = 0.003;
+constexpr double kBorder = 1;          // length of the borders over the diagonal
+constexpr double kBorderShare = 0.003;
+constexpr double kPartOpen = 0.005, kAllOpen = 0.995;  // share of the area that bounds no solid
 constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for places at random
 constexpr std::size_t kLarge = 300000;  // samples
 constexpr std::size_t kFew = 1000;
 
 struct Judgement {
-  bool stray, noisy, very_noisy, sharp, open, uneven, large, few;
+  bool stray, noisy, very_noisy, sharp, border, open, all_open, holes, uneven, large, few;
 };
 
 Judgement judge(const CloudTraits& t) {
@@ -32,7 +36,10 @@ Judgement judge(const CloudTraits& t) {
           .noisy = t.noise_ratio() >= kNoisy,
           .very_noisy = t.noise_ratio() >= kVeryNoisy,
           .sharp = t.crease_length >= kSharp && t.creases >= kSharpShare + kSharpByNoise * t.noise_ratio(),
-          .open = t.border_length >= kOpen && t.borders >= kOpenShare,
+          .border = t.border_length >= kBorder && t.borders >= kBorderShare,
+          .open = t.open >= kPartOpen,
+          .all_open = t.open >= kAllOpen,
+          .holes = t.open_edges > 0,
           .uneven = t.density_ratio >= kUneven,
           .large = t.samples >= kLarge,
           .few = t.samples < kFew};
@@ -56,6 +63,12 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
   else if (!t.creases_known)
     lines.push_back("sharp edges cannot be told from the noise");
   if (j.open)
+    lines.push_back(fmt::format("open: {} bounds no solid, and ends where the samples end",
+                                j.all_open ? "the surface" : fmt::format("{:.0f} % of the surface", 100 * t.open)));
+  if (j.holes)
+    lines.push_back(fmt::format("borders or holes: {} of the faces in {}", counted(t.open_edges, "open edge"),
+                                counted(t.open_loops, "loop")));
+  if (j.border)
     lines.push_back(fmt::format("borders or holes: {} of the samples lie next to one, about {:.1f} diagonals in all",
                                 percent(t.borders), t.border_length));
   if (j.uneven)
@@ -79,21 +92,23 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
 }
 
 Recommendation mesh(const Judgement& j) {
-  std::string why =
-      "closed, and the nearest to the truth with the fewest triangles and seconds of all that were measured";
+  // A surface that ends with its samples puts no walls between strays, and what little they make is left out; twigs and
+  // wires are no strays.
+  const bool strays_go = j.stray && !j.open;
+  std::string why = std::string(j.open ? "" : "closed, and ") +
+                    "the nearest to the truth with the fewest triangles and seconds of all that were measured";
   if (j.sharp)
     why = "has creases itself, so edges come out as edges; the others round them";
   else if (j.noisy)
     why = "supports as wide as the noise asks for: the least error of all that were measured";
   else if (j.large)
     why = "the others need many times the time for as many samples";
-  if (j.stray) why += "; without the stray samples, which would spoil a closed surface altogether";
-  if (j.open) why += "; `trim` leaves open what the samples leave open";
-  return {.aim = Aim::mesh,
-          .surface = SurfaceMethod::partition,
-          .remove_outliers = j.stray,
-          .trim = j.open,
-          .why = std::move(why)};
+  if (strays_go) why += "; without the stray samples, which would spoil a closed surface altogether";
+  if (j.open)
+    why += "; it ends where the samples end (`open = false` closes it), gaps narrower than `fill_holes` are filled";
+  else if (j.border || j.holes)
+    why += "; borders and holes are closed, `open = true` leaves open what is wider than `fill_holes`";
+  return {.aim = Aim::mesh, .surface = SurfaceMethod::partition, .remove_outliers = strays_go, .why = std::move(why)};
 }
 
 Recommendation picture(const Judgement& j) {

@@ -16,7 +16,6 @@ struct Recommendation {
   SurfaceMethod surface;
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
-  bool trim = false;             ///< MeshOptions::trim, the length chosen from the data
   std::string why;               ///< one sentence, which names options as errors do (core/error.h)
 };
 

@@ -1,12 +1,16 @@
 // What a cloud is like: noise, density, creases, borders, outliers.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "sansmesh/advise/traits.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/local_frame.h"
@@ -31,6 +35,9 @@ constexpr double kHidingNoise = 0.35;  // noise over spacing from where on creas
 constexpr double kBorderGap = 140;     // degrees of the tangent plane without a neighbour
 constexpr std::size_t kBorderNeighbours = 24;
 constexpr std::size_t kBorderPlaces = 2000;
+/// Samples that are fitted to tell whether the surface is open, and share of open edges from which faces are a soup.
+constexpr std::size_t kFitted = 60000;
+constexpr double kSoup = 0.25;
 constexpr int kMostNeighbours = 60;  // for the plane of a place that is judged for borders
 
 /// Of spacings, every part of the surface counting as much as its area: samples alone would describe mainly the dense
@@ -102,6 +109,42 @@ bool next_to_border(std::span<const Vec3f> offsets, const Vec3f& normal) {
   return gap > static_cast<float>(degrees(kBorderGap));
 }
 
+/// Open edges of the faces, unless these are a soup of separate faces.
+void measure_open_edges(const PointSet& given, CloudTraits& traits) {
+  TriangleMesh mesh;
+  mesh.vertices = given.positions;
+  mesh.triangles = given.triangles;
+  const MeshTopology topology = measure_topology(mesh);
+  if (static_cast<double>(topology.boundary_edges) > kSoup * static_cast<double>(topology.edges)) return;
+  traits.open_edges = topology.boundary_edges;
+  traits.open_loops = topology.boundary_loops;
+}
+
+/// What fitting says of the samples, or of some of them: enough to tell a solid from a sheet.
+void measure_openness(PointSet points, CloudTraits& traits, Progress& progress) {
+  if (points.size() > kFitted) {
+    std::vector<std::uint8_t> mask(points.size());
+    const double kept = static_cast<double>(kFitted) / static_cast<double>(points.size());
+    // By a fixed rule that no order of the samples falls in step with (the finaliser of SplitMix64).
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      std::uint64_t z = (i + 1) * 0x9E3779B97F4A7C15u;
+      z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+      z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+      mask[i] = static_cast<double>(z >> 11) * 0x1p-53 >= kept;
+    }
+    remove_samples(points, mask);
+  }
+  points.triangles.clear();
+  points.triangle_attributes = {};
+  try {
+    const SurfaceFunction function = fit_surface_function(std::move(points), {}, progress);
+    const PartitionReport& r = function.field.report();
+    traits.open = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
+  } catch (const DataError&) {
+    // Too few samples for any fit: nothing is known.
+  }
+}
+
 double share(const std::vector<std::uint8_t>& which, const std::vector<std::uint8_t>& known) {
   const auto all = std::count(known.begin(), known.end(), 1);
   return all > 0 ? static_cast<double>(std::count(which.begin(), which.end(), 1)) / static_cast<double>(all) : 0.0;
@@ -162,6 +205,7 @@ void measure_borders(const PointSet& points, CloudTraits& traits) {
 CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::string>* warnings) {
   CloudTraits traits;
   traits.faces = !given.triangles.empty();
+  if (traits.faces) measure_open_edges(given, traits);
   PreparedCloud cloud = prepare_positions(std::move(given), FaceUse::automatic, progress);
   if (warnings) *warnings = cloud.warnings;
   PointSet& points = cloud.points;
@@ -184,6 +228,7 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
   progress.begin("creases and borders");
   measure_creases(points, traits, cloud.place);
   measure_borders(points, traits);
+  measure_openness(std::move(points), traits, progress);
   progress.finish();
   return traits;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
+#include <optional>
 #include <span>
 
 #include "sansmesh/core/check_range.h"
@@ -13,6 +13,7 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/partition/partition_edit.h"
@@ -28,6 +29,13 @@ constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
 /// An edit's ball reaches a little beyond the place.
 constexpr double kBallMargin = 1.05;
+/// A sheet is taken away whose share of vertices on components that stay is not larger than this.
+constexpr double kShared = 0.1;
+/// Edits are tried so many times, without those that did harm within so many radii of their places.
+constexpr int kTrials = 3;
+constexpr double kHarmMargin = 1.5;
+/// A mesh that is made anew may lose one sample more in so many: those just as far as is allowed.
+constexpr std::size_t kSpared = 20000;
 
 using Color = std::array<std::uint8_t, 3>;
 constexpr Color kSound{205, 205, 200};
@@ -116,64 +124,89 @@ void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagge
 std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshComponents& components,
                                        const SurfaceFunction& function) {
   const PointSet& samples = *function.samples;
-  const std::vector<std::size_t> nearest = detail::count_nearest(mesh, components, samples.size(), [&](std::size_t i) {
-    return Vec3f(function.place.to_input(Vec3(samples.positions[i]) + samples.origin) - mesh.origin);
-  });
-  const double spacing = function.place.to_input(function.field.report().spacing);
+  const Vec3f shift(samples.origin - mesh.origin);
+  const std::vector<std::size_t> nearest = detail::count_nearest(
+      mesh, components, samples.size(), [&](std::size_t i) { return samples.positions[i] + shift; });
+  const double spacing = function.field.report().spacing;
   std::vector<double> evidence(components.size());
   for (std::size_t c = 0; c < evidence.size(); ++c)
     evidence[c] = static_cast<double>(nearest[c]) * spacing * spacing / components.area[c];
   return evidence;
 }
 
-/// Extra components of the mesh: places, and the supports that they run through.
-void find_extra_sheets(const SurfaceFunction& function, const KdTree& feet, Diagnosis& diagnosis,
-                       std::vector<std::uint8_t>& vertex_flag) {
-  const TriangleMesh& mesh = diagnosis.mesh;
-  const MeshComponents components = find_components(mesh);
-  if (components.size() < 2) return;
-  const std::vector<double> evidence = function.samples->size() > 0 ? component_evidence(mesh, components, function)
-                                                                    : std::vector<double>(components.size(), 1.0);
+/// Components that hardly any samples stand for, 1 for each. The mesh is in the coordinates of the field.
+std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshComponents& components,
+                                           const SurfaceFunction& function) {
+  const PartitionReport& report = function.field.report();
+  const bool sampled = function.samples->size() > 0;
   std::vector<std::uint8_t> extra(components.size(), 0);
+  if (report.open_area > 0) {
+    // A scene has parts of all sizes: what was seen belongs to it, however small beside the largest.
+    if (!sampled) return extra;
+    extra = detail::chosen_components(mesh, components, {}, *function.samples, report.spacing, true);
+    for (std::uint8_t& e : extra) e = !e;
+    return extra;
+  }
+  const std::vector<double> evidence =
+      sampled ? component_evidence(mesh, components, function) : std::vector<double>(components.size(), 1.0);
   // The largest that is vouched for is what the others are measured against.
   double largest = 0;
   for (std::size_t c = 0; c < extra.size(); ++c)
     if (evidence[c] >= kLeastEvidence) largest = std::max(largest, components.area[c]);
   for (std::size_t c = 0; c < extra.size(); ++c)
     extra[c] = evidence[c] < kLeastEvidence || components.area[c] < detail::kSmallComponent * largest;
-  std::vector<Box3f> box(components.size());
-  std::vector<Vec3f> first(components.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const std::uint32_t c = components.of_triangle[i];
-    for (const std::uint32_t v : mesh.triangles[i]) {
-      if (box[c].empty()) first[c] = mesh.vertices[v];
-      box[c].extend(mesh.vertices[v]);
-      vertex_flag[v] |= extra[c];
-    }
-  }
+  return extra;
+}
+
+/// Extra components of the mesh, which is in the coordinates of the field: places, and the vertices on them.
+void find_extra_sheets(const SurfaceFunction& function, const TriangleMesh& mesh, const KdTree& feet,
+                       Diagnosis& diagnosis, std::vector<std::uint8_t>& vertex_flag) {
+  const MeshComponents components = find_components(mesh);
+  if (components.size() < 2) return;
+  const std::vector<std::uint8_t> extra = extra_components(mesh, components, function);
+  if (std::find(extra.begin(), extra.end(), 1) == extra.end()) return;
   const PartitionData& data = function.field.data();
   const Sheets sheets = find_sheets(data, function.samples->positions);
+  std::vector<std::uint32_t> component(mesh.vertices.size(), 0), nearest(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t v : mesh.triangles[i]) component[v] = components.of_triangle[i];
+  parallel_for(0, nearest.size(), 2048, [&](std::size_t v) {
+    const auto found = feet.nearest(Vec3f(mesh.origin + Vec3(mesh.vertices[v]) - data.origin));
+    nearest[v] = found ? found->index : 0;
+  });
+  // Of each sheet, vertices on components that are extra and on such that are not: a sheet may make several.
+  std::vector<std::array<std::size_t, 2>> vertices(sheets.size());
+  std::vector<Box3f> box(components.size());
+  std::vector<std::vector<std::uint32_t>> on(components.size());  // supports along extra components
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const std::uint32_t c = component[v], sheet = data.supports.empty() ? Sheets::kNone : sheets.of_support[nearest[v]];
+    vertex_flag[v] = extra[c];
+    if (sheet != Sheets::kNone) ++vertices[sheet][extra[c]];
+    if (!extra[c]) continue;
+    box[c].extend(mesh.vertices[v]);
+    on[c].push_back(nearest[v]);
+  }
   std::vector<SuspiciousPlace> places;
   std::vector<std::uint8_t> proposed(sheets.size(), 0);
   for (std::size_t c = 0; c < extra.size(); ++c) {
     if (!extra[c]) continue;
     SuspiciousPlace p;
     p.kind = Suspicion::extra_sheet;
-    p.position = mesh.origin + Vec3(box[c].center());
-    p.radius = 0.5 * static_cast<double>(box[c].diagonal());
-    p.worst = components.area[c];
-    const Vec3 on = mesh.origin + Vec3(first[c]);
-    const auto found = feet.nearest(Vec3f(function.place.from_input(on) - data.origin));
-    const std::uint32_t sheet = found ? sheets.of_support[found->index] : Sheets::kNone;
+    p.position = function.place.to_input(mesh.origin + Vec3(box[c].center()));
+    p.radius = function.place.to_input(0.5 * static_cast<double>(box[c].diagonal()));
+    p.worst = function.place.to_input(function.place.to_input(components.area[c]));
+    const std::uint32_t at = on[c].empty() ? 0 : on[c].front();
+    const std::uint32_t sheet = on[c].empty() ? Sheets::kNone : sheets.of_support[at];
     // Only a sheet of its own can be taken away without harm to others.
-    if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0]) {
+    if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0] &&
+        static_cast<double>(vertices[sheet][0]) <= kShared * static_cast<double>(vertices[sheet][1])) {
       for (const std::uint32_t k : sheets.of_support) p.supports += k == sheet;
     }
     if (p.supports > 0 && !proposed[sheet]) {
       proposed[sheet] = 1;
       Edit edit;
       edit.select.all_but_largest = true;  // whatever other edits have done before
-      edit.select.sheet_at = function.place.to_input(data.origin + Vec3(data.supports[found->index].foot));
+      edit.select.sheet_at = function.place.to_input(data.origin + Vec3(data.supports[at].foot));
       edit.action = RemoveSupports{};
       p.edit = edit;
     }
@@ -203,6 +236,66 @@ void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_ab
     return;
   }
   p.edit = edit;
+}
+
+/// Samples without a surface, 1 for each.
+std::vector<std::uint8_t> lost_samples_of(const SurfaceFunction& function, const TriangleMesh& mesh) {
+  const PartitionReport& report = function.field.report();
+  return far_samples(mesh, *function.samples, lost_beyond(report.spacing, report.noise));
+}
+
+/// The surface after all edits that are proposed, in the coordinates of the field; nothing if it cannot be had.
+std::optional<TriangleMesh> mended(const SurfaceFunction& function, const Diagnosis& diagnosis, Progress& progress) {
+  MeshOptions meshing;
+  meshing.carry_colors = false;
+  try {
+    FunctionEditor editor(function);
+    for (const Edit& edit : diagnosis.edits()) editor.apply(edit, progress);
+    TriangleMesh mesh = mesh_function(editor.function(), meshing, progress);
+    move_from_input(mesh, function.place);
+    return mesh;
+  } catch (const DataError&) {
+    return std::nullopt;
+  }
+}
+
+/// Takes the edits back around which samples lost their surface that `lost_before` says to have had one. False if that
+/// is none of them.
+bool take_back(const SurfaceFunction& function, const std::vector<std::uint8_t>& lost_before,
+               const std::vector<std::uint8_t>& lost, Diagnosis& diagnosis) {
+  std::vector<std::uint8_t> harmful(diagnosis.places.size(), 0);
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    if (!lost[i] || lost_before[i]) continue;
+    const Vec3 x = function.place.to_input(function.samples->origin + Vec3(function.samples->positions[i]));
+    std::size_t nearest = harmful.size();
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < harmful.size(); ++k) {
+      const SuspiciousPlace& p = diagnosis.places[k];
+      if (!p.edit) continue;
+      const double off = norm(x - p.position) - kHarmMargin * p.radius;
+      if (off <= 0) harmful[k] = 1;
+      if (off < least) least = off, nearest = k;
+    }
+    if (nearest < harmful.size()) harmful[nearest] = 1;
+  }
+  for (std::size_t k = 0; k < harmful.size(); ++k)
+    if (harmful[k]) diagnosis.places[k].edit.reset();
+  return std::find(harmful.begin(), harmful.end(), 1) != harmful.end();
+}
+
+/// Tries the edits, and takes those back that take surface away from samples. `lost_before`: without any edit.
+void try_edits(const SurfaceFunction& function, const std::vector<std::uint8_t>& lost_before, Diagnosis& diagnosis,
+               Progress& progress) {
+  const auto most =
+      std::count(lost_before.begin(), lost_before.end(), 1) + static_cast<std::ptrdiff_t>(lost_before.size() / kSpared);
+  for (int round = 0; round < kTrials && !diagnosis.edits().empty(); ++round) {
+    const std::optional<TriangleMesh> mesh = mended(function, diagnosis, progress);
+    if (!mesh) break;
+    const std::vector<std::uint8_t> lost = lost_samples_of(function, *mesh);
+    if (std::count(lost.begin(), lost.end(), 1) <= most) return;
+    if (!take_back(function, lost_before, lost, diagnosis)) break;
+  }
+  for (SuspiciousPlace& p : diagnosis.places) p.edit.reset();
 }
 
 void color_mesh(const SurfaceFunction& function, const KdTree& feet, std::span<const Flagged> flagged,
@@ -277,7 +370,8 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
     const Support& s = data.supports[i];
     if (s.state != Support::fitted) continue;
     diagnosis.largest_gradient = std::max(diagnosis.largest_gradient, steepest[i]);
-    of(Suspicion::low_coverage).flag[i] = static_cast<double>(s.coverage) < options.coverage_below;
+    // Where samples end, a sheet that bounds no solid ends too: that is no defect.
+    of(Suspicion::low_coverage).flag[i] = !s.open && static_cast<double>(s.coverage) < options.coverage_below;
     of(Suspicion::low_coverage).value[i] = static_cast<double>(s.coverage);
     of(Suspicion::high_error).flag[i] = static_cast<double>(s.error) > error;
     of(Suspicion::high_error).value[i] = function.place.to_input(static_cast<double>(s.error));
@@ -288,7 +382,9 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   for (std::size_t i = 0; i < n; ++i) foot[i] = data.supports[i].foot;
   const KdTree feet(foot);
   std::vector<std::uint8_t> extra(diagnosis.mesh.vertices.size(), 0);
-  find_extra_sheets(function, feet, diagnosis, extra);
+  TriangleMesh mesh = diagnosis.mesh;
+  move_from_input(mesh, function.place);
+  find_extra_sheets(function, mesh, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
     gather_places(function, kind, of(kind), diagnosis);
   // At most so many of each kind.
@@ -297,6 +393,12 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
                 [&](const SuspiciousPlace& p) { return ++kept[static_cast<std::size_t>(p.kind)] > options.places; });
   if (function.samples->size() > 0)  // nothing can be fitted again without
     for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above);
+  if (function.samples->size() > 0 && !diagnosis.edits().empty()) {
+    MeshReport report;
+    report.open = field.report().open_area > 0;
+    detail::choose_components(mesh, {}, *function.samples, field.report().spacing, report);
+    try_edits(function, lost_samples_of(function, mesh), diagnosis, progress);
+  }
   color_mesh(function, feet, flagged, extra, diagnosis.mesh);
   progress.finish();
   return diagnosis;

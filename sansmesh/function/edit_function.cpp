@@ -15,8 +15,9 @@
 namespace sansmesh {
 namespace {
 
-/// A sheet is spurious, too, whose area is less than this share of the largest one's.
-constexpr double kSmallSheet = 0.01;
+/// A sheet is spurious, too, whose area is less than this share of the largest one's; of sheets that bound no solid
+/// only those are that fewer samples than so many stand for.
+constexpr double kSmallSheet = 0.01, kFewSamples = 5;
 
 /// A place is on a sheet if one of its supports has its foot within so many edges of its block.
 constexpr float kSheetReach = 2;
@@ -51,11 +52,16 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const SurfaceFunction& functi
       s.sheet_at ? nearest_sheet(data, sheets, Vec3f(function.place.from_input(*s.sheet_at) - data.origin))
                  : Sheets::kNone;
   std::vector<std::uint8_t> flags(data.supports.size());
+  const double few = kFewSamples * data.report.spacing * data.report.spacing;
+  const auto spurious = [&](std::size_t i, std::uint32_t k) {
+    if (k == 0) return false;
+    if (data.supports[i].open) return sheets.evidence[k] * sheets.area[k] < few;
+    return sheets.evidence[k] < kLeastEvidence || sheets.area[k] < kSmallSheet * sheets.area[0];
+  };
   for (std::size_t i = 0; i < flags.size(); ++i) {
     const std::uint32_t k = sheets.of_support[i];
     flags[i] = k != Sheets::kNone && (!s.sheet_at || k == wanted) && (!s.all_but_largest || k != 0) &&
-               (!s.spurious_sheets ||
-                (k != 0 && (sheets.evidence[k] < kLeastEvidence || sheets.area[k] < kSmallSheet * sheets.area[0])));
+               (!s.spurious_sheets || spurious(i, k));
   }
   return flags;
 }

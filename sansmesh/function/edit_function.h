@@ -29,7 +29,9 @@ struct EditSelection {
   std::optional<int> samples_below;
   std::optional<int> level_from, level_to;
   std::optional<Vec3> sheet_at;  ///< on the connected sheet at this place (within two edges of a block there)
-  bool spurious_sheets = false;  ///< on a sheet that hardly any samples stand for
+  /// On a sheet that hardly any samples stand for, or that is small beside the largest one; of sheets that bound no
+  /// solid (Support::open) only on those that fewer than five samples stand for.
+  bool spurious_sheets = false;
   bool all_but_largest = false;  ///< not on the largest sheet
 
   /// Throws ArgumentError naming the field.

@@ -9,7 +9,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/sample_colors.h"
@@ -24,10 +24,8 @@ constexpr double kSupported = 0.02;
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
 constexpr double kSeen = 5;
-/// Samples farther than so many spacings, and so many times the noise, from the mesh have no surface. Above this share
-/// of them a warning says so, and where most of them are, within so many spacings.
-constexpr double kLost = 2, kLostInNoise = 4, kMuchLost = 0.01, kTogether = 30;
-constexpr std::size_t kPlacesOfLost = 300;
+/// Above this share of the samples without a surface a warning says so, and where most of them are.
+constexpr double kMuchLost = 0.01;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
 /// asked for.
 constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8;
@@ -67,16 +65,14 @@ std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshCompo
   return count;
 }
 
-void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
-                       MeshReport& report) {
-  const MeshComponents components = find_components(mesh);
+std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const MeshComponents& components,
+                                            const ComponentChoice& choice, const PointSet& points, double spacing,
+                                            bool open) {
   const std::size_t count = components.size();
-  report.components = static_cast<int>(count);
-  if (choice.kind == ComponentChoice::Kind::all || count < 2) return;
-
+  if (choice.kind == ComponentChoice::Kind::all || count < 2) return std::vector<std::uint8_t>(count, 1);
   std::vector<double> supported = components.area;
-  const bool seen = report.open && points.size() > 0;
-  if (points.size() > 0 && (seen || components.area[1] >= kSmallComponent * components.area[0]))
+  const bool seen = open && points.size() > 0;
+  if (seen || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0]))
     supported = supported_area(mesh, components, points, spacing);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
@@ -93,6 +89,15 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
     chosen[k] = 1;
     ++kept;
   }
+  return chosen;
+}
+
+void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,
+                       MeshReport& report) {
+  const MeshComponents components = find_components(mesh);
+  const std::size_t count = components.size();
+  const std::vector<std::uint8_t> chosen = chosen_components(mesh, components, choice, points, spacing, report.open);
+  const auto kept = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
   report.components = static_cast<int>(kept);
   if (kept == count) return;
   std::vector<std::uint8_t> keep(mesh.triangles.size());
@@ -173,29 +178,9 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
 
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report) {
   if (points.size() == 0) return;
-  const std::size_t stride = 1 + points.size() / kSupportSamples, n = (points.size() + stride - 1) / stride;
-  const Vec3 shift = points.origin - mesh.origin;
-  const double far = std::max(kLost * spacing, kLostInNoise * noise);
-  const ClosestTriangle closest(mesh);
-  std::vector<std::uint8_t> is_lost(n);
-  parallel_ranges(0, n, 512, [&](std::size_t first, std::size_t last) {
-    ClosestTriangle::Hit hit;
-    for (std::size_t i = first; i < last; ++i) {
-      hit = closest.closest(Vec3(points.positions[i * stride]) + shift, hit);
-      is_lost[i] = hit.squared_distance > far * far;
-    }
-  });
-  std::vector<Vec3f> lost;
-  for (std::size_t i = 0; i < n; ++i)
-    if (is_lost[i]) lost.push_back(points.positions[i * stride]);
-  report.lost = static_cast<double>(lost.size()) / static_cast<double>(n);
-  if (report.lost <= kMuchLost) return;
-  const KdTree tree(lost);
-  std::size_t most = 0, at = 0;
-  for (std::size_t i = 0; i < lost.size(); i += 1 + lost.size() / kPlacesOfLost)
-    if (const std::size_t c = tree.count_within(lost[i], static_cast<float>(kTogether * spacing)); c > most)
-      most = c, at = i;
-  report.most_lost = points.origin + Vec3(lost[at]);
+  const FarPlaces lost = find_lost(mesh, points, spacing, noise, kSupportSamples);
+  report.lost = lost.share;
+  if (report.lost > kMuchLost) report.most_lost = lost.most;
 }
 
 std::string lost_samples(const MeshReport& r) {

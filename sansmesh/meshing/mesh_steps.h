@@ -42,6 +42,12 @@ std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& s
 /// Cuts the surface where vertices are not `near`.
 void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near);
 
+/// 1 for the components that choose_components keeps. `open`: some of the surface ends where its samples do, where
+/// parts are judged by their samples alone, however small they are beside the largest one.
+std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const MeshComponents& components,
+                                            const ComponentChoice& choice, const PointSet& points, double spacing,
+                                            bool open);
+
 /// Keeps the components chosen. Stray samples far from the shape can make sheets larger than parts of it, so what
 /// counts is the area that samples stand for; automatically, components go that have little of it.
 void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const PointSet& points, double spacing,

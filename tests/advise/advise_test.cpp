@@ -121,7 +121,66 @@ TEST(Advise, SeesBorders) {
   const Advice advice = ask(half);
   EXPECT_NEAR(advice.traits.border_length, 2 * std::numbers::pi / 3, 1.2);  // diagonal of 2 × 1 × 2
   EXPECT_TRUE(says(advice, "borders"));
-  EXPECT_TRUE(for_aim(advice, Aim::mesh).value().trim);
+  EXPECT_GT(advice.traits.open, 0.99);
+  EXPECT_TRUE(says(advice, "open: the surface bounds no solid"));
+  EXPECT_NE(for_aim(advice, Aim::mesh).value().why.find("ends where the samples end"), std::string::npos);
+}
+
+TEST(Advise, TellsOpenScenesFromSolids) {
+  EXPECT_EQ(ask(test::cube(3000)).traits.open, 0);
+  // A floor, and a ball above it that is an eighth of both.
+  PointSet scene;
+  for (int i = 0; i < 100; ++i)
+    for (int j = 0; j < 100; ++j) {
+      const float x = 0.1f * static_cast<float>(i), y = 0.1f * static_cast<float>(j);
+      scene.positions.push_back({x, y, 0.2f * std::sin(x)});
+      scene.normals.push_back(normalized(Vec3f{-0.2f * std::cos(x), 0, 1}));
+    }
+  const Advice floor = ask(scene);
+  EXPECT_GT(floor.traits.open, 0.99);
+  EXPECT_FALSE(says(floor, "% of the surface bounds no solid"));
+  PointSet strays = scene;
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<float> uniform(1, 9);
+  for (int i = 0; i < 100; ++i) {
+    strays.positions.push_back({uniform(generator), uniform(generator), uniform(generator)});
+    strays.normals.push_back({0, 0, 1});
+  }
+  const Advice untidy = ask(strays);
+  EXPECT_TRUE(says(untidy, "stray"));
+  EXPECT_FALSE(for_aim(untidy, Aim::mesh).value().remove_outliers) << "they do no harm there";
+  const Advice both = ask(test::joined(scene, test::sphere(1400), 1.05f, {5, 5, 3}));
+  EXPECT_NEAR(both.traits.open, 100 / (100 + 4 * std::numbers::pi * 1.05 * 1.05), 0.05);
+  EXPECT_TRUE(says(both, "% of the surface bounds no solid"));
+}
+
+TEST(Advise, CountsTheOpenEdgesOfFaces) {
+  // A lattice of n × n on a sphere without its poles: two loops of n edges each; with a quadrilateral less another
+  // of 4.
+  const std::uint32_t n = 60;
+  PointSet band;
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const double u = 2 * std::numbers::pi * i / n, v = 0.3 + 2.5 * j / (n - 1);
+      band.positions.push_back(Vec3f(Vec3{std::cos(u) * std::sin(v), std::sin(u) * std::sin(v), std::cos(v)}));
+      if (j + 1 == n || (i == 20 && j == 30)) continue;
+      const std::uint32_t a = i * n + j, b = (i + 1) % n * n + j;
+      band.triangles.push_back({a, a + 1, b});
+      band.triangles.push_back({b, a + 1, b + 1});
+    }
+  const Advice advice = ask(band);
+  EXPECT_EQ(advice.traits.open_edges, 2 * n + 4);
+  EXPECT_EQ(advice.traits.open_loops, 3u);
+  EXPECT_TRUE(says(advice, "124 open edges of the faces in 3 loops"));
+  EXPECT_NE(for_aim(advice, Aim::mesh).value().why.find("`fill_holes`"), std::string::npos);
+  // Every triangle with corners of its own: nothing can be said of such.
+  PointSet soup;
+  for (const auto& t : band.triangles) {
+    const auto base = static_cast<std::uint32_t>(soup.size());
+    for (const std::uint32_t v : t) soup.positions.push_back(band.positions[v]);
+    soup.triangles.push_back({base, base + 1, base + 2});
+  }
+  EXPECT_EQ(ask(soup).traits.open_edges, 0u);
 }
 
 TEST(Advise, SeesUnevenSampling) {
@@ -148,7 +207,6 @@ TEST(Advise, RecommendsWhatTheMethodHeeds) {
   for (const PointSet& cloud : {test::cube(6000), test::sphere(6000, 0.02), strays})
     for (const Recommendation& r : ask(cloud).recommendations) {
       EXPECT_TRUE(!r.sharp || surface_method_info(r.surface).heeds(SurfaceOption::sharp)) << aim_word(r.aim);
-      EXPECT_TRUE(!r.trim || r.aim == Aim::mesh);
       EXPECT_GT(r.why.size(), 10u);
     }
 }

@@ -80,8 +80,10 @@ TEST_F(AdviseCommand, NamesOptionsAsTheToolDoes) {
   }
   write_points(path("half.ply"), half);
   const Outcome outcome = run({"advise", "half.ply"});
-  EXPECT_NE(outcome.out.find("; --trim leaves open what the samples leave open\n"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("-o surface.ply --trim\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("; it ends where the samples end (--closed closes it), gaps narrower than --fill-holes"),
+            std::string::npos)
+      << outcome.out;
+  EXPECT_NE(outcome.out.find("-o surface.ply\n"), std::string::npos) << outcome.out;
   EXPECT_EQ(outcome.out.find('`'), std::string::npos) << outcome.out;
 }
 

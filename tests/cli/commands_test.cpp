@@ -53,6 +53,17 @@ TEST_F(Commands, ReconstructsTheBundledScan) {
   EXPECT_TRUE(json["topology"]["closed"]);
   EXPECT_LT(json["from_reference"]["mean"].get<double>(), 4e-4 * json["reference"]["diagonal"].get<double>());
   EXPECT_LT(json["quality"]["aspect_mean"].get<double>(), 1.7);
+  // The base of the closed mesh, and nothing else, has no samples.
+  EXPECT_EQ(json["coverage"]["lost"]["share"], 0);
+  EXPECT_TRUE(json["coverage"]["lost"]["most_around"].is_null());
+  EXPECT_EQ(json["coverage"]["lost"]["looked_at"], 12442);
+  EXPECT_GT(json["coverage"]["invented"]["share"].get<double>(), 0.03);
+  EXPECT_LT(json["coverage"]["invented"]["share"].get<double>(), 0.1);
+  EXPECT_EQ(json["coverage"]["invented"]["most_around"].size(), 3u);
+  ASSERT_EQ(run({"reconstruct", kOwl, "-o", "open.ply", "--open"}).code, 0);
+  const Outcome open = run({"evaluate", "open.ply", kOwl});
+  EXPECT_NE(open.out.find("lost            0.00 % of the samples"), std::string::npos) << open.out;
+  EXPECT_NE(open.out.find("invented        0.00 % of the area"), std::string::npos) << open.out;
 }
 
 TEST_F(Commands, OutputDoesNotDependOnThreads) {

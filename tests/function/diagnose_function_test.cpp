@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_script.h"
+#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
@@ -124,6 +127,84 @@ TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
   rejects([](DiagnoseOptions& o) { o.coverage_below = 2; });
   rejects([](DiagnoseOptions& o) { o.error_above = -1; });
   rejects([](DiagnoseOptions& o) { o.gradient_above = 0.5; });
+}
+
+/// A terrain over a square of this edge at a corner, n × n samples with a little noise.
+PointSet terrain(int n, float edge, const Vec3f& corner) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> gauss(0, 1);
+  PointSet cloud;
+  const float step = edge / static_cast<float>(n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const float x = (static_cast<float>(i) + 0.3f * gauss(random)) * step;
+      const float y = (static_cast<float>(j) + 0.3f * gauss(random)) * step;
+      const float z = 0.06f * std::sin(5 * x) * std::cos(4 * y) + 0.05f * step * gauss(random);
+      cloud.positions.push_back(corner + Vec3f{x, y, z});
+      cloud.normals.push_back(
+          normalized(Vec3f{-0.3f * std::cos(5 * x) * std::cos(4 * y), 0.24f * std::sin(5 * x) * std::sin(4 * y), 1}));
+    }
+  return cloud;
+}
+
+/// Share of the samples without a surface in the default mesh.
+double lost(const SurfaceFunction& function) {
+  Progress progress;
+  MeshReport report;
+  mesh_function(function, {}, progress, &report);
+  return report.lost;
+}
+
+/// Share that is lost after all edits that are proposed.
+double lost_after(const SurfaceFunction& function, const Diagnosis& d) {
+  FunctionEditor editor(function);
+  Progress progress;
+  for (const Edit& edit : d.edits()) editor.apply(edit, progress);
+  return lost(editor.function());
+}
+
+TEST(Diagnose, WhatSamplesStandForIsNoStrayInAScene) {
+  // Each part is less than a hundredth of the terrain: a small one beside it, a ball above it, a shelf.
+  PointSet scene = joined(terrain(200, 1, {}), terrain(16, 0.08f, {1.2f, 0, 0.1f}));
+  scene = joined(scene, sphere(250), 0.02f, {0.5f, 0.5f, 0.2f});
+  scene = joined(scene, terrain(12, 0.06f, {0.2f, 0.2f, 0.3f}));
+  const SurfaceFunction function = fit_cloud(scene);
+  ASSERT_GT(function.field.report().open_area, 0.9 * function.field.report().area);
+  const Diagnosis d = diagnose(function);
+  EXPECT_TRUE(of_kind(d, Suspicion::extra_sheet).empty());
+  EXPECT_TRUE(of_kind(d, Suspicion::low_coverage).empty()) << "borders are no defect";
+  EXPECT_EQ(lost(function), 0);
+  EXPECT_EQ(lost_after(function, d), 0);
+
+  // Nor may a script of one's own that takes spurious sheets away.
+  FunctionEditor editor(function);
+  Progress progress;
+  Edit edit;
+  edit.select.spurious_sheets = true;
+  edit.action = RemoveSupports{};
+  EXPECT_EQ(editor.apply(edit, progress).chosen, 0u);
+}
+
+TEST(Diagnose, TwoTerrainsAreTwo) {
+  const SurfaceFunction function = fit_cloud(joined(terrain(150, 1, {}), terrain(40, 0.27f, {0.3f, 0.3f, 0.5f})));
+  const Diagnosis d = diagnose(function);
+  EXPECT_TRUE(of_kind(d, Suspicion::extra_sheet).empty());
+  EXPECT_LE(lost_after(function, d), lost(function));
+}
+
+TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
+  // Whatever is held to be suspicious: thresholds that mark sound places, steep ones between sheets, and strays.
+  PointSet close = joined(terrain(100, 1, {}), terrain(100, 1, {0, 0, 0.025f}));
+  PointSet strays = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
+  for (const PointSet& cloud : {close, strays, joined(terrain(100, 1, {}), sphere(30), 0.02f, {0.5f, 0.5f, 0.3f})}) {
+    const SurfaceFunction function = fit_cloud(cloud);
+    DiagnoseOptions options;
+    options.gradient_above = 1.1;
+    options.coverage_below = 0.8;
+    options.error_above = 0.5 * function.place.to_input(function.field.report().spacing);
+    const Diagnosis d = diagnose(function, options);
+    EXPECT_LE(lost_after(function, d), lost(function));
+  }
 }
 
 TEST(Diagnose, FunctionsWithoutSamples) {

@@ -1,0 +1,117 @@
+#include "sansmesh/mesh/mesh_coverage.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kLostSpacings = 2, kLostNoises = 4, kInventedSpacings = 4;
+/// Most of them: the more within so many spacings. So many places are tried.
+constexpr double kTogether = 30;
+constexpr std::size_t kTriedPlaces = 300;
+constexpr std::size_t kCoverageChunk = 512;  // places that share one chain of hints
+
+/// Fills in the share of the places that are far, and around which of them most of these lie.
+void sum_up(std::span<const Vec3f> places, std::span<const std::uint8_t> is_far, const Vec3& origin, double spacing,
+            FarPlaces& result) {
+  result.looked_at = places.size();
+  std::vector<Vec3f> far;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (is_far[i]) far.push_back(places[i]);
+  if (far.empty()) return;
+  result.share = static_cast<double>(far.size()) / static_cast<double>(places.size());
+  const KdTree tree(far);
+  const std::size_t stride = 1 + far.size() / kTriedPlaces;
+  std::vector<std::size_t> around((far.size() + stride - 1) / stride);
+  parallel_for(0, around.size(), 4, [&](std::size_t i) {
+    around[i] = tree.count_within(far[i * stride], static_cast<float>(kTogether * spacing));
+  });
+  const auto most = std::max_element(around.begin(), around.end()) - around.begin();
+  result.most = origin + Vec3(far[static_cast<std::size_t>(most) * stride]);
+}
+
+/// 1 for the places, moved by `shift`, that are farther than `beyond` from a mesh.
+std::vector<std::uint8_t> far_from(const ClosestTriangle& mesh, std::span<const Vec3f> places, const Vec3& shift,
+                                   double beyond) {
+  std::vector<std::uint8_t> is_far(places.size());
+  parallel_ranges(0, places.size(), kCoverageChunk, [&](std::size_t first, std::size_t last) {
+    ClosestTriangle::Hit hit;
+    for (std::size_t i = first; i < last; ++i) {
+      if (!is_finite(places[i])) continue;
+      hit = mesh.closest(Vec3(places[i]) + shift, hit);
+      is_far[i] = hit.squared_distance > beyond * beyond;
+    }
+  });
+  return is_far;
+}
+
+}  // namespace
+
+double lost_beyond(double spacing, double noise) { return std::max(kLostSpacings * spacing, kLostNoises * noise); }
+
+std::vector<std::uint8_t> far_samples(const TriangleMesh& mesh, const PointSet& samples, double beyond) {
+  return far_from(ClosestTriangle(mesh), samples.positions, samples.origin - mesh.origin, beyond);
+}
+
+FarPlaces find_lost(const TriangleMesh& mesh, const PointSet& samples, double spacing, double noise, std::size_t most) {
+  FarPlaces result;
+  result.beyond = lost_beyond(spacing, noise);
+  const std::size_t stride = 1 + (samples.size() - std::min<std::size_t>(samples.size(), 1)) / most;
+  std::vector<Vec3f> places;
+  for (std::size_t i = 0; i < samples.size(); i += stride)
+    if (is_finite(samples.positions[i])) places.push_back(samples.positions[i]);
+  const auto is_far = far_from(ClosestTriangle(mesh), places, samples.origin - mesh.origin, result.beyond);
+  sum_up(places, is_far, samples.origin, spacing, result);
+  return result;
+}
+
+FarPlaces find_invented(const TriangleMesh& mesh, const PointSet& samples, double spacing, std::size_t places) {
+  FarPlaces result;
+  result.beyond = kInventedSpacings * spacing;
+  const Vec3 shift = mesh.origin - samples.origin;
+  std::vector<Vec3f> on_mesh;
+  for (const FaceSample& s : sample_triangles(mesh.vertices, mesh.triangles, places))
+    on_mesh.emplace_back(s.position + shift);
+  const KdTree tree(samples.positions);
+  const auto limit2 = static_cast<float>(result.beyond * result.beyond);
+  std::vector<std::uint8_t> is_far(on_mesh.size());
+  parallel_for(0, on_mesh.size(), kCoverageChunk, [&](std::size_t i) {
+    const auto found = tree.nearest(on_mesh[i]);
+    is_far[i] = !found || found->squared_distance > limit2;
+  });
+  sum_up(on_mesh, is_far, samples.origin, spacing, result);
+  return result;
+}
+
+MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t places,
+                              Progress& progress) {
+  if (places < 1) throw ArgumentError("`samples` must be at least 1");
+  progress.begin("spacing and noise");
+  PointSet finite;
+  finite.origin = samples.origin;
+  for (const Vec3f& p : samples.positions)
+    if (is_finite(p)) finite.positions.push_back(p);
+  if (finite.size() == 0) throw DataError("the cloud has no finite points");
+  MeshCoverage coverage;
+  coverage.spacing = estimate_spacing(finite);
+  coverage.noise = estimate_noise(finite);
+  progress.begin("samples without a surface");
+  coverage.lost = find_lost(mesh, finite, coverage.spacing, coverage.noise);
+  progress.begin("surface without samples");
+  coverage.invented = find_invented(mesh, finite, coverage.spacing, places);
+  progress.finish();
+  return coverage;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,49 @@
+// An extra where ../shared lies beside the checkout: whatever `diagnose` proposes for a real scan, no more of its
+// samples are without a surface afterwards. tests/function/diagnose_function_test.cpp has made scenes.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_coverage.h"
+#include "support/places.h"
+
+namespace sansmesh {
+namespace {
+
+/// Of all samples, none left out; what counts as lost goes by the function that was fitted.
+double share_lost(const SurfaceFunction& function, const PartitionReport& fitted) {
+  Progress progress;
+  TriangleMesh mesh = mesh_function(function, {}, progress);
+  move_from_input(mesh, function.place);
+  return find_lost(mesh, *function.samples, fitted.spacing, fitted.noise).share;
+}
+
+class ExtraScripts : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(ExtraScripts, TakeNoSurfaceAwayFromSamples) {
+  const std::string file = test::shared_points(GetParam());
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
+  Progress progress;
+  const SurfaceFunction function = fit_surface_function(read_points(file), {}, progress);
+  FunctionEditor editor(function);
+  for (const Edit& edit : diagnose_function(function, {}, progress).edits()) editor.apply(edit, progress);
+  const PartitionReport& fitted = function.field.report();
+  EXPECT_LE(share_lost(editor.function(), fitted), share_lost(function, fitted) + 1.0 / 20000 + 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, ExtraScripts,
+                         ::testing::Values("bunny_noised_20k.xyz", "bunny_scans/bun.conf", "elephant-with-holes.off",
+                                           "hippo1.ply", "lidar_autzen_trim.las", "lidar_samp11.pcd", "oni.pwn",
+                                           "sphere_20k_noisy.xyz", "vase_sfm_owl.vtp"),
+                         [](const auto& tested) {
+                           std::string name = tested.param;
+                           for (char& c : name)
+                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace sansmesh
