@@ -18,7 +18,7 @@ namespace {
 constexpr std::array<float, 3> kDepths{0.5f, 1.0f, 2.0f};
 /// A sheet across which the number falls by less is none.
 constexpr double kLeastJump = 0.25;
-/// Sheets with less of the largest one's area follow the others.
+/// Sheets with less of the largest one's area, and those made of strays, follow the others.
 constexpr double kSmallSheet = 0.02;
 
 /// What the disc that a patch is has more of the solid angle seen from `depth` radii behind it than the far field takes
@@ -71,22 +71,23 @@ double mean_behind(const GlobalSign& sign, std::span<const OrientedPatch> patche
 
 }  // namespace
 
-void decide_open(std::optional<bool> open, PartitionData& data) {
+void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, PartitionData& data) {
   const std::size_t n = data.supports.size();
   std::vector<OrientedPatch> patches = support_patches(data);
   for (OrientedPatch& p : patches) p.least = 0;
-  const Sheets sheets = find_sheets(data, {});
+  const Sheets sheets = find_sheets(data, samples);
   std::vector<std::vector<OrientedPatch>> of_sheet(sheets.size());
   for (std::size_t i = 0; i < n; ++i)
     if (const std::uint32_t k = sheets.of_support[i]; k != Sheets::kNone) of_sheet[k].push_back(patches[i]);
-  const auto small = [&](std::size_t k) { return sheets.area[k] < kSmallSheet * sheets.area[0]; };
-  std::size_t large = 0;  // they are sorted
-  while (large < sheets.size() && !small(large)) ++large;
+  std::vector<std::uint8_t> judged(sheets.size());
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    judged[k] = k == 0 || (sheets.area[k] >= kSmallSheet * sheets.area[0] && sheets.evidence[k] >= kLeastEvidence);
 
   // A sheet is closed by itself (an object above a floor, which would take away from the sum of all), or together with
   // others that are: a floor says nothing of the one below. So those that are open leave until nothing changes.
-  std::vector<double> behind(large), alone(large);
-  for (std::size_t k = 0; k < large; ++k) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
+  std::vector<double> behind(sheets.size()), alone(sheets.size());
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    if (judged[k]) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
   std::vector<std::uint8_t> is_open(sheets.size(), 0);
   for (bool changed = true; changed;) {
     std::vector<OrientedPatch> lent;
@@ -94,8 +95,8 @@ void decide_open(std::optional<bool> open, PartitionData& data) {
       if (!is_open[k]) lent.insert(lent.end(), of_sheet[k].begin(), of_sheet[k].end());
     const GlobalSign together(lent, data.edge);
     changed = false;
-    for (std::size_t k = 0; k < large; ++k) {
-      if (is_open[k]) continue;
+    for (std::size_t k = 0; k < sheets.size(); ++k) {
+      if (!judged[k] || is_open[k]) continue;
       behind[k] = alone[k];
       if (alone[k] < kClosedBehind && sheets.size() > 1)
         behind[k] = std::max(behind[k], mean_behind(together, of_sheet[k]));
@@ -103,12 +104,14 @@ void decide_open(std::optional<bool> open, PartitionData& data) {
     }
   }
   double area_behind = 0, area = 0, open_area = 0;
-  for (std::size_t k = 0; k < large; ++k) {
+  for (std::size_t k = 0; k < sheets.size(); ++k) {
+    if (!judged[k]) continue;
     is_open[k] = open.value_or(is_open[k] != 0);
     area += sheets.area[k], area_behind += behind[k] * sheets.area[k];
     if (is_open[k]) open_area += sheets.area[k];
   }
-  for (std::size_t k = large; k < sheets.size(); ++k) is_open[k] = 2 * open_area > area;
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    if (!judged[k]) is_open[k] = 2 * open_area > area;
   data.report.behind = area > 0 ? area_behind / area : 1;
   std::vector<Support> supports(data.supports.view().begin(), data.supports.view().end());
   for (std::size_t i = 0; i < n; ++i) {

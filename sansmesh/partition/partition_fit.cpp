@@ -95,7 +95,7 @@ void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progres
   data.report.error = choice.accepted;
   data.report.accuracy = estimated_accuracy(choice, diagonal);
   progress.begin("look for open sheets");
-  decide_open(data.options.open, data);
+  decide_open(data.options.open, tree.positions(), data);
   data.flatness = record_flatness(tree, fitter, choice, data);
 }
 

@@ -262,7 +262,7 @@ TEST(MeshFunction, WritesItsReportAnew) {
   ReconstructReport whole;
   for (int round = 0; round < 2; ++round) {
     reconstruct(cloud, {}, progress, &whole);
-    EXPECT_EQ(whole.warnings.size(), 1u);
+    EXPECT_EQ(whole.warnings.size(), 2u);
     EXPECT_EQ(whole.fits, two.field.report().functions);
     EXPECT_EQ(whole.fit_depth, two.field.report().depth);
     EXPECT_GT(whole.spacing, 0);

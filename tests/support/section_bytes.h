@@ -60,7 +60,7 @@ inline std::string packed(const std::vector<RawSection>& sections) {
   std::string file(kHeaderBytes + sections.size() * kEntryBytes, '\0');
   std::memcpy(file.data(), "\x89SMF\r\n\x1a\n", 8);
   put_number<std::uint32_t>(file, kMajorAt, 1);
-  put_number<std::uint32_t>(file, kMinorAt, 1);
+  put_number<std::uint32_t>(file, kMinorAt, 2);
   put_number<std::uint32_t>(file, kSectionsAt, static_cast<std::uint32_t>(sections.size()));
   pad(file);
   for (std::size_t i = 0; i < sections.size(); ++i) {
