@@ -52,6 +52,9 @@ void run_function_info(const std::string& file, Console& console) {
   console.say(fmt::format("{:<12}{} down to depth {}; of degree 0 to 4: {}", "fits", grouped(r.functions), r.depth,
                           fmt::join(r.functions_of_degree, ", ")));
   console.say(fmt::format("{:<12}{}", "creases", counted(r.creased, "fit")));
+  if (r.open_area > 0)
+    console.say(fmt::format("{:<12}{:.3g} % of the surface bounds no solid and ends with its samples", "open",
+                            100 * std::min(1.0, r.open_area / r.area)));
   console.say(fmt::format("{:<12}{}{}", "samples",
                           samples.size() == 0 ? std::string("not kept") : grouped(samples.size()),
                           samples.has_colors() ? ", with colours" : ""));
@@ -66,6 +69,8 @@ void run_function_info(const std::string& file, Console& console) {
                      {"fits", r.functions},
                      {"fits_of_degree", r.functions_of_degree},
                      {"creased", r.creased},
+                     {"open_share", r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0.0},
+                     {"winding_number_behind", r.behind},
                      {"depth", r.depth},
                      {"samples", samples.size()},
                      {"spacing", place.to_input(r.spacing)},
