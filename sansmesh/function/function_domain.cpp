@@ -79,7 +79,7 @@ bool FunctionDomain::needed(const SurfaceFunction& function, std::optional<doubl
 
 void FunctionDomain::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
   if (open_.size() > 0) {
-    coverage_.evaluate(x, values, gradients);
+    coverage_.evaluate(x, values);
   } else {
     std::fill(values.begin(), values.end(), kOnClosed);
   }

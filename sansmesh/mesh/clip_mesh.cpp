@@ -111,11 +111,10 @@ void clip_mesh(TriangleMesh& mesh, const Box3f& box) {
 
 void clip_mesh(TriangleMesh& mesh, std::vector<float> heights, float snap) {
   snap_to_contour(mesh, heights, snap);
-  const std::vector<float> kept = heights;
   const auto stay = [](Vec3f&) {};
   // A triangle that has been moved onto the contour whole is not above it.
   std::erase_if(mesh.triangles,
-                [&](const Triangle& t) { return kept[t[0]] <= 0 && kept[t[1]] <= 0 && kept[t[2]] <= 0; });
+                [&](const Triangle& t) { return heights[t[0]] <= 0 && heights[t[1]] <= 0 && heights[t[2]] <= 0; });
   HeightCut(mesh, std::move(heights), stay).run();
   keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));
   separate_fans(mesh);

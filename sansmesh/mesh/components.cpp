@@ -9,8 +9,6 @@
 #include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh {
-namespace {}  // namespace
-
 MeshComponents find_components(const TriangleMesh& mesh) {
   UnionFind sets(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
