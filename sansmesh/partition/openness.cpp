@@ -89,17 +89,22 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
   for (std::size_t k = 0; k < sheets.size(); ++k)
     if (judged[k]) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
   std::vector<std::uint8_t> is_open(sheets.size(), 0);
-  for (bool changed = true; changed;) {
+  for (std::size_t k = 0; k < sheets.size(); ++k) {
+    behind[k] = alone[k];
+    is_open[k] = judged[k] && sheets.size() == 1 && alone[k] < kClosedBehind;  // there are no others
+  }
+  const auto asks = [&](std::size_t k) { return judged[k] && !is_open[k] && alone[k] < kClosedBehind; };
+  bool changed = false;
+  for (std::size_t k = 0; k < sheets.size(); ++k) changed |= asks(k);
+  while (changed) {
     std::vector<OrientedPatch> lent;
     for (std::size_t k = 0; k < sheets.size(); ++k)
       if (!is_open[k]) lent.insert(lent.end(), of_sheet[k].begin(), of_sheet[k].end());
     const GlobalSign together(lent, data.edge);
     changed = false;
     for (std::size_t k = 0; k < sheets.size(); ++k) {
-      if (!judged[k] || is_open[k]) continue;
-      behind[k] = alone[k];
-      if (alone[k] < kClosedBehind && sheets.size() > 1)
-        behind[k] = std::max(behind[k], mean_behind(together, of_sheet[k]));
+      if (!asks(k)) continue;
+      behind[k] = std::max(alone[k], mean_behind(together, of_sheet[k]));
       if (behind[k] < kClosedBehind) is_open[k] = changed = true;
     }
   }
