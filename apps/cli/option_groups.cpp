@@ -135,7 +135,7 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
       .type_name("LENGTH")
       .group("Fit");
   c.add_option("--support", o.support,
-               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 1.8 with noise]")
+               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 2.5 with noise]")
       .type_name("RATIO")
       .group("Fit");
   c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")
