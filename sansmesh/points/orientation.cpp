@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,20 @@ namespace {
 
 constexpr std::size_t kCheckSamples = 30000;
 constexpr int kExtremeDirections = 64;
+/// Cosines between normals and the way to where their samples were seen from: beyond the first one the sign is taken
+/// from it at once, beyond the second one where the smooth patches say nothing.
+constexpr float kClearSight = 0.5f, kLeastSight = 0.25f;
+/// Where so much of what smooth patches see contradicts the rest of the patch, it was not seen from there.
+constexpr double kMostContradiction = 0.2;
+/// The surest relations, joined in this order; with the last one the patches are still smooth.
+constexpr int kSure[] = {118, 105, 90, 75};
+/// Area vectors of a closed surface sum to zero; half a ball leaves half of its area, terrain nearly all. Above this
+/// share a part is open, and has no outside.
+constexpr double kOpenPart = 0.35;
+/// Mean size of the relations of a sample (of 127) below which it may be a stray.
+constexpr int kFirm = 25;
+/// No sample stands for more than so many times the area that its neighbours do: strays would.
+constexpr float kLargestArea = 4;
 
 /// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
 /// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, whether the arc is
@@ -67,6 +82,7 @@ class RelationGraph {
       for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
       area_[s] = found.back().squared_distance;
     });
+    limit_areas();
   }
 
   std::size_t size() const { return positions_.size(); }
@@ -79,6 +95,19 @@ class RelationGraph {
   const std::vector<float>& area() const { return area_; }  ///< up to a common factor
 
  private:
+  void limit_areas() {
+    const std::vector<float> raw = area_;
+    parallel_ranges(0, size(), 8192, [&](std::size_t first, std::size_t last) {
+      std::vector<float> around(degree_);
+      for (std::size_t s = first; s < last; ++s) {
+        for (std::size_t k = 0; k < degree_; ++k) around[k] = raw[neighbour(s, k)];
+        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(degree_ / 2);
+        std::nth_element(around.begin(), middle, around.end());
+        area_[s] = std::min(raw[s], kLargestArea * *middle);
+      }
+    });
+  }
+
   KdTree tree_;
   std::size_t degree_;
   std::vector<Vec3f> positions_, normals_;
@@ -87,17 +116,64 @@ class RelationGraph {
   std::vector<std::int8_t> relations_;
 };
 
-// Smooth patches first, from the most certain relations to the less certain; then patch by patch, by the vote of all
-// relations between them.
-void propagate(const RelationGraph& graph, SignForest& forest, Progress& progress) {
-  for (const int sure : {118, 105, 90, 75}) {
+void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
+  for (std::size_t s = 0; s < graph.size(); ++s)
+    for (std::size_t k = 0; k < graph.degree(); ++k) {
+      const int r = graph.relation_to(s, k);
+      if (std::abs(r) >= sure) forest.join(static_cast<std::uint32_t>(s), graph.neighbour(s, k), r < 0);
+    }
+}
+
+/// The way to where each sample of a graph was seen from, and the node behind all others that stands for it: samples
+/// that agree with this one look there.
+class Sights {
+ public:
+  Sights() = default;
+  Sights(const RelationGraph& graph, const std::vector<Vec3f>& sights) : cosine_(sights.empty() ? 0 : graph.size()) {
+    parallel_for(0, cosine_.size(), 16384, [&](std::size_t s) {
+      cosine_[s] = std::clamp(dot(graph.normals()[s], sights[graph.tree().order()[s]]), -1.0f, 1.0f);
+    });
+  }
+
+  bool known() const { return !cosine_.empty(); }
+  /// Between normal and sight; 0 where that is unknown.
+  float cosine(std::size_t s) const { return cosine_[s]; }
+  void join(SignForest& forest, float least) const {
+    const auto anchor = static_cast<std::uint32_t>(cosine_.size());
+    for (std::uint32_t s = 0; s < anchor; ++s)
+      if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
+  }
+
+  /// Whether each smooth patch has been seen from one side.
+  bool believable(const RelationGraph& graph) const {
+    SignForest forest(graph.size());
+    for (const int sure : kSure) join_sure(graph, forest, sure);
+    std::vector<double> agree(graph.size()), differ(graph.size());
+    for (std::uint32_t s = 0; s < graph.size(); ++s) {
+      if (!(std::abs(cosine_[s]) > kLeastSight)) continue;
+      const SignForest::Root root = forest.find(s);
+      const double weight = static_cast<double>(cosine_[s]) * static_cast<double>(cosine_[s]);
+      ((cosine_[s] < 0) != root.flip ? differ : agree)[root.index] += weight;
+    }
+    double contradiction = 0, all = 0;
     for (std::size_t s = 0; s < graph.size(); ++s)
-      for (std::size_t k = 0; k < graph.degree(); ++k) {
-        const int r = graph.relation_to(s, k);
-        if (std::abs(r) >= sure) forest.join(static_cast<std::uint32_t>(s), graph.neighbour(s, k), r < 0);
-      }
+      contradiction += std::min(agree[s], differ[s]), all += agree[s] + differ[s];
+    return all > 0 && contradiction <= kMostContradiction * all;
+  }
+
+ private:
+  std::vector<float> cosine_;
+};
+
+// Smooth patches first, from the most certain relations to the less certain; then patch by patch, by the vote of all
+// relations between them. What has clearly been seen from one side is certain before, the rest of it after the patches.
+void propagate(const RelationGraph& graph, const Sights& sights, SignForest& forest, Progress& progress) {
+  if (sights.known()) sights.join(forest, kClearSight);
+  for (const int sure : kSure) {
+    join_sure(graph, forest, sure);
     progress.advance(graph.size());
   }
+  if (sights.known()) sights.join(forest, kLeastSight);
   std::vector<SignVote> votes;
   for (std::size_t s = 0; s < graph.size(); ++s) {
     const std::uint32_t own = forest.find(static_cast<std::uint32_t>(s)).index;
@@ -119,9 +195,14 @@ struct Parts {
   std::size_t count = 0;
   /// How surely the signs make the part's normals point outward: negative = they point inward.
   std::vector<double> outwardness;
+  /// Parts so far from closed that they have no outside.
+  std::vector<std::uint8_t> open;
+  /// The part whose samples have been seen from a known side, and the sign that makes them look there.
+  std::optional<std::uint32_t> seen;
+  std::int8_t seen_sign = 1;
 };
 
-Parts collect_parts(const RelationGraph& graph, SignForest& forest) {
+Parts collect_parts(const RelationGraph& graph, const Sights& sights, SignForest& forest) {
   Parts parts;
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> name(forest.size(), kNone);
@@ -133,11 +214,17 @@ Parts collect_parts(const RelationGraph& graph, SignForest& forest) {
     parts.part[s] = name[root.index];
     parts.sign[s] = root.flip ? -1 : 1;
   }
+  if (sights.known()) {
+    // No sample may have joined them: all seen at a grazing angle, or by scanners that are not there.
+    const SignForest::Root root = forest.find(static_cast<std::uint32_t>(graph.size()));
+    if (name[root.index] != kNone) parts.seen = name[root.index], parts.seen_sign = root.flip ? -1 : 1;
+  }
   return parts;
 }
 
-// Single samples that contradict most of their surroundings.
-void polish(const RelationGraph& graph, Parts& parts) {
+// Single samples that contradict most of their surroundings. How a sample was seen counts as much as all of those.
+void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
+  const float weight = 2.0f * 127 * 127 * static_cast<float>(graph.degree()) * parts.seen_sign;
   for (int round = 0; round < 2; ++round) {
     const std::vector<std::int8_t> before = parts.sign;
     parallel_for(0, graph.size(), 8192, [&](std::size_t s) {
@@ -146,6 +233,8 @@ void polish(const RelationGraph& graph, Parts& parts) {
         const long r = graph.relation_to(s, k);
         vote += r * std::abs(r) * before[graph.neighbour(s, k)];
       }
+      if (parts.seen && *parts.seen == parts.part[s])
+        vote += std::lround(weight * sights.cosine(s) * std::abs(sights.cosine(s)));
       if (vote * before[s] < 0) parts.sign[s] = static_cast<std::int8_t>(-before[s]);
     });
   }
@@ -181,6 +270,13 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     reach[p] += a * norm(arm) * norm(normal);
     up[p] += normal * a;
   }
+  // Strays are extremal, but their normals say nothing.
+  std::vector<std::uint8_t> firm(n);
+  parallel_for(0, n, 8192, [&](std::size_t s) {
+    int sure = 0;
+    for (std::size_t k = 0; k < graph.degree(); ++k) sure += std::abs(graph.relation_to(s, k));
+    firm[s] = sure >= kFirm * static_cast<int>(graph.degree()) && squared_norm(graph.normals()[s]) > 0;
+  });
   std::vector<std::uint32_t> farthest(parts.count);
   std::vector<float> distance(parts.count);
   for (int i = 0; i < kExtremeDirections; ++i) {
@@ -188,30 +284,34 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::lowest());
     for (std::size_t s = 0; s < n; ++s) {
       const float t = dot(graph.positions()[s], d);
-      if (t > distance[parts.part[s]] && squared_norm(graph.normals()[s]) > 0)
+      if (t > distance[parts.part[s]] && firm[s])
         distance[parts.part[s]] = t, farthest[parts.part[s]] = static_cast<std::uint32_t>(s);
     }
     for (std::size_t p = 0; p < parts.count; ++p)
-      extremal[p] +=
-          static_cast<double>(dot(graph.normals()[farthest[p]], d)) * parts.sign[farthest[p]] / kExtremeDirections;
+      if (distance[p] > std::numeric_limits<float>::lowest())
+        extremal[p] +=
+            static_cast<double>(dot(graph.normals()[farthest[p]], d)) * parts.sign[farthest[p]] / kExtremeDirections;
   }
   parts.outwardness.resize(parts.count);
+  parts.open.resize(parts.count);
   for (std::size_t p = 0; p < parts.count; ++p) {
     double score = extremal[p] + (reach[p] > 0 ? flux[p] / reach[p] : 0);
     if (std::abs(score) < 0.25 && std::abs(up[p].z) > 0.5 * area[p]) score = std::copysign(0.01, up[p].z);
     parts.outwardness[p] = score;
+    parts.open[p] = norm(up[p]) > kOpenPart * area[p];
   }
 }
 
-// Joins every sample that clearly faces or turns its back on its scanner with the node graph.size(): normals that agree
-// with that node look at their scanner.
-void join_scanners(const RelationGraph& graph, const PointSet& points, SignForest& forest) {
-  const auto anchor = static_cast<std::uint32_t>(graph.size());
-  for (std::uint32_t s = 0; s < anchor; ++s) {
-    const std::uint16_t scan = points.scan_of_point[graph.tree().order()[s]];
-    if (scan >= points.scanners.size()) continue;
-    const float cosine = dot(graph.normals()[s], normalized(points.scanners[scan] - graph.positions()[s]));
-    if (std::abs(cosine) > 0.25f) forest.join(s, anchor, cosine < 0);
+std::string unknown_sights(OrientBy asked) {
+  switch (asked) {
+    case OrientBy::scanner:
+      return "holds no scanner positions by which normals could be oriented";
+    case OrientBy::rows:
+      return "has no rows and columns by which normals could be oriented";
+    case OrientBy::flight:
+      return "holds no scan angles that show flight lines by which normals could be oriented";
+    default:
+      return "nothing is known by which normals could be oriented";
   }
 }
 
@@ -220,9 +320,10 @@ OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> 
   Progress silent;
   const RelationGraph graph(positions, normals, 10, noise);
   SignForest forest(graph.size());
-  propagate(graph, forest, silent);
-  Parts parts = collect_parts(graph, forest);
-  polish(graph, parts);
+  const Sights unknown;
+  propagate(graph, unknown, forest, silent);
+  Parts parts = collect_parts(graph, unknown, forest);
+  polish(graph, unknown, parts);
   judge_outwardness(graph, parts);
 
   // In each part the signs that the majority has are taken as given; the others had to be flipped.
@@ -235,7 +336,7 @@ OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> 
   for (std::size_t p = 0; p < parts.count; ++p) {
     const bool turned = 2 * negative[p] > members[p];
     flipped += turned ? members[p] - negative[p] : negative[p];
-    if ((turned ? -parts.outwardness[p] : parts.outwardness[p]) < -0.2) inward += members[p];
+    if (!parts.open[p] && (turned ? -parts.outwardness[p] : parts.outwardness[p]) < -0.2) inward += members[p];
   }
   // Where flipped and unflipped samples meet, the given normals must have contradicted each other: else the flip was
   // arbitrary, as between the sides of a thin sheet.
@@ -252,40 +353,63 @@ OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> 
   return 2 * inward > graph.size() ? OrientationCheck::inward : OrientationCheck::oriented;
 }
 
-bool know_scanners(const PointSet& points) {
-  return !points.scanners.empty() && points.scan_of_point.size() == points.size();
+/// The first in the order of trust that is known and believable; or what is asked for.
+OrientBy choose_sights(const PointSet& points, const RelationGraph& graph, OrientBy asked, double noise,
+                       Sights& sights) {
+  if (asked == OrientBy::propagation) return asked;
+  if (asked != OrientBy::automatic) {
+    const std::vector<Vec3f> found = find_sights(points, asked);
+    if (found.empty()) throw DataError(unknown_sights(asked));
+    sights = Sights(graph, found);
+    return asked;
+  }
+  for (const OrientBy by : kOrientationOrder) {
+    const std::vector<Vec3f> found = find_own_sights(points, by, noise);
+    if (found.empty()) continue;
+    sights = Sights(graph, found);
+    if (sights.believable(graph)) return by;
+  }
+  sights = {};
+  return OrientBy::propagation;
 }
 
 }  // namespace
 
 void OrientationOptions::validate() const { check_range("neighbours", neighbours, 4, 100); }
 
-void orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress) {
+OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress) {
   options.validate();
   if (points.normals.size() != points.size() || points.size() == 0)
     throw DataError("there are no normals to orient: estimate them first");
   progress.begin("orientation", 6 * points.size());
-  const RelationGraph graph(points.positions, points.normals, options.neighbours,
-                            options.noise ? *options.noise : estimate_noise(points));
+  const double noise = options.noise ? *options.noise : estimate_noise(points);
+  const RelationGraph graph(points.positions, points.normals, options.neighbours, noise);
   progress.advance(points.size());
-  const auto anchor = static_cast<std::uint32_t>(graph.size());
+  Sights sights;
+  const OrientBy by = choose_sights(points, graph, options.by, noise, sights);
   SignForest forest(graph.size() + 1);
-  const bool scanners = options.use_scanners && know_scanners(points);
-  if (scanners) join_scanners(graph, points, forest);
-  propagate(graph, forest, progress);
-  Parts parts = collect_parts(graph, forest);
-  polish(graph, parts);
+  propagate(graph, sights, forest, progress);
+  Parts parts = collect_parts(graph, sights, forest);
+  polish(graph, sights, parts);
   judge_outwardness(graph, parts);
-  const SignForest::Root anchor_root = forest.find(anchor);
-  // No sample may have joined the scanners: all seen at a grazing angle, or by scanners that are not there.
-  const bool anchored = scanners && anchor_root.index < graph.size();
   parallel_for(0, graph.size(), 16384, [&](std::size_t s) {
     const std::uint32_t p = parts.part[s];
     bool flip = (parts.sign[s] < 0) != (parts.outwardness[p] < 0);
-    if (anchored && p == parts.part[anchor_root.index]) flip = (parts.sign[s] < 0) != anchor_root.flip;
+    if (parts.seen && p == *parts.seen) flip = (parts.sign[s] < 0) != (parts.seen_sign < 0);
     if (flip) points.normals[graph.tree().order()[s]] = -graph.normals()[s];
   });
   progress.finish();
+  return by;
+}
+
+double share_looking_away(const PointSet& points, std::span<const Vec3f> sights) {
+  std::size_t away = 0, clear = 0;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const float cosine = dot(points.normals[i], sights[i]);
+    clear += std::abs(cosine) > kLeastSight;
+    away += cosine < -kLeastSight;
+  }
+  return clear > 0 ? static_cast<double>(away) / static_cast<double>(clear) : 0;
 }
 
 OrientationCheck check_orientation(const PointSet& points, std::optional<double> known_noise) {
