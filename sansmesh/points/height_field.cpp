@@ -16,14 +16,17 @@ constexpr double kColumnSamples = 16;
 /// A plane through fewer says little of the others.
 constexpr std::size_t kFewestInColumn = 6;
 /// So many samples are enough to tell.
-constexpr std::size_t kColumnsSamples = 200000, kReliefSamples = 50000;
+constexpr std::size_t kColumnsSamples = 100000, kReliefSamples = 50000;
 /// One sheet: the samples of a column are as near to a plane as this (rms), in spacings, or in noises. Two sheets that are one
 /// spacing apart are half a spacing off.
 constexpr double kSheetSpacings = 0.4, kSheetNoises = 2;
 /// Fourth moment over the square of the second: 3 of noise, 1 of two sheets, 1.7 of those whose noise is a quarter of
 /// their distance. What looks like noise, but lies in two sheets, is none.
 constexpr double kLeastKurtosis = 2.2;
-constexpr double kOneSheet = 0.5, kOneSheetOfSurvey = 0.25, kLargestRelief = 0.2;
+/// Shares of one sheet that are enough where the cloud is very flat, or just flat, or surveyed. (Closed things have
+/// 0.00 to 0.03, airborne scans 0.2 to 0.95.)
+constexpr double kOneSheetIfFlat = 0.15, kOneSheet = 0.5, kOneSheetOfSurvey = 0.1;
+constexpr double kFlat = 0.1, kLargestRelief = 0.2;
 
 /// Heights over a plane, by least squares: the sums that it takes.
 struct PlaneSums {
@@ -178,7 +181,8 @@ HeightFieldShape measure_height_field(const PointSet& points, double noise) {
 }
 
 bool is_height_field(const HeightFieldShape& shape, bool survey) {
-  return shape.one_sheet >= (survey ? kOneSheetOfSurvey : kOneSheet) && shape.relief <= kLargestRelief;
+  if (!(shape.relief <= kLargestRelief)) return false;
+  return shape.one_sheet >= (survey ? kOneSheetOfSurvey : shape.relief <= kFlat ? kOneSheetIfFlat : kOneSheet);
 }
 
 }  // namespace sansmesh

@@ -18,8 +18,8 @@ struct HeightFieldShape {
 /// `noise` (length): sheets are that thick by themselves. Samples without finite positions do not count.
 HeightFieldShape measure_height_field(const PointSet& points, double noise);
 
-/// Whether up is the side from which such a cloud is looked at: most of it is one sheet, and it is flat on the whole. Of
-/// a `survey` from the air, known by other signs, a quarter is enough: under trees there is little ground.
+/// Whether up is the side from which such a cloud is looked at: it is flat on the whole, and enough of it is one sheet.
+/// Of a `survey` from the air, known by other signs, a tenth is enough: under trees there is little ground.
 bool is_height_field(const HeightFieldShape& shape, bool survey);
 
 }  // namespace sansmesh

@@ -26,11 +26,22 @@ constexpr int kExtremeDirections = 64;
 constexpr float kClearSight = 0.5f, kLeastSight = 0.25f;
 /// Where so much of what smooth patches see contradicts the rest of the patch, it was not seen from there.
 constexpr double kMostContradiction = 0.2;
+/// About so many samples are enough to see that, in stretches of so many.
+constexpr std::size_t kBelievedSamples = 100000, kStretchSamples = 4096;
 /// The surest relations, joined in this order; with the last one the patches are still smooth.
 constexpr int kSure[] = {118, 105, 90, 75};
 /// Area vectors of a closed surface sum to zero; half a ball leaves half of its area, terrain nearly all. Above this
 /// share a part is open, and has no outside.
 constexpr double kOpenPart = 0.35;
+/// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
+/// relation across would join them.
+constexpr double kUnseen = 3, kUnseenWithin = 2;
+/// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of these (in spacings) it can be told from
+/// what the shape leaves; above the second one the nearest neighbours are no longer those along the surface. Noise that
+/// is said to be so much less or so much more is not believed.
+constexpr std::size_t kSheetSamples = 5000, kSheetStretch = 16;
+constexpr double kCertainNear = 0.15, kLargestNear = 0.45;
+constexpr double kHiddenNoise = 0.67, kSheetsAsNoise = 1.5, kSheetsWithoutNoise = 2.5;
 /// Mean size of the relations of a sample (of 127) below which it may be a stray.
 constexpr int kFirm = 25;
 /// No sample stands for more than so many times the area that its neighbours do: strays would.
@@ -39,15 +50,15 @@ constexpr float kLargestArea = 4;
 /// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
 /// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, whether the arc is
 /// flat, round or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets:
-/// these say nothing. Heights of the order of the noise count as zero, or noise would look like many sheets.
-float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float noise) {
+/// these say nothing. Heights below `unseen` count as zero, or noise would look like many sheets.
+float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen) {
   const Vec3f d = q - p;
   const float length = norm(d);
   const float cosine = dot(n, m);
   if (!(length > 0)) return cosine;
   const auto slope = [&](const Vec3f& normal) {
     const float height = dot(normal, d);
-    return std::copysign(std::max(0.0f, std::abs(height) - 3 * noise), height) / length;
+    return std::copysign(std::max(0.0f, std::abs(height) - unseen), height) / length;
   };
   const float a = slope(n), b = slope(m);
   const float mirrored = cosine - 2 * a * b;
@@ -57,6 +68,12 @@ float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, f
 
 std::int8_t quantized(float relation_value) {
   return static_cast<std::int8_t>(std::lround(std::clamp(relation_value, -1.0f, 1.0f) * 127));
+}
+
+float median(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 /// The neighbour graph in tree order, and what its edges say.
@@ -71,13 +88,15 @@ class RelationGraph {
     neighbours_.resize(n * degree_);
     relations_.resize(n * degree_);
     parallel_for(0, n, 16384, [&](std::size_t s) { normals_[s] = normals[tree_.order()[s]]; });
+    const double within = within_sheet(noise);
+    const auto unseen = static_cast<float>(within == noise ? kUnseen * noise : kUnseenWithin * within);
     tree_.for_each_nearest(degree_ + 1, [&](std::uint32_t s, std::span<const Neighbour> found) {
       std::size_t count = 0;
       for (const Neighbour& neighbour : found) {
         if (neighbour.index == s || count == degree_) continue;
         neighbours_[s * degree_ + count] = neighbour.index;
         relations_[s * degree_ + count++] = quantized(relation(positions_[s], normals_[s], positions_[neighbour.index],
-                                                               normals_[neighbour.index], static_cast<float>(noise)));
+                                                               normals_[neighbour.index], unseen));
       }
       for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
       area_[s] = found.back().squared_distance;
@@ -95,16 +114,45 @@ class RelationGraph {
   const std::vector<float>& area() const { return area_; }  ///< up to a common factor
 
  private:
-  void limit_areas() {
-    const std::vector<float> raw = area_;
-    parallel_ranges(0, size(), 8192, [&](std::size_t first, std::size_t last) {
-      std::vector<float> around(degree_);
-      for (std::size_t s = first; s < last; ++s) {
-        for (std::size_t k = 0; k < degree_; ++k) around[k] = raw[neighbour(s, k)];
-        const auto middle = around.begin() + static_cast<std::ptrdiff_t>(degree_ / 2);
-        std::nth_element(around.begin(), middle, around.end());
-        area_[s] = std::min(raw[s], kLargestArea * *middle);
+  /// `noise`, or what the nearest neighbours say of it where that is something else: two sheets that are a few spacings
+  /// apart look like noise in wide neighbourhoods, or hide the noise that each of them has. How far neighbours lie off
+  /// the mean of their tangent planes is noise; what the shape does to it has the other sign at the other end.
+  double within_sheet(double noise) const {
+    std::vector<float> off, reach;
+    const auto look = [&](std::uint32_t s, std::span<const Neighbour> found) {
+      reach.push_back(found.back().squared_distance);
+      for (const Neighbour& neighbour : found) {
+        const std::uint32_t q = neighbour.index;
+        if (q == s) continue;
+        const Vec3f d = positions_[q] - positions_[s];
+        const float same = dot(normals_[s], normals_[q]) < 0 ? -1.0f : 1.0f;
+        off.push_back(std::abs(dot(normals_[s] + normals_[q] * same, d)) * 0.5f);
       }
+    };
+    const std::size_t step = kSheetStretch * (1 + size() / kSheetSamples);
+    for (std::size_t s = 0; s < size(); s += step)
+      tree_.for_each_nearest(degree_ + 1, s, std::min(s + kSheetStretch, size()), look);
+    if (off.empty()) return noise;
+    const double spacing = std::sqrt(std::numbers::pi * static_cast<double>(median(reach)) / static_cast<double>(degree_));
+    // Normal deviates: differences of two are √2 wide, and half of them are within 0.67 of that.
+    const double near = static_cast<double>(median(off)) / (0.6745 * std::numbers::sqrt2);
+    const bool certain = near > kCertainNear * spacing;
+    const bool hidden = certain && noise < kHiddenNoise * near;
+    const bool sheets = noise > (certain ? kSheetsAsNoise : kSheetsWithoutNoise) * near;
+    return near < kLargestNear * spacing && (hidden || sheets) ? near : noise;
+  }
+
+  void limit_areas() {
+    std::vector<float> some;
+    for (std::size_t s = 0; s < size(); s += 1 + size() / kSheetSamples) some.push_back(area_[s]);
+    if (some.empty()) return;
+    const float large = kLargestArea * median(some);
+    const std::vector<float> raw = area_;
+    parallel_for(0, size(), 8192, [&](std::size_t s) {
+      if (raw[s] <= large) return;  // as most are
+      std::vector<float> around(degree_);
+      for (std::size_t k = 0; k < degree_; ++k) around[k] = raw[neighbour(s, k)];
+      area_[s] = std::min(raw[s], kLargestArea * median(around));
     });
   }
 
@@ -144,24 +192,37 @@ class Sights {
       if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
   }
 
-  /// Whether each smooth patch has been seen from one side.
+  /// Whether each smooth patch has been seen from one side. Of large clouds some stretches along the tree are looked at.
   bool believable(const RelationGraph& graph) const {
-    SignForest forest(graph.size());
-    for (const int sure : kSure) join_sure(graph, forest, sure);
-    std::vector<double> agree(graph.size()), differ(graph.size());
-    for (std::uint32_t s = 0; s < graph.size(); ++s) {
+    const std::size_t skip = 1 + graph.size() / kBelievedSamples, n = graph.size();
+    const auto looked_at = [&](std::size_t s) { return s / kStretchSamples % skip == 0; };
+    SignForest forest(n);
+    for (const int sure : kSure)
+      for (std::size_t s = 0; s < n; s = next_of_stretch(s, skip))
+        for (std::size_t k = 0; k < graph.degree(); ++k) {
+          const std::uint32_t q = graph.neighbour(s, k);
+          const int r = graph.relation_to(s, k);
+          if (std::abs(r) >= sure && looked_at(q)) forest.join(static_cast<std::uint32_t>(s), q, r < 0);
+        }
+    std::vector<double> agree(n), differ(n);
+    for (std::size_t s = 0; s < n; s = next_of_stretch(s, skip)) {
       if (!(std::abs(cosine_[s]) > kLeastSight)) continue;
-      const SignForest::Root root = forest.find(s);
+      const SignForest::Root root = forest.find(static_cast<std::uint32_t>(s));
       const double weight = static_cast<double>(cosine_[s]) * static_cast<double>(cosine_[s]);
       ((cosine_[s] < 0) != root.flip ? differ : agree)[root.index] += weight;
     }
     double contradiction = 0, all = 0;
-    for (std::size_t s = 0; s < graph.size(); ++s)
-      contradiction += std::min(agree[s], differ[s]), all += agree[s] + differ[s];
+    for (std::size_t s = 0; s < n; ++s) contradiction += std::min(agree[s], differ[s]), all += agree[s] + differ[s];
     return all > 0 && contradiction <= kMostContradiction * all;
   }
 
  private:
+  /// The sample after s, where one stretch in `skip` is looked at.
+  static std::size_t next_of_stretch(std::size_t s, std::size_t skip) {
+    ++s;
+    return s % kStretchSamples == 0 ? s + (skip - 1) * kStretchSamples : s;
+  }
+
   std::vector<float> cosine_;
 };
 
@@ -271,12 +332,11 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     up[p] += normal * a;
   }
   // Strays are extremal, but their normals say nothing.
-  std::vector<std::uint8_t> firm(n);
-  parallel_for(0, n, 8192, [&](std::size_t s) {
+  const auto firm = [&](std::size_t s) {
     int sure = 0;
     for (std::size_t k = 0; k < graph.degree(); ++k) sure += std::abs(graph.relation_to(s, k));
-    firm[s] = sure >= kFirm * static_cast<int>(graph.degree()) && squared_norm(graph.normals()[s]) > 0;
-  });
+    return sure >= kFirm * static_cast<int>(graph.degree()) && squared_norm(graph.normals()[s]) > 0;
+  };
   std::vector<std::uint32_t> farthest(parts.count);
   std::vector<float> distance(parts.count);
   for (int i = 0; i < kExtremeDirections; ++i) {
@@ -284,7 +344,7 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::lowest());
     for (std::size_t s = 0; s < n; ++s) {
       const float t = dot(graph.positions()[s], d);
-      if (t > distance[parts.part[s]] && firm[s])
+      if (t > distance[parts.part[s]] && firm(s))
         distance[parts.part[s]] = t, farthest[parts.part[s]] = static_cast<std::uint32_t>(s);
     }
     for (std::size_t p = 0; p < parts.count; ++p)
