@@ -79,7 +79,6 @@ double share_facing(PointSet points, const Vec3& eye, OrientBy expected) {
   Progress progress;
   estimate_normals(points, {}, progress);
   EXPECT_EQ(orient_normals(points, {}, progress), expected);
-  const std::vector<Vec3f> sights(points.size(), Vec3f{});
   std::size_t away = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 ray = normalized(eye - points.origin - Vec3(points.positions[i]));
@@ -102,12 +101,13 @@ TEST(Frames, LookAtTheCamera) {
 
 TEST(Frames, WithoutAViewpointRowsAndColumnsTell) {
   const Folder folder;
-  const Frame moved = make_frame(-2.0, {0.4, 0.3, -2.5});
-  // A viewpoint that the program that moved the points forgot, and none at all.
+  const Frame moved = make_frame(-2.0, {0.4, -6, 1.5});
+  // A viewpoint that the program that moved the points forgot, behind the wall and above the table; and none at all.
   for (const char* wrong : {"VIEWPOINT 0 0 0 1 0 0 0\n", "VIEWPOINT nan 0 0 1 0 0 0\n"}) {
     ReadReport report;
     const PointSet points = read_points(folder.put("a.pcd", pcd_of(moved, wrong)), &report);
     EXPECT_TRUE(points.scanners.empty()) << wrong;
+    EXPECT_EQ(report.warnings.front().find("viewpoint") != std::string::npos, wrong[10] == '0') << wrong;
     ASSERT_EQ(points.grid_normals.size(), points.size());
     EXPECT_EQ(share_facing(points, moved.eye, OrientBy::rows), 1) << wrong;
   }
