@@ -117,8 +117,8 @@ void add_cloud_options(CommandLine& c, CloudUse& o) {
 
 void add_orient_by(CommandLine& c, OrientBy& by) {
   std::vector<std::pair<std::string, OrientBy>> words;
-  for (const OrientBy one : {OrientBy::automatic, OrientBy::scanner, OrientBy::rows, OrientBy::flight, OrientBy::up,
-                             OrientBy::propagation})
+  for (const OrientBy one :
+       {OrientBy::automatic, OrientBy::scanner, OrientBy::rows, OrientBy::flight, OrientBy::up, OrientBy::propagation})
     words.emplace_back(orient_by_word(one), one);
   c.add_choice<OrientBy>("--orient-by", by, words, "From what normals get their signs [auto: the first that is known]")
       .type_name("CHOICE");

@@ -20,8 +20,8 @@ struct FrameView {
 
 /// Of points that follow row by row, `width` in each; those that are not finite are not there. The side is that of the
 /// viewpoint `eye`, or, where there is none or the frame cannot have been seen from there, the one from which rows run
-/// from top to bottom and columns from left to right, as in a picture. Nothing where the points are in no order, so that
-/// neither tells anything.
+/// from top to bottom and columns from left to right, as in a picture. Nothing where the points are in no order, so
+/// that neither tells anything.
 std::optional<FrameView> measure_frame(std::span<const Vec3f> points, std::size_t width,
                                        const std::optional<Vec3f>& eye);
 

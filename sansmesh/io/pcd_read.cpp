@@ -268,8 +268,8 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
   if (rgb) unpack_colors(points, n, [&](std::size_t i) { return packed[i]; });
 }
 
-/// An organised cloud is one frame of a camera, which saw all of it from the viewpoint. Of other clouds the viewpoint is
-/// known only if it is not the one that every header has.
+/// An organised cloud is one frame of a camera, which saw all of it from the viewpoint. Of other clouds the viewpoint
+/// is known only if it is not the one that every header has.
 void find_viewer(const Input& in, const PcdHeader& h, PointSet& points) {
   const Vec3 eye{h.viewpoint[0], h.viewpoint[1], h.viewpoint[2]};
   bool known = is_finite(eye);

@@ -25,9 +25,9 @@ constexpr double kMostLeft = 0.3;
 /// Angles beyond this (degrees) are none.
 constexpr double kLargestAngle = 80;
 
-constexpr std::array<std::string_view, 7> kAngleNames{
-    "scan_angle",        "scananglerank",  "scan_angle_rank", "scanangle", "scalar_scan_angle_rank",
-    "scalar_scan_angle", "scan angle rank"};
+constexpr std::array<std::string_view, 7> kAngleNames{"scan_angle",     "scananglerank",          "scan_angle_rank",
+                                                      "scanangle",      "scalar_scan_angle_rank", "scalar_scan_angle",
+                                                      "scan angle rank"};
 constexpr std::array<std::string_view, 4> kLineNames{"point_source_id", "pointsourceid", "pointsourceidentifier",
                                                      "scalar_point_source_id"};
 constexpr std::array<std::string_view, 4> kTimeNames{"gps_time", "gpstime", "scalar_gps_time", "scalar_gpstime"};
@@ -38,9 +38,9 @@ const Attribute* find_named(const PointSet& points, std::span<const std::string_
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   for (const std::string_view name : names)
     for (const Attribute& a : points.attributes) {
-      const bool same = a.name.size() == name.size() &&
-                        std::equal(a.name.begin(), a.name.end(), name.begin(),
-                                   [&](char one, char other) { return lower(one) == other; });
+      const bool same =
+          a.name.size() == name.size() && std::equal(a.name.begin(), a.name.end(), name.begin(),
+                                                     [&](char one, char other) { return lower(one) == other; });
       if (same && a.components == 1 && a.size() == points.size()) return &a;
     }
   return nullptr;
@@ -135,8 +135,8 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points) {
     const auto radians = [&](std::uint32_t i) { return angles[i] * (std::numbers::pi / 180); };
     for (const std::uint32_t i : samples) {
       const Vec3f& p = points.positions[i];
-      rows.push_back({static_cast<double>(p.x), static_cast<double>(p.y), time_of(i) - time_of(samples[0]),
-                      std::tan(radians(i))});
+      rows.push_back(
+          {static_cast<double>(p.x), static_cast<double>(p.y), time_of(i) - time_of(samples[0]), std::tan(radians(i))});
     }
     const auto side = StretchSums(rows).across();
     if (!side) return;

@@ -17,8 +17,8 @@ constexpr double kColumnSamples = 16;
 constexpr std::size_t kFewestInColumn = 6;
 /// So many samples are enough to tell.
 constexpr std::size_t kColumnsSamples = 100000, kReliefSamples = 50000;
-/// One sheet: the samples of a column are as near to a plane as this (rms), in spacings, or in noises. Two sheets that are one
-/// spacing apart are half a spacing off.
+/// One sheet: the samples of a column are as near to a plane as this (rms), in spacings, or in noises. Two sheets that
+/// are one spacing apart are half a spacing off.
 constexpr double kSheetSpacings = 0.4, kSheetNoises = 2;
 /// Fourth moment over the square of the second: 3 of noise, 1 of two sheets, 1.7 of those whose noise is a quarter of
 /// their distance. What looks like noise, but lies in two sheets, is none.
@@ -171,8 +171,8 @@ HeightFieldShape measure_height_field(const PointSet& points, double noise) {
     if (columns.size() == 0) return {};
     area = std::ldexp(static_cast<double>(columns.size()) * edge * edge, skip);
   }
-  const SheetCount sheets = count_in_one_sheet(positions, columns, kSheetSpacings * edge / std::sqrt(kColumnSamples),
-                                               kSheetNoises * noise);
+  const SheetCount sheets =
+      count_in_one_sheet(positions, columns, kSheetSpacings * edge / std::sqrt(kColumnSamples), kSheetNoises * noise);
   const double kurtosis =
       sheets.squares > 0 ? sheets.fourths * static_cast<double>(sheets.thick) / (sheets.squares * sheets.squares) : 0;
   const double in_one_sheet = static_cast<double>(sheets.thin + (kurtosis > kLeastKurtosis ? sheets.thick : 0));

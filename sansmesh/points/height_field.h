@@ -7,8 +7,8 @@ namespace sansmesh {
 
 /// How much of a cloud looks like heights over x and y.
 struct HeightFieldShape {
-  /// Share of the samples whose column, a square with about 16 samples, they fill as one sheet: near 1 for terrain, less
-  /// where trees and walls stand on it, near 0 for whatever has an underside or stands upright.
+  /// Share of the samples whose column, a square with about 16 samples, they fill as one sheet: near 1 for terrain,
+  /// less where trees and walls stand on it, near 0 for whatever has an underside or stands upright.
   double one_sheet = 0;
   /// Height of the middle half of the samples above and below the plane through all, over the edge of the square that
   /// has the area of all columns.

@@ -36,14 +36,14 @@ constexpr double kOpenPart = 0.35;
 /// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
 /// relation across would join them.
 constexpr double kUnseen = 3, kUnseenWithin = 2;
-/// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of these (in spacings) it can be told from
-/// what the shape leaves; above the second one the nearest neighbours are no longer those along the surface. Noise that
-/// is said to be so much less or so much more is not believed.
+/// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of
+/// these (in spacings) it can be told from what the shape leaves; above the second one the nearest neighbours are no
+/// longer those along the surface. Noise that is said to be so much less or so much more is not believed.
 constexpr std::size_t kSheetSamples = 5000, kSheetStretch = 16;
 constexpr double kCertainNear = 0.15, kLargestNear = 0.45;
 constexpr double kHiddenNoise = 0.67, kSheetsAsNoise = 1.5, kSheetsWithoutNoise = 2.5;
-/// Mean size of the relations of a sample (of 127) below which it may be a stray.
-constexpr int kFirm = 25;
+/// Mean size of the relations of a sample (of 127) below which its normal says little: a stray, or leaves.
+constexpr int kFirm = 30;
 /// No sample stands for more than so many times the area that its neighbours do: strays would.
 constexpr float kLargestArea = 4;
 
@@ -95,8 +95,8 @@ class RelationGraph {
       for (const Neighbour& neighbour : found) {
         if (neighbour.index == s || count == degree_) continue;
         neighbours_[s * degree_ + count] = neighbour.index;
-        relations_[s * degree_ + count++] = quantized(relation(positions_[s], normals_[s], positions_[neighbour.index],
-                                                               normals_[neighbour.index], unseen));
+        relations_[s * degree_ + count++] = quantized(
+            relation(positions_[s], normals_[s], positions_[neighbour.index], normals_[neighbour.index], unseen));
       }
       for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
       area_[s] = found.back().squared_distance;
@@ -108,6 +108,12 @@ class RelationGraph {
   std::size_t degree() const { return degree_; }
   std::uint32_t neighbour(std::size_t s, std::size_t k) const { return neighbours_[s * degree_ + k]; }
   int relation_to(std::size_t s, std::size_t k) const { return relations_[s * degree_ + k]; }
+  /// Whether the sample's normal has to do with those of its neighbours.
+  bool firm(std::size_t s) const {
+    int sure = 0;
+    for (std::size_t k = 0; k < degree_; ++k) sure += std::abs(relation_to(s, k));
+    return sure >= kFirm * static_cast<int>(degree_) && squared_norm(normals_[s]) > 0;
+  }
   const KdTree& tree() const { return tree_; }
   const std::vector<Vec3f>& positions() const { return positions_; }
   const std::vector<Vec3f>& normals() const { return normals_; }
@@ -133,7 +139,8 @@ class RelationGraph {
     for (std::size_t s = 0; s < size(); s += step)
       tree_.for_each_nearest(degree_ + 1, s, std::min(s + kSheetStretch, size()), look);
     if (off.empty()) return noise;
-    const double spacing = std::sqrt(std::numbers::pi * static_cast<double>(median(reach)) / static_cast<double>(degree_));
+    const double spacing =
+        std::sqrt(std::numbers::pi * static_cast<double>(median(reach)) / static_cast<double>(degree_));
     // Normal deviates: differences of two are √2 wide, and half of them are within 0.67 of that.
     const double near = static_cast<double>(median(off)) / (0.6745 * std::numbers::sqrt2);
     const bool certain = near > kCertainNear * spacing;
@@ -177,8 +184,11 @@ void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
 class Sights {
  public:
   Sights() = default;
-  Sights(const RelationGraph& graph, const std::vector<Vec3f>& sights) : cosine_(sights.empty() ? 0 : graph.size()) {
+  /// From the air, whatever is rough has been seen from the side, too, and from within: only what is `firm` counts.
+  Sights(const RelationGraph& graph, const std::vector<Vec3f>& sights, bool from_air)
+      : cosine_(sights.empty() ? 0 : graph.size()) {
     parallel_for(0, cosine_.size(), 16384, [&](std::size_t s) {
+      if (from_air && !graph.firm(s)) return;
       cosine_[s] = std::clamp(dot(graph.normals()[s], sights[graph.tree().order()[s]]), -1.0f, 1.0f);
     });
   }
@@ -192,7 +202,8 @@ class Sights {
       if (std::abs(cosine_[s]) > least) forest.join(s, anchor, cosine_[s] < 0);
   }
 
-  /// Whether each smooth patch has been seen from one side. Of large clouds some stretches along the tree are looked at.
+  /// Whether each smooth patch has been seen from one side. Of large clouds some stretches along the tree are looked
+  /// at.
   bool believable(const RelationGraph& graph) const {
     const std::size_t skip = 1 + graph.size() / kBelievedSamples, n = graph.size();
     const auto looked_at = [&](std::size_t s) { return s / kStretchSamples % skip == 0; };
@@ -331,12 +342,6 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     reach[p] += a * norm(arm) * norm(normal);
     up[p] += normal * a;
   }
-  // Strays are extremal, but their normals say nothing.
-  const auto firm = [&](std::size_t s) {
-    int sure = 0;
-    for (std::size_t k = 0; k < graph.degree(); ++k) sure += std::abs(graph.relation_to(s, k));
-    return sure >= kFirm * static_cast<int>(graph.degree()) && squared_norm(graph.normals()[s]) > 0;
-  };
   std::vector<std::uint32_t> farthest(parts.count);
   std::vector<float> distance(parts.count);
   for (int i = 0; i < kExtremeDirections; ++i) {
@@ -344,7 +349,7 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::lowest());
     for (std::size_t s = 0; s < n; ++s) {
       const float t = dot(graph.positions()[s], d);
-      if (t > distance[parts.part[s]] && firm(s))
+      if (t > distance[parts.part[s]] && graph.firm(s))  // strays are extremal, but their normals say nothing
         distance[parts.part[s]] = t, farthest[parts.part[s]] = static_cast<std::uint32_t>(s);
     }
     for (std::size_t p = 0; p < parts.count; ++p)
@@ -413,6 +418,8 @@ OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> 
   return 2 * inward > graph.size() ? OrientationCheck::inward : OrientationCheck::oriented;
 }
 
+bool from_air(OrientBy by) { return by == OrientBy::flight || by == OrientBy::up; }
+
 /// The first in the order of trust that is known and believable; or what is asked for.
 OrientBy choose_sights(const PointSet& points, const RelationGraph& graph, OrientBy asked, double noise,
                        Sights& sights) {
@@ -420,13 +427,13 @@ OrientBy choose_sights(const PointSet& points, const RelationGraph& graph, Orien
   if (asked != OrientBy::automatic) {
     const std::vector<Vec3f> found = find_sights(points, asked);
     if (found.empty()) throw DataError(unknown_sights(asked));
-    sights = Sights(graph, found);
+    sights = Sights(graph, found, from_air(asked));
     return asked;
   }
   for (const OrientBy by : kOrientationOrder) {
     const std::vector<Vec3f> found = find_own_sights(points, by, noise);
     if (found.empty()) continue;
-    sights = Sights(graph, found);
+    sights = Sights(graph, found, from_air(by));
     if (sights.believable(graph)) return by;
   }
   sights = {};

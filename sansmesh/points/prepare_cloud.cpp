@@ -86,7 +86,8 @@ bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
     std::size_t turned = 0;
     for (std::size_t i = 0; i < given.size(); ++i) turned += points.normals[i] != given[i];
     cloud.oriented_by = by;
-    cloud.warnings.push_back(counted(turned, "normal") + " turned: they looked away from where their samples were seen");
+    cloud.warnings.push_back(counted(turned, "normal") +
+                             " turned: they looked away from where their samples were seen");
     return true;
   }
   return false;

@@ -16,8 +16,8 @@ namespace sansmesh {
 /// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
 /// the faces where the vertices are too few or far apart to describe the surface.
 enum class FaceUse { automatic, ignore, sample };
-/// Given normals are used, and turned where they are not consistent, point inward or away from known scanners; as_given: not even looked at;
-/// estimate: they are replaced.
+/// Given normals are used, and turned where they are not consistent, point inward or away from known scanners;
+/// as_given: not even looked at; estimate: they are replaced.
 enum class NormalUse { automatic, as_given, estimate };
 
 /// What is done to the samples before any method.
@@ -48,8 +48,8 @@ struct PreparedCloud {
 /// any. Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
-/// All of it. Given normals that agree with their neighbours keep their signs, unless they point into a closed shape, or
-/// away from where the samples were seen. Throws DataError as above, and as keep_classes.
+/// All of it. Given normals that agree with their neighbours keep their signs, unless they point into a closed shape,
+/// or away from where the samples were seen. Throws DataError as above, and as keep_classes.
 PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
 
 }  // namespace sansmesh

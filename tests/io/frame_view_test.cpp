@@ -25,8 +25,8 @@ double depth_along(const Vec3& ray) {
     const double t = d / dot(n, ray);
     if (t > 0) nearest = std::min(nearest, t);
   };
-  plane({0, 0, 1}, 4);                            // the wall
-  plane(normalized(Vec3{0, 1, 0.35}), 1.6);       // the table
+  plane({0, 0, 1}, 4);                       // the wall
+  plane(normalized(Vec3{0, 1, 0.35}), 1.6);  // the table
   const Vec3 center{0.3, 0.2, 2};
   const double a = dot(ray, ray), b = dot(ray, center), inside = b * b - a * (dot(center, center) - 0.2);
   if (inside > 0) nearest = std::min(nearest, (b - std::sqrt(inside)) / a);
@@ -94,9 +94,9 @@ TEST(Frames, LookAtTheCamera) {
   EXPECT_EQ(share_facing(read_points(folder.put("a.pcd", pcd_of(own, ""))), own.eye, OrientBy::scanner), 1);
   // Moved to a world where z is up, with the viewpoint there.
   const Frame moved = make_frame(-2.0, {10, -4, 3});
-  EXPECT_EQ(share_facing(read_points(folder.put("b.pcd", pcd_of(moved, viewpoint(moved.eye)))), moved.eye,
-                         OrientBy::scanner),
-            1);
+  EXPECT_EQ(
+      share_facing(read_points(folder.put("b.pcd", pcd_of(moved, viewpoint(moved.eye)))), moved.eye, OrientBy::scanner),
+      1);
 }
 
 TEST(Frames, WithoutAViewpointRowsAndColumnsTell) {

@@ -24,13 +24,13 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 Vec3 hill_normal(const Vec3& p) {
-  return normalized(Vec3{-0.3 * std::cos(0.03 * p.x) * std::cos(0.04 * p.y),
-                         0.4 * std::sin(0.03 * p.x) * std::sin(0.04 * p.y), 1});
+  return normalized(
+      Vec3{-0.3 * std::cos(0.03 * p.x) * std::cos(0.04 * p.y), 0.4 * std::sin(0.03 * p.x) * std::sin(0.04 * p.y), 1});
 }
 double hill_height(double x, double y) { return 10 * std::sin(0.03 * x) * std::cos(0.04 * y); }
 
-/// Hills as an aircraft sees them, 900 above them, in two lines of opposite directions; its mirror swings by 20° to both
-/// sides. `towards`: the true directions to it.
+/// Hills as an aircraft sees them, 900 above them, in two lines of opposite directions; its mirror swings by 20° to
+/// both sides. `towards`: the true directions to it.
 struct Survey {
   PointSet points;
   std::vector<Vec3f> towards;
@@ -251,7 +251,8 @@ TEST(Orientation, BothSidesOfAThinWallLookAtTheirScanners) {
 }
 
 TEST(Orientation, SidesOfAThinPlateAreTwoSurfaces) {
-  // Three spacings from side to side; away from the rim, where noise makes normals that look anywhere, no sign is wrong.
+  // Three spacings from side to side; away from the rim, where noise makes normals that look anywhere, no sign is
+  // wrong.
   const std::size_t n = 20000;
   const float spacing = std::sqrt(8.0f / static_cast<float>(n));
   for (const float noise : {0.0f, 0.1f, 0.2f, 0.3f}) {
@@ -263,7 +264,8 @@ TEST(Orientation, SidesOfAThinPlateAreTwoSurfaces) {
     const auto wrong_inside = [&] {
       std::size_t wrong = 0;
       for (std::size_t i = 0; i < n; ++i) {
-        const bool inside = std::max(std::abs(points.positions[i].x), std::abs(points.positions[i].y)) < 1 - 3 * spacing;
+        const bool inside =
+            std::max(std::abs(points.positions[i].x), std::abs(points.positions[i].y)) < 1 - 3 * spacing;
         wrong += inside && dot(points.normals[i], truth[i]) < -0.5f;
       }
       return wrong;
