@@ -30,6 +30,8 @@ struct NormalsArguments {
 
 void run_normals(const NormalsArguments& arguments, Console& console) {
   arguments.options.validate();
+  require(!arguments.no_orient || arguments.orient_by == OrientBy::automatic,
+          "--orient-by means nothing with --no-orient");
   check_writable(arguments.output, "points");
 
   Progress& progress = console.progress();

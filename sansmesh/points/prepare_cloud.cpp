@@ -105,6 +105,8 @@ void estimate_missing_normals(PreparedCloud& cloud, Progress& progress) {
 void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progress) {
   PointSet& points = cloud.points;
   if (use.normals == NormalUse::as_given) {
+    if (use.orient_by != OrientBy::automatic)
+      throw ArgumentError("`orient_by` turns normals: it means nothing with `normals = given`");
     if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
     return;
   }

@@ -49,7 +49,8 @@ struct PreparedCloud {
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
 /// All of it. Given normals that agree with their neighbours keep their signs, unless they point into a closed shape,
-/// or away from where the samples were seen. Throws DataError as above, and as keep_classes.
+/// or away from where the samples were seen. Throws DataError as above, and as keep_classes;
+/// ArgumentError for `orient_by` with normals as given.
 PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
 
 }  // namespace sansmesh

@@ -6,17 +6,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <optional>
 #include <random>
+#include <utility>
 
 #include "points/shapes.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
 #include "sansmesh/points/flight_lines.h"
 #include "sansmesh/points/height_field.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "support/any_threads.h"
+#include "support/places.h"
 
 namespace sansmesh {
 namespace {
@@ -361,6 +366,27 @@ TEST(Orientation, BySightsDoesNotDependOnTheNumberOfThreads) {
     orient_normals(other, {}, progress);
     return std::pair(one.normals, other.normals);
   });
+}
+
+// An extra where ../shared lies beside the checkout; the tests above cover the same ground.
+TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
+  struct Scan {
+    const char* file;
+    OrientBy by;
+    double away;  ///< of those that clearly look anywhere
+  };
+  for (const Scan& scan :
+       {Scan{"kinect_capture0001.pcd", OrientBy::scanner, 0.001},
+        Scan{"bunny_scans/bun.conf", OrientBy::scanner, 0.001}, Scan{"lidar_autzen_trim.las", OrientBy::flight, 0.03},
+        Scan{"lidar_samp11.pcd", OrientBy::up, 0.03}}) {
+    const std::string file = test::shared_points(scan.file);
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no ../shared/data/points";
+    PointSet points = read_points(file);
+    Progress progress;
+    estimate_normals(points, {}, progress);
+    EXPECT_EQ(orient_normals(points, {}, progress), scan.by) << scan.file;
+    EXPECT_LT(share_looking_away(points, find_sights(points, scan.by)), scan.away) << scan.file;
+  }
 }
 
 }  // namespace
