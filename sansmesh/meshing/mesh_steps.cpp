@@ -117,26 +117,6 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
   });
 }
 
-std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit) {
-  std::vector<std::uint8_t> near(mesh.vertices.size());
-  const auto limit2 = static_cast<float>(limit * limit);
-  parallel_for(0, near.size(), 2048, [&](std::size_t v) {
-    const auto found = samples.nearest(mesh.vertices[v]);
-    near[v] = found && found->squared_distance <= limit2;
-  });
-  return near;
-}
-
-void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near) {
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    const Triangle& t = mesh.triangles[i];
-    keep[i] = near[t[0]] && near[t[1]] && near[t[2]];
-  }
-  keep_triangles(mesh, keep);
-  separate_fans(mesh);
-}
-
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases) {
   PolygonizeOptions meshing;
   meshing.cluster = options.enhance;

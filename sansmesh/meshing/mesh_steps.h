@@ -36,12 +36,6 @@ std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshCompo
 TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
                      PolygonizeOptions meshing, Progress& progress, MeshReport& r);
 
-/// 1 for the vertices that have a sample within `limit`.
-std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit);
-
-/// Cuts the surface where vertices are not `near`.
-void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near);
-
 /// 1 for the components that choose_components keeps. `open`: some of the surface ends where its samples do, where
 /// parts are judged by their samples alone, however small they are beside the largest one.
 std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const MeshComponents& components,
