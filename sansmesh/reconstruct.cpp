@@ -57,6 +57,7 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
 
   progress.begin("finish mesh");
   finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, options, r);
+  mark_confidence(mesh, model.points(), spacing, place.from_input(r.noise), place, options, r);
   if (r.most_lost) {
     r.most_lost = place.to_input(*r.most_lost);
     r.warnings.push_back(lost_samples(r) + kKeepAll);

@@ -21,8 +21,8 @@ namespace {
 
 /// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
 constexpr double kBlockReach = 0.4;
-/// Edge of a block over the spacing of the samples near it, for coarseness 1; no less than the width of the weights: a
-/// surface has no finer features.
+/// Edge of a block over the spacing of the samples near it, for coarseness 1; over the width of the weights where these
+/// are wider: a surface has no finer features.
 constexpr double kBlockEdge = 1.4;
 constexpr int kDeepest = 13;
 /// Newton steps from a sample to the surface.
@@ -284,7 +284,7 @@ BlockTree SurfaceModel::State::blocks(double coarseness, const std::optional<Fla
     if (touched.empty()) return false;
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : touched) least = std::min(least, spacing_at(i));
-    const double finest = std::max(kBlockEdge, flat ? report.smoothing : 0) * coarseness * least;
+    const double finest = kBlockEdge * std::max(1.0, flat ? report.smoothing : 0) * coarseness * least;
     if (e <= finest) return false;
     if (!flat || e > kLargest * finest) return true;
     touching(kFlatMargin);
