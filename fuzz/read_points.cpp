@@ -27,7 +27,8 @@ bool fits(std::size_t size, std::size_t n) { return size == 0 || size == n; }
 void check(const PointSet& p) {
   const std::size_t n = p.size();
   require(n > 0 && is_finite(p.origin), "no points, or no origin");
-  require(fits(p.normals.size(), n) && fits(p.colors.size(), n) && fits(p.scan_of_point.size(), n),
+  require(fits(p.normals.size(), n) && fits(p.colors.size(), n) && fits(p.scan_of_point.size(), n) &&
+              fits(p.grid_normals.size(), n),
           "arrays of different lengths");
   for (const Attribute& a : p.attributes)
     require(a.components > 0 && !a.name.empty() && a.size() == n * a.components, "an attribute of other points");

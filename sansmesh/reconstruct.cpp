@@ -19,12 +19,19 @@ constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 
 constexpr const char* kKeepAll = "; `components = all` keeps every part";
 
+PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, ReconstructReport& r) {
+  PreparedCloud cloud = prepare_cloud(std::move(points), use, progress);
+  r.estimated_normals = cloud.estimated_normals;
+  r.oriented_by = cloud.oriented_by;
+  return cloud;
+}
+
 /// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples where it bends, and cut off
 /// where these end.
 TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
                                  ReconstructReport& r) {
   const SurfaceOptions& choice = *options.surface;
-  const SurfaceModel model = make_surface_model(prepare_cloud(std::move(points), options, progress), choice, progress);
+  const SurfaceModel model = make_surface_model(prepare(std::move(points), options, progress, r), choice, progress);
   r.warnings = model.warnings();
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
@@ -96,7 +103,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   r = {};
   if (options.other_surface()) return reconstruct_surface(std::move(points), options, progress, r);
   const SurfaceFunction function =
-      fit_surface_function(prepare_cloud(std::move(points), options, progress), options, progress);
+      fit_surface_function(prepare(std::move(points), options, progress, r), options, progress);
   const PartitionReport& f = function.field.report();
   TriangleMesh mesh = mesh_function(function, options, progress, &r);
   r.spacing = function.place.to_input(f.spacing);

@@ -27,8 +27,10 @@ struct ReconstructOptions : CloudUse, FitOptions, MeshOptions {
 };
 
 struct ReconstructReport : MeshReport {
-  double spacing = 0;  ///< √(area / samples): edge of the square that one sample stands for (length)
-  double noise = 0;    ///< estimated standard deviation of the samples off the surface (length)
+  double spacing = 0;                   ///< √(area / samples): edge of the square that one sample stands for (length)
+  double noise = 0;                     ///< estimated standard deviation of the samples off the surface (length)
+  bool estimated_normals = false;       ///< there were none, or they were not wanted
+  std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
   /// Of the function: local approximations, and the deepest level of their tree. 0 for other surfaces.
   std::size_t fits = 0;
   int fit_depth = 0;

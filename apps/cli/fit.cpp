@@ -31,8 +31,10 @@ void run_fit(const FitArguments& a, Console& console) {
   PointSet points = a.input.read(console, read);
   const std::size_t given = points.size();
   try {
-    const SurfaceFunction function =
-        fit_surface_function(prepare_cloud(std::move(points), a.cloud, progress), a.options, progress);
+    PreparedCloud cloud = prepare_cloud(std::move(points), a.cloud, progress);
+    const bool estimated = cloud.estimated_normals;
+    const std::optional<OrientBy> oriented_by = cloud.oriented_by;
+    const SurfaceFunction function = fit_surface_function(std::move(cloud), a.options, progress);
     console.warn(a.input.name(), function.warnings);
     progress.begin("write");
     write_function(a.output, function, !a.without_samples);
@@ -42,11 +44,13 @@ void run_fit(const FitArguments& a, Console& console) {
     console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
     console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(place.to_input(r.spacing)),
                             length(place.to_input(r.noise)), length(place.to_input(r.accuracy))));
+    console.say("normals " + normals_made(estimated, oriented_by));
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
     const Json json = {{"input", a.input.json(read, given)},
                        {"spacing", place.to_input(r.spacing)},
                        {"noise", place.to_input(r.noise)},
+                       {"normals", normals_made_json(estimated, oriented_by)},
                        {"accuracy", place.to_input(r.accuracy)},
                        {"depth", r.depth},
                        {"fits", r.functions},

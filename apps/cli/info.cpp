@@ -150,7 +150,10 @@ void run_info(const CloudInput& input, Console& console) {
   const std::size_t duplicates = points.size() - count_unique(points);
   const CloudShape shape = classify_shape(points);
   const double spacing = estimate_spacing(points), noise = estimate_noise(points);
-  const char* normals = normals_word(check_orientation(points, noise));
+  const OrientationCheck check = check_orientation(points, noise);
+  const char* normals = normals_word(check);
+  const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
+  const OrientBy orient_by = first_known_orientation(points, noise);
   const Vec3f size = box.size();
 
   console.say(fmt::format("{}: {}", input.name(), read.format));
@@ -162,7 +165,8 @@ void run_info(const CloudInput& input, Console& console) {
   console.say(fmt::format("{:<12}{}", "spans", shape_word(shape)));
   console.say(fmt::format("{:<12}{}", "spacing", length(spacing)));
   console.say(fmt::format("{:<12}{}", "noise", length(noise)));
-  console.say(fmt::format("{:<12}{}", "normals", normals));
+  console.say(fmt::format("{:<12}{}{}", "normals", normals,
+                          consistent ? "" : fmt::format("; signs {}", orientation_words(orient_by))));
   std::string attributes;
   const auto add = [&](bool present, const std::string& name) {
     if (present) attributes += (attributes.empty() ? "" : ", ") + name;
@@ -185,6 +189,7 @@ void run_info(const CloudInput& input, Console& console) {
   json["spacing"] = spacing;
   json["noise"] = noise;
   json["normals"] = normals;
+  json["orient_by"] = orient_by_word(orient_by);
   json["colors"] = points.has_colors();
   json["attributes"] = std::move(tables);
   json["scanners"] = points.scanners.size();

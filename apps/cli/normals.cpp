@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "cloud_input.h"
 #include "commands.h"
@@ -23,11 +24,14 @@ struct NormalsArguments {
   bool ascii = false;
   bool keep = false;       ///< orient the file's normals instead of estimating new ones
   bool no_orient = false;  ///< leave the signs as they come
+  OrientBy orient_by = OrientBy::automatic;
   NormalOptions options;
 };
 
 void run_normals(const NormalsArguments& arguments, Console& console) {
   arguments.options.validate();
+  require(!arguments.no_orient || arguments.orient_by == OrientBy::automatic,
+          "--orient-by means nothing with --no-orient");
   check_writable(arguments.output, "points");
 
   Progress& progress = console.progress();
@@ -45,10 +49,16 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
   options.noise = estimate_noise(points);
   const int neighbours = options.neighbours.value_or(choose_neighbours(*options.spacing, *options.noise));
   if (!arguments.keep) estimate_normals(points, options, progress);
+  std::optional<OrientBy> oriented_by;
   if (!arguments.no_orient) {
     OrientationOptions orientation;
     orientation.noise = options.noise;
-    orient_normals(points, orientation, progress);
+    orientation.by = arguments.orient_by;
+    try {
+      oriented_by = orient_normals(points, orientation, progress);
+    } catch (const DataError& error) {
+      throw FileError(arguments.input.name(), error.what());
+    }
   }
   progress.begin("write");
   write_points(arguments.output, points, {.ascii = arguments.ascii});
@@ -59,7 +69,8 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
                           length(*options.spacing), length(*options.noise), read.format));
   console.say(fmt::format("{}: normals {}{}{}", arguments.output,
                           arguments.keep ? "of the file" : fmt::format("from {} neighbours", neighbours),
-                          arguments.no_orient ? ", signs left as they are" : ", oriented",
+                          oriented_by ? fmt::format(", oriented {}", orientation_words(*oriented_by))
+                                      : std::string(", signs left as they are"),
                           unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
   if (console.options().json) {
     Json json;
@@ -69,6 +80,7 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
     json["noise"] = *options.noise;
     json["neighbours"] = arguments.keep ? Json() : Json(neighbours);
     json["oriented"] = !arguments.no_orient;
+    json["oriented_by"] = oriented_by ? Json(orient_by_word(*oriented_by)) : Json();
     json["unknown"] = unknown;
     json["warnings"] = read.warnings;
     console.say_json(json);
@@ -97,6 +109,7 @@ Command add_normals(CommandLine& app) {
       .type_name("COUNT");
   c.add_flag("--keep", a.keep, "Keep the normals of the file and only orient them");
   c.add_flag("--no-orient", a.no_orient, "Leave the signs as they come");
+  add_orient_by(c, a.orient_by);
   c.footer(kReadable);
   return {&c, [shared](Console& console) { run_normals(*shared, console); }};
 }

@@ -132,6 +132,43 @@ void add_cloud_options(CommandLine& c, CloudUse& o) {
        {{"auto", NormalUse::automatic}, {"given", NormalUse::as_given}, {"estimate", NormalUse::estimate}},
        "Use given ones as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
       .type_name("CHOICE");
+  add_orient_by(c, o.orient_by);
+}
+
+void add_orient_by(CommandLine& c, OrientBy& by) {
+  std::vector<std::pair<std::string, OrientBy>> words;
+  for (const OrientBy one :
+       {OrientBy::automatic, OrientBy::scanner, OrientBy::rows, OrientBy::flight, OrientBy::up, OrientBy::propagation})
+    words.emplace_back(orient_by_word(one), one);
+  c.add_choice<OrientBy>("--orient-by", by, words, "From what normals get their signs [auto: the first that is known]")
+      .type_name("CHOICE");
+}
+
+const char* orient_by_word(OrientBy by) {
+  switch (by) {
+    case OrientBy::automatic:
+      return "auto";
+    case OrientBy::scanner:
+      return "scanner";
+    case OrientBy::rows:
+      return "rows";
+    case OrientBy::flight:
+      return "flight";
+    case OrientBy::up:
+      return "up";
+    case OrientBy::propagation:
+      return "propagation";
+  }
+  return "";
+}
+
+std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by) {
+  return fmt::format("{}{}", estimated ? "estimated" : "as given",
+                     oriented_by ? fmt::format(", oriented {}", orientation_words(*oriented_by)) : "");
+}
+
+Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by) {
+  return {{"estimated", estimated}, {"oriented_by", oriented_by ? Json(orient_by_word(*oriented_by)) : Json()}};
 }
 
 void add_box_option(CommandLine& c, std::optional<Box3>& box, const std::string& what) {
@@ -155,7 +192,7 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
       .type_name("LENGTH")
       .group("Fit");
   c.add_option("--support", o.support,
-               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 1.8 with noise]")
+               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 2.5 with noise]")
       .type_name("RATIO")
       .group("Fit");
   c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")

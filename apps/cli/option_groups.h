@@ -62,8 +62,17 @@ void add_color_range(CommandLine& command, std::optional<double>& range, const s
 void add_curvature_colors(CommandLine& command, std::optional<CurvatureQuantity>& quantity,
                           std::optional<double>& range, const std::string& what, const std::string& group = "Options");
 
-/// What is done to the samples before a fit: --faces, --normals. (--remove-outliers belongs to the group Surface.)
+/// What is done to the samples before a fit: --faces, --normals, --orient-by. (--remove-outliers belongs to the group
+/// Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);
+/// --orient-by
+void add_orient_by(CommandLine& command, OrientBy& by);
+/// The word for it on the command line: "scanner".
+const char* orient_by_word(OrientBy by);
+/// Where the normals came from, and their signs: "estimated, oriented by flight lines".
+std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by);
+/// The same in JSON: an object with `estimated` and `oriented_by`, null for signs of the input.
+Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by);
 /// --box x0,y0,z0,x1,y1,z1
 void add_box_option(CommandLine& command, std::optional<Box3>& box, const std::string& what);
 /// "2..14"

@@ -46,6 +46,7 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
             : fmt::format("{} down to depth {}", counted(report.fits, "local fit"), report.fit_depth);
   console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(report.spacing),
                           length(report.noise), made, counted(report.blocks, "block"), report.block_depth));
+  console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
   if (!other) console.say(openness(report, arguments.options.open));
   // A closed partition is closed by construction.
   const bool closed = (!other && !arguments.options.trim && !report.open) || measure_topology(mesh).closed();
@@ -85,6 +86,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     json["input"] = arguments.input.json(read, size.points);
     json["spacing"] = report.spacing;
     json["noise"] = report.noise;
+    json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
     json["fits"] = report.fits;
     json["fit_depth"] = report.fit_depth;
     json["open_share"] = report.open_share;

@@ -43,6 +43,7 @@ void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask) {
   keep_unmarked(points.colors, mask);
   points.attributes.remove_rows(mask);
   keep_unmarked(points.scan_of_point, mask);
+  keep_unmarked(points.grid_normals, mask);
   keep_unmarked(points.positions, mask);
 }
 

@@ -23,10 +23,13 @@ struct PointSet {
   std::vector<std::array<std::uint8_t, 3>> colors;
   /// Whatever else is known of each sample (confidence, intensity, curvatures, …): a row each.
   AttributeTable attributes;
-  /// For merged range scans: which scanner position (index into `scanners`) saw the sample. May be empty.
+  /// Which scanner position (index into `scanners`) saw the sample; an index beyond them: unknown. May be empty.
   std::vector<std::uint16_t> scan_of_point;
   /// Scanner positions relative to `origin`, where known.
   std::vector<Vec3f> scanners;
+  /// Of clouds in rows and columns, such as depth frames: the unit normal of the grid at the sample, on the side from
+  /// which it was seen, or zero where unknown. Too rough for a normal, but it tells the side.
+  std::vector<Vec3f> grid_normals;
   /// Triangles, where the file was a mesh or polygon soup (indices into positions); may be empty.
   std::vector<std::array<std::uint32_t, 3>> triangles;
   /// What is known of each triangle: a row each.

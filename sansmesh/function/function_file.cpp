@@ -127,8 +127,8 @@ PartitionReport report_of(const ReadJson& json) {
 }
 
 Json to_json(const ScaleBasis& b) {
-  return {{"sort_depth", b.sort_depth}, {"tried", b.tried},       {"finest", b.finest},
-          {"variance", b.variance},     {"accepted", b.accepted}, {"support", b.support}};
+  return {{"sort_depth", b.sort_depth}, {"tried", b.tried},     {"finest", b.finest}, {"variance", b.variance},
+          {"accepted", b.accepted},     {"support", b.support}, {"fit", b.fit},       {"height", b.height}};
 }
 
 ScaleBasis basis_of(const ReadJson& json) {
@@ -138,7 +138,11 @@ ScaleBasis basis_of(const ReadJson& json) {
   b.finest = whole<int>(json.at("finest"));
   b.variance = number(json.at("variance"));
   b.accepted = number(json.at("accepted"));
-  b.support = number(json.at("support"));
+  b.support = b.fit = number(json.at("support"));
+  if (json.contains("fit")) {  // from 1.2 on
+    b.fit = number(json.at("fit"));
+    b.height = number(json.at("height"));
+  }
   return b;
 }
 

@@ -39,8 +39,9 @@ PointSet read_points(const std::string& file, ReadReport* report = nullptr);
 /// The points of several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All have
 /// one origin, that of the first file, so that a place has the same position whichever file it comes from. Attributes
 /// are those of all files; where a file has one not, or of another type than the first that has it, its points' numbers
-/// are unknown (NaN, or 0 of integers). Normals, colours and scanner positions are left out, with a warning, unless all
-/// files have them. Of meshes the faces come together too. Points at the same place in several files stay as they are.
+/// are unknown (NaN, or 0 of integers). Normals and colours are left out, with a warning, unless all files have them;
+/// scanner positions stay, and are unknown of the points of other files. Of meshes the faces come together too. Points
+/// at the same place in several files stay as they are.
 /// Warnings begin with the name of their file. Throws FileError as read_points, and where some of the files have faces
 /// and others have none; ArgumentError for no files at all.
 PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr);

@@ -10,6 +10,9 @@
 namespace sansmesh::io {
 namespace {
 
+/// Of a sample that no known scanner saw.
+constexpr std::uint16_t kUnknownScan = std::numeric_limits<std::uint16_t>::max();
+
 /// One array of all parts; each part's is given back as soon as it is copied.
 template <class T>
 void append_arrays(std::vector<PointSet>& parts, std::vector<T> PointSet::*array, std::size_t total,
@@ -31,6 +34,16 @@ void append_if_all(const std::vector<std::string>& files, std::vector<PointSet>&
   if (std::any_of(parts.begin(), parts.end(), has))
     report.warnings.push_back(printable(files[static_cast<std::size_t>(without - parts.begin())], 200) + ": has no " +
                               what + ": those of the other files were left out");
+}
+
+/// The same where those of the other parts are unknown.
+template <class T>
+void append_if_any(std::vector<PointSet>& parts, std::vector<T> PointSet::*array, const std::vector<std::size_t>& sizes,
+                   std::size_t total, const T& unknown, PointSet& all) {
+  if (std::all_of(parts.begin(), parts.end(), [&](const PointSet& part) { return (part.*array).empty(); })) return;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if ((parts[k].*array).empty()) (parts[k].*array).assign(sizes[k], unknown);
+  append_arrays(parts, array, total, all.*array);
 }
 
 /// The tables of all parts as one. Warns of what has one name and several types.
@@ -74,14 +87,15 @@ PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSe
     for (std::uint16_t& scan : part.scan_of_point) scan = static_cast<std::uint16_t>(scan + scanners);
     scanners += part.scanners.size();
   }
-  if (scanners > std::numeric_limits<std::uint16_t>::max()) {
-    report.warnings.push_back("more than 65,535 scanner positions: left out");
+  if (scanners >= kUnknownScan) {
+    report.warnings.push_back("more than 65,534 scanner positions: left out");
     for (PointSet& part : parts) part.scan_of_point.clear(), part.scanners.clear();
   }
   append_if_all(files, parts, &PointSet::normals, n, "normals", all, report);
   append_if_all(files, parts, &PointSet::colors, n, "colours", all, report);
-  append_if_all(files, parts, &PointSet::scan_of_point, n, "scanner positions", all, report);
+  append_if_any(parts, &PointSet::scan_of_point, points, n, kUnknownScan, all);
   if (!all.scan_of_point.empty()) append_arrays(parts, &PointSet::scanners, scanners, all.scanners);
+  append_if_any(parts, &PointSet::grid_normals, points, n, Vec3f{}, all);
   append_arrays(parts, &PointSet::triangles, faces, all.triangles);
   append_arrays(parts, &PointSet::positions, n, all.positions);
   return all;

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <utility>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/columns.h"
+#include "sansmesh/io/frame_view.h"
 #include "sansmesh/io/lzf.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/readers.h"
@@ -266,6 +268,29 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
   if (rgb) unpack_colors(points, n, [&](std::size_t i) { return packed[i]; });
 }
 
+/// An organised cloud is one frame of a camera, which saw all of it from the viewpoint. Of other clouds the viewpoint
+/// is known only if it is not the one that every header has.
+void find_viewer(const Input& in, const PcdHeader& h, PointSet& points) {
+  const Vec3 eye{h.viewpoint[0], h.viewpoint[1], h.viewpoint[2]};
+  bool known = is_finite(eye);
+  const bool organised = h.height > 1 && h.width > 1 && points.size() / h.height == h.width;
+  if (organised) {
+    const auto position = known ? std::optional<Vec3f>(Vec3f(eye - points.origin)) : std::nullopt;
+    if (auto view = measure_frame(points.positions, static_cast<std::size_t>(h.width), position)) {
+      if (known && !view->seen_from_eye) {
+        known = false;
+        in.warn("its rows and columns were not seen from its viewpoint, which was left out");
+      }
+      points.grid_normals = std::move(view->normals);
+    }
+  } else if (eye == Vec3{}) {
+    known = false;
+  }
+  if (!known) return;
+  points.scanners.assign(1, Vec3f(eye - points.origin));
+  points.scan_of_point.assign(points.size(), 0);
+}
+
 }  // namespace
 
 PointSet read_pcd(const Input& in) {
@@ -278,12 +303,7 @@ PointSet read_pcd(const Input& in) {
     read_records(in, h, points);
   else
     in.fail(fmt::format("malformed PCD header: unknown kind of data '{}'", h.data.substr(0, 40)));
-  // An organised cloud is one frame of a camera, which saw all of it from the viewpoint.
-  const Vec3 eye{h.viewpoint[0], h.viewpoint[1], h.viewpoint[2]};
-  if (h.height > 1 && is_finite(eye)) {
-    points.scanners.assign(1, Vec3f(eye - points.origin));
-    points.scan_of_point.assign(points.size(), 0);
-  }
+  find_viewer(in, h, points);
   finish(in, points);
   return points;
 }

@@ -6,7 +6,7 @@
 namespace sansmesh {
 namespace {
 
-/// Balls for blocks with too few samples, in units of the support's radius: of twice the area, and the parent's.
+/// Balls for blocks with too few samples, in units of its radius: of twice the area, and the parent's.
 constexpr float kReaches[] = {1.41f, 2.0f};
 /// Slopes of the first plane against the mean normal for which the frame is turned. Below, the weights and residuals
 /// change by a hundredth at most; above, the plane is not that of the samples that face the mean normal.
@@ -16,14 +16,19 @@ float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
 /// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the
 /// weight that faces away.
-float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f) {
+float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {
   const auto positions = tree.positions();
   const auto normals = tree.normals();
   const float inverse = 1 / f.scale;
+  const float stretch = height > f.scale ? f.scale * f.scale / (height * height) - 1 : 0;
   ws.samples.clear();
   float kept = 0, away = 0;
   for (const std::uint32_t i : ws.ids) {
-    const float t = squared_norm(positions[i] - middle) * inverse * inverse;
+    float t = squared_norm(positions[i] - middle) * inverse * inverse;
+    if (stretch != 0) {
+      const float above = dot(positions[i] - middle, f.nu) * inverse;
+      t += stretch * above * above;
+    }
     if (t >= 1) continue;
     const float weight = smooth_weight(t);
     if (dot(normals[i], f.nu) < 0) {
@@ -79,23 +84,27 @@ void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cel
 float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
                     const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids) {
   const Vec3f c = fitter.center(level, cell);
-  const float radius = fitter.support_radius(level);
+  const float radius = fitter.fit_radius(level);
   const auto enough = [&](float r) {
     const auto in = std::count_if(
         ids.begin(), ids.end(), [&](std::uint32_t i) { return squared_norm(fitter.tree.positions()[i] - c) < r * r; });
     return in >= fitter.options.min_samples;
   };
-  gather(fitter.tree, level, own, c, kShift * radius, ids);
+  if (fitter.height <= radius || level == 0) {
+    gather(fitter.tree, level, own, c, kShift * radius, ids);
+  } else {
+    gather(fitter.tree, level - 1, parents, c, kShift * fitter.height, ids);
+  }
   if (enough(radius) || level == 0) return 1;
   for (const float reach : kReaches) {
-    gather(fitter.tree, level - 1, parents, c, kShift * reach * radius, ids);
+    gather(fitter.tree, level - 1, parents, c, kShift * std::max(reach * radius, fitter.height), ids);
     if (enough(reach * radius)) return reach;
   }
   return 0;
 }
 
 DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
-                     LocalFunction& f, float* dropped) {
+                     LocalFunction& f, float* dropped, float height) {
   const auto positions = tree.positions();
   const auto normals = tree.normals();
   const float inverse = 1 / (scale * scale);
@@ -116,7 +125,7 @@ DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int ma
   f.center = c;
   f.scale = scale;
   Vec3f middle = weight > 0 ? c + normal * (dot(mean, normal) / weight) : c;
-  float away = project(tree, middle, ws, f);
+  float away = project(tree, middle, ws, f, height);
   DegreeFits fits = fit_all_degrees(ws.samples, max_degree);
   if (fits.highest >= 1) {
     const auto plane = monomial_coefficients(fits, 1);
@@ -124,7 +133,7 @@ DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int ma
     if (slope > kLeastSlope && slope < kMostSlope) {
       set_normal(f, normalized(f.nu - f.xi * plane[1] - f.eta * plane[2]));
       middle = c + f.nu * (plane[0] * scale / std::sqrt(1 + slope * slope));
-      away = project(tree, middle, ws, f);
+      away = project(tree, middle, ws, f, height);
       fits = fit_all_degrees(ws.samples, max_degree);
     }
   }

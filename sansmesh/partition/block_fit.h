@@ -1,6 +1,7 @@
 // Least squares around a block: which samples, in which frame, up to which degree. Internal to partition/.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,6 +18,8 @@ struct BlockFitter {
   const PartitionOptions& options;
   float support = 1.5f;  ///< radius of a support / circumscribed radius of its block
   int deepest = 0;       ///< level that is fitted however many samples a block has
+  float fit = support;   ///< radius of the ball of samples that a fit starts from / circumscribed radius of the block
+  float height = 0;      ///< how far off the surface samples still count at least, for noise (length)
 
   float block_edge(int level) const { return tree.edge() / static_cast<float>(1u << level); }
 
@@ -28,7 +31,13 @@ struct BlockFitter {
   }
 
   float support_radius(int level) const { return support * 0.8660254f * block_edge(level); }
+  float fit_radius(int level) const { return fit * 0.8660254f * block_edge(level); }
 };
+
+/// tr(G⁻¹ Σ w² m mᵀ) · Σ w / Σ w²: the degrees of freedom that a fit of each degree takes from Σ w r², in units of the
+/// weights' effective count; for w = (1 − t²)² over a disc. Less than the number of basis functions, since those that
+/// live near the rim, where the weights vanish, hardly take part.
+constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
 
 /// Reused from block to block.
 struct Workspace {
@@ -45,17 +54,18 @@ constexpr float kShift = 1.3f;
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
             std::vector<std::uint32_t>& ids, std::size_t stride = 1);
 
-/// Gathers with the support's own radius or, where too few samples are in it, with up to twice that (the parent's
-/// ball). Returns the factor, or 0 if even that ball holds too few.
+/// Gathers with the radius of a fit or, where too few samples are in it, with up to twice that (the parent's ball).
+/// Returns the factor, or 0 if even that ball holds too few.
 float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
                     const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids);
 
 /// Fits all degrees around c to the samples in ws.ids. The frame's normal is the mean of the samples' normals,
 /// corrected where a first plane says that it is tilted (noisy normals). The ball is shifted along the normal until the
 /// surface passes through its middle: an off-centre ball cuts more noisy samples off on one side than on the other, a
-/// bias. `dropped` receives the share of the weight on samples that face away.
+/// bias. `dropped` receives the share of the weight on samples that face away. `height`: where it exceeds the scale,
+/// the ball is stretched along the normal to reach so far.
 DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
-                     LocalFunction& f, float* dropped = nullptr);
+                     LocalFunction& f, float* dropped = nullptr, float height = 0);
 
 /// Coverage k (METHODS §3.1): area of the box of the projected samples / area of the projected ball.
 double coverage(const LocalSamples& samples);

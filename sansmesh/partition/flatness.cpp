@@ -28,7 +28,7 @@ float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int lev
   if (t.dropped > kSecondSheet) return kBottomless;
   // Samples that face away are a second sheet, or a surface that bends by more than a right angle.
   const float noise = t.noise >= 0 ? t.noise : static_cast<float>(choice.variance);
-  const float radius = fitter.support_radius(level);
+  const float radius = fitter.fit_radius(level);
   return gap_of(t, noise, t.reach * radius, fitter.block_edge(level)) + 0.2f * t.dropped * radius;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/global_sign.h"
@@ -9,7 +10,15 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kCreaseGain = 0.25;  ///< share of a smooth fit's mean square that a creased one must stay below
+/// Balls that are tried with noise, of about two and of four times the area.
+constexpr float kWider[] = {1.41f, 2.0f};
+/// Share of the noise's part in what a wider fit leaves more than a narrow one that is forgiven: its estimate also
+/// holds shape that no fit followed.
+constexpr double kForgiven = 0.5;
+constexpr float kSameWay = 0.8f;       ///< cosine between the frames of a fit and a wider one
+constexpr double kSteadier = 0.98;     ///< a wider fit must promise a little less risk
+constexpr float kAnotherSheet = 0.2f;  ///< share of the weight in a support on samples that face away
+constexpr double kCreaseGain = 0.25;   ///< share of a smooth fit's mean square that a creased one must stay below
 
 /// The pieces of a support with a crease; none if there is no crease, or none that explains the samples better than any
 /// smooth function does, robust or not. `smooth`: mean square of the smooth function chosen; of the crease, if found.
@@ -25,6 +34,71 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
   return std::move(crease.pieces);
 }
 
+/// Where a wider ball of samples leaves those of the fit no farther off than noise explains, it averages over more of
+/// it. The bias of the wider fit is measured where the fit counts: by how much more it leaves of the weighted squares
+/// of the narrow ball's samples, in the workspace, than noise by the difference of freedom. Replaces f, and returns its
+/// mean square.
+double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, double count, double square,
+                 FitWorkspace& ws, LocalFunction& f) {
+  const LocalSamples& samples = ws.block.samples;
+  ws.position.clear(), ws.weight.clear();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    ws.position.push_back(f.center +
+                          (f.xi * samples.u()[i] + f.eta * samples.v()[i] + f.nu * samples.w()[i]) * f.scale);
+    ws.weight.push_back(samples.weight()[i]);
+  }
+  const auto left_over = [&](const LocalFunction& g) {
+    double sum = 0, n = 0;
+    for (std::size_t i = 0; i < ws.position.size(); ++i) {
+      const double r = local_value(g, ws.position[i]);
+      sum += ws.weight[i] * r * r, n += ws.weight[i];
+    }
+    return sum / n;
+  };
+  const LocalFunction narrow = f;
+  const double own = left_over(narrow), freedom = kFreedom[static_cast<std::size_t>(narrow.degree)] / count;
+  double risk = noise * freedom;
+  for (std::size_t k = 0; k < std::size(kWider) && static_cast<int>(k) < leaf.level; ++k) {
+    const float scale = kWider[k] * narrow.scale;
+    const std::size_t up = k + 1;
+    gather(fitter.tree, leaf.level - static_cast<int>(up), ws.walk.above(up), narrow.center, kShift * scale,
+           ws.block.ids);
+    LocalFunction wide;
+    const DegreeFits fits = fit_local(fitter.tree, narrow.center, scale, fitter.options.max_degree, ws.block, wide);
+    if (dot(wide.nu, narrow.nu) < kSameWay) break;
+    const int highest = highest_degree(fitter.options, fits, ws.block.samples);
+    bool better = false;
+    for (int d = 1; d <= highest; ++d) {
+      const auto degree = static_cast<std::size_t>(d);
+      wide.degree = d;
+      wide.coefficient = monomial_coefficients(fits, d);
+      const double taken = kFreedom[degree] / fits.effective_count;
+      const double bias = left_over(wide) - own - kForgiven * noise * (freedom - taken);
+      const double expected = std::max(bias, 0.0) + noise * taken;
+      if (expected >= kSteadier * risk) continue;
+      risk = expected, f = wide, better = true;
+      square = fits.mean_square[degree] * scale * scale;
+    }
+    if (!better) break;
+  }
+  return square;
+}
+
+/// Whether the ball of a support holds another sheet, the back of a thin wall say, whose supports it would fight with.
+bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const LocalFunction& f, FitWorkspace& ws) {
+  if (leaf.level == 0) return false;
+  gather(fitter.tree, leaf.level - 1, ws.walk.parents(), f.center, f.radius, ws.block.ids);
+  const float inverse = 1 / (f.radius * f.radius);
+  float away = 0, all = 0;
+  for (const std::uint32_t i : ws.block.ids) {
+    const float t = squared_norm(fitter.tree.positions()[i] - f.center) * inverse;
+    const float weight = (1 - t) * (1 - t);
+    all += weight;
+    if (dot(fitter.tree.normals()[i], f.nu) < 0) away += weight;
+  }
+  return away > kAnotherSheet * all;
+}
+
 }  // namespace
 
 void place_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support) {
@@ -37,7 +111,7 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   const auto l = static_cast<std::size_t>(leaf.level);
   const Trial& t = choice.trials[l][leaf.cell];
   const Vec3f c = fitter.center(leaf.level, leaf.cell);
-  const float radius = fitter.support_radius(leaf.level);
+  const float radius = fitter.fit_radius(leaf.level);
   ws.walk.go(leaf.level, leaf.cell);
   if (t.reach == 1) {
     gather(tree, leaf.level, ws.walk.own(), c, kShift * radius, ws.block.ids, t.stride);
@@ -53,13 +127,18 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   support.coverage = static_cast<float>(coverage(ws.block.samples));
   support.samples = static_cast<std::uint32_t>(ws.block.samples.size());
   double square = fits.mean_square[t.degree] * f.scale * f.scale;
+  const bool noisy = choice.noisiness() > 0;
   std::vector<LocalFunction> pieces = fit_pieces(fitter, choice, f, square, ws);
   if (!pieces.empty()) {
     f = pieces[0];
     support.creased = 1;
     result.more.assign(pieces.begin() + 1, pieces.end());
+  } else if (noisy && t.reach == 1 && t.stride == 1) {
+    const double noise = t.noise >= 0 ? t.noise : choice.variance;
+    square = widen_fit(fitter, leaf, noise, fits.effective_count, square, ws, f);
   }
-  f.radius = radius;
+  f.radius = fitter.support_radius(leaf.level);
+  if (noisy && faces_another_sheet(fitter, leaf, f, ws)) f.radius = radius;
   support.error = static_cast<float>(std::sqrt(square));
   support.code = tree.level(leaf.level).code[leaf.cell];
   support.level = static_cast<std::uint8_t>(leaf.level);

@@ -23,6 +23,10 @@ class NeighbourWalk {
   const SampleTree::Neighbours& own() const { return steps_[level_].own; }
   /// The cells around its parent, on the level above; around itself on level 0.
   const SampleTree::Neighbours& parents() const { return steps_[level_ > 0 ? level_ - 1 : 0].own; }
+  /// The cells around its ancestor so many levels above; around the root on level 0.
+  const SampleTree::Neighbours& above(std::size_t levels) const {
+    return steps_[level_ > levels ? level_ - levels : 0].own;
+  }
 
  private:
   static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};

@@ -175,7 +175,8 @@ void PartitionData::validate() const {
         "its report makes no sense");
   check(basis.sort_depth >= 0 && basis.sort_depth <= 20 && basis.tried >= 0 && basis.tried <= basis.sort_depth &&
             basis.finest >= 0 && basis.finest <= basis.tried && basis.finest <= kDeepest && is_size(basis.variance) &&
-            is_size(basis.accepted) && basis.support >= 1 && basis.support <= 4,
+            is_size(basis.accepted) && basis.support >= 1 && basis.support <= 4 && basis.fit >= 1 && basis.fit <= 4 &&
+            is_size(basis.height),
         "its scales make no sense");
   check(flatness.size() == static_cast<std::size_t>(basis.finest) + 1 && is_tree(flatness), "its tree makes no sense");
   const std::size_t n = supports.size();

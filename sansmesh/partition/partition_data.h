@@ -16,7 +16,7 @@ struct PartitionOptions {
   std::optional<int>
       max_depth;  ///< deepest level of the tree, kLeastDepth..kMostDepth; default: where supports run out of samples
   std::optional<double> error;  ///< accepted rms error of a local function (length); default: 0.1 noise
-  /// Radius of a support / circumscribed radius of its block, 1.1..2; default: 1.5, up to 1.8 where noise is large
+  /// Radius of a support / circumscribed radius of its block, 1.1..2; default: 1.5, up to 2.5 where noise is large
   /// against the spacing.
   std::optional<double> support;
   int max_degree = 4;      ///< largest polynomial degree, 1..4
@@ -73,6 +73,8 @@ struct ScaleBasis {
   double variance = 0;  ///< of the noise (length²)
   double accepted = 0;  ///< rms error that needs no subdivision (length)
   double support = 0;   ///< radius of a support / circumscribed radius of its block
+  double fit = 0;       ///< radius of the ball of samples that a fit starts from / circumscribed radius of its block
+  double height = 0;    ///< how far off the surface samples counted at least where scales were chosen (length)
 };
 
 struct PartitionData {

@@ -282,7 +282,8 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
   if (chosen.empty()) return {data, {}, 0, 0};
   SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
   tree.build_levels(data.basis.finest);
-  const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest};
+  const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest,
+                          static_cast<float>(data.basis.fit)};
   progress.begin("fit again", chosen.size());
   std::vector<FittedLeaf> leaves(chosen.size());
   std::atomic<std::size_t> kept{0}, lower{0};
@@ -297,8 +298,9 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
       walk.go(s.level, cell);
       BlockFitter fitter = whole;
       // A refit may have given it another radius than the fit would.
-      if (const float r = data.functions[chosen[i]].radius; r != whole.support_radius(s.level))
-        fitter.support *= r / whole.support_radius(s.level);
+      if (const float r = data.functions[chosen[i]].radius;
+          r != whole.support_radius(s.level) && r != whole.fit_radius(s.level))
+        fitter.fit *= r / whole.support_radius(s.level);
       const float reach = gather_enough(fitter, s.level, cell, walk.own(), walk.parents(), ws.ids);
       const Cube c = cube_of(data, s.level, s.code);
       const Vec3f center = fitter.center(s.level, cell);
@@ -306,8 +308,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
       FittedLeaf& leaf = leaves[i];
       leaf.support = s;
       if (reach > 0) {
-        const DegreeFits fits =
-            fit_local(tree, center, reach * fitter.support_radius(s.level), degree, ws, leaf.function);
+        const DegreeFits fits = fit_local(tree, center, reach * fitter.fit_radius(s.level), degree, ws, leaf.function);
         if (fits.highest >= 0) {
           LocalFunction& f = leaf.function;
           f.radius = old.radius;
@@ -347,11 +348,11 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   tree.build_levels(data.basis.tried);
   ScaleBasis basis = data.basis;
   if (options.error) basis.accepted = *options.error;
-  if (options.support) basis.support = *options.support;
+  if (options.support) basis.support = basis.fit = *options.support, basis.height = 0;
   const ScaleChoice choice = choose_scales_below(tree, options, basis, roots, progress);
   if (choice.leaves.empty()) throw DataError("the samples around the chosen supports are too few for any fit");
   const Selection served = in_served_blocks(data, chosen, roots, tree, choice);
-  const BlockFitter fitter{tree, options, choice.support, choice.finest};
+  const BlockFitter fitter{tree, options, choice.support, choice.finest, choice.fit};
   progress.begin("fit again", choice.leaves.size());
   std::vector<FittedLeaf> leaves(choice.leaves.size());
   parallel_ranges(0, leaves.size(), 64, [&](std::size_t first, std::size_t last) {

@@ -88,7 +88,9 @@ void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progres
   data.basis.variance = choice.variance;
   data.basis.accepted = choice.accepted;
   data.basis.support = static_cast<double>(choice.support);
-  const BlockFitter fitter{tree, data.options, choice.support, choice.finest};
+  data.basis.fit = static_cast<double>(choice.fit);
+  data.basis.height = static_cast<double>(choice.height);
+  const BlockFitter fitter{tree, data.options, choice.support, choice.finest, choice.fit};
   fit_leaves(fitter, choice, data, progress);
   data.report.spacing = std::sqrt(data.report.area / static_cast<double>(tree.positions().size()));
   data.report.noise = std::sqrt(choice.variance);

@@ -13,28 +13,33 @@ namespace sansmesh {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-/// tr(G⁻¹ Σ w² m mᵀ) · Σ w / Σ w²: the degrees of freedom that a fit of each degree takes from Σ w r², in units of the
-/// weights' effective count; for w = (1 − t²)² over a disc. Less than the number of basis functions, since those that
-/// live near the rim, where the weights vanish, hardly take part.
-constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
-
-/// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing (in spacings).
-/// Wide ones average over more noise and blur more shape: benchmarks/README.md has what each gains and loses.
-constexpr double kSupport = 1.5, kNoisySupport = 1.8;
-constexpr double kLittleNoise = 0.3, kMuchNoise = 0.6;
+/// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing (in spacings),
+/// and the balls of samples that fits start from. Many overlapping supports average over the noise of each; wide balls
+/// also blur shape: benchmarks/README.md has what each gains and loses.
+constexpr double kSupport = 1.5, kNoisySupport = 2.5, kNoisyFit = 1.8;
+constexpr double kLittleNoise = 0.15, kMuchNoise = 0.6;
+/// Noise is about the same everywhere. Shape that is finer than the samples can tell is not: the standard deviation
+/// that one cell in ten stays below over the median one is 0.8 to 0.95 where there is noise, and 0 to 0.5 on terrain,
+/// depth frames and scans that are too coarse for their shape.
+constexpr double kShapeEvenness = 0.5, kNoiseEvenness = 0.8;
+constexpr std::size_t kLowestTenth = 10;
 constexpr double kLeastCompany = 4;  ///< samples in a sample's cell, in the mean, on the finest level that is tried
-/// Noise above this share of a ball's radius is cut off by the ball: there `uncut` has a quarter to make up for.
-constexpr double kMostNoise = 0.2;
+/// Noise above this share of a ball's radius is cut off by the ball: there `uncut` has a quarter to make up for. In
+/// balls that are stretched along the normal, to so many standard deviations, it is not, but samples soon tell nothing
+/// about shapes that small.
+constexpr double kMostNoise = 0.2, kMostTallNoise = 0.4, kNoiseHeight = 5;
 /// Samples that a fit needs to tell noise, in units of the freedom that it takes: with fewer, what is left over says
 /// little.
 constexpr float kSpareFreedom = 1.5f;
 /// What planes leave is noise where the best degree leaves no less than this part of it.
 constexpr double kNoiseShare = 0.5;
-/// A second sheet that had all of the weight would count as if the surface were √0.1 = 0.3 radii off.
-constexpr float kSecondSheetRisk = 0.1f;
+/// A second sheet that had all of the weight would count as if the surface were √0.1 = 0.3 radii off; with much noise
+/// as if it were 0.1 radii off, since small blocks along thin walls would follow the noise.
+constexpr float kSecondSheetRisk = 0.1f, kNoisySecondSheetRisk = 0.01f;
 /// A higher degree must promise at least a little less risk than a lower one, which bends less and is cheaper to
 /// evaluate; a cut 10 % less, for about four times the functions (25 % changes next to nothing: benchmarks/README.md).
-constexpr float kBetterDegree = 0.98f, kBetterCut = 0.9f;
+/// With much noise more: small balls cut it off, so that what they promise is too good.
+constexpr float kBetterDegree = 0.98f, kBetterCut = 0.9f, kBetterNoisyCut = 0.75f;
 /// Accepted error without an option: this part of the noise, which is what a quadratic fit to 400 samples can be
 /// expected to reach; and of the diagonal, a few dozen roundings of a float coordinate.
 constexpr double kAcceptedNoise = 0.1, kAcceptedSize = 2e-6;
@@ -57,14 +62,18 @@ std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Nei
 
 /// A ball of radius 1 leaves out the samples that noise takes far off the surface: over all of the disc, offsets z have
 /// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here, but by no more
-/// than 0.3: where the ball is full of noise, what is seen says nothing about it.
-float uncut(float mean_square) { return mean_square / std::max(0.3f, 1 - 6 * mean_square); }
+/// than 0.3: where the ball is full of noise, what is seen says nothing about it. `stretch`: of the ball along the
+/// normal.
+float uncut(float mean_square, float stretch) {
+  return mean_square / std::max(0.3f, 1 - 6 * mean_square / (stretch * stretch));
+}
 
-/// The residuals of fits of radius `scale`, up to a degree.
-void record(const DegreeFits& fits, int most, float scale, Trial& trial) {
+/// The residuals of fits of radius `scale`, up to a degree; `height` as in fit_local.
+void record(const DegreeFits& fits, int most, float scale, float height, Trial& trial) {
+  const float stretch = std::max(1.0f, height / scale);
   for (int d = 1; d <= std::min(most, fits.highest); ++d) {
     const auto k = static_cast<std::size_t>(d);
-    trial.mean_square[k - 1] = uncut(static_cast<float>(fits.mean_square[k])) * scale * scale;
+    trial.mean_square[k - 1] = uncut(static_cast<float>(fits.mean_square[k]), stretch) * scale * scale;
   }
 }
 
@@ -92,26 +101,27 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   LocalFunction f;
   if (stride > 1 && level < fitter.deepest) {
     // Case (iii): subdivided without a fit. A thinned sample still tells the polygoniser how flat it is here.
-    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
-    const float scale = fitter.support_radius(level);
-    const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped);
-    record(fits, 1, scale, trial);
+    gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ids, stride);
+    const float scale = fitter.fit_radius(level);
+    const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped, fitter.height);
+    record(fits, 1, scale, fitter.height, trial);
     return trial;
   }
   trial.stride = static_cast<std::uint32_t>(stride);
   if (stride > 1) {
-    gather(fitter.tree, level, own, c, kShift * fitter.support_radius(level), ws.ids, stride);
+    gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ids, stride);
   } else {
     trial.reach = gather_enough(fitter, level, cell, own, walk.parents(), ws.ids);
   }
   if (trial.reach == 0) return trial;
-  const float scale = trial.reach * fitter.support_radius(level);
-  const DegreeFits fits = fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped);
-  record(fits, 1, scale, trial);
+  const float scale = trial.reach * fitter.fit_radius(level);
+  const DegreeFits fits =
+      fit_local(fitter.tree, c, scale, fitter.options.max_degree, ws, f, &trial.dropped, fitter.height);
+  record(fits, 1, scale, fitter.height, trial);
   if (ws.samples.size() > limit && level < fitter.deepest && !any_number) return trial;
   trial.highest = static_cast<std::int8_t>(highest_degree(fitter.options, fits, ws.samples));
   trial.effective_count = static_cast<float>(fits.effective_count);
-  record(fits, trial.highest, scale, trial);
+  record(fits, trial.highest, scale, fitter.height, trial);
   return trial;
 }
 
@@ -274,7 +284,11 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
       choice.variance = *middle;
-      if (std::sqrt(choice.variance) < kMostNoise * fitter.support_radius(choice.finest)) break;
+      const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
+      std::nth_element(noises.begin(), low, middle + 1);
+      choice.evenness = choice.variance > 0 ? std::sqrt(std::max(0.0f, *low) / choice.variance) : 0;
+      const double most = fitter.height > 0 ? kMostTallNoise : kMostNoise;
+      if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
     }
     if (choice.finest <= 2) break;
   }
@@ -285,13 +299,13 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
 using Risks = std::array<float, kMaxDegree>;
 
 /// Mallows' estimate of the expected squared error of each degree; infinite where it cannot be told.
-Risks raw_risks(const Trial& t, float noise, float radius) {
+Risks raw_risks(const Trial& t, float noise, float radius, float second) {
   Risks risks;
   risks.fill(kInfinite);
   for (int d = 1; d <= t.highest; ++d) {
     const auto k = static_cast<std::size_t>(d);
-    risks[k - 1] = t.residual(d) - noise * (1 - 2 * kFreedom[k] / t.effective_count) +
-                   t.dropped * kSecondSheetRisk * radius * radius;
+    risks[k - 1] =
+        t.residual(d) - noise * (1 - 2 * kFreedom[k] / t.effective_count) + t.dropped * second * radius * radius;
   }
   return risks;
 }
@@ -314,14 +328,16 @@ void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, 
 /// Whether a block is better left whole, bottom up.
 void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
   const auto needed = static_cast<float>(choice.accepted * choice.accepted);
+  const float second = kSecondSheetRisk + choice.noisiness() * (kNoisySecondSheetRisk - kSecondSheetRisk);
+  const float better = kBetterCut + choice.noisiness() * (kBetterNoisyCut - kBetterCut);
   for (int level = choice.finest; level >= 0; --level) {
     const auto l = static_cast<std::size_t>(level);
     std::vector<Trial>& trials = choice.trials[l];
-    const float radius = fitter.support_radius(level);
+    const float radius = fitter.fit_radius(level);
     const auto noise_of = [&](const Trial& t) { return t.noise >= 0 ? t.noise : static_cast<float>(choice.variance); };
     std::vector<Risks> raw(trials.size());
     parallel_for(0, raw.size(), 1024,
-                 [&](std::size_t c) { raw[c] = raw_risks(trials[c], noise_of(trials[c]), radius); });
+                 [&](std::size_t c) { raw[c] = raw_risks(trials[c], noise_of(trials[c]), radius, second); });
     const auto choose = [&](Trial& t, std::size_t c, const SampleTree::Neighbours& around) {
       choose_degree(t, noise_of(t), around, raw);
       t.best = t.risk;
@@ -337,7 +353,7 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
         if (best < kInfinite) sum += m * best, n += m;
       }
       const float below = n > 0 ? static_cast<float>(sum / n) : kInfinite;
-      const bool wanted = t.risk > needed && below < kBetterCut * t.risk;
+      const bool wanted = t.risk > needed && below < better * t.risk;
       if (wanted || (t.risk == kInfinite && below < kInfinite)) t.leaf = false, t.best = below;
     };
     parallel_ranges(0, raw.size(), 1024, [&](std::size_t first, std::size_t last) {
@@ -375,25 +391,32 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
   const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
   std::nth_element(counts.begin(), middle, counts.end());
   // (Σ w)² / Σ w² of the weights (1 − t²)² over a disc is 5/9 of the samples in it.
-  return fitter.support_radius(choice.finest) * std::sqrt(5 * std::numbers::pi / (9 * *middle));
+  return fitter.fit_radius(choice.finest) * std::sqrt(5 * std::numbers::pi / (9 * *middle));
 }
 
 }  // namespace
+
+float ScaleChoice::noisiness() const {
+  return std::max(0.0f, support - fit) / static_cast<float>(kNoisySupport - kNoisyFit);
+}
 
 ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress) {
   ScaleChoice choice;
   const int finest = choice.tried = choice.finest = finest_level(tree, options);
   tree.build_levels(finest);
-  choice.support = static_cast<float>(options.support.value_or(kSupport));
+  choice.support = choice.fit = static_cast<float>(options.support.value_or(kSupport));
   BlockFitter fitter{tree, options, choice.support, finest};
   try_blocks(fitter, choice, progress);
   find_noise(fitter, choice);
   if (!options.support) {
-    // Where noise is as large as the spacing, wider supports make steadier fits; where it is small, they blur.
+    // Where noise is as large as the spacing, wider supports make a steadier surface; where it is small, they blur.
     const double ratio = std::sqrt(choice.variance) / spacing_of(fitter, choice);
-    const double noisy = std::clamp((ratio - kLittleNoise) / (kMuchNoise - kLittleNoise), 0.0, 1.0);
+    const double noisy = std::clamp((ratio - kLittleNoise) / (kMuchNoise - kLittleNoise), 0.0, 1.0) *
+                         std::clamp((choice.evenness - kShapeEvenness) / (kNoiseEvenness - kShapeEvenness), 0.0, 1.0);
     if (noisy > 0) {
       choice.support = fitter.support = static_cast<float>(kSupport + noisy * (kNoisySupport - kSupport));
+      choice.fit = fitter.fit = static_cast<float>(kSupport + noisy * (kNoisyFit - kSupport));
+      choice.height = fitter.height = static_cast<float>(kNoiseHeight * std::sqrt(choice.variance));
       choice.finest = finest;
       try_blocks(fitter, choice, progress);
       find_noise(fitter, choice);
@@ -417,7 +440,9 @@ ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& 
   choice.variance = basis.variance;
   choice.accepted = basis.accepted;
   choice.support = static_cast<float>(basis.support);
-  BlockFitter fitter{tree, options, choice.support, basis.tried};
+  choice.fit = static_cast<float>(basis.fit);
+  choice.height = static_cast<float>(basis.height);
+  BlockFitter fitter{tree, options, choice.support, basis.tried, choice.fit, choice.height};
   int deepest = 0;
   for (const BlockKey& root : roots) deepest = std::max(deepest, root.level);
   const Wanted wanted = wanted_below(tree, roots, basis.finest);

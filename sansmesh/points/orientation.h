@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/points/sights.h"
 
 namespace sansmesh {
 
@@ -16,7 +18,8 @@ enum class OrientationCheck {
 };
 
 /// Judges points.normals on a fixed subsample: orients it anew and asks whether that makes whole regions agree with
-/// their surroundings that disagreed before. Single wrong signs (noise) and thin parts do not count.
+/// their surroundings that disagreed before. Single wrong signs (noise) and thin parts do not count. Parts that are far
+/// from closed, such as terrain, have no outside: their normals are never `inward`.
 /// `noise` (length), where it is known, saves its estimation.
 OrientationCheck check_orientation(const PointSet& points, std::optional<double> noise = {});
 
@@ -25,17 +28,24 @@ struct OrientationOptions {
   int neighbours = 10;
   /// Known noise (length), to save its estimation.
   std::optional<double> noise = {};
-  /// Turn the normals towards the scanners where points.scanners and points.scan_of_point are known.
-  bool use_scanners = true;
+  /// From what the signs are taken. Automatic: the first in the order of OrientBy that is known and with which the
+  /// smooth parts of the cloud agree. Others: that one, whatever the normals are like.
+  OrientBy by = OrientBy::automatic;
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// Flips points.normals so that neighbours agree and each connected part points outward. Signs are propagated along a
-/// graph of neighbours from the safest relations to the least safe ones (after Hoppe et al. 1992): first the smooth
-/// patches, then patch to patch by the vote of all relations between them, with the rule of König & Gumhold 2009 across
-/// creases. Each part's sign follows from its extremal points and its volume; where scanners are known, from those.
-/// Zero normals stay zero. Throws DataError if there are no normals.
-void orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress);
+/// Flips points.normals so that neighbours agree and each connected part looks to where it was seen from or, where that
+/// is not known, outward. Signs are propagated along a graph of neighbours from the safest relations to the least safe
+/// ones (after Hoppe et al. 1992): first the smooth patches, then patch to patch by the vote of all relations between
+/// them, with the rule of König & Gumhold 2009 across creases. Samples that clearly face from where they were seen, or
+/// clearly look away, are certain from the start; parts without any get their sign from their extremal points and their
+/// volume. Zero normals stay zero. Returns from what the signs were taken. Throws DataError if there are no normals, or
+/// nothing is known of what `options.by` asks for.
+OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress);
+
+/// Share of the normals that look away from where their samples were seen, of those that clearly look there or away (by
+/// more than 15° from across). `sights`: as find_sights. 0 where none does.
+double share_looking_away(const PointSet& points, std::span<const Vec3f> sights);
 
 }  // namespace sansmesh

@@ -21,6 +21,8 @@ namespace {
 constexpr std::size_t kFewest = 9;
 /// Samples of the faces of a mesh whose vertices are not enough.
 constexpr std::size_t kFaceSamples = 400000;
+/// Share of given normals that may look away from where their samples were seen: noise at grazing angles.
+constexpr double kMostLookingAway = 0.1;
 
 void clean(PointSet& points, std::vector<std::string>& warnings) {
   const std::size_t given = points.size();
@@ -66,39 +68,68 @@ void use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnin
   }
 }
 
-void prepare_normals(PreparedCloud& cloud, NormalUse choice, Progress& progress) {
+/// Turns consistent normals that look away from where their samples were seen. False where that is not known, or not
+/// believable, and they stay as they are.
+bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
   PointSet& points = cloud.points;
-  if (choice == NormalUse::as_given) {
+  for (const OrientBy by : {OrientBy::scanner, OrientBy::rows, OrientBy::flight}) {
+    const std::vector<Vec3f> sights = find_sights(points, by);
+    if (sights.empty()) continue;
+    if (share_looking_away(points, sights) < kMostLookingAway) return true;
+    OrientationOptions orientation;
+    orientation.noise = cloud.noise;
+    const std::vector<Vec3f> given = points.normals;
+    if (orient_normals(points, orientation, progress) != by) {
+      points.normals = given;
+      continue;
+    }
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < given.size(); ++i) turned += points.normals[i] != given[i];
+    cloud.oriented_by = by;
+    cloud.warnings.push_back(counted(turned, "normal") +
+                             " turned: they looked away from where their samples were seen");
+    return true;
+  }
+  return false;
+}
+
+void estimate_missing_normals(PreparedCloud& cloud, Progress& progress) {
+  progress.begin("estimate normals");
+  cloud.spacing = estimate_spacing(cloud.points);
+  NormalOptions estimation;
+  estimation.spacing = cloud.spacing, estimation.noise = cloud.noise;
+  estimate_normals(cloud.points, estimation, progress);
+  cloud.estimated_normals = true;
+}
+
+void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progress) {
+  PointSet& points = cloud.points;
+  if (use.normals == NormalUse::as_given) {
+    if (use.orient_by != OrientBy::automatic)
+      throw ArgumentError("`orient_by` turns normals: it means nothing with `normals = given`");
     if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
     return;
   }
-  if (choice == NormalUse::estimate) points.normals.clear();
+  if (use.normals == NormalUse::estimate) points.normals.clear();
   progress.begin("check normals");
   cloud.noise = estimate_noise(points);
-  switch (check_orientation(points, cloud.noise)) {
-    case OrientationCheck::oriented:
-      return;
-    case OrientationCheck::inward:
-      cloud.warnings.push_back("the normals point inward: turned round");
-      for (Vec3f& n : points.normals) n = -n;
-      return;
-    case OrientationCheck::missing: {
-      progress.begin("estimate normals");
-      cloud.spacing = estimate_spacing(points);
-      NormalOptions estimation;
-      estimation.spacing = cloud.spacing, estimation.noise = cloud.noise;
-      estimate_normals(points, estimation, progress);
-      cloud.estimated_normals = true;
-      break;
-    }
-    case OrientationCheck::unoriented:
-      cloud.warnings.push_back("the normals are not oriented consistently: oriented anew");
-      break;
+  const OrientationCheck check = check_orientation(points, cloud.noise);
+  const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
+  if (consistent && use.orient_by == OrientBy::automatic) {
+    if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
+    cloud.warnings.push_back("the normals point inward: turned round");
+    for (Vec3f& n : points.normals) n = -n;
+    return;
   }
+  if (check == OrientationCheck::missing)
+    estimate_missing_normals(cloud, progress);
+  else if (check == OrientationCheck::unoriented && use.orient_by == OrientBy::automatic)
+    cloud.warnings.push_back("the normals are not oriented consistently: oriented anew");
   progress.begin("orient normals");
   OrientationOptions orientation;
   orientation.noise = cloud.noise;
-  orient_normals(points, orientation, progress);
+  orientation.by = use.orient_by;
+  cloud.oriented_by = orient_normals(points, orientation, progress);
 }
 
 }  // namespace
@@ -129,7 +160,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
       result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
     }
   }
-  prepare_normals(result, use.normals, progress);
+  prepare_normals(result, use, progress);
   return result;
 }
 

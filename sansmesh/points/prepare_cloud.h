@@ -9,20 +9,24 @@
 #include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/points/point_classes.h"
+#include "sansmesh/points/sights.h"
 
 namespace sansmesh {
 
 /// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
 /// the faces where the vertices are too few or far apart to describe the surface.
 enum class FaceUse { automatic, ignore, sample };
-/// Given normals are used, and turned where they are not consistent or point inward; as_given: not even looked at;
-/// estimate: they are replaced.
+/// Given normals are used, and turned where they are not consistent, point inward or away from known scanners;
+/// as_given: not even looked at; estimate: they are replaced.
 enum class NormalUse { automatic, as_given, estimate };
 
 /// What is done to the samples before any method.
 struct CloudUse {
   FaceUse faces = FaceUse::automatic;
   NormalUse normals = NormalUse::automatic;
+  /// From what normals that need it get their signs. Other than automatic: given ones get them anew, too, and DataError
+  /// is thrown where nothing of the kind is known.
+  OrientBy orient_by = OrientBy::automatic;
   /// Leave out samples that belong to no surface (`find_outliers`), with a warning that counts them.
   bool remove_outliers = false;
   /// Only points of these classes (`keep_classes`), the others being left out before anything else.
@@ -33,6 +37,8 @@ struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
   Placement place;  ///< of these in the input; the unit is a power of two
   bool estimated_normals = false;  ///< there were none, or they were not wanted
+  /// From what the normals got their signs; nothing where they have those of the input.
+  std::optional<OrientBy> oriented_by = {};
   /// Of the points, in their unit, as far as it had to be estimated for the normals: saves doing so again.
   std::optional<double> noise = {}, spacing = {};
   std::vector<std::string> warnings;
@@ -42,7 +48,9 @@ struct PreparedCloud {
 /// any. Throws DataError where the points cannot be used (fewer than 9, all coincident, collinear or in a plane).
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress);
 
-/// All of it. Throws DataError as above, and as keep_classes.
+/// All of it. Given normals that agree with their neighbours keep their signs, unless they point into a closed shape,
+/// or away from where the samples were seen. Throws DataError as above, and as keep_classes;
+/// ArgumentError for `orient_by` with normals as given.
 PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
 
 }  // namespace sansmesh

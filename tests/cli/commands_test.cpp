@@ -188,6 +188,46 @@ TEST_F(Commands, UnorientedNormalsAreTurnedWithAWarning) {
   EXPECT_EQ(measure_topology(read_mesh(path("out.ply"))).euler, 2);
 }
 
+TEST_F(Commands, SayFromWhatSignsOfNormalsWereTaken) {
+  // What a scanner sees of the inside of a ball: by itself that would look outward.
+  PointSet ball = sphere(4000);
+  std::string pcd = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH " + std::to_string(ball.size()) +
+                    "\nHEIGHT 1\nVIEWPOINT 0.1 0.2 0.3 1 0 0 0\nDATA ascii\n";
+  for (const Vec3f& p : ball.positions)
+    pcd += std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+  write("room.pcd", pcd);
+  const auto outward = [&](const std::string& file) {
+    const PointSet made = read_points(path(file));
+    return std::count_if(made.normals.begin(), made.normals.end(), [&](const Vec3f& n) {
+      return dot(n, made.positions[static_cast<std::size_t>(&n - made.normals.data())]) > 0;
+    });
+  };
+  const Outcome seen = run({"normals", "room.pcd", "-o", "seen.ply"});
+  EXPECT_NE(seen.out.find("oriented by scanner position"), std::string::npos) << seen.out;
+  EXPECT_EQ(outward("seen.ply"), 0);
+  const Json json =
+      Json::parse(run({"normals", "room.pcd", "-o", "blind.ply", "--orient-by", "propagation", "--json"}).out);
+  EXPECT_EQ(json["oriented_by"], "propagation");
+  EXPECT_EQ(outward("blind.ply"), 4000);
+  const Outcome info = run({"info", "room.pcd"});
+  EXPECT_NE(info.out.find("none; signs by scanner position"), std::string::npos) << info.out;
+  EXPECT_EQ(Json::parse(run({"info", "room.pcd", "--json"}).out)["orient_by"], "scanner");
+  const Outcome mesh = run({"reconstruct", "room.pcd", "-o", "room.ply"});
+  EXPECT_NE(mesh.out.find("normals estimated, oriented by scanner position"), std::string::npos) << mesh.out;
+  write_sphere("in.ply", 3000);
+  const Json given = Json::parse(run({"fit", "in.ply", "-o", "in.smf", "--json"}).out);
+  EXPECT_FALSE(given["normals"]["estimated"]);
+  EXPECT_TRUE(given["normals"]["oriented_by"].is_null());
+  expect_failures({
+      {{"reconstruct", "in.ply", "-o", "a.ply", "--orient-by", "flight"}, 1, {"in.ply", "scan angles"}},
+      {{"normals", "in.ply", "-o", "a.ply", "--orient-by", "rows"}, 1, {"in.ply", "rows and columns"}},
+      {{"normals", "in.ply", "-o", "a.ply", "--orient-by", "up", "--no-orient"}, 2, {"--orient-by", "--no-orient"}},
+      {{"fit", "in.ply", "-o", "a.smf", "--orient-by", "up", "--normals", "given"},
+       2,
+       {"--orient-by", "--normals given"}},
+  });
+}
+
 TEST_F(Commands, FacesOfASoupAreSampled) {
   SANSMESH_NOT_SANITIZED("the samples of faces have tests of their own");
   write("cube.off",

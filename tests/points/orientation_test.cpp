@@ -125,7 +125,7 @@ TEST(Orientation, ScannersDecide) {
   Progress progress;
   orient_normals(points, {}, progress);
   EXPECT_EQ(points.normals, truth);
-  orient_normals(blind, {.use_scanners = false}, progress);
+  orient_normals(blind, {.by = OrientBy::propagation}, progress);
   EXPECT_EQ(fraction_correct(blind, truth), 0);
 }
 

@@ -273,8 +273,10 @@ TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   EXPECT_THROW(run(cloud), DataError);
   for (std::size_t i = 0; i < 100; ++i) cloud.positions[i] = Vec3f{1, 2, 3} * static_cast<float>(i);
   EXPECT_THROW(run(cloud), DataError);
-  for (std::size_t i = 0; i < 100; ++i)
-    cloud.positions[i] = {static_cast<float>(i % 10), static_cast<float>(i / 10), 0};
+  for (std::size_t i = 0; i < 100; ++i) {
+    const std::size_t row = i / 10, column = i % 10;
+    cloud.positions[i] = {static_cast<float>(column), static_cast<float>(row), 0};
+  }
   EXPECT_THROW(run(cloud), DataError);
 }
 

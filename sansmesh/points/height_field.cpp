@@ -1,0 +1,188 @@
+#include "sansmesh/points/height_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kColumnSamples = 16;
+/// A plane through fewer says little of the others.
+constexpr std::size_t kFewestInColumn = 6;
+/// So many samples are enough to tell.
+constexpr std::size_t kColumnsSamples = 100000, kReliefSamples = 50000;
+/// One sheet: the samples of a column are as near to a plane as this (rms), in spacings, or in noises. Two sheets that
+/// are one spacing apart are half a spacing off.
+constexpr double kSheetSpacings = 0.4, kSheetNoises = 2;
+/// Fourth moment over the square of the second: 3 of noise, 1 of two sheets, 1.7 of those whose noise is a quarter of
+/// their distance. What looks like noise, but lies in two sheets, is none.
+constexpr double kLeastKurtosis = 2.2;
+/// Shares of one sheet that are enough where the cloud is very flat, or just flat, or surveyed. (Closed things have
+/// 0.00 to 0.03, airborne scans 0.2 to 0.95.)
+constexpr double kOneSheetIfFlat = 0.15, kOneSheet = 0.5, kOneSheetOfSurvey = 0.1;
+constexpr double kFlat = 0.1, kLargestRelief = 0.2;
+
+/// Heights over a plane, by least squares: the sums that it takes.
+struct PlaneSums {
+  double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
+
+  void add(const Vec3& p) {
+    n += 1, x += p.x, y += p.y, z += p.z;
+    xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y;
+    xz += p.x * p.z, yz += p.y * p.z;
+  }
+
+  /// Slopes along x and y, and the height at the origin.
+  Vec3 plane() const {
+    const double cxx = xx - x * x / n, cyy = yy - y * y / n, cxy = xy - x * y / n;
+    const double cxz = xz - x * z / n, cyz = yz - y * z / n, determinant = cxx * cyy - cxy * cxy;
+    Vec3 slope;
+    if (determinant > 1e-6 * cxx * cyy)
+      slope = {(cxz * cyy - cyz * cxy) / determinant, (cyz * cxx - cxz * cxy) / determinant, 0};
+    return {slope.x, slope.y, (z - slope.x * x - slope.y * y) / n};
+  }
+};
+
+/// Samples by the square column that they stand in.
+struct Columns {
+  std::vector<KeyIndex> samples;   ///< column after column
+  std::vector<std::size_t> first;  ///< of each column, and one past the last
+
+  std::size_t size() const { return first.size() - 1; }
+};
+
+/// One column in 2^`skip`, with all of its samples.
+Columns make_columns(std::span<const Vec3f> positions, const Box3f& box, double edge, int skip) {
+  constexpr std::size_t kChunk = 1 << 15;
+  using Keys = std::vector<KeyIndex>;
+  Columns columns;
+  columns.samples = parallel_reduce(
+      positions.size(), kChunk, Keys{},
+      [&](std::size_t begin, std::size_t end) {
+        Keys keys;
+        for (std::size_t i = begin; i < end; ++i) {
+          const auto cell = [&](float at, float lower) {
+            return static_cast<std::uint64_t>(
+                std::max(0.0, (static_cast<double>(at) - static_cast<double>(lower)) / edge));
+          };
+          const Vec3f& p = positions[i];
+          if (!is_finite(p)) continue;
+          const std::uint64_t key = cell(p.x, box.lower.x) << 32 | cell(p.y, box.lower.y);
+          // Fibonacci hashing of both numbers: neighbouring columns have nothing in common.
+          const std::uint64_t mixed = (key ^ key >> 29) * 0x9e3779b97f4a7c15u;
+          if (skip == 0 || mixed >> (64 - skip) == 0) keys.push_back({key, static_cast<unsigned>(i)});
+        }
+        return keys;
+      },
+      [](Keys a, const Keys& b) { return a.insert(a.end(), b.begin(), b.end()), a; });
+  parallel_sort(columns.samples);
+  for (std::size_t i = 0; i < columns.samples.size(); ++i)
+    if (i == 0 || columns.samples[i].key != columns.samples[i - 1].key) columns.first.push_back(i);
+  columns.first.push_back(columns.samples.size());
+  return columns;
+}
+
+/// Samples of columns that are one sheet: nearer to a plane than `thin`, and those that may be for their noise, nearer
+/// than `thick`, with the sums of squares and of fourth powers of their distances.
+struct SheetCount {
+  std::size_t thin = 0, thick = 0;
+  double squares = 0, fourths = 0;
+
+  SheetCount operator+(const SheetCount& o) const {
+    return {thin + o.thin, thick + o.thick, squares + o.squares, fourths + o.fourths};
+  }
+};
+
+SheetCount count_in_one_sheet(std::span<const Vec3f> positions, const Columns& columns, double thin, double thick) {
+  return parallel_reduce(
+      columns.size(), 1024, SheetCount{},
+      [&](std::size_t begin, std::size_t end) {
+        SheetCount count;
+        for (std::size_t c = begin; c < end; ++c) {
+          const std::span<const KeyIndex> samples(columns.samples.data() + columns.first[c],
+                                                  columns.first[c + 1] - columns.first[c]);
+          if (samples.size() < kFewestInColumn) continue;
+          const Vec3 at(positions[samples[0].index]);
+          PlaneSums sums;
+          for (const KeyIndex& s : samples) sums.add(Vec3(positions[s.index]) - at);
+          const Vec3 plane = sums.plane();
+          double squares = 0, fourths = 0;
+          for (const KeyIndex& s : samples) {
+            const Vec3 p = Vec3(positions[s.index]) - at;
+            const double height = p.z - plane.x * p.x - plane.y * p.y - plane.z, square = height * height;
+            squares += square, fourths += square * square;
+          }
+          const double rms = std::sqrt(squares / sums.n);
+          if (rms <= thin)
+            count.thin += samples.size();
+          else if (rms <= thick)
+            count = count + SheetCount{0, samples.size(), squares, fourths};
+        }
+        return count;
+      },
+      [](const SheetCount& a, const SheetCount& b) { return a + b; });
+}
+
+/// Height of the middle half of all over the plane through them.
+double middle_height(std::span<const Vec3f> positions, const Vec3& at) {
+  PlaneSums all;
+  std::vector<Vec3> some;
+  const std::size_t step = 1 + positions.size() / kReliefSamples;
+  for (std::size_t i = 0; i < positions.size(); i += step)
+    if (is_finite(positions[i])) some.push_back(Vec3(positions[i]) - at), all.add(some.back());
+  if (some.size() < 4) return 0;
+  const Vec3 plane = all.plane();
+  std::vector<double> heights;
+  heights.reserve(some.size());
+  for (const Vec3& p : some) heights.push_back(p.z - plane.x * p.x - plane.y * p.y - plane.z);
+  const auto quarter = static_cast<std::ptrdiff_t>(heights.size() / 4);
+  std::nth_element(heights.begin(), heights.begin() + quarter, heights.end());
+  const double lower = heights[static_cast<std::size_t>(quarter)];
+  std::nth_element(heights.begin(), heights.end() - 1 - quarter, heights.end());
+  return *(heights.end() - 1 - quarter) - lower;
+}
+
+}  // namespace
+
+HeightFieldShape measure_height_field(const PointSet& points, double noise) {
+  const std::span<const Vec3f> positions(points.positions);
+  Box3f box;
+  std::size_t finite = 0;
+  for (const Vec3f& p : positions)
+    if (is_finite(p)) box.extend(p), ++finite;
+  if (finite < 10 * kFewestInColumn) return {};
+  const double width = static_cast<double>(box.size().x), depth = static_cast<double>(box.size().y);
+  if (!(width > 0) || !(depth > 0)) return {};
+  int skip = 0;
+  while (finite >> skip > kColumnsSamples) ++skip;
+  // What the samples stand on may be less than the box: once more with the columns that have samples.
+  const double n = static_cast<double>(finite), least_edge = 1e-6 * std::max(width, depth);
+  double area = width * depth, edge = 0;
+  Columns columns;
+  for (int round = 0; round < 2; ++round) {
+    edge = std::max(std::sqrt(area * kColumnSamples / n), least_edge);
+    columns = make_columns(positions, box, edge, skip);
+    if (columns.size() == 0) return {};
+    area = std::ldexp(static_cast<double>(columns.size()) * edge * edge, skip);
+  }
+  const SheetCount sheets =
+      count_in_one_sheet(positions, columns, kSheetSpacings * edge / std::sqrt(kColumnSamples), kSheetNoises * noise);
+  const double kurtosis =
+      sheets.squares > 0 ? sheets.fourths * static_cast<double>(sheets.thick) / (sheets.squares * sheets.squares) : 0;
+  const double in_one_sheet = static_cast<double>(sheets.thin + (kurtosis > kLeastKurtosis ? sheets.thick : 0));
+  return {in_one_sheet / static_cast<double>(columns.samples.size()),
+          middle_height(positions, Vec3(box.center())) / std::sqrt(area)};
+}
+
+bool is_height_field(const HeightFieldShape& shape, bool survey) {
+  if (!(shape.relief <= kLargestRelief)) return false;
+  return shape.one_sheet >= (survey ? kOneSheetOfSurvey : shape.relief <= kFlat ? kOneSheetIfFlat : kOneSheet);
+}
+
+}  // namespace sansmesh
