@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
@@ -13,6 +14,7 @@
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/sample_colors.h"
+#include "sansmesh/points/sample_confidence.h"
 
 namespace sansmesh::detail {
 namespace {
@@ -117,26 +119,6 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
   });
 }
 
-std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit) {
-  std::vector<std::uint8_t> near(mesh.vertices.size());
-  const auto limit2 = static_cast<float>(limit * limit);
-  parallel_for(0, near.size(), 2048, [&](std::size_t v) {
-    const auto found = samples.nearest(mesh.vertices[v]);
-    near[v] = found && found->squared_distance <= limit2;
-  });
-  return near;
-}
-
-void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near) {
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    const Triangle& t = mesh.triangles[i];
-    keep[i] = near[t[0]] && near[t[1]] && near[t[2]];
-  }
-  keep_triangles(mesh, keep);
-  separate_fans(mesh);
-}
-
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases) {
   PolygonizeOptions meshing;
   meshing.cluster = options.enhance;
@@ -174,6 +156,20 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
     r.aspect_deviation_before = before.aspect_deviation;
   }
   return polygonize(field, blocks, {}, meshing, progress);
+}
+
+void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const Placement& place,
+                     const MeshOptions& options, const MeshReport& r) {
+  if (!options.confidence.value_or(r.open && points.size() > 0)) return;
+  if (points.size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+  std::vector<float> distance(mesh.vertices.size()), confidence(mesh.vertices.size());
+  const Vec3f shift(mesh.origin - points.origin);
+  std::vector<Vec3f> x = mesh.vertices;
+  for (Vec3f& p : x) p += shift;
+  SampleConfidence(points, spacing, noise).evaluate(x, distance, confidence);
+  for (float& d : distance) d = static_cast<float>(place.to_input(static_cast<double>(d)));
+  mesh.attributes.set("distance", std::move(distance));
+  mesh.attributes.set("confidence", std::move(confidence));
 }
 
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report) {
