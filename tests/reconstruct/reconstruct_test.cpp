@@ -264,6 +264,12 @@ TEST(Reconstruct, DepthsAreThoseOfThePartition) {
   }
 }
 
+TEST(Reconstruct, KeepsSmallSolidsThatAreAllSamples) {
+  // A hundredth of the other's area, as densely sampled: no stray.
+  const PointSet cloud = test::joined(test::sphere(20000), test::sphere(200), 0.1f, {1.5f, 0, 0});
+  EXPECT_EQ(measure_topology(run(cloud)).components, 2u);
+}
+
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   PointSet cloud;
   EXPECT_THROW(run(cloud), DataError);
@@ -282,10 +288,10 @@ TEST(Reconstruct, RejectsCloudsWithoutVolume) {
 
 TEST(MeshFunction, WritesItsReportAnew) {
   PointSet cloud = test::sphere(3000);
-  const PointSet small = test::sphere(60);
-  for (std::size_t i = 0; i < small.size(); ++i) {  // left out, with a warning
-    cloud.positions.push_back(small.positions[i] * 0.05f + Vec3f{3, 0, 0});
-    cloud.normals.push_back(small.normals[i]);
+  const PointSet sparse = test::sphere(40);
+  for (std::size_t i = 0; i < sparse.size(); ++i) {  // left out, with a warning
+    cloud.positions.push_back(sparse.positions[i] * 0.7f + Vec3f{3, 0, 0});
+    cloud.normals.push_back(sparse.normals[i]);
   }
   Progress progress;
   const SurfaceFunction two = fit_surface_function(cloud, {}, progress),
