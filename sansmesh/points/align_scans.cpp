@@ -32,6 +32,9 @@ constexpr double kLeastCosine = 0.5;
 constexpr double kDeviationOfMedian = 1.4826;
 /// Directions in which less than this share of a motion shows in the distances are hardly determined: left alone.
 constexpr double kDamping = 1e-4;
+/// So many samples of a scan are enough until steps are as small as this, over the last.
+constexpr std::size_t kOnTheWay = 1000;
+constexpr double kOnTheWayOverLast = 5;
 /// A step below this, in noise or in spacings, is the last.
 constexpr double kLastOverNoise = 0.02, kLastOverSpacing = 0.0005;
 constexpr double kTellableOverSpacing = 0.1;
@@ -183,18 +186,21 @@ struct Comparison {
   Vec3 place, normal;
 };
 
+/// Of every so many of the chosen samples.
 std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>& scans,
-                                const std::vector<RigidMotion>& motions, double reach) {
+                                const std::vector<RigidMotion>& motions, double reach, std::size_t every = 1) {
   std::vector<Comparison> all;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::vector<std::uint32_t>& chosen = scans[s].chosen;
     constexpr std::size_t kChunk = 64;
-    std::vector<std::vector<Comparison>> parts((chosen.size() + kChunk - 1) / kChunk);
+    const std::size_t count = (chosen.size() + every - 1) / every;
+    std::vector<std::vector<Comparison>> parts((count + kChunk - 1) / kChunk);
     parallel_for(0, parts.size(), 1, [&](std::size_t c) {
       SurfaceScratch scratch;
-      for (std::size_t k = c * kChunk; k < std::min(chosen.size(), (c + 1) * kChunk); ++k) {
-        const Vec3 p = motions[s](Vec3(points.positions[chosen[k]]));
-        const Vec3 n = motions[s].turn(Vec3(points.normals[chosen[k]]));
+      for (std::size_t k = c * kChunk; k < std::min(count, (c + 1) * kChunk); ++k) {
+        const std::uint32_t i = chosen[k * every];
+        const Vec3 p = motions[s](Vec3(points.positions[i]));
+        const Vec3 n = motions[s].turn(Vec3(points.normals[i]));
         for (std::size_t t = 0; t < scans.size(); ++t) {
           if (t == s) continue;
           const Vec3 q = motions[t].inverse(p);
@@ -398,22 +404,28 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
 
   std::vector<RigidMotion> motions(scans.size());
   double width = widest;
-  std::vector<Comparison> before;
+  // On the way, and to tell whether it was worth going, few of the samples are enough.
+  const std::size_t check_every = std::max<std::size_t>(options.samples / kOnTheWay, 1);
+  std::size_t every = check_every;
   for (int round = 0; round < options.rounds; ++round) {
     progress.check();
-    std::vector<Comparison> all = compare(points, scans, motions, width);
+    std::vector<Comparison> all = compare(points, scans, motions, width, every);
     if (all.empty()) break;
     const double step = take_step(scans, all, width, motions);
-    if (round == 0) before = std::move(all);
     result.rounds = round + 1;
-    const bool narrow = width <= narrowest;
-    if (narrow && step < std::max(kLastOverNoise * result.noise, kLastOverSpacing * result.spacing)) break;
+    const double last = std::max(kLastOverNoise * result.noise, kLastOverSpacing * result.spacing);
+    if (width <= narrowest && step < (every > 1 ? kOnTheWayOverLast * last : last)) {
+      if (every == 1) break;
+      every = 1;
+    }
     width = std::max(narrowest, 0.5 * width);
   }
   if (result.rounds == 0) return result;
+  const std::vector<Comparison> before =
+      compare(points, scans, std::vector<RigidMotion>(scans.size()), widest, check_every);
   const std::vector<double> deviations = deviations_of(before, scans.size(), widest);
   for (std::size_t s = 0; s < scans.size(); ++s) result.deviations[scans[s].number] = deviations[s];
-  const double loss_after = mean_loss(compare(points, scans, motions, widest), narrowest);
+  const double loss_after = mean_loss(compare(points, scans, motions, widest, check_every), narrowest);
   if (!(loss_after < kMostLossLeft * mean_loss(before, narrowest))) return result;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     double squares = 0;

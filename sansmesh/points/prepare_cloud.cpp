@@ -136,7 +136,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
 }
 
 /// Of all scans together, to tell whether they disagree; and of each of them at least.
-constexpr std::size_t kTold = 6000, kFewestTold = 150;
+constexpr std::size_t kTold = 1500, kFewestTold = 60;
 
 std::string scan_called(const PointSet& points, std::size_t scan) {
   return scan < points.scan_names.size() ? points.scan_names[scan] : "scan " + std::to_string(scan + 1);
@@ -153,8 +153,8 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   ScanAlignmentOptions options;
   if (!move) {
     const std::size_t scans = std::max(points.scan_names.size(), points.scanners.size());
-    options.samples = std::clamp(kTold / std::max<std::size_t>(scans, 1), kFewestTold, kTold / 4);
-    options.rounds = 8;
+    options.samples = std::clamp(kTold / std::max<std::size_t>(scans, 1), kFewestTold, kTold / 2);
+    options.rounds = 5;
   }
   ScanAlignment found;
   try {
