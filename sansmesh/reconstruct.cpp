@@ -7,6 +7,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/model/surface_domain.h"
 
 namespace sansmesh {
 namespace {
@@ -26,8 +27,8 @@ PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, 
   return cloud;
 }
 
-/// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples, and trimmed where it leaves
-/// its domain of definition.
+/// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples where it bends, and cut off
+/// where these end.
 TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
                                  ReconstructReport& r) {
   const SurfaceOptions& choice = *options.surface;
@@ -45,19 +46,26 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   const ScalarField& field = model.field(progress);
   meshing.placement = model.placement(progress);
   meshing.seeds = model.seeds();
-  const BlockTree blocks = model.blocks(1);
+  const PointSet feet = model.feet(progress);
+  progress.begin("choose blocks");
+  BlockTree blocks = model.blocks_for(feet, mesh_error);
+  progress.begin("find borders");
+  std::optional<double> fill, trim;
+  if (options.fill_holes) fill = std::min(place.from_input(*options.fill_holes), blocks.edge());
+  if (options.trim)
+    trim = *options.trim > 0 ? place.from_input(*options.trim) : std::max(4 * spacing, 6 * place.from_input(r.noise));
+  std::optional<bool> solid;
+  if (options.open) solid = !*options.open;
+  const SurfaceDomain domain(field, feet, spacing, fill, trim, solid);
+  domain.refine(blocks, options.block_depth.value_or(BlockTree::kMaxLevel));
+  meshing.domain = &domain;
+  r.open = domain.ends();
   r.block_depth = blocks.depth();
   TriangleMesh mesh = cut_out(field, blocks, options, meshing, progress, r);
 
   progress.begin("finish mesh");
-  std::vector<Vec3> x(mesh.vertices.begin(), mesh.vertices.end());
-  std::vector<double> values(x.size());
-  std::vector<std::uint8_t> inside(x.size());
-  field.evaluate_in_domain(x, values, {}, inside);
-  if (std::find(inside.begin(), inside.end(), 0) != inside.end()) trim_mesh(mesh, inside);
-  if (options.trim)
-    trim_mesh(mesh, near_samples(mesh, KdTree(model.points().positions), place.from_input(*options.trim)));
   finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, options, r);
+  mark_confidence(mesh, model.points(), spacing, place.from_input(r.noise), place, options, r);
   if (r.most_lost) {
     r.most_lost = place.to_input(*r.most_lost);
     r.warnings.push_back(lost_samples(r) + kKeepAll);
@@ -83,9 +91,6 @@ void ReconstructOptions::validate() const {
     unset(!support, "support");
     unset(max_degree == none.max_degree, "max_degree");
     unset(sharp == none.sharp, "sharp = false");
-    if (trim && *trim == 0)
-      throw ArgumentError(
-          "`trim` must be a length above 0: other surfaces than the partition end at their borders anyway");
   }
   FitOptions::validate();
   MeshOptions::validate();

@@ -68,6 +68,10 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
 
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what) {
   c.add_option("input", input.files, what + "; several (tiles) are read as one").type_name("FILE").required();
+  add_class_options(c, input);
+}
+
+void add_class_options(CommandLine& c, CloudInput& input, const std::string& of) {
   c.add_option_function(
        "--class",
        [&input](const std::string& list) {
@@ -75,7 +79,7 @@ void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what)
          input.classes = input.classes ? *input.classes & wanted : wanted;
          input.with = list;
        },
-       "Only points of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)")
+       "Only points" + of + " of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)")
       .type_name("CLASSES")
       .group("Input");
   c.add_option_function(
@@ -85,7 +89,7 @@ void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what)
          input.classes = input.classes ? *input.classes & ~unwanted : ~unwanted;
          input.without = list;
        },
-       "All but points of these classes: noise")
+       "All but points" + of + " of these classes: noise")
       .type_name("CLASSES")
       .group("Input");
 }

@@ -33,6 +33,9 @@ struct CloudInput {
   PointSet read(Console& console, ReadReport& report) const;
 };
 
+/// --class and --without-class. `of`: whose points they choose, where a command reads several clouds: " of the
+/// reference".
+void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
 /// The files, --class and --without-class. `what` describes the files.
 void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what);
 

@@ -25,7 +25,8 @@ namespace {
 constexpr double kCoarse = 0.02;
 
 struct CompareArguments {
-  std::string part, reference, output, preview, on = "part";
+  CloudInput part, reference;
+  std::string output, preview, on = "part";
   bool ascii = false, histogram = false;
   std::optional<double> refine;
   DistanceMapOptions options;
@@ -185,8 +186,8 @@ void say_rest(const CompareArguments& a, const DistanceMap& map, const std::stri
 Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInput& part, const SurfaceInput& reference,
              double diagonal) {
   const DistanceStatistics& s = map.statistics;
-  Json json = {{"part", {{"file", a.part}, {"kind", part.kind()}}},
-               {"reference", {{"file", a.reference}, {"kind", reference.kind()}, {"diagonal", diagonal}}},
+  Json json = {{"part", part.json()},
+               {"reference", reference.json()},
                {"on", a.on},
                {"signed", map.has_sides},
                {"vertices", map.distance.size()},
@@ -204,6 +205,7 @@ Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInp
                  {"below", s.below_range},
                  {"above", s.above_range},
                  {"shares", s.histogram}}}};
+  json["reference"]["diagonal"] = diagonal;
   if (!a.output.empty()) json["output"] = {{"file", a.output}};
   if (!a.preview.empty()) json["preview"] = {{"file", a.preview}};
   return json;
@@ -254,10 +256,15 @@ Command add_compare(CommandLine& app) {
   CommandLine& c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
   auto a = std::make_shared<CompareArguments>();
   DistanceMapOptions& o = a->options;
-  c.add_option("part", a->part, "What was made: mesh, points, or function (.smf)").type_name("FILE").required();
-  c.add_option("reference", a->reference, "What it should be: mesh, points, or function (.smf)")
+  a->part.files.resize(1);
+  c.add_option("part", a->part.files[0], "What was made: mesh, points, or function (.smf)")
       .type_name("FILE")
       .required();
+  c.add_option("reference", a->reference.files,
+               "What it should be: mesh, points, or function (.smf); several files are read as one")
+      .type_name("FILE")
+      .required();
+  add_class_options(c, a->reference, " of the reference");
   c.add_option("-o,--output", a->output,
                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
       .type_name("FILE");

@@ -65,7 +65,7 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     PreparedCloud cloud = prepare_cloud(std::move(given), {}, progress);
     console.warn(arguments.input.name(), cloud.warnings);
     CurvatureOptions options = arguments.options;
-    options.noise = *cloud.noise;  // known unless normals are taken as given
+    options.noise = cloud.noise;  // known unless normals are taken as given
     noise = cloud.place.to_input(*cloud.noise);
     if (options.radius) options.radius = cloud.place.from_input(*options.radius);
     progress.begin("curvature");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -21,19 +22,19 @@ constexpr std::size_t kPrintedPoints = 20;
 constexpr double kStep = 0.25;
 
 struct EvalArguments {
-  std::string input, points, output;
+  std::string input, output;
+  CloudInput points;  ///< without files: none
   std::vector<double> at;
   bool ascii = false;
 };
 
 PointSet points_of(const EvalArguments& a, Console& console) {
-  if (a.points.empty() == a.at.empty()) throw ArgumentError("where? Give either --points FILE or --at x,y,z");
-  if (!a.points.empty()) {
+  if (a.points.files.empty() == a.at.empty()) throw ArgumentError("where? Give either --points FILE or --at x,y,z");
+  if (!a.points.files.empty()) {
     ReadReport read;
-    PointSet points = read_points(a.points, &read);
-    console.warn(a.points, read.warnings);
-    return points;
+    return a.points.read(console, read);
   }
+  if (a.points.classes) throw ArgumentError("--class and --without-class choose among --points");
   if (!is_finite(Vec3{a.at[0], a.at[1], a.at[2]})) throw ArgumentError("--at needs three finite numbers");
   PointSet points;
   points.origin = {a.at[0], a.at[1], a.at[2]};
@@ -128,7 +129,10 @@ Command add_eval(CommandLine& app) {
   CommandLine& c = app.add_subcommand("eval", "Function file → its value, gradient and curvature at points");
   auto a = std::make_shared<EvalArguments>();
   c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
-  c.add_option("--points", a->points, "Where: the points of this file").type_name("FILE");
+  c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
+      .type_name("FILE")
+      .repeated();
+  add_class_options(c, a->points);
   c.add_option("--at", a->at, "Where: at this place, x,y,z").numbers(3).type_name("POINT");
   c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp").type_name("FILE");
   add_ascii_flag(c, a->ascii);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_coverage.h"
@@ -16,7 +17,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct EvaluateArguments {
-  std::string surface, reference;
+  std::string surface;
+  CloudInput reference;  ///< without files: none
   std::size_t samples = 300000;
 };
 
@@ -97,9 +99,8 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   console.warn(arguments.surface, read.warnings);
   TriangleMesh reference;
   PointSet samples;  // of the reference, where that is a cloud or a meshed scan
-  if (!arguments.reference.empty()) {
-    PointSet points = read_points(arguments.reference, &read);
-    console.warn(arguments.reference, read.warnings);
+  if (!arguments.reference.files.empty()) {
+    PointSet points = arguments.reference.read(console, read);
     if (!surface.triangles.empty() && (points.triangles.empty() || vertices_suffice(points))) {
       samples.origin = points.origin;
       samples.positions = points.positions;
@@ -138,14 +139,15 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["topology"] = to_json(t);
     json["quality"] = to_json(q);
   }
-  if (!arguments.reference.empty()) {
+  if (!arguments.reference.files.empty()) {
     DistanceOptions options;
     options.samples = arguments.samples;
     const SurfaceDistance d = measure_distance(surface, reference, options, progress);
     say_distance("to reference", d.to_reference, d, console);
     say_distance("from reference", d.from_reference, d, console);
     console.say("(in brackets: % of the diagonal of the reference's bounding box)");
-    json["reference"] = {{"file", arguments.reference}, {"diagonal", d.diagonal}};
+    json["reference"] = arguments.reference.json();
+    json["reference"]["diagonal"] = d.diagonal;
     json["to_reference"] = to_json(d.to_reference);
     json["from_reference"] = to_json(d.from_reference);
     if (samples.size() > 0) {
@@ -167,7 +169,9 @@ Command add_evaluate(CommandLine& app) {
   auto shared = std::make_shared<EvaluateArguments>();
   EvaluateArguments& a = *shared;
   c.add_option("mesh", a.surface, "Mesh or points").type_name("FILE").required();
-  c.add_option("reference", a.reference, "Mesh or points to compare with");
+  c.add_option("reference", a.reference.files, "Mesh or points to compare with; several (tiles) are read as one")
+      .type_name("FILE");
+  add_class_options(c, a.reference, " of the reference");
   c.add_option("--samples", a.samples, "Samples on each mesh [300000]").type_name("COUNT").within(1, 2000000000);
   c.footer(
       "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"

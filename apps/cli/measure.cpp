@@ -64,9 +64,10 @@ std::vector<std::string> warnings_of(const SolidMeasures& m) {
   return warnings;
 }
 
-void run_measure(const std::string& file, Console& console) {
+void run_measure(const CloudInput& input, Console& console) {
   Progress& progress = console.progress();
-  SurfaceInput surface(file, console);
+  SurfaceInput surface(input, console);
+  const std::string& file = surface.file();
   if (surface.mesh().triangles.empty())
     throw FileError(file, "has no faces to measure: sansmesh reconstruct makes a surface of points");
   progress.begin("measure");
@@ -113,7 +114,7 @@ void run_measure(const std::string& file, Console& console) {
   }
   console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
 
-  Json json = {{"input", {{"file", file}, {"kind", surface.kind()}}}, {"warnings", warnings}, {"whole", to_json(w)}};
+  Json json = {{"input", surface.json()}, {"warnings", warnings}, {"whole", to_json(w)}};
   json["smallest_box"] = {{"sizes", box.sizes},
                           {"axes", {to_json(box.axes[0]), to_json(box.axes[1]), to_json(box.axes[2])}},
                           {"center", to_json(box.center)}};
@@ -130,15 +131,17 @@ void run_measure(const std::string& file, Console& console) {
 
 Command add_measure(CommandLine& app) {
   CommandLine& c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
-  auto file = std::make_shared<std::string>();
-  c.add_option("input", *file, "Mesh, or function (.smf: its mesh is measured)").type_name("FILE").required();
+  auto input = std::make_shared<CloudInput>();
+  c.add_option("input", input->files, "Mesh, or function (.smf: its mesh is measured); several meshes are one body")
+      .type_name("FILE")
+      .required();
   c.footer(
       "Volumes need a closed surface. Vertices at the same place count as one. Components are listed with --json, up\n"
       "to a thousand of them.\n\n"
       "Examples:\n"
       "  sansmesh measure part.ply\n"
       "  sansmesh measure part.stl --json");
-  return {&c, [file](Console& console) { run_measure(*file, console); }};
+  return {&c, [input](Console& console) { run_measure(*input, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <utility>
+#include <vector>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
@@ -88,18 +90,36 @@ const char* quantity_word(CurvatureQuantity quantity) {
   return "";
 }
 
-void add_curvature_colors(CommandLine& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
-                          const std::string& what, const std::string& group) {
+namespace {
+
+std::vector<std::pair<std::string, CurvatureQuantity>> quantity_words() {
   std::vector<std::pair<std::string, CurvatureQuantity>> words;
   for (const auto q :
        {CurvatureQuantity::mean, CurvatureQuantity::gaussian, CurvatureQuantity::k1, CurvatureQuantity::k2})
     words.emplace_back(quantity_word(q), q);
-  c.add_choice("--color-by", quantity, words, what).type_name("QUANTITY").group(group);
+  return words;
+}
+
+}  // namespace
+
+CurvatureQuantity curvature_quantity(const std::string& word) {
+  for (const auto& [name, quantity] : quantity_words())
+    if (name == word) return quantity;
+  throw ArgumentError("unknown curvature: " + word);
+}
+
+void add_color_range(CommandLine& c, std::optional<double>& range, const std::string& group) {
   c.add_option("--color-range", range,
                "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
       .type_name("VALUE")
       .positive()
       .group(group);
+}
+
+void add_curvature_colors(CommandLine& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
+                          const std::string& what, const std::string& group) {
+  c.add_choice("--color-by", quantity, quantity_words(), what).type_name("QUANTITY").group(group);
+  add_color_range(c, range, group);
 }
 
 void add_cloud_options(CommandLine& c, CloudUse& o) {
@@ -201,6 +221,11 @@ void add_mesh_options(CommandLine& c, MeshOptions& o) {
   c.add_option("--trim", o.trim, "Cut the surface off where no sample is as near as this [without a value: from data]")
       .type_name("LENGTH")
       .without_value("0");
+  c.add_flag_callback(
+      "--confidence", [&o] { o.confidence = true; },
+      "Write how far each vertex is from the nearest sample, and its confidence, 0..1 [if the surface is open]");
+  c.add_flag_callback(
+      "--no-confidence", [&o] { o.confidence = false; }, "Do not write that");
   c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
   c.add_option("--mesh-error", o.mesh_error,
                "Mean distance accepted between mesh and surface: larger is coarser [from data]")

@@ -54,6 +54,10 @@ void say_aspect_ratios(const MeshReport& report, Console& console);
 using CurvatureQuantity = CurvatureColorOptions::Quantity;
 /// "mean", "gaussian", …
 const char* quantity_word(CurvatureQuantity quantity);
+/// Throws ArgumentError for a word that is none of them.
+CurvatureQuantity curvature_quantity(const std::string& word);
+/// --color-range of curvature
+void add_color_range(CommandLine& command, std::optional<double>& range, const std::string& group);
 /// --color-by and --color-range of curvature. `what` describes the first.
 void add_curvature_colors(CommandLine& command, std::optional<CurvatureQuantity>& quantity,
                           std::optional<double>& range, const std::string& what, const std::string& group = "Options");

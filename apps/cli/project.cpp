@@ -18,8 +18,8 @@ namespace sansmesh::cli {
 namespace {
 
 struct ProjectArguments {
-  CloudInput input;
-  std::string onto, output;
+  CloudInput input, onto;
+  std::string output;
   std::string method = "curvature";  ///< a projection, an implicit surface, or lop
   bool ascii = false;
   CloudUse cloud;
@@ -39,7 +39,7 @@ void check_options_fit(const ProjectArguments& a) {
   };
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
-    check(a.onto.empty(), "--onto", what);
+    check(a.onto.files.empty(), "--onto", what);
     const SurfaceOptions& s = a.surface.options;
     check(!s.sharp, "--sharp", what);
     check(!s.smoothing, "--smoothing", what);
@@ -65,7 +65,10 @@ void run_project(const ProjectArguments& arguments, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = arguments.input.read(console, read);
+  CloudInput input = arguments.input, samples_of = arguments.onto;
+  const bool itself = samples_of.files.empty();
+  if (!itself) samples_of.classes = std::exchange(input.classes, {});  // they choose among the samples
+  PointSet points = input.read(console, read);
   const std::size_t given = points.size();
 
   PointSet result;
@@ -84,10 +87,9 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     SurfaceOptions surface = arguments.surface.options;
     surface.method = surface_method(arguments.method);
     surface.validate();
-    const std::string onto = arguments.onto.empty() ? arguments.input.name() : arguments.onto;
+    const std::string onto = itself ? arguments.input.name() : arguments.onto.name();
     ReadReport read_onto;
-    PointSet samples = arguments.onto.empty() ? points : read_points(onto, &read_onto);
-    console.warn(onto, read_onto.warnings);
+    PointSet samples = itself ? points : samples_of.read(console, read_onto);
     try {
       const SurfaceModel model =
           make_surface_model(prepare_cloud(std::move(samples), arguments.cloud, progress), surface, progress);
@@ -127,9 +129,12 @@ Command add_project(CommandLine& app) {
   CommandLine& c = app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
-  add_cloud_input(c, a.input, "Points to move");
+  add_cloud_input(c, a.input, "Points to move");  // --class: among the samples of --onto, if given
   c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
-  c.add_option("--onto", a.onto, "Samples of the surface [the input itself: this denoises]").type_name("FILE");
+  c.add_option("--onto", a.onto.files,
+               "Samples of the surface; may be repeated (tiles) [the input itself: this denoises]")
+      .type_name("FILE")
+      .repeated();
   add_ascii_flag(c, a.ascii);
   c.add_option("--method", a.method,
                "lop (consolidation of the input) or a surface: " + surface_method_names() + " [curvature]")

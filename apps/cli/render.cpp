@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "commands.h"
@@ -10,6 +12,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/points/sample_confidence.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -34,15 +37,30 @@ void complete(RenderArguments& a) {
   const SurfaceRenderOptions& s = a.options;
   const bool function = a.input.is_function();
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
+  const bool by_confidence = a.color_by == kConfidence;
+  require(!by_confidence || !a.color_range, "--color-range is for curvatures: confidence lies in 0..1");
   if (!a.surface && !function) {
-    require(a.frames == 0 && !a.color_by && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
+    require(a.color_by.empty() || by_confidence, "--color-by of curvatures needs --surface NAME");
+    require(a.frames == 0 && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
                 s.transmission == 0 && s.refraction_index == SurfaceRenderOptions().refraction_index &&
                 !a.cloud.remove_outliers,
-            "--frames, --color-by, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
+            "--frames, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
             "--refraction-index and --remove-outliers need --surface NAME");
   } else {
     require(!a.flat && !s.point_radius,
             "--flat and --point-radius are for meshes and points, not for surfaces without a mesh");
+  }
+}
+
+/// The colours of the attribute that reconstruct and mesh write.
+void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
+  const Attribute* const confidence = mesh.attributes.find(kConfidence);
+  if (!confidence || confidence->components != 1)
+    throw FileError(name, "has no attribute confidence: reconstruct and mesh write it with --confidence");
+  mesh.colors.resize(mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
+    const Vec3f color = confidence_color(static_cast<float>(std::clamp(confidence->number(v), 0.0, 1.0)));
+    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(255 * color[k]));
   }
 }
 
@@ -56,7 +74,8 @@ void run_render(RenderArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const TriangleMesh mesh = to_mesh(a.input.read(console, read));
+  TriangleMesh mesh = to_mesh(a.input.read(console, read));
+  if (a.color_by == kConfidence) color_by_confidence(mesh, a.input.name());
   Image image;
   try {
     image = render_mesh(mesh, options, progress);
@@ -99,8 +118,13 @@ Command add_render(CommandLine& app) {
       .group("Picture");
   c.add_flag("--no-shadows", a.no_shadows, "No shadows").group("Picture");
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
-  add_curvature_colors(c, a.color_by, a.color_range,
-                       "Curvature as colour: mean, gaussian, k1 or k2; red convex, blue concave", "Surface");
+  c.add_option(
+       "--color-by", a.color_by,
+       "mean, gaussian, k1 or k2 curvature (red convex, blue concave), or confidence (red where no samples are)")
+      .type_name("QUANTITY")
+      .one_of({"mean", "gaussian", "k1", "k2", kConfidence})
+      .group("Surface");
+  add_color_range(c, a.color_range, "Surface");
   SurfaceRenderOptions& s = a.options;
   c.add_option("--reflection", s.reflection, "Share of the light that a mirror would send, 0..1 [0]")
       .type_name("SHARE")

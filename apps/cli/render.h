@@ -12,6 +12,9 @@
 
 namespace sansmesh::cli {
 
+/// The attribute, and what --color-by calls it.
+inline constexpr const char* kConfidence = "confidence";
+
 struct RenderArguments {
   CloudInput input;
   std::string output;
@@ -23,9 +26,9 @@ struct RenderArguments {
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
   std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen
-  std::optional<CurvatureQuantity> color_by;  ///< curvature as colour; else the samples' colours
-  std::optional<double> color_range;          ///< curvature with the full colour
-  int frames = 0;                             ///< of a turntable; 0: one picture
+  std::string color_by;                   ///< confidence, or curvature as colour; else the samples' colours
+  std::optional<double> color_range;      ///< curvature with the full colour
+  int frames = 0;                         ///< of a turntable; 0: one picture
 };
 
 /// A picture straight from samples or of a function. The arguments are complete.

@@ -23,7 +23,8 @@ namespace {
 constexpr std::size_t kPrintedPlanes = 30;
 
 struct SectionArguments {
-  std::string input, output;
+  CloudInput input;
+  std::string output;
   std::vector<std::string> planes;
   std::string axis;
   std::optional<double> start, step;
@@ -83,9 +84,9 @@ void run_section(const SectionArguments& a, Console& console) {
   SurfaceInput surface(a.input, console);
   require(!a.resolution || surface.field(), "--resolution is for functions: meshes are cut exactly");
   if (!surface.field() && surface.mesh().triangles.empty())
-    throw FileError(a.input, "has no faces to cut: sansmesh reconstruct or fit makes a surface of points");
+    throw FileError(surface.file(), "has no faces to cut: sansmesh reconstruct or fit makes a surface of points");
   const Box3 box = surface.bounds();
-  if (box.empty()) throw FileError(a.input, "has no finite points");
+  if (box.empty()) throw FileError(surface.file(), "has no finite points");
   const std::vector<CutPlane> planes = chosen_planes(a, box);
   const std::vector<Section> sections = surface.field() ? section_field(*surface.field(), planes, options, progress)
                                                         : section_mesh(surface.mesh(), planes, progress);
@@ -95,7 +96,7 @@ void run_section(const SectionArguments& a, Console& console) {
   }
   progress.finish();
 
-  Json json = {{"input", {{"file", a.input}, {"kind", surface.kind()}}}, {"planes", Json::array()}};
+  Json json = {{"input", surface.json()}, {"planes", Json::array()}};
   std::size_t curves = 0, open = 0, empty = 0;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& s = sections[i];
@@ -117,8 +118,8 @@ void run_section(const SectionArguments& a, Console& console) {
   }
   if (sections.size() > kPrintedPlanes) console.say(fmt::format("… {}", counted(sections.size(), "plane")));
   if (open > 0)
-    console.warn(a.input, {fmt::format("{} of {} open: the surface has borders there, which enclose no area",
-                                       grouped(open), counted(curves, "curve"))});
+    console.warn(surface.file(), {fmt::format("{} of {} open: the surface has borders there, which enclose no area",
+                                              grouped(open), counted(curves, "curve"))});
   if (!a.output.empty()) {
     console.say(fmt::format("{}: {} in {}", a.output, counted(curves, "curve"), counted(sections.size(), "plane")));
     json["output"] = {{"file", a.output}};
@@ -132,7 +133,9 @@ void run_section(const SectionArguments& a, Console& console) {
 Command add_section(CommandLine& app) {
   CommandLine& c = app.add_subcommand("section", "Mesh or function → the curves in which planes cut it");
   auto a = std::make_shared<SectionArguments>();
-  c.add_option("input", a->input, "Mesh, or function (.smf)").type_name("FILE").required();
+  c.add_option("input", a->input.files, "Mesh, or function (.smf); several meshes are cut as one")
+      .type_name("FILE")
+      .required();
   c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write").type_name("FILE");
   c.add_option("--plane", a->planes, "z=0.5, or nx,ny,nz,d for the points with n·x = d; may be repeated")
       .type_name("PLANE")

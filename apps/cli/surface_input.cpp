@@ -13,17 +13,23 @@
 
 namespace sansmesh::cli {
 
-SurfaceInput::SurfaceInput(std::string file, Console& console) : file_(std::move(file)), console_(console) {
+SurfaceInput::SurfaceInput(CloudInput input, Console& console)
+    : input_(std::move(input)), file_(input_.name()), console_(console) {
   console.progress().begin("read");
-  if (is_function_file(file_)) {
+  if (input_.is_function()) {
     function_.emplace(read_function(file_));
     placed_.emplace(function_->field, function_->place);
     return;
   }
   ReadReport read;
-  mesh_ = to_mesh(read_points(file_, &read));
-  console.warn(file_, read.warnings);
+  mesh_ = to_mesh(input_.read(console, read));
   made_ = true;
+}
+
+Json SurfaceInput::json() const {
+  Json json = input_.json();
+  json["kind"] = kind();
+  return json;
 }
 
 const char* SurfaceInput::kind() const { return function_ ? "function" : mesh_.triangles.empty() ? "points" : "mesh"; }

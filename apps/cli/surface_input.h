@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "cloud_input.h"
 #include "console.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/placed_field.h"
@@ -16,12 +17,15 @@ namespace sansmesh::cli {
 /// Errors of the data are thrown as FileError that name the file.
 class SurfaceInput {
  public:
-  /// Reads the file; its warnings go to the console.
-  SurfaceInput(std::string file, Console& console);
+  /// Reads the file, or several as one, and of points those of the classes chosen; warnings go to the console.
+  SurfaceInput(CloudInput input, Console& console);
   SurfaceInput(const SurfaceInput&) = delete;
   SurfaceInput& operator=(const SurfaceInput&) = delete;
 
+  /// What to call it: the file, or the first and how many others.
   const std::string& file() const { return file_; }
+  /// "file" or "files", and "kind".
+  Json json() const;
   /// "mesh", "points" or "function".
   const char* kind() const;
   /// The function in the input's coordinates; null for meshes and points.
@@ -34,6 +38,7 @@ class SurfaceInput {
   std::unique_ptr<SignedDistance> distance();
 
  private:
+  CloudInput input_;
   std::string file_;
   Console& console_;
   TriangleMesh mesh_;

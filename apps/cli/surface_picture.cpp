@@ -9,6 +9,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/surface/curvature_colors.h"
@@ -24,15 +25,21 @@ std::string frame_name(const std::string& output, int frame) {
 }
 
 std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress) {
-  if (!a.color_by) return nullptr;
+  if (a.color_by.empty()) return nullptr;
+  const Placement& place = model.place();
+  if (a.color_by == kConfidence) {
+    if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+    return std::make_unique<ConfidenceColors>(model.points(), place.from_input(model.report().spacing),
+                                              place.from_input(model.report().noise));
+  }
   CurvatureColorOptions o;
-  o.quantity = *a.color_by;
+  o.quantity = curvature_quantity(a.color_by);
   if (a.color_range) {
     // Curvatures are per length, those of the model in its own coordinates.
-    const double unit = model.place().unit;
+    const double unit = place.unit;
     o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
   }
-  o.curvature.noise = model.place().from_input(model.report().noise);
+  o.curvature.noise = place.from_input(model.report().noise);
   progress.begin("curvature");
   return std::make_unique<CurvatureColors>(model.points(), o, progress);
 }

@@ -141,7 +141,7 @@ void measure_openness(PointSet points, CloudTraits& traits, Progress& progress) 
     const PartitionReport& r = function.field.report();
     traits.open = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
   } catch (const DataError&) {
-    // Too few samples for any fit: nothing is known.
+    traits.open = 0;  // too few samples for any fit: nothing is known
   }
 }
 

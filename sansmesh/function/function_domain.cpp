@@ -116,12 +116,18 @@ void FunctionDomain::ranges(std::span<const Vec3> x, double radius, std::span<Va
 }
 
 void FunctionDomain::refine(BlockTree& blocks, int deepest) const {
-  const std::vector<Coverage::Border> borders = coverage_.borders();
+  std::vector<Coverage::Border> borders = coverage_.borders();
+  if (!trim_)
+    std::erase_if(borders, [&](const Coverage::Border& b) {
+      return !(distance_to(open_, b.position) < distance_to(closed_, b.position));
+    });
+  refine_along(borders, blocks, deepest);
+}
+
+void refine_along(std::span<const Coverage::Border> borders, BlockTree& blocks, int deepest) {
   std::vector<Vec3f> centers;
   std::vector<float> reach, edge;
   for (const Coverage::Border& b : borders) {
-    const bool ends = trim_ || distance_to(open_, b.position) < distance_to(closed_, b.position);
-    if (!ends) continue;
     centers.push_back(b.position);
     reach.push_back(kBorderWidth * b.reach);
     edge.push_back(kBorderBlock * b.spacing);

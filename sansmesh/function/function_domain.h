@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sansmesh/field/scalar_field.h"
@@ -13,6 +14,9 @@
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
+
+/// Divides the blocks along borders until these are no wider than what happens there, at most `deepest`.
+void refine_along(std::span<const Coverage::Border> borders, BlockTree& blocks, int deepest);
 
 /// Negative where there is surface, as PolygonizeOptions::domain wants it; in the coordinates of the function's field.
 /// On the membranes that close the holes of closed sheets there is surface even without samples.
@@ -30,7 +34,7 @@ class FunctionDomain : public ScalarField {
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
-  /// Divides the blocks along the borders until these are no wider than what happens there, at most `deepest`.
+  /// Divides the blocks along its borders (refine_along).
   void refine(BlockTree& blocks, int deepest) const;
 
  private:

@@ -204,6 +204,7 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
   detail::finish_mesh(mesh, points, f.spacing, f.noise, cut.mesh_error, finish, r);
+  detail::mark_confidence(mesh, points, f.spacing, f.noise, place, options, r);
   if (options.triangles && mesh.triangles.size() > *options.triangles)
     r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
                          ": borders keep their vertices, and thin parts theirs");
@@ -229,7 +230,7 @@ TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, c
   }
   // What depends on the whole mesh can only be made from the whole.
   const bool whole = options.triangles || options.trim || options.box || options.measure_quality ||
-                     FunctionDomain::needed(function, {});
+                     options.confidence.value_or(false) || FunctionDomain::needed(function, {});
   if (!whole && update_in_place(function, before, changed, options, progress, u)) return before;
   return mesh_function(function, options, progress);
 }

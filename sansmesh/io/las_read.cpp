@@ -152,6 +152,7 @@ std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t b
 /// Adds those that are not 0 everywhere, and none of the name of what is there already.
 void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_t n, AttributeTable& table) {
   std::vector<NamedColumns> plain;
+  plain.reserve(extras.size());
   for (const LasExtra& extra : extras) plain.push_back(extra.columns);
   for (Attribute a : decode_attributes(in, plain, n, false)) {
     const bool zero = std::visit(

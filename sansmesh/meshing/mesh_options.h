@@ -28,6 +28,9 @@ struct MeshOptions {
   std::optional<double> trim;  ///< cut the surface farther than this from any sample (length); 0 = choose from data
   ComponentChoice components;
   bool carry_colors = true;
+  /// Whether the vertices get the attributes `distance` (to the nearest sample, length) and `confidence` (0..1,
+  /// SampleConfidence); default: where some of the surface is open.
+  std::optional<bool> confidence;
   bool enhance = true;  ///< few, well-shaped triangles: clustering, smoothing, simplification
   /// Without `enhance`: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before it is cut out,
   /// by up to α times a quarter of the local block edge.

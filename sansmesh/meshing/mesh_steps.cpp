@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
@@ -13,6 +14,7 @@
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/sample_colors.h"
+#include "sansmesh/points/sample_confidence.h"
 
 namespace sansmesh::detail {
 namespace {
@@ -24,6 +26,9 @@ constexpr double kSupported = 0.02;
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
 constexpr double kSeen = 5;
+/// Nor is a small solid that is all samples: so many, standing for no less than this share of its area. What strays and
+/// noise pinch off has a few samples or a skin of its own making.
+constexpr double kSolid = 8, kAllSamples = 0.5;
 /// Above this share of the samples without a surface a warning says so, and where most of them are.
 constexpr double kMuchLost = 0.01;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
@@ -72,8 +77,7 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return std::vector<std::uint8_t>(count, 1);
   std::vector<double> supported = components.area;
   const bool seen = open && points.size() > 0;
-  if (seen || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0]))
-    supported = supported_area(mesh, components, points, spacing);
+  if (points.size() > 0) supported = supported_area(mesh, components, points, spacing);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -85,7 +89,10 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
     const double small = seen ? std::min(kSeen * spacing * spacing, kSmallComponent * supported[order[0]])
                               : kSmallComponent * supported[order[0]];
-    if (automatic && kept > 0 && (supported[k] < small || supported[k] < kSupported * components.area[k])) continue;
+    const bool solid = points.size() > 0 && supported[k] >= kSolid * spacing * spacing &&
+                       supported[k] >= kAllSamples * components.area[k];
+    if (automatic && kept > 0 && !solid && (supported[k] < small || supported[k] < kSupported * components.area[k]))
+      continue;
     chosen[k] = 1;
     ++kept;
   }
@@ -115,26 +122,6 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
     for (std::size_t c = 0; c < 3; ++c)
       mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(color[c] + 0.5, 0.0, 255.0));
   });
-}
-
-std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit) {
-  std::vector<std::uint8_t> near(mesh.vertices.size());
-  const auto limit2 = static_cast<float>(limit * limit);
-  parallel_for(0, near.size(), 2048, [&](std::size_t v) {
-    const auto found = samples.nearest(mesh.vertices[v]);
-    near[v] = found && found->squared_distance <= limit2;
-  });
-  return near;
-}
-
-void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near) {
-  std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    const Triangle& t = mesh.triangles[i];
-    keep[i] = near[t[0]] && near[t[1]] && near[t[2]];
-  }
-  keep_triangles(mesh, keep);
-  separate_fans(mesh);
 }
 
 PolygonizeOptions meshing_options(const MeshOptions& options, double mesh_error, bool creases) {
@@ -174,6 +161,20 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
     r.aspect_deviation_before = before.aspect_deviation;
   }
   return polygonize(field, blocks, {}, meshing, progress);
+}
+
+void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const Placement& place,
+                     const MeshOptions& options, const MeshReport& r) {
+  if (!options.confidence.value_or(r.open && points.size() > 0)) return;
+  if (points.size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+  std::vector<float> distance(mesh.vertices.size()), confidence(mesh.vertices.size());
+  const Vec3f shift(mesh.origin - points.origin);
+  std::vector<Vec3f> x = mesh.vertices;
+  for (Vec3f& p : x) p += shift;
+  SampleConfidence(points, spacing, noise).evaluate(x, distance, confidence);
+  for (float& d : distance) d = static_cast<float>(place.to_input(static_cast<double>(d)));
+  mesh.attributes.set("distance", std::move(distance));
+  mesh.attributes.set("confidence", std::move(confidence));
 }
 
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/scalar_field.h"
@@ -36,12 +37,6 @@ std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshCompo
 TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const MeshOptions& options,
                      PolygonizeOptions meshing, Progress& progress, MeshReport& r);
 
-/// 1 for the vertices that have a sample within `limit`.
-std::vector<std::uint8_t> near_samples(const TriangleMesh& mesh, const KdTree& samples, double limit);
-
-/// Cuts the surface where vertices are not `near`.
-void trim_mesh(TriangleMesh& mesh, const std::vector<std::uint8_t>& near);
-
 /// 1 for the components that choose_components keeps. `open`: some of the surface ends where its samples do, where
 /// parts are judged by their samples alone, however small they are beside the largest one.
 std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const MeshComponents& components,
@@ -55,6 +50,11 @@ void choose_components(TriangleMesh& mesh, const ComponentChoice& choice, const 
 
 /// Each vertex takes the mean colour of the four nearest samples, weighted by inverse squared distance.
 void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samples);
+
+/// Fills in the attributes of `confidence`, if they are wanted; in the coordinates of the field, which lie so in the
+/// input. Throws DataError if they were asked for and there are no samples.
+void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const Placement& place,
+                     const MeshOptions& options, const MeshReport& r);
 
 /// Fills in which samples have no surface.
 void report_lost(const TriangleMesh& mesh, const PointSet& points, double spacing, double noise, MeshReport& report);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/sample_colors.h"
@@ -20,9 +21,22 @@ namespace {
 
 /// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
 constexpr double kBlockReach = 0.4;
-/// Edge of a block over the spacing of the samples near it, for coarseness 1.
+/// Edge of a block over the spacing of the samples near it, for coarseness 1; over the width of the weights where these
+/// are wider: a surface has no finer features.
 constexpr double kBlockEdge = 1.4;
 constexpr int kDeepest = 13;
+/// Newton steps from a sample to the surface.
+constexpr int kFootSteps = 2;
+/// Around a block whose flatness is asked for it has to reach so far beyond, in edges.
+constexpr double kFlatMargin = 0.25;
+/// Least cosine of the normals around a flat block to their mean: of one sheet, and no fold.
+constexpr double kAlike = 0.87;
+/// A surface of curvature κ around a block of edge e leaves triangles of that edge a gap of κe²/8 in their middle, and
+/// rises by κR²/2 within R = 1.1 e, block and margin: 4.8 times that. On average it is two thirds of that gap, and half
+/// of this where triangles straddle the surface.
+constexpr double kHeightOverGap = 14;
+/// Flat blocks are no larger than so many times the finest there: what lies between samples should be looked at.
+constexpr double kLargest = 16;
 
 /// The supports that the surface passes through.
 BallUnion support_balls(const PartitionOfUnity& partition) {
@@ -39,6 +53,28 @@ BallUnion support_balls(const PartitionOfUnity& partition) {
   }
   return balls;
 }
+
+/// Whether large triangles would do.
+struct Flatness {
+  const PointSet& feet;  ///< of the balls' centres
+  double most;           ///< accepted gap between surface and triangles, on average (length)
+
+  /// Whether triangles of a block with this edge length would do for what these samples stand for.
+  bool holds(std::span<const std::uint32_t> samples) const {
+    Vec3 normal, middle;
+    for (const std::uint32_t i : samples) normal += Vec3(feet.normals[i]), middle += Vec3(feet.positions[i]);
+    normal = normalized(normal);
+    middle = middle / static_cast<double>(samples.size());
+    double least = 0, largest = 0;
+    for (const std::uint32_t i : samples) {
+      if (dot(Vec3(feet.normals[i]), normal) < kAlike) return false;
+      const double height = dot(Vec3(feet.positions[i]) - middle, normal);
+      least = std::min(least, height), largest = std::max(largest, height);
+      if (largest - least > kHeightOverGap * most) return false;
+    }
+    return true;
+  }
+};
 
 }  // namespace
 
@@ -59,6 +95,7 @@ struct SurfaceModel::State {
 
   void make_field(Progress& progress);
   void use_partition();
+  BlockTree blocks(double coarseness, const std::optional<Flatness>& flat) const;
   Box3 bounds() const { return projection ? projection->bounds() : field->bounds(); }
 };
 
@@ -223,38 +260,89 @@ const ColorField* SurfaceModel::colors() const { return state_->colors ? &*state
 const SurfaceReport& SurfaceModel::report() const { return state_->report; }
 const std::vector<std::string>& SurfaceModel::warnings() const { return state_->cloud.warnings; }
 
-BlockTree SurfaceModel::blocks(double coarseness) const {
-  if (!(coarseness > 0)) throw ArgumentError("coarseness must be positive");
-  const BallUnion& balls = state_->balls;
+BlockTree SurfaceModel::State::blocks(double coarseness, const std::optional<Flatness>& flat) const {
   std::vector<float> radii = balls.radii;
   for (float& r : radii) r *= static_cast<float>(kBlockReach);
   // Of the partition, the supports themselves tell how fine it is: about four blocks across.
-  const auto spacing = [&](std::uint32_t i) {
-    return static_cast<double>(state_->spacing.empty() ? balls.radii[i] / 4 : state_->spacing[i]);
+  const auto spacing_at = [&](std::uint32_t i) {
+    return static_cast<double>(spacing.empty() ? balls.radii[i] / 4 : spacing[i]);
   };
   const BallTree near(balls.centers, radii);
-  const Box3 box = state_->bounds();
+  const Box3 box = bounds();
   const Vec3 size = box.size();
   const double edge = 1.02 * std::max({size.x, size.y, size.z});
   const Vec3 middle = box.center();
   BlockTree tree(middle - Vec3{edge, edge, edge} * 0.5, edge);
-  std::vector<std::size_t> stack{0};
-  std::vector<std::uint32_t> touched;
-  while (!stack.empty()) {
-    const std::size_t block = stack.back();
-    stack.pop_back();
+  const auto divides = [&](std::size_t block, std::vector<std::uint32_t>& touched) {
     const double e = tree.block_edge(block);
-    if (tree[block].level >= kDeepest) continue;
-    const Vec3 center = tree.block_center(block), half = Vec3{e, e, e} * 0.5;
-    near.touching({Vec3f(center - half), Vec3f(center + half)}, touched);
-    if (touched.empty()) continue;
+    const auto touching = [&](double margin) {
+      const double half = (0.5 + margin) * e;
+      const Vec3 center = tree.block_center(block), h{half, half, half};
+      near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
+    };
+    touching(0);
+    if (touched.empty()) return false;
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t i : touched) least = std::min(least, spacing(i));
-    if (e <= kBlockEdge * coarseness * least) continue;
-    const std::size_t first = tree.subdivide(block);
-    for (std::size_t k = 0; k < 8; ++k) stack.push_back(first + k);
+    for (const std::uint32_t i : touched) least = std::min(least, spacing_at(i));
+    const double finest = kBlockEdge * std::max(1.0, flat ? report.smoothing : 0) * coarseness * least;
+    if (e <= finest) return false;
+    if (!flat || e > kLargest * finest) return true;
+    touching(kFlatMargin);
+    return !flat->holds(touched);
+  };
+  // Level by level: each block decides by itself.
+  std::vector<std::size_t> level{0}, next;
+  for (int depth = 0; depth < kDeepest && !level.empty(); ++depth) {
+    std::vector<std::uint8_t> divided(level.size());
+    parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
+      std::vector<std::uint32_t> touched;
+      for (std::size_t i = first; i < last; ++i) divided[i] = divides(level[i], touched);
+    });
+    next.clear();
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (!divided[i]) continue;
+      const std::size_t first = tree.subdivide(level[i]);
+      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
+    }
+    level.swap(next);
   }
   return tree;
+}
+
+BlockTree SurfaceModel::blocks(double coarseness) const {
+  if (!(coarseness > 0)) throw ArgumentError("coarseness must be positive");
+  return state_->blocks(coarseness, {});
+}
+
+PointSet SurfaceModel::feet(Progress& progress) const {
+  const ScalarField& f = field(progress);
+  progress.begin("find feet");
+  const BallUnion& balls = state_->balls;
+  std::vector<Vec3> x(balls.centers.begin(), balls.centers.end()), g(x.size());
+  std::vector<double> values(x.size());
+  PointSet feet;
+  feet.positions.resize(x.size()), feet.normals.resize(x.size());
+  for (int step = 0; step < kFootSteps; ++step) {
+    f.evaluate(x, values, g);
+    parallel_for(0, x.size(), 4096, [&](std::size_t i) {
+      const double slope = norm(g[i]), most = static_cast<double>(balls.radii[i]);
+      if (!(slope > 0)) return;
+      const Vec3 n = g[i] / slope;
+      x[i] -= n * std::clamp(values[i] / slope, -most, most);
+      feet.normals[i] = Vec3f(n);
+    });
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) feet.positions[i] = Vec3f(x[i]);
+  progress.finish();
+  return feet;
+}
+
+BlockTree SurfaceModel::blocks_for(const PointSet& feet, double mesh_error) const {
+  if (!(mesh_error > 0)) throw ArgumentError("`mesh_error` must be positive");
+  if (feet.size() != state_->balls.centers.size() || feet.normals.size() != feet.size())
+    throw ArgumentError("the feet must be those of the surface");
+  if (state_->partition) return blocks(1);
+  return state_->blocks(1, Flatness{feet, mesh_error});
 }
 
 std::vector<Vec3> SurfaceModel::seeds() const {

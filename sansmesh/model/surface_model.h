@@ -78,6 +78,13 @@ class SurfaceModel {
 
   /// Blocks for polygonisation: as fine as the samples near them, times `coarseness` (> 0).
   BlockTree blocks(double coarseness) const;
+  /// The points of the surface next to the balls' centres, with its normals there (zero where the field has no slope).
+  /// Makes field().
+  PointSet feet(Progress& progress) const;
+  /// Blocks, but larger where the surface is a single sheet and so flat there that triangles as large as the blocks
+  /// would be less than `mesh_error` (length, > 0) off on average; and no finer than the weights are wide. Of the
+  /// partition, as blocks(1). `feet`: feet().
+  BlockTree blocks_for(const PointSet& feet, double mesh_error) const;
   /// Points near the surface from which it can be followed.
   std::vector<Vec3> seeds() const;
 

@@ -141,19 +141,22 @@ void Coverage::ranges(std::span<const Vec3> x, double radius, std::span<ValueRan
 std::vector<Coverage::Border> Coverage::borders() const {
   const std::vector<Vec3f>& samples = all_.samples;
   std::vector<std::uint8_t> at_border(samples.size());
+  std::vector<Vec3f> to_others(samples.size());
   parallel_ranges(0, samples.size(), 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> near;
     for (std::size_t i = first; i < last; ++i) {
       const Vec3f inward = all_.to_samples(samples[i], near);
       const float size = norm(inward);
       if (!(size > kAtBorder)) continue;
+      to_others[i] = inward / size;
       at_border[i] = value(samples[i] - inward * (kBeyond * all_.reach[i] / size), near) > 0;
     }
   });
   std::vector<Border> borders;
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (at_border[i])
-      borders.push_back({samples[i], all_.reach[i], all_.reach[i] / static_cast<float>(kReachOverSpacing)});
+      borders.push_back(
+          {samples[i], all_.reach[i], all_.reach[i] / static_cast<float>(kReachOverSpacing), to_others[i]});
   return borders;
 }
 

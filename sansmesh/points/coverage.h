@@ -39,6 +39,7 @@ class Coverage : public ScalarField {
   struct Border {
     Vec3f position;
     float reach, spacing;
+    Vec3f inward;  ///< unit vector to where its neighbours are
   };
   std::vector<Border> borders() const;
 

@@ -1,6 +1,7 @@
 #include "sansmesh/surface/implicit_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sansmesh/core/check_range.h"
@@ -18,6 +19,10 @@ namespace {
 constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
 /// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
+/// Beyond the supports: the mean of the tangent planes of so many samples, as far as so many spacings from the nearest,
+/// weighted down to nearly nothing at the farthest (squared distance of weight 0 over its).
+constexpr std::size_t kBeyond = 12;
+constexpr double kPlanesReach = 6, kFarthest = 1.2;
 
 detail::ImplicitFormula formula_of(ImplicitMethod method) {
   using F = detail::ImplicitFormula;
@@ -69,18 +74,34 @@ struct ImplicitSurface::State {
 };
 
 void ImplicitSurface::State::beyond_supports(const Vec3& x, double& value, Vec3* gradient) const {
-  const auto nearest = samples.tree.nearest(Vec3f(x));
-  if (!nearest) {
+  std::array<Neighbour, kBeyond> found;
+  const std::size_t n = samples.tree.nearest(Vec3f(x), found);
+  if (n == 0) {
     value = candidates.bounds().diagonal();
     if (gradient) *gradient = {};
     return;
   }
-  const Vec3 d = x - Vec3(samples.positions[nearest->index]);
-  const Vec3 n(samples.normals[nearest->index]);
-  const double distance = norm(d);
-  const double sign = dot(d, n) < 0 ? -1 : 1;
-  value = sign * distance;
-  if (gradient) *gradient = distance > 0 ? d * (sign / distance) : n;
+  const Vec3 nearest_normal(samples.normals[found[0].index]);
+  const double distance = std::sqrt(static_cast<double>(found[0].squared_distance));
+  if (distance > kPlanesReach * static_cast<double>(samples.spacing[found[0].index])) {
+    const Vec3 d = x - Vec3(samples.positions[found[0].index]);
+    const double sign = dot(d, nearest_normal) < 0 ? -1 : 1;
+    value = sign * distance;
+    if (gradient) *gradient = distance > 0 ? d * (sign / distance) : nearest_normal;
+    return;
+  }
+  const double reach2 = kFarthest * static_cast<double>(found[n - 1].squared_distance);
+  double weight = 0, plane = 0;
+  Vec3 normal;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3 m(samples.normals[found[k].index]);
+    if (k > 0 && dot(m, nearest_normal) < 0) continue;  // another sheet
+    const double t = 1 - static_cast<double>(found[k].squared_distance) / reach2, w = t * t;
+    weight += w, normal += m * w;
+    plane += w * dot(x - Vec3(samples.positions[found[k].index]), m);
+  }
+  value = plane / weight;
+  if (gradient) *gradient = normal / weight;
 }
 
 void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,

@@ -49,8 +49,9 @@ struct ImplicitReport {
 
 /// Defined in balls around the samples: there a change of sign is the surface.
 /// Within about a third of the weights' width from the surface the value is the method's own; farther out it goes over
-/// to the mean of the tangent planes, as far as supports reach; beyond, it is the signed distance to the nearest
-/// sample. Gradients are exact derivatives but for the choice of sheet, whose weights are taken as constant.
+/// to the mean of the tangent planes, as far as supports reach; beyond, it is the mean of those of the nearest samples,
+/// and from six spacings on the signed distance to the nearest one. Gradients are exact derivatives but for the choice
+/// of sheet, whose weights are taken as constant, and beyond the supports, where all weights are.
 class ImplicitSurface : public ScalarField {
  public:
   ~ImplicitSurface() override;

@@ -213,7 +213,9 @@ TEST(Advise, RecommendsWhatTheMethodHeeds) {
 
 TEST(Advise, RefusesWhatIsNoSurface) {
   PointSet few = test::sphere(8), flat, empty;
-  for (int i = 0; i < 400; ++i) flat.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 3});
+  for (int row = 0; row < 20; ++row)
+    for (int column = 0; column < 20; ++column)
+      flat.positions.push_back({static_cast<float>(column), static_cast<float>(row), 3});
   EXPECT_THROW(ask(few), DataError);
   EXPECT_THROW(ask(flat), DataError);
   EXPECT_THROW(ask(empty), DataError);

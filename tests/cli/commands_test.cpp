@@ -121,6 +121,26 @@ TEST_F(Commands, WritesEveryFormat) {
   EXPECT_NE(slurp(path("text.ply")).find("format ascii"), std::string::npos);
 }
 
+TEST_F(Commands, ConfidenceIsWrittenAndShown) {
+  write_points(path("ball.ply"), sphere(3000));
+  ASSERT_EQ(run({"reconstruct", "ball.ply", "-o", "plain.ply"}).code, 0);
+  EXPECT_EQ(read_mesh(path("plain.ply")).attributes.find("confidence"), nullptr);
+  ASSERT_EQ(run({"reconstruct", "ball.ply", "-o", "marked.ply", "--confidence"}).code, 0);
+  const TriangleMesh marked = read_mesh(path("marked.ply"));
+  const auto* const confidence = marked.attributes.find<float>("confidence");
+  ASSERT_TRUE(confidence);
+  for (const float c : *confidence) EXPECT_EQ(c, 1) << "a ball without holes";
+  EXPECT_EQ(run({"render", "marked.ply", "-o", "marked.png", "--color-by", "confidence"}).code, 0);
+  const Outcome refused = run({"render", "plain.ply", "-o", "plain.png", "--color-by", "confidence"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("no attribute confidence"), std::string::npos) << refused.err;
+  ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
+  EXPECT_EQ(run({"render", "ball.smf", "-o", "ball.png", "--color-by", "confidence"}).code, 0);
+  ASSERT_EQ(run({"fit", "ball.ply", "-o", "lean.smf", "--without-samples"}).code, 0);
+  EXPECT_EQ(run({"render", "lean.smf", "-o", "lean.png", "--color-by", "confidence"}).code, 1);
+  EXPECT_EQ(run({"mesh", "lean.smf", "-o", "lean.ply", "--confidence"}).code, 1);
+}
+
 TEST_F(Commands, TrimOpensWhatHasNoData) {
   PointSet bowl = sphere(6000);
   std::vector<Vec3f> positions, normals;

@@ -93,7 +93,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
   for (const std::vector<std::string>& typed :
        {std::vector<std::string>{"--depth", "5"}, std::vector<std::string>{"--error", "0.1"},
         std::vector<std::string>{"--support", "1.3"}, std::vector<std::string>{"--degree", "2"},
-        std::vector<std::string>{"--smooth"}, std::vector<std::string>{"--trim=0"}})
+        std::vector<std::string>{"--smooth"}})
     wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "apss"}, typed});
 
   for (const Mistyped& w : wrong) {

@@ -107,6 +107,54 @@ TEST_F(SurveyCommands, OtherCommandsReadThemToo) {
   EXPECT_NE(told.out.find("7 low-noise: 300"), std::string::npos) << told.out;
 }
 
+TEST_F(SurveyCommands, TheyAreReferencesToo) {
+  write_tiles();
+  const Json files{"west.las", "east.las"};
+  ASSERT_EQ(run({"fit", "west.las", "east.las", "--class", "ground", "-o", "ball.smf"}).code, 0);
+  ASSERT_EQ(run({"mesh", "ball.smf", "-o", "ball.ply"}).code, 0);
+
+  const Json ground = json_of({"evaluate", "ball.ply", "west.las", "east.las", "--class", "ground"});
+  EXPECT_EQ(ground["reference"]["files"], files);
+  EXPECT_EQ(ground["coverage"]["lost"]["share"], 0);
+  const Json noise = json_of({"evaluate", "ball.ply", "west.las", "east.las", "--class", "noise"});
+  EXPECT_GT(noise["from_reference"]["mean"], 4) << "strays";
+  EXPECT_LT(ground["from_reference"]["mean"], 0.005 * kRadius);
+
+  const Json map = json_of({"compare", "ball.ply", "west.las", "east.las", "--without-class", "7"});
+  EXPECT_EQ(map["reference"]["files"], files);
+  EXPECT_EQ(map["reference"]["kind"], "points");
+  EXPECT_LT(map["distance"]["rms"], 0.03 * kRadius);
+
+  const std::size_t points = read_points(path("west.las")).size() + read_points(path("east.las")).size() - 300;
+  const Json values = json_of({"eval", "ball.smf", "--points", "west.las", "--points", "east.las", "--class", "2"});
+  EXPECT_EQ(values["points"], points);
+  EXPECT_LT(values["absolute_value"]["max"], 0.01 * kRadius);
+  EXPECT_EQ(run({"eval", "ball.smf", "--at", "0,0,0", "--class", "2"}).code, 2) << "a place has no class";
+
+  PointSet probes = sphere(200);  // of no class: those chosen are of the samples
+  probes.origin = kCenter;
+  for (Vec3f& p : probes.positions) p *= 1.01f * static_cast<float>(kRadius);
+  write_points(path("probes.ply"), probes);
+  ASSERT_EQ(
+      run({"project", "probes.ply", "--onto", "west.las", "--onto", "east.las", "--class", "2", "-o", "feet.ply"}).code,
+      0);
+  const PointSet feet = read_points(path("feet.ply"));
+  EXPECT_EQ(feet.size(), 200u);
+  for (const Vec3f& p : feet.positions) EXPECT_NEAR(norm(feet.origin + Vec3(p) - kCenter), kRadius, 0.005 * kRadius);
+
+  // Two meshes are one body.
+  const Json one = json_of({"measure", "ball.ply"});
+  TriangleMesh beside = read_mesh(path("ball.ply"));
+  beside.origin.x += 4 * kRadius;
+  write_mesh(path("beside.ply"), beside);
+  const Json two = json_of({"measure", "ball.ply", "beside.ply"});
+  EXPECT_EQ(two["input"]["files"], (Json{"ball.ply", "beside.ply"}));
+  EXPECT_EQ(two["component_count"], 2);
+  EXPECT_NEAR(two["whole"]["volume"], 2 * static_cast<double>(one["whole"]["volume"]),
+              1e-3 * static_cast<double>(one["whole"]["volume"]));
+  EXPECT_EQ(json_of({"section", "ball.ply", "beside.ply", "--axis", "z"})["planes"][0]["curves"], 2);
+}
+
 TEST_F(SurveyCommands, BadChoicesAreOneLine) {
   write_tiles();
   PointSet bare = sphere(100);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "edit_shapes.h"
+#include "io/io_test_tools.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/mesh_closest.h"

@@ -133,7 +133,7 @@ TEST(LasAttributes, OfExtraBytes) {
     ASSERT_EQ(tilt.size(), 600u);
     for (std::size_t i = 0; i < p.size(); ++i) {
       const LasPoint& q = file.points[i];
-      ASSERT_EQ(amplitude[i], 0.01 * (q.intensity / 2)) << i;
+      ASSERT_EQ(amplitude[i], 0.01 * std::floor(q.intensity / 2.0)) << i;
       ASSERT_EQ(reflectance[i], 0.25f * q.source) << i;
       ASSERT_EQ(tilt[2 * i], 0.5 * 7 - 1) << i;
       ASSERT_EQ(tilt[2 * i + 1], 1.0 * -q.user_data - 1) << i;

@@ -148,7 +148,6 @@ TEST(ReconstructOptions, OptionsOfTheFitBelongToThePartition) {
   refused([](ReconstructOptions& o) { o.support = 1.4; }, "support");
   refused([](ReconstructOptions& o) { o.max_degree = 2; }, "max_degree");
   refused([](ReconstructOptions& o) { o.sharp = false; }, "sharp");
-  refused([](ReconstructOptions& o) { o.trim = 0; }, "trim");
 }
 
 TEST(ReconstructOptions, ThePartitionByNameIsThePartition) {

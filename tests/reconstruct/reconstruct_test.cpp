@@ -9,6 +9,7 @@
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
@@ -47,6 +48,47 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
   ReconstructOptions anew;
   anew.normals = NormalUse::estimate;
   EXPECT_TRUE(measure_topology(run(cloud, anew)).closed());
+}
+
+// A cap that no sample stands for is the farther from the samples the nearer to its middle, and not trusted there.
+TEST(Reconstruct, MarksWhatWasInvented) {
+  constexpr float kUnit = 1000;
+  PointSet cloud, whole = test::sphere(6000);
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    if (whole.positions[i].z < 0.8f) {
+      cloud.positions.push_back(whole.positions[i] * kUnit);
+      cloud.normals.push_back(whole.normals[i]);
+    }
+  cloud.origin = {1e6, 0, 0};
+  for (const bool other : {false, true}) {
+    ReconstructOptions options;
+    if (other) options.surface = SurfaceOptions{};
+    options.open = false;
+    EXPECT_EQ(run(other ? whole : cloud, options).attributes.find("confidence"), nullptr) << "closed";
+    options.confidence = true;
+    const TriangleMesh mesh = run(cloud, options);
+    const auto* const distance = mesh.attributes.find<float>("distance");
+    const auto* const confidence = mesh.attributes.find<float>("confidence");
+    ASSERT_TRUE(distance && confidence);
+    const KdTree samples(cloud.positions);
+    std::size_t trusted = 0;
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      const Vec3f x = mesh.vertices[v] + Vec3f(mesh.origin - cloud.origin);
+      const auto nearest = samples.nearest(x);
+      ASSERT_NEAR((*distance)[v], std::sqrt(nearest->squared_distance), 0.3);
+      ASSERT_GE((*confidence)[v], 0);
+      ASSERT_LE((*confidence)[v], 1);
+      trusted += (*confidence)[v] == 1;
+      if (x.z > 0 && std::hypot(x.x, x.y) < 0.3f * kUnit) ASSERT_EQ((*confidence)[v], 0);
+      if (x.z < 0.7f * kUnit) ASSERT_EQ((*confidence)[v], 1);
+    }
+    EXPECT_GT(trusted, mesh.vertices.size() / 2);
+    options.open = true;
+    options.confidence.reset();
+    EXPECT_NE(run(cloud, options).attributes.find("confidence"), nullptr) << "open";
+    options.confidence = false;
+    EXPECT_EQ(run(cloud, options).attributes.find("confidence"), nullptr) << "not wanted";
+  }
 }
 
 TEST(Reconstruct, StraySamplesMakeNoSheets) {
