@@ -23,6 +23,7 @@ PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, 
   PreparedCloud cloud = prepare_cloud(std::move(points), use, progress);
   r.estimated_normals = cloud.estimated_normals;
   r.oriented_by = cloud.oriented_by;
+  r.alignment = cloud.alignment;
   return cloud;
 }
 

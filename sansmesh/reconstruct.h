@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
@@ -31,6 +32,7 @@ struct ReconstructReport : MeshReport {
   double noise = 0;                     ///< estimated standard deviation of the samples off the surface (length)
   bool estimated_normals = false;       ///< there were none, or they were not wanted
   std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
+  std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
   /// Of the function: local approximations, and the deepest level of their tree. 0 for other surfaces.
   std::size_t fits = 0;
   int fit_depth = 0;

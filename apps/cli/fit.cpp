@@ -34,6 +34,7 @@ void run_fit(const FitArguments& a, Console& console) {
     PreparedCloud cloud = prepare_cloud(std::move(points), a.cloud, progress);
     const bool estimated = cloud.estimated_normals;
     const std::optional<OrientBy> oriented_by = cloud.oriented_by;
+    const std::string alignment = cloud.alignment;
     const SurfaceFunction function = fit_surface_function(std::move(cloud), a.options, progress);
     console.warn(a.input.name(), function.warnings);
     progress.begin("write");
@@ -45,18 +46,20 @@ void run_fit(const FitArguments& a, Console& console) {
     console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(place.to_input(r.spacing)),
                             length(place.to_input(r.noise)), length(place.to_input(r.accuracy))));
     console.say("normals " + normals_made(estimated, oriented_by));
+    if (!alignment.empty()) console.say(alignment);
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
-    const Json json = {{"input", a.input.json(read, given)},
-                       {"spacing", place.to_input(r.spacing)},
-                       {"noise", place.to_input(r.noise)},
-                       {"normals", normals_made_json(estimated, oriented_by)},
-                       {"accuracy", place.to_input(r.accuracy)},
-                       {"depth", r.depth},
-                       {"fits", r.functions},
-                       {"fits_of_degree", r.functions_of_degree},
-                       {"creased", r.creased},
-                       {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
+    Json json = {{"input", a.input.json(read, given)},
+                 {"spacing", place.to_input(r.spacing)},
+                 {"noise", place.to_input(r.noise)},
+                 {"normals", normals_made_json(estimated, oriented_by)},
+                 {"accuracy", place.to_input(r.accuracy)},
+                 {"depth", r.depth},
+                 {"fits", r.functions},
+                 {"fits_of_degree", r.functions_of_degree},
+                 {"creased", r.creased},
+                 {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
+    if (a.cloud.align) json["alignment"] = alignment;
     console.say_json(json);
   } catch (const DataError& error) {
     throw FileError(a.input.name(), error.what());

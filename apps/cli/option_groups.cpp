@@ -133,6 +133,7 @@ void add_cloud_options(CommandLine& c, CloudUse& o) {
        "Use given ones as they are, estimate new ones, or auto (turn given ones if need be) [auto]")
       .type_name("CHOICE");
   add_orient_by(c, o.orient_by);
+  c.add_flag("--align", o.align, "Move scans that do not quite fit together onto each other");
 }
 
 void add_orient_by(CommandLine& c, OrientBy& by) {

@@ -62,8 +62,8 @@ void add_color_range(CommandLine& command, std::optional<double>& range, const s
 void add_curvature_colors(CommandLine& command, std::optional<CurvatureQuantity>& quantity,
                           std::optional<double>& range, const std::string& what, const std::string& group = "Options");
 
-/// What is done to the samples before a fit: --faces, --normals, --orient-by. (--remove-outliers belongs to the group
-/// Surface.)
+/// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
+/// the group Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);
 /// --orient-by
 void add_orient_by(CommandLine& command, OrientBy& by);

@@ -47,6 +47,7 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
   console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(report.spacing),
                           length(report.noise), made, counted(report.blocks, "block"), report.block_depth));
   console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
+  if (!report.alignment.empty()) console.say(report.alignment);
   if (!other) console.say(openness(report, arguments.options.open));
   // A closed partition is closed by construction.
   const bool closed = (!other && !arguments.options.trim && !report.open) || measure_topology(mesh).closed();
@@ -87,6 +88,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     json["spacing"] = report.spacing;
     json["noise"] = report.noise;
     json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
+    if (arguments.options.align) json["alignment"] = report.alignment;
     json["fits"] = report.fits;
     json["fit_depth"] = report.fit_depth;
     json["open_share"] = report.open_share;
@@ -129,6 +131,7 @@ Command add_reconstruct(CommandLine& app) {
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
            "  sansmesh reconstruct terrain.las -o terrain.ply --class ground\n"
            "  sansmesh reconstruct west.las east.las -o ground.ply --class ground\n"
+           "  sansmesh reconstruct scans.conf -o object.ply --align\n"
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return {&c, [shared](Console& console) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "sansmesh/core/box.h"
@@ -23,10 +24,14 @@ struct PointSet {
   std::vector<std::array<std::uint8_t, 3>> colors;
   /// Whatever else is known of each sample (confidence, intensity, curvatures, …): a row each.
   AttributeTable attributes;
-  /// Which scanner position (index into `scanners`) saw the sample; an index beyond them: unknown. May be empty.
+  /// Which scan the sample is of: the index of the position that saw it (`scanners`). Of indices beyond these the
+  /// position is unknown, of kUnknownScan the scan, too. May be empty.
   std::vector<std::uint16_t> scan_of_point;
+  static constexpr std::uint16_t kUnknownScan = 65535;
   /// Scanner positions relative to `origin`, where known.
   std::vector<Vec3f> scanners;
+  /// What the scans are called, by their index: files. As far as known; may be empty.
+  std::vector<std::string> scan_names;
   /// Of clouds in rows and columns, such as depth frames: the unit normal of the grid at the sample, on the side from
   /// which it was seen, or zero where unknown. Too rough for a normal, but it tells the side.
   std::vector<Vec3f> grid_normals;

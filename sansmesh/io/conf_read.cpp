@@ -119,6 +119,7 @@ PointSet read_conf(const Input& in) {
     if (colors) all.colors.insert(all.colors.end(), p.colors.begin(), p.colors.end());
     // Range scanners of this kind look along the z axis of their scan; far away, the rays are parallel.
     eyes.push_back(box.center() + scan.rotate({0, 0, 1}) * (1000 * box.diagonal()));
+    all.scan_names.push_back(printable(scan.file, 200));
     first += p.size();
   }
   const auto joined = [&](AttributeTable PointSet::*table, bool triangles) {

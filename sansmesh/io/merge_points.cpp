@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 
 namespace sansmesh::io {
 namespace {
-
-/// Of a sample that no known scanner saw.
-constexpr std::uint16_t kUnknownScan = std::numeric_limits<std::uint16_t>::max();
 
 /// One array of all parts; each part's is given back as soon as it is copied.
 template <class T>
@@ -46,6 +42,35 @@ void append_if_any(std::vector<PointSet>& parts, std::vector<T> PointSet::*array
   append_arrays(parts, array, total, all.*array);
 }
 
+/// Scans are numbered within their files; a file that has none is one itself, seen from nobody knows where, and has its
+/// number after all those that have their positions.
+void number_scans(const std::vector<std::string>& files, const std::vector<std::size_t>& points,
+                  std::vector<PointSet>& parts, PointSet& all, ReadReport& report) {
+  std::size_t scanners = 0, others = 0;
+  for (const PointSet& part : parts) scanners += part.scanners.size(), others += part.scan_of_point.empty();
+  if (scanners + others >= PointSet::kUnknownScan) {
+    report.warnings.push_back("more than 65,534 scans: which sample is of which was left out");
+    for (PointSet& part : parts) part.scan_of_point.clear(), part.scanners.clear();
+    return;
+  }
+  all.scan_names.resize(scanners + others);
+  std::size_t first = 0, other = scanners;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    PointSet& part = parts[k];
+    const std::size_t own = part.scanners.size();
+    for (std::size_t s = 0; s < own; ++s)
+      all.scan_names[first + s] = s < part.scan_names.size() ? part.scan_names[s] : printable(files[k], 200);
+    if (part.scan_of_point.empty()) {
+      all.scan_names[other] = printable(files[k], 200);
+      part.scan_of_point.assign(points[k], static_cast<std::uint16_t>(other++));
+    } else {
+      for (std::uint16_t& scan : part.scan_of_point)
+        scan = scan < own ? static_cast<std::uint16_t>(scan + first) : PointSet::kUnknownScan;
+    }
+    first += own;
+  }
+}
+
 /// The tables of all parts as one. Warns of what has one name and several types.
 AttributeTable join(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
                     AttributeTable PointSet::*table, const std::vector<std::size_t>& rows, ReadReport& report) {
@@ -76,25 +101,18 @@ PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSe
   all.origin = parts[0].origin;
   all.attributes = join(files, parts, &PointSet::attributes, points, report);
   all.triangle_attributes = join(files, parts, &PointSet::triangle_attributes, triangles, report);
-  // Scans and triangles are numbered within their files.
-  std::size_t scanners = 0;
-  std::uint32_t first = 0;
+  number_scans(files, points, parts, all, report);
+  std::uint32_t first = 0;  // triangles are numbered within their files, too
   for (PointSet& part : parts) {
     part.attributes.clear(), part.triangle_attributes.clear();
     for (auto& t : part.triangles)
       for (std::uint32_t& corner : t) corner += first;
     first += static_cast<std::uint32_t>(part.size());
-    for (std::uint16_t& scan : part.scan_of_point) scan = static_cast<std::uint16_t>(scan + scanners);
-    scanners += part.scanners.size();
-  }
-  if (scanners >= kUnknownScan) {
-    report.warnings.push_back("more than 65,534 scanner positions: left out");
-    for (PointSet& part : parts) part.scan_of_point.clear(), part.scanners.clear();
   }
   append_if_all(files, parts, &PointSet::normals, n, "normals", all, report);
   append_if_all(files, parts, &PointSet::colors, n, "colours", all, report);
-  append_if_any(parts, &PointSet::scan_of_point, points, n, kUnknownScan, all);
-  if (!all.scan_of_point.empty()) append_arrays(parts, &PointSet::scanners, scanners, all.scanners);
+  append_arrays(parts, &PointSet::scan_of_point, n, all.scan_of_point);
+  append_arrays(parts, &PointSet::scanners, all.scan_names.size(), all.scanners);
   append_if_any(parts, &PointSet::grid_normals, points, n, Vec3f{}, all);
   append_arrays(parts, &PointSet::triangles, faces, all.triangles);
   append_arrays(parts, &PointSet::positions, n, all.positions);

@@ -1,10 +1,13 @@
 #include "sansmesh/points/prepare_cloud.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/points/align_scans.h"
 #include "sansmesh/points/clean_samples.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/noise.h"
@@ -132,6 +135,62 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
   cloud.oriented_by = orient_normals(points, orientation, progress);
 }
 
+/// Of all scans together, to tell whether they disagree; and of each of them at least.
+constexpr std::size_t kTold = 1500, kFewestTold = 60;
+
+std::string scan_called(const PointSet& points, std::size_t scan) {
+  return scan < points.scan_names.size() ? points.scan_names[scan] : "scan " + std::to_string(scan + 1);
+}
+
+/// Says whether scans disagree, or moves them. True if they were moved.
+bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
+  PointSet& points = cloud.points;
+  if (points.scan_of_point.size() != points.size() || !has_several_scans(points)) {
+    if (move) cloud.warnings.push_back("there is only one scan: nothing to be aligned");
+    return false;
+  }
+  progress.begin(move ? "align scans" : "compare scans");
+  ScanAlignmentOptions options;
+  if (!move) {
+    const std::size_t scans = std::max(points.scan_names.size(), points.scanners.size());
+    options.samples = std::clamp(kTold / std::max<std::size_t>(scans, 1), kFewestTold, kTold / 2);
+    options.rounds = 5;
+  }
+  ScanAlignment found;
+  try {
+    found = find_scan_motions(points, options, progress);
+  } catch (const DataError&) {
+    if (move) throw;
+    return false;
+  }
+  const auto words = [&](double length) { return fmt::format("{:.3g}", cloud.place.to_input(length)); };
+  const auto off = [&](double length, std::size_t scan) {
+    return words(length) + " (noise " + words(found.noise) + "), most of all " + scan_called(points, scan);
+  };
+  const std::size_t moved = found.most_moved(), farthest = found.farthest_off();
+  if (found.warped())
+    cloud.warnings.push_back("scans disagree by " + off(found.deviations[farthest], farthest) +
+                             ", and no motion of whole scans changes that: they are warped");
+  if (!move) {
+    if (found.disagree())
+      cloud.warnings.push_back("scans disagree by up to " + off(found.displacements[moved], moved) +
+                               ": `align` moves them onto each other");
+    return false;
+  }
+  if (found.rounds == 0) {
+    cloud.warnings.push_back("no two scans have a place in common: nothing to be aligned");
+    return false;
+  }
+  if (found.displacements[moved] <= 0) {
+    cloud.alignment = "no scan was moved";
+    return false;
+  }
+  cloud.alignment = "scans aligned in " + counted(static_cast<std::uint64_t>(found.rounds), "round") +
+                    ": moved by up to " + off(found.displacements[moved], moved);
+  move_scans(points, found.motions);
+  return true;
+}
+
 }  // namespace
 
 PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progress) {
@@ -161,6 +220,14 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
     }
   }
   prepare_normals(result, use, progress);
+  if (align_scans(result, use.align, progress)) {
+    result.noise.reset(), result.spacing.reset();
+    // Those of scans that did not fit together were means over what lay beside each other.
+    if (result.estimated_normals) {
+      result.points.normals.clear();
+      prepare_normals(result, use, progress);
+    }
+  }
   return result;
 }
 

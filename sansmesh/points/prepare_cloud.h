@@ -27,6 +27,9 @@ struct CloudUse {
   /// From what normals that need it get their signs. Other than automatic: given ones get them anew, too, and DataError
   /// is thrown where nothing of the kind is known.
   OrientBy orient_by = OrientBy::automatic;
+  /// Move scans that do not quite fit together onto each other (`find_scan_motions`). Where false, a warning tells of
+  /// scans that disagree.
+  bool align = false;
   /// Leave out samples that belong to no surface (`find_outliers`), with a warning that counts them.
   bool remove_outliers = false;
   /// Only points of these classes (`keep_classes`), the others being left out before anything else.
@@ -42,6 +45,8 @@ struct PreparedCloud {
   /// Of the points, in their unit, as far as it had to be estimated for the normals: saves doing so again.
   std::optional<double> noise = {}, spacing = {};
   std::vector<std::string> warnings;
+  /// With `align`: what was done to the scans, in words; empty where nothing was asked for.
+  std::string alignment = {};
 };
 
 /// The first half of it: cleaned, faces sampled where need be, moved and scaled; normals as they come, if there are

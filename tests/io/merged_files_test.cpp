@@ -202,6 +202,19 @@ TEST(MergedFiles, ScannersAndFacesAreNumberedAnew) {
   EXPECT_EQ(scans.scanners[2], scans.scanners[0]);
 }
 
+TEST(MergedFiles, AreScansWithNames) {
+  const Folder folder;
+  for (const SampleFile& s : sample_files()) folder.put(s.name, s.content);
+  const std::string list = folder.put("list.xyz", "0 0 1\n1 0 1\n"), other = folder.put("other.xyz", "5 0 1\n1 5 1\n");
+  const PointSet alignment = read_points(folder / "a.conf");
+  ASSERT_EQ(alignment.scan_names.size(), 2u);
+  // What has positions of scanners comes first; the lists after it, seen from nobody knows where.
+  const PointSet all = read_merged({list, other});
+  EXPECT_EQ(all.scan_of_point, (std::vector<std::uint16_t>{0, 0, 1, 1}));
+  EXPECT_EQ(all.scan_names, (std::vector<std::string>{list, other}));
+  EXPECT_TRUE(all.scanners.empty());
+}
+
 TEST(MergedFiles, ErrorsNameTheFile) {
   const Folder folder;
   const std::string a = folder.put("a.xyz", "0 0 0\n1 0 0\n0 1 0\n");
