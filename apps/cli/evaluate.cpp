@@ -6,6 +6,7 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
@@ -92,6 +93,8 @@ void say_distance(const char* name, const OneWayDistance& d, const SurfaceDistan
 }
 
 void run_evaluate(const EvaluateArguments& arguments, Console& console) {
+  require(!arguments.reference.files.empty() || !arguments.reference.classes,
+          "--class and --without-class choose among the points of the reference");
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;

@@ -193,7 +193,7 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
       .type_name("LENGTH")
       .group("Fit");
   c.add_option("--support", o.support,
-               "Radius of a local fit over the radius of its block, 1.1..2 [1.5, up to 2.5 with noise]")
+               "Radius of a support over the radius of its block, 1.1..2 [1.5, up to 2.5 with noise]")
       .type_name("RATIO")
       .group("Fit");
   c.add_option("--degree", o.max_degree, "Largest degree of the local polynomials, 1..4 [4]")
@@ -203,7 +203,8 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
        "--open", [&o] { o.open = true; }, "The surface bounds no solid: it ends where the samples end [from data]")
       .group("Fit");
   c.add_flag_callback(
-       "--closed", [&o] { o.open = false; }, "The surface is closed, also where there are no samples [from data]")
+       "--closed", [&o] { o.open = false; },
+       "The surface is closed, also where there are no samples (with --surface: but for wide holes) [from data]")
       .group("Fit");
   c.add_flag_callback(
        "--smooth", [&o] { o.sharp = false; }, "Do not look for creases and corners")

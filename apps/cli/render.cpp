@@ -59,7 +59,8 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
     throw FileError(name, "has no attribute confidence: reconstruct and mesh write it with --confidence");
   mesh.colors.resize(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
-    const Vec3f color = confidence_color(static_cast<float>(std::clamp(confidence->number(v), 0.0, 1.0)));
+    const double known = confidence->number(v);
+    const Vec3f color = confidence_color(std::isfinite(known) ? static_cast<float>(std::clamp(known, 0.0, 1.0)) : 0.0f);
     for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(255 * color[k]));
   }
 }

@@ -272,17 +272,19 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
 /// is known only if it is not the one that every header has.
 void find_viewer(const Input& in, const PcdHeader& h, PointSet& points) {
   const Vec3 eye{h.viewpoint[0], h.viewpoint[1], h.viewpoint[2]};
-  bool known = is_finite(eye);
+  bool known = is_finite(Vec3f(eye - points.origin));
   const bool organised = h.height > 1 && h.width > 1 && points.size() / h.height == h.width;
+  std::optional<FrameView> view;
   if (organised) {
     const auto position = known ? std::optional<Vec3f>(Vec3f(eye - points.origin)) : std::nullopt;
-    if (auto view = measure_frame(points.positions, static_cast<std::size_t>(h.width), position)) {
-      if (known && !view->seen_from_eye) {
-        known = false;
-        in.warn("its rows and columns were not seen from its viewpoint, which was left out");
-      }
-      points.grid_normals = std::move(view->normals);
+    view = measure_frame(points.positions, static_cast<std::size_t>(h.width), position);
+  }
+  if (view) {
+    if (known && !view->seen_from_eye) {
+      known = false;
+      in.warn("its rows and columns were not seen from its viewpoint, which was left out");
     }
+    points.grid_normals = std::move(view->normals);
   } else if (eye == Vec3{}) {
     known = false;
   }

@@ -105,7 +105,7 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points) {
   order.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     const bool usable = std::abs(angles[i]) <= kLargestAngle && is_finite(points.positions[i]) &&
-                        (times.empty() || std::isfinite(times[i]));
+                        (times.empty() || std::isfinite(times[i])) && (lines.empty() || std::isfinite(lines[i]));
     if (usable) order.push_back(static_cast<std::uint32_t>(i));
   }
   if (order.empty()) return {};

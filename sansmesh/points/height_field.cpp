@@ -80,7 +80,10 @@ Columns make_columns(std::span<const Vec3f> positions, const Box3f& box, double 
         }
         return keys;
       },
-      [](Keys a, const Keys& b) { return a.insert(a.end(), b.begin(), b.end()), a; });
+      [](Keys a, const Keys& b) {
+        a.insert(a.end(), b.begin(), b.end());
+        return a;
+      });
   parallel_sort(columns.samples);
   for (std::size_t i = 0; i < columns.samples.size(); ++i)
     if (i == 0 || columns.samples[i].key != columns.samples[i - 1].key) columns.first.push_back(i);

@@ -263,7 +263,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Dialects,
                                            Dialect{"PwnWithoutCount", "a.pwn", kNormals, xyz_with_normals, 2e-6},
                                            Dialect{"XyzOfFiveDigits", "a.xyz", 0, xyz_of_five_digits, 1e-5},
                                            Dialect{"PcdCloud", "a.pcd", 0, pcd_cloud},
-                                           Dialect{"PcdFrame", "a.pcd", kScanner, pcd_frame},
+                                           Dialect{"PcdFrame", "a.pcd", 0, pcd_frame},
                                            Dialect{"NetgenStl", "a.stl", kTriangles, netgen_stl, 2e-6},
                                            Dialect{"GmshStl", "a.stl.gz", kTriangles, packed_gmsh_stl}),
                          [](const auto& of) { return std::string(of.param.name); });

@@ -126,6 +126,9 @@ TEST(Frames, AreNotKnownToEveryCloud) {
   std::mt19937 random(1);
   std::shuffle(shuffled.points.begin(), shuffled.points.end(), random);
   EXPECT_FALSE(io::measure_frame(shuffled.points, kColumns, std::nullopt));
+  // Nor does the viewpoint of every header say anything of such a file, or one too far away to tell a direction.
+  EXPECT_TRUE(read_points(folder.put("c.pcd", pcd_of(shuffled, viewpoint({})))).scanners.empty());
+  EXPECT_TRUE(read_points(folder.put("d.pcd", pcd_of(own, viewpoint({1e39, 0, 0}), false))).scanners.empty());
   EXPECT_FALSE(io::measure_frame({}, 10, std::nullopt));
   EXPECT_FALSE(io::measure_frame(own.points, 1, std::nullopt));
 }
