@@ -95,7 +95,8 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points) {
   if (!angle) return {};
   const std::size_t n = points.size();
   const auto numbers = [n](const Attribute* a) {
-    std::vector<double> values(a ? n : 0);
+    if (!a) return std::vector<double>();
+    std::vector<double> values(n);
     parallel_for(0, values.size(), 1 << 15, [&](std::size_t i) { values[i] = a->number(i); });
     return values;
   };
