@@ -26,9 +26,6 @@ constexpr double kSupported = 0.02;
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
 constexpr double kSeen = 5;
-/// Nor is a small solid that is all samples: so many, standing for no less than this share of its area. What strays and
-/// noise pinch off has a few samples or a skin of its own making.
-constexpr double kSolid = 8, kAllSamples = 0.5;
 /// Above this share of the samples without a surface a warning says so, and where most of them are.
 constexpr double kMuchLost = 0.01;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
@@ -77,7 +74,8 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return std::vector<std::uint8_t>(count, 1);
   std::vector<double> supported = components.area;
   const bool seen = open && points.size() > 0;
-  if (points.size() > 0) supported = supported_area(mesh, components, points, spacing);
+  if (seen || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0]))
+    supported = supported_area(mesh, components, points, spacing);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -89,10 +87,7 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
     const double small = seen ? std::min(kSeen * spacing * spacing, kSmallComponent * supported[order[0]])
                               : kSmallComponent * supported[order[0]];
-    const bool solid = points.size() > 0 && supported[k] >= kSolid * spacing * spacing &&
-                       supported[k] >= kAllSamples * components.area[k];
-    if (automatic && kept > 0 && !solid && (supported[k] < small || supported[k] < kSupported * components.area[k]))
-      continue;
+    if (automatic && kept > 0 && (supported[k] < small || supported[k] < kSupported * components.area[k])) continue;
     chosen[k] = 1;
     ++kept;
   }
