@@ -264,12 +264,6 @@ TEST(Reconstruct, DepthsAreThoseOfThePartition) {
   }
 }
 
-TEST(Reconstruct, KeepsSmallSolidsThatAreAllSamples) {
-  // A hundredth of the other's area, as densely sampled: no stray.
-  const PointSet cloud = test::joined(test::sphere(20000), test::sphere(200), 0.1f, {1.5f, 0, 0});
-  EXPECT_EQ(measure_topology(run(cloud)).components, 2u);
-}
-
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   PointSet cloud;
   EXPECT_THROW(run(cloud), DataError);
