@@ -130,12 +130,17 @@ TEST_F(Commands, ConfidenceIsWrittenAndShown) {
   const auto* const confidence = marked.attributes.find<float>("confidence");
   ASSERT_TRUE(confidence);
   for (const float c : *confidence) EXPECT_EQ(c, 1) << "a ball without holes";
-  EXPECT_EQ(run({"render", "marked.ply", "-o", "marked.png", "--color-by", "confidence"}).code, 0);
+  EXPECT_EQ(
+      run({"render", "marked.ply", "-o", "marked.png", "--color-by", "confidence", "--width", "64", "--height", "48"})
+          .code,
+      0);
   const Outcome refused = run({"render", "plain.ply", "-o", "plain.png", "--color-by", "confidence"});
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.err.find("no attribute confidence"), std::string::npos) << refused.err;
   ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
-  EXPECT_EQ(run({"render", "ball.smf", "-o", "ball.png", "--color-by", "confidence"}).code, 0);
+  EXPECT_EQ(
+      run({"render", "ball.smf", "-o", "ball.png", "--color-by", "confidence", "--width", "64", "--height", "48"}).code,
+      0);
   ASSERT_EQ(run({"fit", "ball.ply", "-o", "lean.smf", "--without-samples"}).code, 0);
   EXPECT_EQ(run({"render", "lean.smf", "-o", "lean.png", "--color-by", "confidence"}).code, 1);
   EXPECT_EQ(run({"mesh", "lean.smf", "-o", "lean.ply", "--confidence"}).code, 1);
