@@ -8,6 +8,7 @@
 
 #include "sansmesh/advise/traits.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/mesh/mesh_topology.h"
@@ -50,13 +51,6 @@ double quantile_by_area(const std::vector<double>& ascending, double q) {
     if (passed >= q * area) return s;
   }
   return ascending.empty() ? 0 : ascending.back();
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double degrees(double angle) { return angle * std::numbers::pi / 180; }

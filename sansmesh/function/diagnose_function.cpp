@@ -9,6 +9,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/function/mesh_function.h"
@@ -46,13 +47,6 @@ struct Flagged {
   std::vector<std::uint8_t> flag;
   std::vector<double> value;
 };
-
-double median(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
 
 /// Largest gradient around each support's foot, within its own ball.
 std::vector<double> steepness(const PartitionOfUnity& field) {
@@ -358,9 +352,9 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   std::vector<float> errors;
   for (const Support& s : data.supports)
     if (s.state == Support::fitted) errors.push_back(s.error);
-  const double error = options.error_above
-                           ? function.place.from_input(*options.error_above)
-                           : std::max(kErrorOverMedian * median(errors), kErrorOverSpacing * field.report().spacing);
+  const double error = options.error_above ? function.place.from_input(*options.error_above)
+                                           : std::max(kErrorOverMedian * static_cast<double>(median(errors)),
+                                                      kErrorOverSpacing * field.report().spacing);
   diagnosis.error_above = function.place.to_input(error);
   const std::vector<double> steepest = steepness(field);
   std::array<Flagged, kSuspicions> flagged;

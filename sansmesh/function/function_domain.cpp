@@ -1,7 +1,6 @@
 #include "sansmesh/function/function_domain.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "sansmesh/core/parallel.h"
@@ -56,11 +55,6 @@ GlobalSign solid_of(const PartitionData& data) {
 /// A membrane is where the winding number lies between these, far from 0 and 1.
 constexpr float kMembrane = 0.25f;
 
-double distance_to(const KdTree& tree, const Vec3f& x) {
-  const auto found = tree.nearest(x);
-  return found ? std::sqrt(static_cast<double>(found->squared_distance)) : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace
 
 FunctionDomain::FunctionDomain(const SurfaceFunction& function, std::optional<double> fill, std::optional<double> trim)
@@ -87,12 +81,12 @@ void FunctionDomain::evaluate(std::span<const Vec3> x, std::span<double> values,
   parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const Vec3f p(x[i]);
-      if (values[i] > 0 && !solid_.empty() && distance_to(closed_, p) <= distance_to(open_, p)) {
+      if (values[i] > 0 && !solid_.empty() && closed_.distance(p) <= open_.distance(p)) {
         float w = 0;
         solid_.winding_number({&p, 1}, {&w, 1});
         if (w > kMembrane && w < 1 - kMembrane) values[i] = kOnClosed;
       }
-      if (trim_) values[i] = std::max(values[i], distance_to(samples_, p) / *trim_ - 1);
+      if (trim_) values[i] = std::max(values[i], samples_.distance(p) / *trim_ - 1);
     }
   });
 }
@@ -108,9 +102,9 @@ void FunctionDomain::ranges(std::span<const Vec3> x, double radius, std::span<Va
     for (std::size_t i = first; i < last; ++i) {
       const Vec3f p(x[i]);
       // Somewhere in the ball a closed sheet may be nearer than an open one.
-      if (found[i].least > 0 && closed_.size() > 0 && distance_to(closed_, p) <= distance_to(open_, p) + 2 * radius)
+      if (found[i].least > 0 && closed_.size() > 0 && closed_.distance(p) <= open_.distance(p) + 2 * radius)
         found[i] = {-kInfinity, kInfinity};
-      if (trim_ && distance_to(samples_, p) - radius > *trim_) found[i] = {1e-9, kInfinity};
+      if (trim_ && samples_.distance(p) - radius > *trim_) found[i] = {1e-9, kInfinity};
     }
   });
 }
@@ -119,7 +113,7 @@ void FunctionDomain::refine(BlockTree& blocks, int deepest) const {
   std::vector<Coverage::Border> borders = coverage_.borders();
   if (!trim_)
     std::erase_if(borders, [&](const Coverage::Border& b) {
-      return !(distance_to(open_, b.position) < distance_to(closed_, b.position));
+      return !(open_.distance(b.position) < closed_.distance(b.position));
     });
   refine_along(borders, blocks, deepest);
 }

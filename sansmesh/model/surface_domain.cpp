@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -34,11 +33,6 @@ constexpr double kHole = 12;
 /// Elsewhere it ends so many spacings from all samples.
 constexpr double kFar = 4;
 constexpr double kCovered = -0.42;  ///< as deep inside as among samples on all sides
-
-double distance_from(const KdTree& samples, const Vec3f& x) {
-  const auto found = samples.nearest(x);
-  return found ? std::sqrt(static_cast<double>(found->squared_distance)) : std::numeric_limits<double>::infinity();
-}
 
 std::vector<Vec3f> positions_of(const std::vector<Coverage::Border>& borders) {
   std::vector<Vec3f> x;
@@ -142,8 +136,8 @@ SurfaceDomain::SurfaceDomain(const ScalarField& field, const PointSet& feet, dou
 }
 
 bool SurfaceDomain::stays(const Vec3f& x) const {
-  const double distance = distance_from(samples_, x);
-  return distance < far_ && distance_from(border_samples_, x) > kNextTo * distance;
+  const double distance = samples_.distance(x);
+  return distance < far_ && border_samples_.distance(x) > kNextTo * distance;
 }
 
 void SurfaceDomain::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
@@ -151,7 +145,7 @@ void SurfaceDomain::evaluate(std::span<const Vec3> x, std::span<double> values, 
   parallel_for(0, x.size(), 1024, [&](std::size_t i) {
     const Vec3f p(x[i]);
     if (values[i] > 0 && far_ > 0 && stays(p)) values[i] = kCovered;
-    if (trim_) values[i] = std::max(values[i], distance_from(samples_, p) / *trim_ - 1);
+    if (trim_) values[i] = std::max(values[i], samples_.distance(p) / *trim_ - 1);
   });
 }
 
@@ -159,7 +153,7 @@ void SurfaceDomain::ranges(std::span<const Vec3> x, double radius, std::span<Val
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   coverage_.ranges(x, radius, found);
   parallel_for(0, x.size(), 1024, [&](std::size_t i) {
-    const double nearest = distance_from(samples_, Vec3f(x[i])) - radius;
+    const double nearest = samples_.distance(Vec3f(x[i])) - radius;
     if (found[i].least > 0 && nearest < far_) found[i] = {-kInfinity, kInfinity};
     if (trim_ && nearest > *trim_) found[i] = {1e-9, kInfinity};
   });

@@ -12,8 +12,6 @@ constexpr float kReaches[] = {1.41f, 2.0f};
 /// change by a hundredth at most; above, the plane is not that of the samples that face the mean normal.
 constexpr float kLeastSlope = 0.1f, kMostSlope = 2.0f;
 
-float smooth_weight(float t) { return (1 - t) * (1 - t); }
-
 /// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the
 /// weight that faces away.
 float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {

@@ -50,6 +50,9 @@ struct Workspace {
 /// √(1 + 1/1.5²) = 1.2 radii from the centre. The rest is for noise.
 constexpr float kShift = 1.3f;
 
+/// That of a sample in a fit. t: squared distance from the middle of the ball over that of its rim, below 1.
+inline float smooth_weight(float t) { return (1 - t) * (1 - t); }
+
 /// Indices of the samples in a ball (of every stride-th), from the given cells of a level.
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
             std::vector<std::uint32_t>& ids, std::size_t stride = 1);

@@ -91,8 +91,7 @@ bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const Loca
   const float inverse = 1 / (f.radius * f.radius);
   float away = 0, all = 0;
   for (const std::uint32_t i : ws.block.ids) {
-    const float t = squared_norm(fitter.tree.positions()[i] - f.center) * inverse;
-    const float weight = (1 - t) * (1 - t);
+    const float weight = smooth_weight(squared_norm(fitter.tree.positions()[i] - f.center) * inverse);
     all += weight;
     if (dot(fitter.tree.normals()[i], f.nu) < 0) away += weight;
   }

@@ -15,7 +15,7 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 /// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing (in spacings),
 /// and the balls of samples that fits start from. Many overlapping supports average over the noise of each; wide balls
-/// also blur shape: benchmarks/README.md has what each gains and loses.
+/// also blur shape: docs/methods/partition-of-unity.md has what each gains.
 constexpr double kSupport = 1.5, kNoisySupport = 2.5, kNoisyFit = 1.8;
 constexpr double kLittleNoise = 0.15, kMuchNoise = 0.6;
 /// Noise is about the same everywhere. Shape that is finer than the samples can tell is not: the standard deviation
@@ -266,8 +266,9 @@ void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
 
 /// Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
 /// that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood; finer levels
-/// are given up.
-void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
+/// are given up. Returns how even it is: its standard deviation where there is little over the median.
+double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
+  double evenness = 0;
   for (;; --choice.finest) {
     pool_noise(fitter, choice);
     const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
@@ -286,13 +287,14 @@ void find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       choice.variance = *middle;
       const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
       std::nth_element(noises.begin(), low, middle + 1);
-      choice.evenness = choice.variance > 0 ? std::sqrt(std::max(0.0f, *low) / choice.variance) : 0;
+      evenness = choice.variance > 0 ? std::sqrt(std::max(0.0f, *low) / choice.variance) : 0;
       const double most = fitter.height > 0 ? kMostTallNoise : kMostNoise;
       if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
     }
     if (choice.finest <= 2) break;
   }
   spread_noise(fitter, choice);
+  return evenness;
 }
 
 /// Of degrees 1 .. kMaxDegree.
@@ -407,12 +409,12 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
   choice.support = choice.fit = static_cast<float>(options.support.value_or(kSupport));
   BlockFitter fitter{tree, options, choice.support, finest};
   try_blocks(fitter, choice, progress);
-  find_noise(fitter, choice);
+  const double evenness = find_noise(fitter, choice);
   if (!options.support) {
     // Where noise is as large as the spacing, wider supports make a steadier surface; where it is small, they blur.
     const double ratio = std::sqrt(choice.variance) / spacing_of(fitter, choice);
     const double noisy = std::clamp((ratio - kLittleNoise) / (kMuchNoise - kLittleNoise), 0.0, 1.0) *
-                         std::clamp((choice.evenness - kShapeEvenness) / (kNoiseEvenness - kShapeEvenness), 0.0, 1.0);
+                         std::clamp((evenness - kShapeEvenness) / (kNoiseEvenness - kShapeEvenness), 0.0, 1.0);
     if (noisy > 0) {
       choice.support = fitter.support = static_cast<float>(kSupport + noisy * (kNoisySupport - kSupport));
       choice.fit = fitter.fit = static_cast<float>(kSupport + noisy * (kNoisyFit - kSupport));

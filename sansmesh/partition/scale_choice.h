@@ -44,13 +44,12 @@ struct Leaf {
 
 /// Trial fits of all blocks with samples, on all levels, and what follows from them.
 struct ScaleChoice {
-  int tried = 0;         ///< finest level that was tried
-  int finest = 0;        ///< finest level worth a fit
-  double variance = 0;   ///< of the noise (length²)
-  double evenness = 0;   ///< of the noise: its standard deviation where there is little over the median
-  double accepted = 0;   ///< rms error that needs no subdivision (length)
-  float support = 1.5f;  ///< radius of a support / circumscribed radius of its block
-  float fit = 1.5f;      ///< radius of a fit's ball of samples / circumscribed radius of its block
+  int tried = 0;                           ///< finest level that was tried
+  int finest = 0;                          ///< finest level worth a fit
+  double variance = 0;                     ///< of the noise (length²)
+  double accepted = 0;                     ///< rms error that needs no subdivision (length)
+  float support = 1.5f;                    ///< radius of a support / circumscribed radius of its block
+  float fit = 1.5f;                        ///< radius of a fit's ball of samples / circumscribed radius of its block
   std::vector<std::vector<Trial>> trials;  ///< of each level and cell
   float height = 0;                        ///< BlockFitter::height of the trials (length)
   std::vector<Leaf> leaves;                ///< in Morton order

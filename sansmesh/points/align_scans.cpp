@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/search/kd_tree.h"
@@ -41,13 +42,6 @@ constexpr double kTellableOverSpacing = 0.1;
 /// Motions are made if they leave no more than this of the loss.
 constexpr double kMostLossLeft = 0.9;
 constexpr double kWarpedOverNoise = 2;
-
-double middle_of(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double tukey_weight(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
 
@@ -164,9 +158,9 @@ void measure_scan(const PointSet& points, Scan& scan) {
   std::vector<double> heights, radii;
   for (const auto& one : found)
     if (one) heights.push_back((*one)[0]), radii.push_back((*one)[1]);
-  scan.spacing = middle_of(radii) * std::sqrt(std::numbers::pi / static_cast<double>(kOfQuadric));
+  scan.spacing = median(radii) * std::sqrt(std::numbers::pi / static_cast<double>(kOfQuadric));
   // The height at its middle of a quadric through n samples has a variance of about four nths of theirs.
-  scan.noise = kDeviationOfMedian * middle_of(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
+  scan.noise = kDeviationOfMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   if (scan.spacing > 0)
     scan.neighbours =
         std::min(kMostOfQuadric, kOfQuadric + static_cast<std::size_t>(std::min(
@@ -300,7 +294,7 @@ std::vector<double> deviations_of(const std::vector<Comparison>& all, std::size_
     }
   std::vector<double> found(scans);
   for (std::size_t s = 0; s < scans; ++s)
-    found[s] = kDeviationOfMedian * middle_of(heights[s]) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
+    found[s] = kDeviationOfMedian * median(heights[s]) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   return found;
 }
 
@@ -398,7 +392,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
     if (scan.spacing > 0) noises.push_back(scan.noise), spacings.push_back(scan.spacing);
     progress.check();
   }
-  result.noise = middle_of(noises), result.spacing = middle_of(spacings);
+  result.noise = median(noises), result.spacing = median(spacings);
   const double widest = kWidestReach * result.spacing;
   const double narrowest = std::max(kNarrowestReach * result.spacing, kNoiseReach * result.noise);
 

@@ -1,24 +1,18 @@
 #include "sansmesh/points/coverage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 namespace {
 
-/// The local spacing is that of so many neighbours: a line of a scanner, whose own points are close together, then has
-/// some of the next lines among them.
-constexpr std::size_t kLocalNeighbours = 16;
 /// Reach of a sample over the local spacing: of samples placed at random, one in ten million has all others so far to
 /// one side that it would count as a border.
 constexpr double kReachOverSpacing = 3;
-/// The local spacing counts as no less than this share of the mean, and no more than so many times that (strays).
-constexpr double kLeastLocal = 0.5, kMostLocal = 3;
 /// One-sidedness half a spacing beyond a straight border.
 constexpr double kOneSided = 0.42;
 /// A sample lies at a border if it sees others a little to one side, and so many reaches away from them the surface has
@@ -60,14 +54,11 @@ Coverage::Coverage(std::span<const Vec3f> samples, double spacing, std::optional
   all_.samples = tree.positions();
   all_.reach.resize(all_.samples.size());
   const std::size_t k = std::min(kLocalNeighbours + 1, all_.samples.size());
-  const double least = kLeastLocal * spacing, most = kMostLocal * spacing;
-  const double of_distance = std::sqrt(std::numbers::pi / static_cast<double>(kLocalNeighbours));
   tree.for_each_nearest(k, [&](std::uint32_t slot, std::span<const Neighbour> found) {
-    const double local =
-        of_distance * std::sqrt(static_cast<double>(found.empty() ? 0 : found.back().squared_distance));
-    all_.reach[slot] = static_cast<float>(kReachOverSpacing * std::clamp(local, least, most));
+    const auto last = static_cast<double>(found.empty() ? 0 : found.back().squared_distance);
+    all_.reach[slot] = static_cast<float>(kReachOverSpacing * local_spacing(last, spacing));
   });
-  build(samples, fill.value_or(0), least);
+  build(samples, fill.value_or(0), kLeastLocal * spacing);
 }
 
 Coverage::Coverage(std::span<const Vec3f> places, std::span<const float> spacings, std::optional<double> fill) {

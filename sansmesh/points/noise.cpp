@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
@@ -25,12 +26,6 @@ constexpr std::size_t kCoefficients = 6;
 constexpr double kSlopeWithoutNoise = 0.6;
 /// A residual grown by more than this from the smallest scale is shape, whatever its slope.
 constexpr double kLargestGrowth = 4;
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Quadric {
   std::vector<std::array<double, kCoefficients>> rows;

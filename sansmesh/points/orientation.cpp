@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sign_graph.h"
@@ -68,12 +69,6 @@ float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, f
 
 std::int8_t quantized(float relation_value) {
   return static_cast<std::int8_t>(std::lround(std::clamp(relation_value, -1.0f, 1.0f) * 127));
-}
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The neighbour graph in tree order, and what its edges say.

@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/points/spacing.h"
 
 namespace sansmesh {
 namespace {
 
-/// As in Coverage: neighbours that tell the local spacing, and what it counts as at least and at most, over the mean.
-constexpr std::size_t kAround = 16;
-constexpr double kLeastAround = 0.5, kMostAround = 3;
 /// Noises within which samples are near, and spacings more until they are out of reach.
 constexpr double kUsualNoises = 3, kOutOfReach = 2;
 
@@ -26,10 +23,9 @@ SampleConfidence::SampleConfidence(const PointSet& samples, double spacing, doub
 }
 
 double SampleConfidence::reach_spacing(std::uint32_t sample) const {
-  std::array<Neighbour, kAround + 1> found;
+  std::array<Neighbour, kLocalNeighbours + 1> found;
   const std::size_t n = tree_.nearest(positions_[sample], found);
-  const double d2 = static_cast<double>(found[n - 1].squared_distance);
-  return std::clamp(std::sqrt(std::numbers::pi * d2 / kAround), kLeastAround * spacing_, kMostAround * spacing_);
+  return local_spacing(static_cast<double>(found[n - 1].squared_distance), spacing_);
 }
 
 void SampleConfidence::evaluate(std::span<const Vec3f> x, std::span<float> distances,
@@ -40,7 +36,7 @@ void SampleConfidence::evaluate(std::span<const Vec3f> x, std::span<float> dista
     distances[i] = static_cast<float>(d);
     confidences[i] = nearest ? 1 : 0;
     // So near that it is 1 whatever the local spacing.
-    if (!nearest || d <= std::max(kLeastAround * spacing_, kUsualNoises * noise_)) return;
+    if (!nearest || d <= std::max(kLeastLocal * spacing_, kUsualNoises * noise_)) return;
     const double s = reach_spacing(nearest->index), usual = std::max(s, kUsualNoises * noise_);
     confidences[i] = static_cast<float>(std::clamp(1 - (d - usual) / (kOutOfReach * s), 0.0, 1.0));
   });

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 
@@ -15,13 +16,6 @@ constexpr std::size_t kSpacingPlaces = 500;
 constexpr std::size_t kNear = 24;    ///< neighbours that tell the spacing of a clean cloud
 constexpr std::size_t kWide = 200;   ///< and of one whose noise hides the surface from the nearest ones
 constexpr double kThickness = 0.35;  ///< deviation across / along the surface from which on a cloud is such
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Edge of one sample's square when `count` samples share a disc.
 double spacing_of_disc(double radius, double count) { return radius * std::sqrt(std::numbers::pi / count); }
@@ -55,6 +49,11 @@ double estimate_spacing(const PointSet& points) {
   }
   const bool thick = median(thickness) > kThickness && flattened.size() * 2 > spacing.size();
   return thick ? median(flattened) : median(spacing);
+}
+
+double local_spacing(double squared_distance, double mean) {
+  return std::clamp(spacing_of_disc(std::sqrt(squared_distance), static_cast<double>(kLocalNeighbours)),
+                    kLeastLocal * mean, kMostLocal * mean);
 }
 
 }  // namespace sansmesh

@@ -1,6 +1,8 @@
 // How far apart the samples are.
 #pragma once
 
+#include <cstddef>
+
 #include "sansmesh/data/point_set.h"
 
 namespace sansmesh {
@@ -10,5 +12,14 @@ namespace sansmesh {
 /// overlap or vertices coincide by accident, and exact duplicates count once. Unit of the input; 0 where no two finite
 /// points differ. From a fixed subsample: O(n) with a small constant, the same for any number of threads.
 double estimate_spacing(const PointSet& points);
+
+/// The spacing around a sample is that of so many neighbours: a line of a scanner, whose own points are close together,
+/// then has some of the next lines among them.
+inline constexpr std::size_t kLocalNeighbours = 16;
+/// It counts as no less than this share of the mean, and no more than so many times that (strays).
+inline constexpr double kLeastLocal = 0.5, kMostLocal = 3;
+
+/// From the squared distance to the last of those neighbours, and the mean spacing of all samples (length).
+double local_spacing(double squared_distance, double mean);
 
 }  // namespace sansmesh

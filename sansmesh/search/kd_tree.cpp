@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include "sansmesh/core/error.h"
@@ -127,6 +128,11 @@ std::optional<Neighbour> KdTree::nearest(const Vec3f& q) const {
   Neighbour result[1];
   if (nearest(q, result) == 0) return std::nullopt;
   return result[0];
+}
+
+double KdTree::distance(const Vec3f& q) const {
+  const auto found = nearest(q);
+  return found ? std::sqrt(static_cast<double>(found->squared_distance)) : std::numeric_limits<double>::infinity();
 }
 
 void KdTree::within(const Vec3f& q, float radius, std::vector<Neighbour>& out) const {

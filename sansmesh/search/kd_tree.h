@@ -33,6 +33,8 @@ class KdTree {
   std::size_t nearest(const Vec3f& q, std::span<Neighbour> out) const;
   /// The nearest point; nothing if the tree is empty or q not finite.
   std::optional<Neighbour> nearest(const Vec3f& q) const;
+  /// The distance to it (length); infinite if there is none.
+  double distance(const Vec3f& q) const;
   /// Replaces `out` by the points with squared distance <= radius², in ascending order.
   void within(const Vec3f& q, float radius, std::vector<Neighbour>& out) const;
   /// How many points `within` would return.

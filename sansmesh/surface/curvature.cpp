@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 
@@ -201,12 +202,6 @@ class CurvatureFitter {
 /// Whether a neighbour may be a sample of the same sheet.
 bool same_sheet(const Vec3& normal, const Vec3f& neighbours_normal) {
   return dot(normal, Vec3(neighbours_normal)) >= 0;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double noise) {

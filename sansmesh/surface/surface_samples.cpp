@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 
@@ -22,12 +23,6 @@ constexpr double kEven = 0.85, kRandom = 0.5;
 
 /// Distances at duplicates vanish, but a sample must not stand for nothing.
 constexpr double kLeastSpacing = 0.05;
-
-double median(std::vector<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
 
 }  // namespace
 
@@ -69,9 +64,10 @@ SurfaceSamples prepare_samples(const PointSet& points, Progress& progress, std::
     nearest[i] = std::sqrt(found[1].squared_distance);
     for (std::size_t j = 0; j < k; ++j) around[i * k + j] = s.tree.order()[found[j].index];
   });
-  s.median_spacing = median(raw);
+  smooth = raw;
+  s.median_spacing = static_cast<double>(median(smooth));
   if (!(s.median_spacing > 0)) throw DataError("most samples coincide: there is no surface");
-  s.evenness = median(nearest) / s.median_spacing;
+  s.evenness = static_cast<double>(median(nearest)) / s.median_spacing;
   const auto least = static_cast<float>(kLeastSpacing * s.median_spacing);
   for (float& r : raw) r = std::max(r, least);
   parallel_for(0, s.size(), 4096, [&](std::size_t i) {
