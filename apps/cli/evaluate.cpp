@@ -12,7 +12,7 @@
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/face_shape.h"
 
 namespace sansmesh::cli {
 namespace {

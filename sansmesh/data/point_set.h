@@ -39,6 +39,8 @@ struct PointSet {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   /// What is known of each triangle: a row each.
   AttributeTable triangle_attributes;
+  /// Every sample lies on a face of a mesh, so there is a surface at each: none is a stray.
+  bool of_faces = false;
 
   std::size_t size() const { return positions.size(); }
   bool has_normals() const { return !normals.empty(); }

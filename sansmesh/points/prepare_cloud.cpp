@@ -10,6 +10,7 @@
 #include "sansmesh/points/align_scans.h"
 #include "sansmesh/points/clean_samples.h"
 #include "sansmesh/points/cloud_shape.h"
+#include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -23,8 +24,6 @@ namespace {
 
 /// A local fit needs this many samples.
 constexpr std::size_t kFewest = 9;
-/// Samples of the faces of a mesh whose vertices are not enough.
-constexpr std::size_t kFaceSamples = 400000;
 /// Share of given normals that may look away from where their samples were seen: noise at grazing angles.
 constexpr double kMostLookingAway = 0.1;
 
@@ -58,18 +57,34 @@ void check_shape(const PointSet& points) {
   }
 }
 
-/// Faces as samples where the vertices are not enough, and as the source of normals.
-void use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
-  if (points.triangles.empty() || faces == FaceUse::ignore) return;
+bool all_on_faces(const PointSet& mesh) {
+  std::vector<std::uint8_t> on_face(mesh.size(), 0);
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : t)
+      if (v < mesh.size()) on_face[v] = 1;
+  return std::find(on_face.begin(), on_face.end(), 0) == on_face.end();
+}
+
+/// Faces as samples where the vertices are not enough, and as the source of normals. Which way these look, if they are
+/// those of faces.
+FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
+  if (points.triangles.empty() || faces == FaceUse::ignore) return FaceSides::unknown;
   const bool forced = faces == FaceUse::sample;
-  if (forced || !vertices_suffice(points)) {
-    PointSet samples = sample_faces(points, kFaceSamples);
-    if (samples.size() == 0) return;
+  const std::size_t wanted = forced ? kFaceSamples : face_samples_wanted(points);
+  FaceSides sides = FaceSides::unknown;
+  if (wanted > 0) {
+    PointSet samples = sample_faces(points, wanted);
+    if (samples.size() == 0) return FaceSides::unknown;
+    sides = face_sides(points);
     points = std::move(samples);
+    points.of_faces = true;
     if (!forced) warnings.push_back("its vertices alone are too sparse: its faces were sampled instead");
   } else if (!points.has_normals()) {
+    sides = face_sides(points);
     set_normals_from_faces(points);
   }
+  if (wanted == 0) points.of_faces = all_on_faces(points);
+  return sides;
 }
 
 /// Turns consistent normals that look away from where their samples were seen. False where that is not known, or not
@@ -106,6 +121,19 @@ void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress
   cloud.estimated_normals = true;
 }
 
+/// Of thin parts neighbours tell less than faces that bound solids do.
+OrientationCheck judged_orientation(const PreparedCloud& cloud) {
+  switch (cloud.face_sides) {
+    case FaceSides::outward:
+      return OrientationCheck::oriented;
+    case FaceSides::inward:
+      return OrientationCheck::inward;
+    case FaceSides::unknown:
+      break;
+  }
+  return check_orientation(cloud.points, cloud.noise);
+}
+
 void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progress) {
   PointSet& points = cloud.points;
   if (use.normals == NormalUse::as_given) {
@@ -114,10 +142,10 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
     if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
     return;
   }
-  if (use.normals == NormalUse::estimate) points.normals.clear();
+  if (use.normals == NormalUse::estimate) points.normals.clear(), cloud.face_sides = FaceSides::unknown;
   progress.begin("check normals");
   cloud.noise = estimate_noise(points);
-  const OrientationCheck check = check_orientation(points, cloud.noise);
+  const OrientationCheck check = judged_orientation(cloud);
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
     if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
@@ -199,7 +227,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   PreparedCloud result;
   progress.begin("check samples");
   clean(points, result.warnings);
-  use_faces(points, faces, result.warnings);
+  result.face_sides = use_faces(points, faces, result.warnings);
   check_shape(points);
   const Vec3f size = bounds(points).size();
   result.place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));

@@ -8,6 +8,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/sights.h"
 
@@ -40,6 +41,8 @@ struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
   Placement place;  ///< of these in the input; the unit is a power of two
   bool estimated_normals = false;  ///< there were none, or they were not wanted
+  /// Where the normals were taken from faces that bound solids: which side is out is known of these, not judged.
+  FaceSides face_sides = FaceSides::unknown;
   /// From what the normals got their signs; nothing where they have those of the input.
   std::optional<OrientBy> oriented_by = {};
   /// Of the points, in their unit, as far as it had to be estimated for the normals: saves doing so again.

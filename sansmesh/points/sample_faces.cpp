@@ -8,10 +8,6 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kEnoughVertices = 1000;
-constexpr double kLongEdge = 5;        // in spacings of the vertices
-constexpr double kSparseShare = 0.05;  // of the area may lie in triangles with such edges
-
 /// Uniform in [0, 1) from a counter (the finaliser of SplitMix64): any sample can be made without those before it.
 double uniform(std::uint64_t counter) {
   std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15u;
@@ -76,21 +72,6 @@ std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::s
   return samples;
 }
 
-bool vertices_suffice(const PointSet& mesh) {
-  if (mesh.size() < kEnoughVertices) return false;
-  double total = 0;
-  for (const Triangle& t : mesh.triangles) total += norm(doubled_area(mesh.positions, t));
-  const double limit = kLongEdge * std::sqrt(0.5 * total / static_cast<double>(mesh.size()));
-  double sparse = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const double area = norm(doubled_area(mesh.positions, t));
-    if (!(area > 0)) continue;
-    const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    if (std::max({norm(b - a), norm(c - b), norm(a - c)}) > limit) sparse += area;
-  }
-  return sparse <= kSparseShare * total;
-}
-
 PointSet sample_faces(const PointSet& mesh, std::size_t count) {
   const std::vector<FaceSample> samples = sample_triangles(mesh.positions, mesh.triangles, count);
   PointSet cloud;
@@ -115,18 +96,21 @@ PointSet sample_faces(const PointSet& mesh, std::size_t count) {
   return cloud;
 }
 
-void set_normals_from_faces(PointSet& mesh) {
+std::vector<Vec3f> normals_from_faces(const PointSet& mesh) {
   std::vector<Vec3> sums(mesh.size());
   for (const Triangle& t : mesh.triangles) {
     const Vec3 area = doubled_area(mesh.positions, t);
     if (area == Vec3{}) continue;
     for (const std::uint32_t v : t) sums[v] = sums[v] + area;
   }
-  mesh.normals.resize(mesh.size());
+  std::vector<Vec3f> normals(mesh.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const double length = norm(sums[i]);
-    mesh.normals[i] = length > 0 ? Vec3f(sums[i] / length) : Vec3f{};
+    if (length > 0) normals[i] = Vec3f(sums[i] / length);
   }
+  return normals;
 }
+
+void set_normals_from_faces(PointSet& mesh) { mesh.normals = normals_from_faces(mesh); }
 
 }  // namespace sansmesh

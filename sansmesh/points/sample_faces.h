@@ -26,15 +26,14 @@ struct FaceSample {
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count);
 
-/// Whether the vertices are samples enough: at least 1000, and nearly all of the area in triangles whose edges are not
-/// long against the mean spacing of the vertices. True of meshed scans, not of CAD models and polygon soups.
-bool vertices_suffice(const PointSet& mesh);
-
 /// A cloud of `count` samples of the faces with the normals of the faces; colours and attributes of the vertices are
 /// interpolated, those of the triangles taken over (where no vertex attribute has the name).
 PointSet sample_faces(const PointSet& mesh, std::size_t count);
 
-/// Replaces the normals by the area-weighted means of those of the faces around each vertex; zero without faces.
+/// For each vertex the area-weighted mean of the normals of the faces around it, of length 1; zero without faces.
+std::vector<Vec3f> normals_from_faces(const PointSet& mesh);
+
+/// Replaces the normals by these.
 void set_normals_from_faces(PointSet& mesh);
 
 }  // namespace sansmesh

@@ -264,6 +264,33 @@ TEST(Reconstruct, DepthsAreThoseOfThePartition) {
   }
 }
 
+// Twisted blades: the other side of a place is as near as its neighbours are. Their vertices alone become sheets with
+// dozens of handles.
+TEST(Reconstruct, ThinClosedMeshesStayWhatTheyAre) {
+  for (const float thickness : {0.08f, 0.05f}) {  // 3 and 2 spacings
+    PointSet mesh = test::ball_mesh(5);
+    for (Vec3f& p : mesh.positions) {
+      const float x = 0.4f * p.x, z = 0.5f * thickness * p.z, c = std::cos(0.8f * p.y), s = std::sin(0.8f * p.y);
+      p = {c * x - s * z, p.y, s * x + c * z};
+    }
+    TriangleMesh truth;
+    truth.vertices = mesh.positions;
+    truth.triangles = mesh.triangles;
+    ReconstructReport report;
+    const TriangleMesh result = run(mesh, {}, &report);
+    const MeshTopology topology = measure_topology(result);
+    EXPECT_TRUE(topology.closed()) << thickness;
+    EXPECT_EQ(topology.components, 1u) << thickness;
+    EXPECT_EQ(topology.genus(), 0) << thickness;
+    Progress progress;
+    DistanceOptions few;
+    few.samples = 20000;
+    const SurfaceDistance off = measure_distance(result, truth, few, progress);
+    EXPECT_LT(off.to_reference.rms, 0.05 * static_cast<double>(thickness)) << thickness;
+    EXPECT_LT(off.from_reference.rms, 0.05 * static_cast<double>(thickness)) << thickness;
+  }
+}
+
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   PointSet cloud;
   EXPECT_THROW(run(cloud), DataError);

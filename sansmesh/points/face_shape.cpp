@@ -1,0 +1,196 @@
+#include "sansmesh/points/face_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/median.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/union_find.h"
+#include "sansmesh/points/sample_faces.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+namespace {
+
+/// Share of the edges that may lack a second triangle or have two that turn the same way.
+constexpr double kOddEdges = 0.01;
+/// Parts that enclose less than this share of all are not asked for their side.
+constexpr double kTinyPart = 1e-6;
+/// More cavities than this are rather faces that were turned at random.
+constexpr std::size_t kMostCavities = 1000;
+
+constexpr std::size_t kEnoughVertices = 1000;
+constexpr double kLongEdge = 5;        // in spacings of the vertices
+constexpr double kSparseShare = 0.05;  // of the area may lie in triangles with such edges
+constexpr double kThinShare = 0.03;    // of the area may have the other side as near as other vertices of its own
+/// Of a mesh that is too thin: samples for each vertex; on top of these samples across its thickness where all of it is
+/// thin, fewer where less is, since they are spread over all of it; and the most of a large mesh for each vertex.
+constexpr double kAcross = 8;
+constexpr std::size_t kLeastOfVertex = 2, kMostOfVertex = 2;
+
+constexpr std::size_t kProbes = 4000;
+/// Deepest other side, and how far beside the place its vertices may be, in longest edges.
+constexpr float kDepth = 1.5f, kBeside = 0.6f;
+/// Cosine from which on downwards normals are those of the other side.
+constexpr float kOtherSide = -0.3f;
+/// The same of the sum of those of the three corners, which are on this side.
+constexpr float kOwnSide = 0.9f;
+
+bool is_triangle(const PointSet& mesh, const Triangle& t) {
+  const std::size_t n = mesh.size();
+  return t[0] < n && t[1] < n && t[2] < n && t[0] != t[1] && t[1] != t[2] && t[2] != t[0] &&
+         is_finite(mesh.positions[t[0]]) && is_finite(mesh.positions[t[1]]) && is_finite(mesh.positions[t[2]]);
+}
+
+/// Zero for triangles that are none.
+double doubled_area(const PointSet& mesh, const Triangle& t) {
+  if (!is_triangle(mesh, t)) return 0;
+  const Vec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+  return norm(cross(b - a, c - a));
+}
+
+/// Whether nearly every edge has two triangles, one in each direction.
+bool nearly_all_edges_match(const PointSet& mesh) {
+  // Under its lower end each edge of each triangle: the other end, and in the lowest bit the direction.
+  std::vector<std::uint32_t> first(mesh.size() + 1, 0);
+  const auto each_edge = [&](const auto& visit) {
+    for (const Triangle& t : mesh.triangles)
+      if (is_triangle(mesh, t))
+        for (std::size_t k = 0; k < 3; ++k) visit(t[k], t[(k + 1) % 3]);
+  };
+  each_edge([&](std::uint32_t a, std::uint32_t b) { ++first[std::min(a, b) + 1]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<std::uint64_t> ends(first.back());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  each_edge([&](std::uint32_t a, std::uint32_t b) {
+    ends[next[std::min(a, b)]++] = 2 * std::uint64_t{std::max(a, b)} + (a < b ? 0 : 1);
+  });
+  std::size_t edges = 0, odd = 0;
+  for (std::size_t v = 0; v < mesh.size(); ++v) {
+    const auto begin = ends.begin() + first[v], end = ends.begin() + first[v + 1];
+    std::sort(begin, end);
+    for (auto at = begin; at != end;) {
+      const auto from = at;
+      while (at != end && *at / 2 == *from / 2) ++at;
+      ++edges;
+      odd += !(at - from == 2 && from[0] % 2 == 0 && from[1] % 2 == 1);
+    }
+  }
+  return edges > 0 && static_cast<double>(odd) <= kOddEdges * static_cast<double>(edges);
+}
+
+struct Part {
+  double volume = 0;
+  Box3f box;
+};
+
+std::vector<Part> find_parts(const PointSet& mesh) {
+  UnionFind sets(mesh.size());
+  Box3f all;
+  for (const Triangle& t : mesh.triangles) {
+    if (!is_triangle(mesh, t)) continue;
+    sets.join(t[0], t[1]), sets.join(t[0], t[2]);
+    for (const std::uint32_t v : t) all.extend(mesh.positions[v]);
+  }
+  const Vec3 middle(all.center());
+  std::vector<std::uint32_t> of(mesh.size(), 0);
+  std::vector<Part> parts;
+  for (const Triangle& t : mesh.triangles) {
+    if (!is_triangle(mesh, t)) continue;
+    std::uint32_t& number = of[sets.find(t[0])];
+    if (number == 0) parts.emplace_back(), number = static_cast<std::uint32_t>(parts.size());
+    Part& part = parts[number - 1];
+    const Vec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    part.volume += dot(a - middle, cross(b - middle, c - middle)) / 6;
+    for (const std::uint32_t v : t) part.box.extend(mesh.positions[v]);
+  }
+  return parts;
+}
+
+bool holds(const Box3f& outer, const Box3f& inner) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (inner.lower[k] < outer.lower[k] || inner.upper[k] > outer.upper[k]) return false;
+  return true;
+}
+
+}  // namespace
+
+FaceSides face_sides(const PointSet& mesh) {
+  if (mesh.triangles.empty() || !nearly_all_edges_match(mesh)) return FaceSides::unknown;
+  std::vector<Part> parts = find_parts(mesh);
+  double total = 0;
+  for (const Part& p : parts) total += p.volume;
+  const bool inward = total < 0;
+  if (inward)
+    for (Part& p : parts) p.volume = -p.volume;
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.volume > b.volume; });
+  std::size_t cavities = 0;
+  for (std::size_t i = parts.size(); i-- > 0 && parts[i].volume < -kTinyPart * std::abs(total);) {
+    if (++cavities > kMostCavities) return FaceSides::unknown;
+    bool inside = false;
+    for (std::size_t k = 0; k < i && !inside && parts[k].volume > -parts[i].volume; ++k)
+      inside = holds(parts[k].box, parts[i].box);
+    if (!inside) return FaceSides::unknown;
+  }
+  return inward ? FaceSides::inward : FaceSides::outward;
+}
+
+ThinParts find_thin_parts(const PointSet& mesh, double longest) {
+  const std::vector<FaceSample> probes = sample_triangles(mesh.positions, mesh.triangles, kProbes);
+  if (probes.empty()) return {};
+  const std::vector<Vec3f> normals = normals_from_faces(mesh);
+  const KdTree vertices(mesh.positions);
+  std::vector<float> depth(probes.size(), 0);  // 0: no other side
+  parallel_for(0, probes.size(), 64, [&](std::size_t i) {
+    const FaceSample& probe = probes[i];
+    const Triangle& t = mesh.triangles[probe.triangle];
+    const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const float edge = std::min(std::max({norm(b - a), norm(c - b), norm(a - c)}), static_cast<float>(longest));
+    // A face that looks the other way than those around it, as in soups, tells nothing.
+    if (!(dot(normals[t[0]] + normals[t[1]] + normals[t[2]], probe.normal) > kOwnSide)) return;
+    const Vec3f p(probe.position);
+    std::vector<Neighbour> near;
+    vertices.within(p, std::sqrt(kDepth * kDepth + kBeside * kBeside) * edge, near);
+    for (const Neighbour& v : near) {
+      if (!(dot(normals[v.index], probe.normal) < kOtherSide)) continue;
+      const float d = -dot(probe.normal, mesh.positions[v.index] - p);
+      if (!(d > 0 && d < kDepth * edge) || v.squared_distance - d * d > kBeside * kBeside * edge * edge) continue;
+      if (depth[i] == 0 || d < depth[i]) depth[i] = d;
+    }
+  });
+  std::vector<float> thin;
+  for (const float d : depth)
+    if (d > 0) thin.push_back(d);
+  const double share = static_cast<double>(thin.size()) / static_cast<double>(probes.size());
+  return {share, static_cast<double>(median(thin))};
+}
+
+std::size_t face_samples_wanted(const PointSet& mesh) {
+  if (mesh.size() < kEnoughVertices) return kFaceSamples;
+  double total = 0;
+  for (const Triangle& t : mesh.triangles) total += doubled_area(mesh, t);
+  if (!(total > 0)) return 0;
+  const double limit = kLongEdge * std::sqrt(0.5 * total / static_cast<double>(mesh.size()));
+  double sparse = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const double area = doubled_area(mesh, t);
+    if (!(area > 0)) continue;
+    const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    if (std::max({norm(b - a), norm(c - b), norm(a - c)}) > limit) sparse += area;
+  }
+  if (sparse > kSparseShare * total) return kFaceSamples;
+  const ThinParts thin = find_thin_parts(mesh, limit);
+  if (thin.share <= kThinShare) return 0;
+  const std::size_t most = std::max(kFaceSamples, kMostOfVertex * mesh.size());
+  const double spacing = thin.thickness / (kAcross * thin.share);
+  const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + 0.5 * total / (spacing * spacing);
+  return static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
+}
+
+bool vertices_suffice(const PointSet& mesh) { return face_samples_wanted(mesh) == 0; }
+
+}  // namespace sansmesh
