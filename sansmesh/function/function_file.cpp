@@ -241,16 +241,17 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
   }
   Json levels = Json::array();
   for (const PartitionData::Flatness& f : data.flatness) levels.push_back(f.code.size());
-  const Json json = {{"kind", kKind},
-                     {"origin", to_json(function.place.origin)},
-                     {"unit", function.place.unit},
-                     {"field_origin", to_json(data.origin)},
-                     {"cube", {{"lower", to_json(data.lower)}, {"edge", data.edge}}},
-                     {"options", to_json(data.options)},
-                     {"report", to_json(data.report)},
-                     {"basis", to_json(data.basis)},
-                     {"levels", levels},
-                     {"history", function.history}};
+  Json json = {{"kind", kKind},
+               {"origin", to_json(function.place.origin)},
+               {"unit", function.place.unit},
+               {"field_origin", to_json(data.origin)},
+               {"cube", {{"lower", to_json(data.lower)}, {"edge", data.edge}}},
+               {"options", to_json(data.options)},
+               {"report", to_json(data.report)},
+               {"basis", to_json(data.basis)},
+               {"levels", levels},
+               {"history", function.history}};
+  if (function.samples->of_faces) json["of_faces"] = true;
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   const auto code = joined<std::uint64_t>(
       data, [](const auto& f) -> const auto& { return f.code; });
@@ -297,7 +298,8 @@ SurfaceFunction read_function(const SectionFile& file) {
       if (data.slopes.size() != data.functions.size()) throw DataError("its slopes do not fit its functions");
     }
     data.validate();
-    auto samples = std::make_shared<const PointSet>(read_samples(file, data));
+    auto samples = std::make_shared<PointSet>(read_samples(file, data));
+    samples->of_faces = json.contains("of_faces") && json.at("of_faces").get<bool>();  // 1.2; not of clouds
     const Placement place{vector_of(json.at("origin")), number(json.at("unit"))};
     int exponent = 0;
     if (!(norm(place.origin) <= 1e30 && place.unit > 1e-60 && place.unit < 1e30) ||

@@ -41,8 +41,10 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
   cloud.points.triangle_attributes.clear();
   const PartitionOptions fit = partition_options(options, cloud.place);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
+  const bool of_faces = cloud.points.of_faces;
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
+  samples->of_faces = of_faces;
   return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings)};
 }
 

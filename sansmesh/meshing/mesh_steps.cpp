@@ -26,6 +26,10 @@ constexpr double kSupported = 0.02;
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
 constexpr double kSeen = 5;
+/// Nor is, of a mesh, a closed one that so many samples stand for, for no less than this share of its area, and without
+/// which so many would be far from the surface: where every sample lies on a face, these are a small solid, or the tip
+/// of a thin one. Of a cloud they might be strays.
+constexpr double kSolid = 8, kOfSamples = 0.25;
 /// Above this share of the samples without a surface a warning says so, and where most of them are.
 constexpr double kMuchLost = 0.01;
 /// Accepted quadric error of the simplification in units of the mesh error: the default, and for a mesh error that was
@@ -36,23 +40,9 @@ constexpr double kSimplify = 0.22, kCoarseSimplify = 1.8;
 constexpr double kLeastGain = 0.35;
 constexpr std::size_t kManyBlocks = 100000;
 
-/// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
-std::vector<double> supported_area(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points,
-                                   double spacing) {
-  const std::size_t stride = 1 + points.size() / kSupportSamples;
-  const Vec3f shift(points.origin - mesh.origin);
-  const std::vector<std::size_t> nearest =
-      count_nearest(mesh, components, (points.size() + stride - 1) / stride,
-                    [&](std::size_t i) { return points.positions[i * stride] + shift; });
-  std::vector<double> area(components.size());
-  for (std::size_t c = 0; c < area.size(); ++c) area[c] = static_cast<double>(nearest[c] * stride) * spacing * spacing;
-  return area;
-}
-
-}  // namespace
-
-std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
-                                       const std::function<Vec3f(std::size_t)>& at) {
+/// For each of n places the component nearest to it.
+std::vector<std::uint32_t> nearest_components(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
+                                              const std::function<Vec3f(std::size_t)>& at) {
   std::vector<std::uint32_t> of_vertex(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const std::uint32_t v : mesh.triangles[i]) of_vertex[v] = components.of_triangle[i];
@@ -62,8 +52,68 @@ std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshCompo
     const auto found = vertices.nearest(at(i));
     nearest[i] = found ? of_vertex[found->index] : 0;
   });
+  return nearest;
+}
+
+/// Every so manieth sample, and the component nearest to it.
+struct SampledComponents {
+  std::size_t stride = 1;
+  std::vector<std::uint32_t> nearest;
+};
+
+SampledComponents sample_components(const TriangleMesh& mesh, const MeshComponents& components,
+                                    const PointSet& points) {
+  const std::size_t stride = 1 + points.size() / kSupportSamples;
+  const Vec3f shift(points.origin - mesh.origin);
+  return {stride, nearest_components(mesh, components, (points.size() + stride - 1) / stride,
+                                     [&](std::size_t i) { return points.positions[i * stride] + shift; })};
+}
+
+/// Area of each component that samples stand for: the number of those nearest to it, times what each stands for.
+std::vector<double> supported_area(const SampledComponents& samples, std::size_t components, double spacing) {
+  std::vector<std::size_t> count(components, 0);
+  for (const std::uint32_t c : samples.nearest) ++count[c];
+  std::vector<double> area(components);
+  for (std::size_t c = 0; c < components; ++c)
+    area[c] = static_cast<double>(count[c] * samples.stride) * spacing * spacing;
+  return area;
+}
+
+/// Adds what samples of faces would be lost without to the components chosen.
+void choose_solids(const TriangleMesh& mesh, const MeshComponents& components, const PointSet& points, double spacing,
+                   const SampledComponents& samples, const std::vector<double>& supported,
+                   std::vector<std::uint8_t>& chosen) {
+  std::vector<std::uint8_t> asked(components.size(), 0);
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    asked[k] =
+        !chosen[k] && supported[k] >= kSolid * spacing * spacing && supported[k] >= kOfSamples * components.area[k];
+  if (std::find(asked.begin(), asked.end(), 1) == asked.end()) return;
+  TriangleMesh kept;
+  kept.origin = mesh.origin;
+  kept.vertices = mesh.vertices;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    if (chosen[components.of_triangle[i]]) kept.triangles.push_back(mesh.triangles[i]);
+  PointSet theirs;
+  theirs.origin = points.origin;
+  std::vector<std::uint32_t> of;
+  for (std::size_t i = 0; i < samples.nearest.size(); ++i) {
+    if (!asked[samples.nearest[i]]) continue;
+    theirs.positions.push_back(points.positions[i * samples.stride]);
+    of.push_back(samples.nearest[i]);
+  }
+  const std::vector<std::uint8_t> lost = far_samples(kept, theirs, lost_beyond(spacing, 0));
   std::vector<std::size_t> count(components.size(), 0);
-  for (const std::uint32_t c : nearest) ++count[c];
+  for (std::size_t i = 0; i < of.size(); ++i) count[of[i]] += lost[i];
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    if (asked[k] && static_cast<double>(count[k] * samples.stride) >= kSolid) chosen[k] = 1;
+}
+
+}  // namespace
+
+std::vector<std::size_t> count_nearest(const TriangleMesh& mesh, const MeshComponents& components, std::size_t n,
+                                       const std::function<Vec3f(std::size_t)>& at) {
+  std::vector<std::size_t> count(components.size(), 0);
+  for (const std::uint32_t c : nearest_components(mesh, components, n, at)) ++count[c];
   return count;
 }
 
@@ -74,8 +124,12 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return std::vector<std::uint8_t>(count, 1);
   std::vector<double> supported = components.area;
   const bool seen = open && points.size() > 0;
-  if (seen || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0]))
-    supported = supported_area(mesh, components, points, spacing);
+  const bool of_faces = points.of_faces && points.size() > 0;
+  SampledComponents samples;
+  if (seen || of_faces || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0])) {
+    samples = sample_components(mesh, components, points);
+    supported = supported_area(samples, count, spacing);
+  }
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
@@ -91,6 +145,8 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     chosen[k] = 1;
     ++kept;
   }
+  if (of_faces && choice.kind == ComponentChoice::Kind::automatic)
+    choose_solids(mesh, components, points, spacing, samples, supported, chosen);
   return chosen;
 }
 

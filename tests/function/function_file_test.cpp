@@ -6,6 +6,7 @@
 #include "io/io_test_tools.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/mesh/components.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
@@ -100,6 +101,23 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
       EXPECT_EQ(slurp(folder / name), slurp(folder / (std::string("again") + name)));
     }
     expect_same_mesh(meshed(before), meshed(read_function(folder / "f.smf")));
+  }
+}
+
+/// What was kept of a mesh stays kept when the function is read from its file: small solids of its faces.
+TEST(FunctionFile, RemembersThatItsSamplesAreOfFaces) {
+  const Folder folder;
+  const PointSet mesh = joined_meshes(ball_mesh(5), ball_mesh(2), 0.09f, {1.5f, 0.2f, 0});
+  PointSet cloud = mesh;
+  cloud.triangles.clear();
+  for (const PointSet& points : {mesh, cloud}) {
+    const SurfaceFunction before = fitted(points);
+    write_function(folder / "f.smf", before);
+    const SurfaceFunction after = read_function(folder / "f.smf");
+    EXPECT_EQ(before.samples->of_faces, !points.triangles.empty());
+    EXPECT_EQ(after.samples->of_faces, before.samples->of_faces);
+    EXPECT_EQ(find_components(meshed(after)).size(), points.triangles.empty() ? 1u : 2u);
+    expect_same_mesh(meshed(before), meshed(after));
   }
 }
 

@@ -291,6 +291,22 @@ TEST(Reconstruct, ThinClosedMeshesStayWhatTheyAre) {
   }
 }
 
+// A cluster of samples may be one of strays; vertices of faces are not.
+TEST(Reconstruct, SmallSolidsOfMeshesStay) {
+  const PointSet mesh = test::joined_meshes(test::ball_mesh(5), test::ball_mesh(2), 0.09f, {1.5f, 0.2f, 0});
+  ReconstructReport report;
+  EXPECT_EQ(measure_topology(run(mesh, {}, &report)).components, 2u);
+  EXPECT_EQ(report.lost, 0);
+  EXPECT_TRUE(report.warnings.empty());
+
+  PointSet cloud = mesh;
+  cloud.triangles.clear();
+  EXPECT_EQ(measure_topology(run(cloud)).components, 1u);
+  PointSet stray = mesh;  // vertices without a face make it a cloud again
+  stray.positions.push_back({1.2f, 0.2f, 0});
+  EXPECT_EQ(measure_topology(run(stray)).components, 1u);
+}
+
 TEST(Reconstruct, RejectsCloudsWithoutVolume) {
   PointSet cloud;
   EXPECT_THROW(run(cloud), DataError);
