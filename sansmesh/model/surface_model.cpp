@@ -32,7 +32,7 @@ constexpr double kFlatMargin = 0.25;
 /// Least cosine of the normals around a flat block to their mean: of one sheet, and no fold.
 constexpr double kAlike = 0.87;
 /// Cosine of normals on the two sides of a wall, below.
-constexpr float kOpposite = -0.5f;
+constexpr float kOpposite = -0.85f;
 /// A surface of curvature κ around a block of edge e leaves triangles of that edge a gap of κe²/8 in their middle, and
 /// rises by κR²/2 within R = 1.1 e, block and margin: 4.8 times that. On average it is two thirds of that gap, and half
 /// of this where triangles straddle the surface.
@@ -297,8 +297,9 @@ BlockTree SurfaceModel::State::blocks(double coarseness, const std::optional<Fla
     if (!flat) return e > finest;
     if (e > kLargest * finest) return true;
     touching(kFlatMargin);
-    // Smoothing leaves nothing finer along the surface, but does not make walls thicker.
-    if (e <= finest) return e > kThinBlockEdge * coarseness * least && flat->two_sided(touched);
+    // Smoothing leaves nothing finer along the surface, but does not make walls thicker. Sharp edges of wedges are
+    // placed better with triangles no finer than what the samples tell.
+    if (e <= finest) return e > kThinBlockEdge * coarseness * least && !normals && flat->two_sided(touched);
     return !flat->holds(touched);
   };
   // Level by level: each block decides by itself.
