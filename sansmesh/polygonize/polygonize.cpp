@@ -548,6 +548,8 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   simplify.error = options.simplify;
   simplify.triangles = options.triangles;
   simplify.least_gain = options.least_gain;
+  // A mesh without borders may be made anew in part, and has to match there.
+  simplify.in_patches = options.domain != nullptr;
   const bool changed = simplify_mesh(mesh, simplify, progress);
   if (!changed) mesh.normals = std::move(normals);
   progress.begin("place vertices again");

@@ -147,6 +147,33 @@ TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
                           });
 }
 
+TEST(Simplify, InPatchesIsAsGood) {
+  const TriangleMesh ring = test::torus_mesh(300, 200);
+  const auto in_patches = [&](bool patches) {
+    TriangleMesh mesh = ring;
+    SimplifyOptions options;
+    options.error = 2e-3;
+    options.in_patches = patches;
+    Progress progress;
+    EXPECT_TRUE(simplify_mesh(mesh, options, progress));
+    return mesh;
+  };
+  test::compare_threads([&] { return in_patches(true); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          ASSERT_EQ(one.vertices, many.vertices);
+                          ASSERT_EQ(one.triangles, many.triangles);
+                        });
+  const TriangleMesh patches = in_patches(true), whole = in_patches(false);
+  EXPECT_LT(static_cast<double>(patches.triangles.size()), 1.15 * static_cast<double>(whole.triangles.size()));
+  EXPECT_LT(patches.triangles.size(), ring.triangles.size() / 4);
+  const MeshTopology topology = measure_topology(patches);
+  EXPECT_TRUE(topology.manifold() && topology.oriented());
+  EXPECT_EQ(topology.boundary_loops, 0u);
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_GT(measure_quality(patches).smallest_angle_mean, 0.95 * measure_quality(whole).smallest_angle_mean);
+  EXPECT_NEAR(measure_quality(patches).volume, measure_quality(ring).volume, 5e-3 * measure_quality(ring).volume);
+}
+
 TEST(Simplify, BadOptionsAndEmptyMeshes) {
   TriangleMesh empty;
   EXPECT_EQ(simplified(empty, 1).triangles.size(), 0u);
