@@ -36,6 +36,9 @@ FunctionPtr load_function(const std::string& file) {
   return std::make_shared<const SurfaceFunction>(read_function(file));
 }
 
+/// Above this share of its area that bounds no solid a function is warned of.
+constexpr double kOpenShare = 0.01;
+
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 void run_csg(CsgArguments& a, Console& console) {
@@ -61,6 +64,11 @@ void run_csg(CsgArguments& a, Console& console) {
       ComponentChoice{functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1});
   CsgMeshReport report;
   const TriangleMesh mesh = mesh_csg(solid, a.options, progress, &report);
+  for (const auto& [name, function] : functions) {
+    const PartitionReport& fitted = function->field.report();
+    if (fitted.open_area > kOpenShare * fitted.area)
+      console.warn(name, {"its surface bounds no solid: taken as all that lies behind it, as far as the box reaches"});
+  }
   console.warn(a.output.file, report.warnings);
   a.output.write(mesh, progress);
   progress.finish();

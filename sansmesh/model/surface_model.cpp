@@ -23,7 +23,7 @@ namespace {
 constexpr double kBlockReach = 0.4;
 /// Edge of a block over the spacing of the samples near it, for coarseness 1; over the width of the weights where these
 /// are wider: a surface has no finer features.
-constexpr double kBlockEdge = 1.4;
+constexpr double kBlockEdge = 1.4, kThinBlockEdge = 1.2;
 constexpr int kDeepest = 13;
 /// Newton steps from a sample to the surface.
 constexpr int kFootSteps = 2;
@@ -31,6 +31,8 @@ constexpr int kFootSteps = 2;
 constexpr double kFlatMargin = 0.25;
 /// Least cosine of the normals around a flat block to their mean: of one sheet, and no fold.
 constexpr double kAlike = 0.87;
+/// Cosine of normals on the two sides of a wall, below.
+constexpr float kOpposite = -0.85f;
 /// A surface of curvature κ around a block of edge e leaves triangles of that edge a gap of κe²/8 in their middle, and
 /// rises by κR²/2 within R = 1.1 e, block and margin: 4.8 times that. On average it is two thirds of that gap, and half
 /// of this where triangles straddle the surface.
@@ -58,6 +60,13 @@ BallUnion support_balls(const PartitionOfUnity& partition) {
 struct Flatness {
   const PointSet& feet;  ///< of the balls' centres
   double most;           ///< accepted gap between surface and triangles, on average (length)
+
+  /// Whether these are samples of both sides of a wall.
+  bool two_sided(std::span<const std::uint32_t> samples) const {
+    const Vec3f& first = feet.normals[samples.front()];
+    return std::any_of(samples.begin(), samples.end(),
+                       [&](std::uint32_t i) { return dot(feet.normals[i], first) < kOpposite; });
+  }
 
   /// Whether triangles of a block with this edge length would do for what these samples stand for.
   bool holds(std::span<const std::uint32_t> samples) const {
@@ -285,9 +294,12 @@ BlockTree SurfaceModel::State::blocks(double coarseness, const std::optional<Fla
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : touched) least = std::min(least, spacing_at(i));
     const double finest = kBlockEdge * std::max(1.0, flat ? report.smoothing : 0) * coarseness * least;
-    if (e <= finest) return false;
-    if (!flat || e > kLargest * finest) return true;
+    if (!flat) return e > finest;
+    if (e > kLargest * finest) return true;
     touching(kFlatMargin);
+    // Smoothing leaves nothing finer along the surface, but does not make walls thicker. Sharp edges of wedges are
+    // placed better with triangles no finer than what the samples tell.
+    if (e <= finest) return e > kThinBlockEdge * coarseness * least && !normals && flat->two_sided(touched);
     return !flat->holds(touched);
   };
   // Level by level: each block decides by itself.

@@ -24,6 +24,11 @@ constexpr double kLittleNoise = 0.15, kMuchNoise = 0.6;
 constexpr double kShapeEvenness = 0.5, kNoiseEvenness = 0.8;
 constexpr std::size_t kLowestTenth = 10;
 constexpr double kLeastCompany = 4;  ///< samples in a sample's cell, in the mean, on the finest level that is tried
+/// Where in the mean of the samples so many cells of that level still hold a second sheet (walls as thin as the samples
+/// are apart), another level is tried, as long as there is so much company: a cell that holds both sides of a wall can
+/// follow only one.
+constexpr double kThinCells = 0.25, kThinCompany = 2.5;
+constexpr float kHoldsTwoSheets = 0.15f;
 /// Noise above this share of a ball's radius is cut off by the ball: there `uncut` has a quarter to make up for. In
 /// balls that are stretched along the normal, to so many standard deviations, it is not, but samples soon tell nothing
 /// about shapes that small.
@@ -152,6 +157,12 @@ int finest_level(const SampleTree& tree, const PartitionOptions& options) {
   int finest = 2;
   while (finest < deepest && company[static_cast<std::size_t>(finest) + 1] >= kLeastCompany) ++finest;
   return finest;
+}
+
+/// Whether a sample has so many others in its cell of a level, in the mean.
+bool has_company(const SampleTree& tree, int level, double least) {
+  const std::vector<double> company = tree.company();
+  return static_cast<std::size_t>(level) < company.size() && company[static_cast<std::size_t>(level)] >= least;
 }
 
 /// 1 for the cells of each level that must be tried for what lies below some blocks: those blocks, the blocks around
@@ -297,6 +308,16 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   return evenness;
 }
 
+/// The share of the samples that lie in cells of the finest level with a second sheet.
+double share_of_two_sheets(const BlockFitter& fitter, const ScaleChoice& choice) {
+  const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
+  const auto& begin = fitter.tree.level(choice.finest).begin;
+  double two = 0;
+  for (std::size_t c = 0; c < trials.size(); ++c)
+    if (trials[c].dropped > kHoldsTwoSheets) two += begin[c + 1] - begin[c];
+  return two / static_cast<double>(fitter.tree.positions().size());
+}
+
 /// Of degrees 1 .. kMaxDegree.
 using Risks = std::array<float, kMaxDegree>;
 
@@ -404,11 +425,17 @@ float ScaleChoice::noisiness() const {
 
 ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress) {
   ScaleChoice choice;
-  const int finest = choice.tried = choice.finest = finest_level(tree, options);
+  int finest = choice.tried = choice.finest = finest_level(tree, options);
   tree.build_levels(finest);
   choice.support = choice.fit = static_cast<float>(options.support.value_or(kSupport));
   BlockFitter fitter{tree, options, choice.support, finest};
   try_blocks(fitter, choice, progress);
+  while (!options.max_depth && share_of_two_sheets(fitter, choice) > kThinCells &&
+         has_company(tree, finest + 1, kThinCompany)) {
+    finest = choice.tried = choice.finest = fitter.deepest = finest + 1;
+    tree.build_levels(finest);
+    try_blocks(fitter, choice, progress);
+  }
   const double evenness = find_noise(fitter, choice);
   if (!options.support) {
     // Where noise is as large as the spacing, wider supports make a steadier surface; where it is small, they blur.

@@ -136,6 +136,10 @@ int choose_neighbours(double spacing, double noise) {
 }
 
 void estimate_normals(PointSet& points, const NormalOptions& options, Progress& progress) {
+  estimate_normals(points, KdTree(points.positions), options, progress);
+}
+
+void estimate_normals(PointSet& points, const KdTree& tree, const NormalOptions& options, Progress& progress) {
   options.validate();
   double spacing = 0, noise = 0;
   if (!options.neighbours) {
@@ -145,7 +149,6 @@ void estimate_normals(PointSet& points, const NormalOptions& options, Progress& 
   const int neighbours = options.neighbours.value_or(choose_neighbours(spacing, noise));
 
   progress.begin("normals", points.size());
-  const KdTree tree(points.positions);
   points.normals.assign(points.size(), {});
   constexpr std::size_t kSlots = 2048;
   parallel_ranges(0, tree.size(), kSlots, [&](std::size_t first, std::size_t last) {

@@ -9,6 +9,8 @@
 
 namespace sansmesh {
 
+class KdTree;
+
 struct NormalOptions {
   enum class Method {
     covariance,  ///< plane through the neighbours: direction of least variance (Hoppe et al. 1992)
@@ -33,5 +35,8 @@ int choose_neighbours(double spacing, double noise);
 /// Replaces points.normals by unit normals of arbitrary sign (zero where all neighbours coincide or the position is not
 /// finite). `orient_normals` gives them their sign. Throws ArgumentError for bad options.
 void estimate_normals(PointSet& points, const NormalOptions& options, Progress& progress);
+
+/// The same with a tree of the positions at hand.
+void estimate_normals(PointSet& points, const KdTree& tree, const NormalOptions& options, Progress& progress);
 
 }  // namespace sansmesh

@@ -37,6 +37,8 @@ constexpr double kOpenPart = 0.35;
 /// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
 /// relation across would join them.
 constexpr double kUnseen = 3, kUnseenWithin = 2;
+/// Edges are looked at in stretches of so many samples, which threads share out.
+constexpr std::size_t kEdgeSamples = 32768;
 /// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of
 /// these (in spacings) it can be told from what the shape leaves; above the second one the nearest neighbours are no
 /// longer those along the surface. Noise that is said to be so much less or so much more is not believed.
@@ -74,8 +76,9 @@ std::int8_t quantized(float relation_value) {
 /// The neighbour graph in tree order, and what its edges say.
 class RelationGraph {
  public:
-  RelationGraph(std::span<const Vec3f> positions, std::span<const Vec3f> normals, int neighbours, double noise)
-      : tree_(positions), degree_(static_cast<std::size_t>(neighbours)) {
+  /// The tree of the samples' positions stays where it is.
+  RelationGraph(const KdTree& tree, std::span<const Vec3f> normals, int neighbours, double noise)
+      : tree_(tree), degree_(static_cast<std::size_t>(neighbours)) {
     const std::size_t n = tree_.size();
     positions_ = tree_.positions();
     normals_.resize(n);
@@ -158,7 +161,7 @@ class RelationGraph {
     });
   }
 
-  KdTree tree_;
+  const KdTree& tree_;
   std::size_t degree_;
   std::vector<Vec3f> positions_, normals_;
   std::vector<float> area_;
@@ -166,12 +169,50 @@ class RelationGraph {
   std::vector<std::int8_t> relations_;
 };
 
+/// An edge of the graph by the sample that it belongs to and its rank there.
+struct Edge {
+  std::uint32_t sample, rank;
+};
+
+/// The edges for which keep(sample, rank) is true, in their order.
+template <class Keep>
+std::vector<Edge> edges_where(const RelationGraph& graph, const Keep& keep) {
+  std::vector<std::vector<Edge>> kept((graph.size() + kEdgeSamples - 1) / kEdgeSamples);
+  parallel_for(0, kept.size(), 1, [&](std::size_t c) {
+    const std::size_t last = std::min(graph.size(), (c + 1) * kEdgeSamples);
+    for (std::size_t s = c * kEdgeSamples; s < last; ++s)
+      for (std::size_t k = 0; k < graph.degree(); ++k)
+        if (keep(s, k)) kept[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(k)});
+  });
+  std::vector<Edge> edges;
+  for (const std::vector<Edge>& some : kept) edges.insert(edges.end(), some.begin(), some.end());
+  return edges;
+}
+
+/// Joins along the edges at least so sure within stretches of the tree, each by itself, in a forest of single samples.
+void join_stretches(const RelationGraph& graph, SignForest& forest, int sure) {
+  parallel_for(0, (graph.size() + kEdgeSamples - 1) / kEdgeSamples, 1, [&](std::size_t c) {
+    const std::size_t first = c * kEdgeSamples, last = std::min(graph.size(), first + kEdgeSamples);
+    for (std::size_t s = first; s < last; ++s)
+      for (std::size_t k = 0; k < graph.degree(); ++k) {
+        const int r = graph.relation_to(s, k);
+        const std::uint32_t q = graph.neighbour(s, k);
+        if (std::abs(r) >= sure && q >= first && q < last) forest.join(static_cast<std::uint32_t>(s), q, r < 0);
+      }
+  });
+  forest.flatten();
+}
+
+/// Joins along all edges at least so sure; the forest is flat before and after. Most of them join what belongs together
+/// already, which all threads see at once.
 void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
-  for (std::size_t s = 0; s < graph.size(); ++s)
-    for (std::size_t k = 0; k < graph.degree(); ++k) {
-      const int r = graph.relation_to(s, k);
-      if (std::abs(r) >= sure) forest.join(static_cast<std::uint32_t>(s), graph.neighbour(s, k), r < 0);
-    }
+  const auto joins = [&](std::size_t s, std::size_t k) {
+    return std::abs(graph.relation_to(s, k)) >= sure &&
+           forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
+  };
+  for (const Edge& e : edges_where(graph, joins))
+    forest.join(e.sample, graph.neighbour(e.sample, e.rank), graph.relation_to(e.sample, e.rank) < 0);
+  forest.flatten();
 }
 
 /// The way to where each sample of a graph was seen from, and the node behind all others that stands for it: samples
@@ -235,21 +276,25 @@ class Sights {
 // Smooth patches first, from the most certain relations to the less certain; then patch by patch, by the vote of all
 // relations between them. What has clearly been seen from one side is certain before, the rest of it after the patches.
 void propagate(const RelationGraph& graph, const Sights& sights, SignForest& forest, Progress& progress) {
-  if (sights.known()) sights.join(forest, kClearSight);
+  if (sights.known()) {
+    sights.join(forest, kClearSight);
+    forest.flatten();
+  } else {
+    join_stretches(graph, forest, kSure[0]);
+  }
   for (const int sure : kSure) {
     join_sure(graph, forest, sure);
     progress.advance(graph.size());
   }
   if (sights.known()) sights.join(forest, kLeastSight);
+  forest.flatten();
+  const std::vector<Edge> between = edges_where(graph, [&](std::size_t s, std::size_t k) {
+    return forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
+  });
   std::vector<SignVote> votes;
-  for (std::size_t s = 0; s < graph.size(); ++s) {
-    const std::uint32_t own = forest.find(static_cast<std::uint32_t>(s)).index;
-    for (std::size_t k = 0; k < graph.degree(); ++k) {
-      const std::uint32_t other = graph.neighbour(s, k);
-      if (forest.find(other).index == own) continue;
-      const std::int64_t r = graph.relation_to(s, k);
-      votes.push_back({static_cast<std::uint32_t>(s), other, r * std::abs(r)});
-    }
+  for (const Edge& e : between) {
+    const std::int64_t r = graph.relation_to(e.sample, e.rank);
+    votes.push_back({e.sample, graph.neighbour(e.sample, e.rank), r * std::abs(r)});
   }
   contract(forest, votes);
   progress.advance(graph.size());
@@ -316,19 +361,23 @@ Vec3f direction(int i) {
 
 // The volume that the normals claim to enclose, relative to what it could be, plus the mean cosine between normals and
 // the directions in which their samples are extremal. A part that lies so flat that neither tells (a terrain)
-// looks up.
+// looks up. Nothing is asked of the part that was seen from somewhere.
 void judge_outwardness(const RelationGraph& graph, Parts& parts) {
-  const std::size_t n = graph.size();
+  parts.outwardness.assign(parts.count, 0);
+  parts.open.assign(parts.count, 0);
+  std::vector<std::uint32_t> asked;
+  for (std::size_t s = 0; s < graph.size(); ++s)
+    if (!parts.seen || parts.part[s] != *parts.seen) asked.push_back(static_cast<std::uint32_t>(s));
   std::vector<Vec3> center(parts.count), up(parts.count);
   std::vector<double> area(parts.count), flux(parts.count), reach(parts.count), extremal(parts.count);
-  for (std::size_t s = 0; s < n; ++s) {
+  for (const std::uint32_t s : asked) {
     const double a = graph.area()[s];
     center[parts.part[s]] += Vec3(graph.positions()[s]) * a;
     area[parts.part[s]] += a;
   }
   for (std::size_t p = 0; p < parts.count; ++p)
     if (area[p] > 0) center[p] = center[p] / area[p];
-  for (std::size_t s = 0; s < n; ++s) {
+  for (const std::uint32_t s : asked) {
     const std::uint32_t p = parts.part[s];
     const Vec3 arm = Vec3(graph.positions()[s]) - center[p];
     const Vec3 normal = Vec3(graph.normals()[s]) * static_cast<double>(parts.sign[s]);
@@ -337,23 +386,24 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
     reach[p] += a * norm(arm) * norm(normal);
     up[p] += normal * a;
   }
-  std::vector<std::uint32_t> farthest(parts.count);
-  std::vector<float> distance(parts.count);
-  for (int i = 0; i < kExtremeDirections; ++i) {
-    const Vec3f d = direction(i);
-    std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::lowest());
-    for (std::size_t s = 0; s < n; ++s) {
+  constexpr float kNowhere = std::numeric_limits<float>::lowest();
+  std::vector<std::vector<float>> cosines(kExtremeDirections);
+  parallel_for(0, cosines.size(), 1, [&](std::size_t i) {
+    const Vec3f d = direction(static_cast<int>(i));
+    std::vector<std::uint32_t> farthest(parts.count);
+    std::vector<float> distance(parts.count, kNowhere);
+    for (const std::uint32_t s : asked) {
       const float t = dot(graph.positions()[s], d);
       if (t > distance[parts.part[s]] && graph.firm(s))  // strays are extremal, but their normals say nothing
-        distance[parts.part[s]] = t, farthest[parts.part[s]] = static_cast<std::uint32_t>(s);
+        distance[parts.part[s]] = t, farthest[parts.part[s]] = s;
     }
+    cosines[i].resize(parts.count);
     for (std::size_t p = 0; p < parts.count; ++p)
-      if (distance[p] > std::numeric_limits<float>::lowest())
-        extremal[p] +=
-            static_cast<double>(dot(graph.normals()[farthest[p]], d)) * parts.sign[farthest[p]] / kExtremeDirections;
-  }
-  parts.outwardness.resize(parts.count);
-  parts.open.resize(parts.count);
+      if (distance[p] > kNowhere)
+        cosines[i][p] = dot(graph.normals()[farthest[p]], d) * static_cast<float>(parts.sign[farthest[p]]);
+  });
+  for (const std::vector<float>& of_parts : cosines)
+    for (std::size_t p = 0; p < parts.count; ++p) extremal[p] += static_cast<double>(of_parts[p]) / kExtremeDirections;
   for (std::size_t p = 0; p < parts.count; ++p) {
     double score = extremal[p] + (reach[p] > 0 ? flux[p] / reach[p] : 0);
     if (std::abs(score) < 0.25 && std::abs(up[p].z) > 0.5 * area[p]) score = std::copysign(0.01, up[p].z);
@@ -378,7 +428,8 @@ std::string unknown_sights(OrientBy asked) {
 // The given normals against those oriented anew.
 OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise) {
   Progress silent;
-  const RelationGraph graph(positions, normals, 10, noise);
+  const KdTree tree(positions);
+  const RelationGraph graph(tree, normals, 10, noise);
   SignForest forest(graph.size());
   const Sights unknown;
   propagate(graph, unknown, forest, silent);
@@ -440,12 +491,16 @@ OrientBy choose_sights(const PointSet& points, const RelationGraph& graph, Orien
 void OrientationOptions::validate() const { check_range("neighbours", neighbours, 4, 100); }
 
 OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress) {
+  return orient_normals(points, KdTree(points.positions), options, progress);
+}
+
+OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationOptions& options, Progress& progress) {
   options.validate();
   if (points.normals.size() != points.size() || points.size() == 0)
     throw DataError("there are no normals to orient: estimate them first");
   progress.begin("orientation", 6 * points.size());
   const double noise = options.noise ? *options.noise : estimate_noise(points);
-  const RelationGraph graph(points.positions, points.normals, options.neighbours, noise);
+  const RelationGraph graph(tree, points.normals, options.neighbours, noise);
   progress.advance(points.size());
   Sights sights;
   const OrientBy by = choose_sights(points, graph, options.by, noise, sights);

@@ -10,6 +10,8 @@
 
 namespace sansmesh {
 
+class KdTree;
+
 enum class OrientationCheck {
   missing,     ///< no normals, or hardly any
   oriented,    ///< consistent and outward as far as can be told
@@ -43,6 +45,9 @@ struct OrientationOptions {
 /// volume. Zero normals stay zero. Returns from what the signs were taken. Throws DataError if there are no normals, or
 /// nothing is known of what `options.by` asks for.
 OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Progress& progress);
+
+/// The same with a tree of the positions at hand.
+OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationOptions& options, Progress& progress);
 
 /// Share of the normals that look away from where their samples were seen, of those that clearly look there or away (by
 /// more than 15° from across). `sights`: as find_sights. 0 where none does.

@@ -16,6 +16,7 @@
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 namespace {
@@ -96,12 +97,12 @@ bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
   return false;
 }
 
-void estimate_missing_normals(PreparedCloud& cloud, Progress& progress) {
+void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress& progress) {
   progress.begin("estimate normals");
   cloud.spacing = estimate_spacing(cloud.points);
   NormalOptions estimation;
   estimation.spacing = cloud.spacing, estimation.noise = cloud.noise;
-  estimate_normals(cloud.points, estimation, progress);
+  estimate_normals(cloud.points, tree, estimation, progress);
   cloud.estimated_normals = true;
 }
 
@@ -124,15 +125,16 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
     for (Vec3f& n : points.normals) n = -n;
     return;
   }
+  const KdTree tree(points.positions);
   if (check == OrientationCheck::missing)
-    estimate_missing_normals(cloud, progress);
+    estimate_missing_normals(cloud, tree, progress);
   else if (check == OrientationCheck::unoriented && use.orient_by == OrientBy::automatic)
     cloud.warnings.push_back("the normals are not oriented consistently: oriented anew");
   progress.begin("orient normals");
   OrientationOptions orientation;
   orientation.noise = cloud.noise;
   orientation.by = use.orient_by;
-  cloud.oriented_by = orient_normals(points, orientation, progress);
+  cloud.oriented_by = orient_normals(points, tree, orientation, progress);
 }
 
 /// Of all scans together, to tell whether they disagree; and of each of them at least.

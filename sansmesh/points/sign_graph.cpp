@@ -5,6 +5,8 @@
 #include <queue>
 #include <unordered_map>
 
+#include "sansmesh/core/parallel.h"
+
 namespace sansmesh {
 namespace {
 
@@ -19,6 +21,18 @@ struct Candidate {
 };
 
 }  // namespace
+
+void SignForest::flatten() {
+  std::vector<std::uint32_t> parent(size());
+  std::vector<std::uint8_t> flip(size());
+  parallel_for(0, size(), 16384, [&](std::size_t i) {
+    auto root = static_cast<std::uint32_t>(i);
+    std::uint8_t turned = 0;
+    while (parent_[root] != root) turned ^= flip_[root], root = parent_[root];
+    parent[i] = root, flip[i] = turned;
+  });
+  parent_.swap(parent), flip_.swap(flip);
+}
 
 void contract(SignForest& forest, const std::vector<SignVote>& votes) {
   // Sums of the votes between the present sets, known to both sides. A set goes by the name of one of its members;

@@ -40,6 +40,10 @@ class SignForest {
     flip_[rb.index] = static_cast<std::uint8_t>(ra.flip ^ rb.flip ^ opposite);
     size_[ra.index] += size_[rb.index];
   }
+  /// Hangs every member directly below its root, in parallel.
+  void flatten();
+  /// As `find`, of a forest flattened since the last join: for many threads at once.
+  Root flat_root(std::uint32_t i) const { return {parent_[i], flip_[i] != 0}; }
   std::size_t size() const { return parent_.size(); }
 
  private:

@@ -79,5 +79,17 @@ TEST_F(Csg, CutsFunctions) {
   EXPECT_EQ(measure_topology(read_mesh(path("cut.ply"))).genus(), 1);
 }
 
+TEST_F(Csg, SaysWhatAnOpenSurfaceIsTakenFor) {
+  write_points(path("ball.ply"), sphere(3000));
+  for (const bool open : {false, true}) {
+    std::vector<std::string> fit{"fit", "ball.ply", "-o", "ball.smf"};
+    if (open) fit.push_back("--open");
+    ASSERT_EQ(run(fit).code, 0);
+    const Outcome outcome = run({"csg", "ball.smf & box(1)", "-o", "cut.ply", "--resolution", "32"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.find("ball.smf: its surface bounds no solid") != std::string::npos, open) << outcome.err;
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh::test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -48,6 +49,25 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
   ReconstructOptions anew;
   anew.normals = NormalUse::estimate;
   EXPECT_TRUE(measure_topology(run(cloud, anew)).closed());
+}
+
+// Samples farther apart than half the thickness of a wall still tell its two sides from each other, however the cells
+// of the tree fall.
+TEST(Reconstruct, FollowsBothSidesOfThinWalls) {
+  constexpr float kInner = 0.93f;
+  for (const std::size_t n : {7000u, 9000u, 12000u}) {
+    PointSet inner = test::sphere(static_cast<std::size_t>(kInner * kInner * static_cast<float>(n)), 0, 2);
+    for (Vec3f& normal : inner.normals) normal = -normal;
+    const TriangleMesh mesh = run(test::joined(test::sphere(n), inner, kInner));
+    const MeshTopology topology = measure_topology(mesh);
+    EXPECT_TRUE(topology.closed()) << n;
+    EXPECT_EQ(topology.components, 2u) << n;
+    EXPECT_EQ(topology.genus(), 0) << n;
+    double off = 0;
+    for (const Vec3f& x : mesh.vertices)
+      off += static_cast<double>(std::min(std::abs(norm(x) - 1), std::abs(norm(x) - kInner)));
+    EXPECT_LT(off, 0.1 * static_cast<double>(1 - kInner) * static_cast<double>(mesh.vertices.size())) << n;
+  }
 }
 
 // A cap that no sample stands for is the farther from the samples the nearer to its middle, and not trusted there.
