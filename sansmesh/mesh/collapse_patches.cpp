@@ -64,6 +64,7 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
     const std::uint32_t v = members[i];
     patch.x[i] = mesh.x[v], patch.quadric[i] = mesh.quadric[v], patch.chance[i] = mesh.chance[v];
     patch.fixed[i] = at_border[i] || mesh.fixed[v];
+    patch.border[i] = mesh.border[v];
   }
   patch.collapse_in_turn();
   for (std::size_t i = 0; i < members.size(); ++i) {
@@ -73,7 +74,7 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
     if (patch.merged_into[i] != kNoVertex) {
       mesh.merged_into[v] = members[patch.merged_into[i]];
     } else if (!patch.fixed[i]) {
-      mesh.x[v] = patch.x[i], mesh.quadric[v] = patch.quadric[i];
+      mesh.x[v] = patch.x[i], mesh.quadric[v] = patch.quadric[i], mesh.border[v] = patch.border[i];
     }
   }
   for (std::size_t k = 0; k < from.size(); ++k)

@@ -24,6 +24,7 @@ EdgeCollapses::EdgeCollapses(const SimplifyOptions& o, std::size_t vertices, std
       triangles(std::move(all)),
       chance(vertices, 0),
       fixed(vertices, 0),
+      border(vertices, 0),
       merged_into(vertices, kNoVertex),
       to(vertices, kNoVertex),
       cost(vertices, 0),
@@ -76,7 +77,9 @@ void EdgeCollapses::pack_triangles() {
 }
 
 void EdgeCollapses::prepare(std::uint32_t v) {
-  fixed[v] = !closed_fan(v);
+  const Fan fan = fan_of(v);
+  fixed[v] = fan == Fan::none;
+  border[v] = fan == Fan::open;
   quadric[v] = {};
   for (const std::uint32_t i : ring(v)) {
     const Triangle& t = triangles[i];
@@ -90,39 +93,77 @@ void EdgeCollapses::prepare(std::uint32_t v) {
     }
     const Vec3 n = area / size;
     quadric[v].add_plane(n, dot(n, x[t[0]]), size);
+    if (!border[v]) continue;
+    for (const std::uint32_t w : {after(t, v), before(t, v)}) {
+      if (triangles_at(v, w) != 1) continue;
+      const Vec3 along = x[w] - x[v], m = normalized(cross(along, n));
+      // The border counts in full: it adds to the error, but not to what that is a mean over.
+      const double weight = quadric[v].weight;
+      quadric[v].add_plane(m, dot(m, x[v]), squared_norm(along));
+      quadric[v].weight = weight;
+    }
   }
 }
 
-bool EdgeCollapses::closed_fan(std::uint32_t v) const {
+EdgeCollapses::Fan EdgeCollapses::fan_of(std::uint32_t v) const {
   std::array<std::array<std::uint32_t, 2>, kMostRing> link;
   const auto r = ring(v);
-  if (r.size() < 3 || r.size() > kMostRing) return false;
-  for (std::size_t k = 0; k < r.size(); ++k) {
-    const Triangle& t = triangles[r[k]];
-    const std::size_t at = t[0] == v ? 0 : t[1] == v ? 1 : 2;
-    link[k] = {t[(at + 1) % 3], t[(at + 2) % 3]};
-  }
-  std::uint32_t here = link[0][1];
-  for (std::size_t steps = 1;; ++steps) {
-    if (here == link[0][0]) return steps == r.size();
+  if (r.empty() || r.size() > kMostRing) return Fan::none;
+  for (std::size_t k = 0; k < r.size(); ++k) link[k] = {after(triangles[r[k]], v), before(triangles[r[k]], v)};
+  // The only triangle whose first or last neighbour is w; r.size() if there is none, or several.
+  const auto only_with = [&](std::uint32_t w, std::size_t end) {
     std::size_t found = r.size(), count = 0;
     for (std::size_t k = 0; k < r.size(); ++k)
-      if (link[k][0] == here) found = k, ++count;
-    if (count != 1 || steps >= r.size()) return false;
-    here = link[found][1];
+      if (link[k][end] == w) found = k, ++count;
+    return count == 1 ? found : r.size();
+  };
+  std::size_t start = 0, starts = 0;
+  for (std::size_t k = 0; k < r.size(); ++k)
+    if (only_with(link[k][0], 1) == r.size()) start = k, ++starts;
+  if (starts > 1) return Fan::none;
+  std::size_t here = start;
+  for (std::size_t steps = 1; steps <= r.size(); ++steps) {
+    const std::uint32_t last = link[here][1];
+    if (starts == 0 && last == link[start][0]) return steps == r.size() && steps >= 3 ? Fan::closed : Fan::none;
+    if (starts == 1 && steps == r.size()) return Fan::open;
+    here = only_with(last, 0);
+    if (here == r.size()) break;
   }
+  return Fan::none;
+}
+
+std::size_t EdgeCollapses::neighbours_of(std::uint32_t v, Neighbours& found) const {
+  std::size_t n = 0;
+  for (const std::uint32_t i : ring(v)) found[n++] = after(triangles[i], v);
+  if (!border[v]) return n;
+  for (const std::uint32_t i : ring(v)) {
+    const std::uint32_t w = before(triangles[i], v);
+    if (std::find(found.begin(), found.begin() + n, w) != found.begin() + n) continue;
+    found[n++] = w;
+    break;
+  }
+  return n;
+}
+
+std::size_t EdgeCollapses::triangles_at(std::uint32_t v, std::uint32_t w) const {
+  std::size_t count = 0;
+  for (const std::uint32_t i : ring(v)) {
+    const Triangle& t = triangles[i];
+    count += t[0] == w || t[1] == w || t[2] == w;
+  }
+  return count;
 }
 
 bool EdgeCollapses::link_condition(std::uint32_t a, std::uint32_t b) const {
-  std::array<std::uint32_t, kMostRing> neighbours;
-  std::size_t n = 0, common = 0;
-  for (const std::uint32_t i : ring(a)) neighbours[n++] = after(triangles[i], a);
-  for (const std::uint32_t i : ring(b)) {
-    const std::uint32_t v = after(triangles[i], b);
-    if (std::find(neighbours.begin(), neighbours.begin() + n, v) == neighbours.begin() + n) continue;
-    if (++common > 2 || valence[v] < 4) return false;
+  Neighbours around_a, around_b;
+  const std::size_t n = neighbours_of(a, around_a), m = neighbours_of(b, around_b), opposite = lost(a, b);
+  std::size_t common = 0;
+  for (std::size_t k = 0; k < m; ++k) {
+    const std::uint32_t v = around_b[k];
+    if (std::find(around_a.begin(), around_a.begin() + n, v) == around_a.begin() + n) continue;
+    if (++common > opposite || valence[v] < (border[v] ? 2 : 4)) return false;
   }
-  return common == 2;
+  return common == opposite && triangles_at(a, b) == opposite;
 }
 
 bool EdgeCollapses::keeps_shape(std::uint32_t moved, std::uint32_t other, const Vec3& p) const {
@@ -151,7 +192,7 @@ EdgeCollapses::Collapse EdgeCollapses::measure(std::uint32_t a, std::uint32_t b)
 }
 
 bool EdgeCollapses::possible(std::uint32_t a, const Collapse& c) const {
-  return valence[a] + valence[c.with] <= kMostRing + 4 && link_condition(a, c.with) &&
+  return valence[a] + valence[c.with] <= kMostRing + 2 * lost(a, c.with) && link_condition(a, c.with) &&
          keeps_shape(a, c.with, c.position) && keeps_shape(c.with, a, c.position);
 }
 
@@ -159,11 +200,12 @@ void EdgeCollapses::find_cheapest(std::uint32_t v) {
   to[v] = kNoVertex;
   blocked[v] = 0;
   if (fixed[v]) return;
-  std::array<Collapse, kMostRing> all;
+  std::array<Collapse, kMostRing + 1> all;
+  Neighbours neighbours;
+  const std::size_t count = neighbours_of(v, neighbours);
   std::size_t n = 0;
-  for (const std::uint32_t i : ring(v)) {
-    const Triangle& t = triangles[i];
-    const std::uint32_t w = after(t, v);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint32_t w = neighbours[k];
     if (w < v || fixed[w] || !(quadric[v].weight + quadric[w].weight > 0)) continue;
     all[n] = measure(v, w);
     n += all[n].cost <= error * error;
@@ -203,6 +245,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
   const std::uint32_t w = to[v];
   x[w] = measure(v, w).position;
   quadric[w] += quadric[v];
+  border[w] |= border[v];
   merged_into[v] = w;
   std::uint32_t count = 0;
   const auto has = [&](const Triangle& t, std::uint32_t c) { return t[0] == c || t[1] == c || t[2] == c; };
@@ -265,8 +308,8 @@ void EdgeCollapses::collapse_in_turn() {
     }
     const std::size_t place = around.size();
     around.resize(place + valence[v] + valence[w]);
+    --left, left_triangles -= lost(v, w);
     collapse(v, place);
-    --left, left_triangles -= 2;
     look(w);
     for (const std::uint32_t r : ring(w))
       for (const std::uint32_t u : triangles[r])

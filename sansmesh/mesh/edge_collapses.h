@@ -31,6 +31,7 @@ struct EdgeCollapses {
   /// By which those are put in order that cost the same. Of the place, so that it is the same for a part of the mesh.
   std::vector<std::uint32_t> chance;
   std::vector<std::uint8_t> fixed;
+  std::vector<std::uint8_t> border;        ///< of vertices that are not fixed: on a border
   std::vector<std::uint32_t> merged_into;  ///< kNoVertex: alive
   // Triangles around each vertex: around[first .. first + valence]. A merged ring gets a new place at the end; places
   // that were given up go when they are as many as those in use.
@@ -59,12 +60,16 @@ struct EdgeCollapses {
   /// Leaves out the triangles that went, and makes the rings anew.
   void pack_triangles();
 
-  /// The quadric of a vertex; and vertices whose triangles are not one closed fan stay: boundaries, and what is not
-  /// manifold. So do those of a triangle without area: it has no plane to hold them, and no normal by which to see that
-  /// it turns over, so a strip of such triangles along a crease would open like a fan.
+  /// The quadric of a vertex. Those of a border have planes along it, too, across the surface. Vertices whose triangles
+  /// are not one fan stay: what is not manifold. So do those of a triangle without area: it has no plane to hold them,
+  /// and no normal by which to see that it turns over, so a strip of such triangles along a crease would open like a
+  /// fan.
   void prepare(std::uint32_t v);
 
-  bool closed_fan(std::uint32_t v) const;
+  enum class Fan { none, closed, open };
+
+  /// Whether the triangles around a vertex are one fan.
+  Fan fan_of(std::uint32_t v) const;
 
   struct Collapse {
     std::uint32_t with = kNoVertex;
@@ -75,7 +80,21 @@ struct EdgeCollapses {
   /// The vertex after v in a triangle: over a closed fan, each neighbour once.
   static std::uint32_t after(const Triangle& t, std::uint32_t v) { return t[0] == v ? t[1] : t[1] == v ? t[2] : t[0]; }
 
-  /// The ends of the edge have two neighbours in common, those opposite to it, and these keep three triangles.
+  static std::uint32_t before(const Triangle& t, std::uint32_t v) { return t[0] == v ? t[2] : t[1] == v ? t[0] : t[1]; }
+
+  using Neighbours = std::array<std::uint32_t, kMostRing + 1>;
+
+  /// Each once; over an open fan there is one more than triangles. Returns how many.
+  std::size_t neighbours_of(std::uint32_t v, Neighbours& found) const;
+
+  /// How many triangles have the edge.
+  std::size_t triangles_at(std::uint32_t v, std::uint32_t w) const;
+
+  /// Triangles that go with an edge.
+  std::size_t lost(std::uint32_t a, std::uint32_t b) const { return border[a] && border[b] ? 1 : 2; }
+
+  /// The ends of the edge have no neighbours in common but those opposite to it, and these keep three triangles, or one
+  /// at a border. Two vertices of borders have a border between them.
   bool link_condition(std::uint32_t a, std::uint32_t b) const;
 
   /// No triangle around `moved` that stays turns too far or becomes too thin if that goes to p.

@@ -56,10 +56,10 @@ struct Simplifier : detail::EdgeCollapses {
     return true;
   }
 
-  /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` vertices. Those from
+  /// Rounds of collapses that share no triangle, until there are hardly any left or only `target` triangles. Those from
   /// `open` vertices at first, then what these change.
   void collapse_all(Progress& progress, std::size_t target, const std::vector<std::uint32_t>& open) {
-    if (left <= target) return;
+    if (left_triangles <= target) return;
     std::vector<std::uint32_t> changed, candidates, chosen;
     std::vector<std::size_t> place;
     for (const std::uint32_t v : open)
@@ -83,9 +83,9 @@ struct Simplifier : detail::EdgeCollapses {
       parallel_for(0, candidates.size(), 2048, [&](std::size_t i) { won[i] = wins(candidates[i]); });
       for (std::size_t i = 0; i < candidates.size(); ++i)
         if (won[i]) chosen.push_back(candidates[i]);
-      if (left <= target + chosen.size()) {  // only the cheapest of the last round
+      if (left_triangles <= target + 2 * chosen.size()) {  // only the cheapest of the last round
         std::sort(chosen.begin(), chosen.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-        chosen.resize(left - target);
+        chosen.resize(std::min(chosen.size(), (left_triangles - target + 1) / 2));
       }
       for (const std::uint32_t v : candidates) drop_claim(v);
 
@@ -103,11 +103,13 @@ struct Simplifier : detail::EdgeCollapses {
       // the answer reads the valence of vertices that another collapse may change.
       parallel_for(0, chosen.size(), 256,
                    [&](std::size_t i) { won[i] = possible(chosen[i], measure(chosen[i], kept[i])); });
+      std::vector<std::uint8_t> going(chosen.size());
+      for (std::size_t i = 0; i < chosen.size(); ++i) going[i] = static_cast<std::uint8_t>(lost(chosen[i], kept[i]));
       parallel_for(0, chosen.size(), 256, [&](std::size_t i) {
         if (won[i]) collapse(chosen[i], place[i]);
       });
       changed.clear();
-      std::size_t count = 0;
+      std::size_t count = 0, gone = 0;
       const auto change = [&](std::uint32_t v) {
         if (!flag[v]) flag[v] = 1, changed.push_back(v);
       };
@@ -116,7 +118,7 @@ struct Simplifier : detail::EdgeCollapses {
           change(chosen[i]);
           continue;
         }
-        ++count;
+        ++count, gone += going[i];
         // The edges of the merged vertex changed, for the worse: other vertices need a new choice only if it was
         // theirs.
         change(kept[i]);
@@ -125,8 +127,8 @@ struct Simplifier : detail::EdgeCollapses {
             if (to[w] == chosen[i] || to[w] == kept[i] || blocked[w]) change(w);
       }
       for (const std::uint32_t v : changed) flag[v] = 0;
-      left -= count, left_triangles -= 2 * count;
-      if (count * 300 <= std::min(left, many) || left <= target) break;
+      left -= count, left_triangles -= gone;
+      if (count * 300 <= std::min(left, many) || left_triangles <= target) break;
     }
   }
 
@@ -141,9 +143,7 @@ struct Simplifier : detail::EdgeCollapses {
   }
 
   void run(Progress& progress) {
-    // A closed mesh has two triangles per vertex, apart from its handles.
-    const std::size_t most = (options.triangles + triangles.size() % 2) / 2 + x.size() - triangles.size() / 2;
-    const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(most, 4) : 0;
+    const std::size_t target = options.triangles > 0 ? std::max<std::size_t>(options.triangles, 4) : 0;
     original.resize(triangles.size());
     std::iota(original.begin(), original.end(), 0u);
     std::vector<std::uint32_t> open;
@@ -159,7 +159,7 @@ struct Simplifier : detail::EdgeCollapses {
     error = options.error;
     collapse_all(progress, target, open);
     const double limit = norm(Vec3(bounds_of().size()));
-    while (left > target && target > 0 && error < limit) {
+    while (left_triangles > target && target > 0 && error < limit) {
       error *= 1.5;
       collapse_all(progress, target, open);
     }

@@ -9,7 +9,7 @@ namespace sansmesh {
 
 /// Collapses edges as long as the quadric error (Garland & Heckbert 1997, "Surface simplification using quadric error
 /// metrics") stays below `error`, cheapest first among their surroundings, many at once. Topology, closedness and
-/// manifoldness stay; no triangle turns by more than 60° at once; boundary vertices stay where they are. What belongs
+/// manifoldness stay; no triangle turns by more than 60° at once; borders move within the error. What belongs
 /// to merged vertices becomes their mean weighted by area (attributes: as AttributeTable says); triangles that are left
 /// keep their attributes. The same for any number of threads. Returns whether anything changed.
 bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress);
