@@ -207,7 +207,7 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   detail::mark_confidence(mesh, points, f.spacing, f.noise, place, options, r);
   if (options.triangles && mesh.triangles.size() > *options.triangles)
     r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
-                         ": borders keep their vertices, and thin parts theirs");
+                         ": each part, hole and handle needs some");
   // An edit takes away what samples stand for on purpose.
   if (r.most_lost && function.history.empty()) {
     r.most_lost = place.to_input(*r.most_lost);

@@ -1,8 +1,11 @@
 #include "sansmesh/mesh/components.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <numeric>
 
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -59,15 +62,48 @@ void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
     for (std::uint32_t& v : t) v = renumber[v];
 }
 
+namespace {
+
+/// Of each vertex: whether its triangles, at most as many as bits in a word, are surely one fan. They are of nearly
+/// all.
+std::vector<std::uint8_t> one_fan_each(const TriangleMesh& mesh, const VertexCorners& corners) {
+  std::vector<std::uint8_t> result(mesh.vertices.size());
+  parallel_for(0, result.size(), 4096, [&](std::size_t v) {
+    const std::uint32_t begin = corners.first[v], count = corners.first[v + 1] - begin;
+    if (count > 64) return;
+    std::array<std::uint32_t, 64> out, back;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t c = corners.corner[begin + i];
+      out[i] = mesh.triangles[c / 3][(c % 3 + 1) % 3], back[i] = mesh.triangles[c / 3][(c % 3 + 2) % 3];
+    }
+    const std::uint64_t all = count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+    std::uint64_t reached = all & 1, before = 0;
+    while (reached != before) {
+      before = reached;
+      for (std::uint32_t i = 0; i < count; ++i)
+        for (std::uint32_t j = 0; j < count; ++j)
+          if (out[i] == back[j]) {
+            if (reached >> i & 1) reached |= std::uint64_t{1} << j;
+            if (reached >> j & 1) reached |= std::uint64_t{1} << i;
+          }
+    }
+    result[v] = reached == all;
+  });
+  return result;
+}
+
+}  // namespace
+
 void separate_fans(TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   const VertexCorners corners(mesh.triangles, n);
   const std::vector<std::uint32_t>&first = corners.first, &corner = corners.corner;
   // All fans are found on the mesh as it is; only then are corners renamed.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> renamed;
+  const std::vector<std::uint8_t> is_one = one_fan_each(mesh, corners);
   for (std::size_t v = 0; v < n; ++v) {
+    if (is_one[v]) continue;
     const std::uint32_t count = first[v + 1] - first[v];
-    if (count < 2) continue;
     UnionFind fans(count);
     for (std::uint32_t i = 0; i < count; ++i)
       for (std::uint32_t j = 0; j < count; ++j) {

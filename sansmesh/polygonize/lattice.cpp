@@ -10,6 +10,12 @@ namespace sansmesh {
 namespace {
 
 constexpr std::uint32_t kUnset = ~std::uint32_t{0};
+constexpr std::uint64_t kNoBrick = ~std::uint64_t{0};
+
+std::uint64_t scattered(std::uint64_t key) {
+  key *= 0x9e3779b97f4a7c15u;
+  return key ^ key >> 32;
+}
 
 using Point = std::array<int, 3>;
 
@@ -106,19 +112,41 @@ BlockPattern make_pattern(const BlockRefinement& r) {
 
 }  // namespace
 
+void LatticeNumbering::grow() {
+  const std::vector<Entry> old =
+      std::exchange(table_, std::vector<Entry>(std::max<std::size_t>(64, 2 * table_.size())));
+  const std::size_t mask = table_.size() - 1;
+  for (const Entry& e : old) {
+    if (e.key == kNoBrick) continue;
+    std::size_t at = scattered(e.key) & mask;
+    while (table_[at].key != kNoBrick) at = (at + 1) & mask;
+    table_[at] = e;
+  }
+}
+
+std::uint32_t LatticeNumbering::brick_of(std::uint64_t key) {
+  if (2 * bricks_.size() >= table_.size()) grow();
+  const std::size_t mask = table_.size() - 1;
+  std::size_t at = scattered(key) & mask;
+  while (table_[at].key != kNoBrick && table_[at].key != key) at = (at + 1) & mask;
+  if (table_[at].key == kNoBrick) {
+    table_[at] = {key, static_cast<std::uint32_t>(bricks_.size())};
+    bricks_.emplace_back().fill(kUnset);
+  }
+  return table_[at].brick;
+}
+
 std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
-  const int scale = std::countr_zero(p[0] | p[1] | p[2] | (1u << 20));
-  const std::uint64_t key =
-      static_cast<std::uint64_t>(scale) << 57 | static_cast<std::uint64_t>(p[0] >> (scale + 3)) << 38 |
-      static_cast<std::uint64_t>(p[1] >> (scale + 3)) << 19 | static_cast<std::uint64_t>(p[2] >> (scale + 3));
+  // Coordinates are at most 1 << 17: fields of 19 bits are wide enough on every scale.
+  const int scale = std::countr_zero(p[0] | p[1] | p[2] | (1u << 20)), shift = scale + 2;
+  const std::uint64_t key = static_cast<std::uint64_t>(scale) << 57 | static_cast<std::uint64_t>(p[0] >> shift) << 38 |
+                            static_cast<std::uint64_t>(p[1] >> shift) << 19 | static_cast<std::uint64_t>(p[2] >> shift);
   if (key != last_key_) {
-    const auto [it, fresh] = brick_of_.try_emplace(key, static_cast<std::uint32_t>(bricks_.size()));
-    if (fresh) bricks_.emplace_back().fill(kUnset);
+    last_brick_ = brick_of(key);
     last_key_ = key;
-    last_brick_ = it->second;
   }
   std::uint32_t& number =
-      bricks_[last_brick_][(p[0] >> scale & 7) | (p[1] >> scale & 7) << 3 | (p[2] >> scale & 7) << 6];
+      bricks_[last_brick_][(p[0] >> scale & 3) | (p[1] >> scale & 3) << 2 | (p[2] >> scale & 3) << 4];
   if (number == kUnset) {
     if (points_.size() == kUnset) throw DataError("the blocks of the mesh have more vertices than can be counted");
     number = static_cast<std::uint32_t>(points_.size());
@@ -158,8 +186,10 @@ BlockRefinement refinement_of(const BlockTree& tree, std::uint32_t block) {
 
 const BlockPattern& PatternTable::pattern(const BlockRefinement& r) {
   const std::uint32_t key = r.faces | r.edges << 6;
-  const auto it = patterns_.find(key);
-  return it != patterns_.end() ? it->second : patterns_.emplace(key, make_pattern(r)).first->second;
+  if (patterns_.empty()) patterns_.resize(std::size_t{1} << 18);
+  std::unique_ptr<BlockPattern>& pattern = patterns_[key];
+  if (!pattern) pattern = std::make_unique<BlockPattern>(make_pattern(r));
+  return *pattern;
 }
 
 }  // namespace sansmesh

@@ -7,8 +7,8 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
-#include <unordered_map>
+#include <deque>
+#include <memory>
 #include <vector>
 
 #include "sansmesh/triangulation/block_tree.h"
@@ -18,16 +18,23 @@ namespace sansmesh {
 /// Integer coordinates of a lattice vertex: multiples of half the edge of a block on the tree's deepest level.
 using LatticePoint = std::array<std::uint32_t, 3>;
 
-/// Numbers lattice points in the order they are first asked for. Points of one scale live in dense 8³ bricks, so that
-/// look-ups of neighbours hit the same cache lines.
+/// Numbers lattice points in the order they are first asked for. Points of one scale live in dense 4³ bricks, so that
+/// look-ups of neighbours hit the same cache lines; the bricks are found by a hash table with linear probing.
 class LatticeNumbering {
  public:
   std::uint32_t number(const LatticePoint& p);
   const std::vector<LatticePoint>& points() const { return points_; }
 
  private:
-  std::unordered_map<std::uint64_t, std::uint32_t> brick_of_;
-  std::vector<std::array<std::uint32_t, 512>> bricks_;
+  struct Entry {
+    std::uint64_t key = ~std::uint64_t{0};
+    std::uint32_t brick = 0;
+  };
+  std::uint32_t brick_of(std::uint64_t key);
+  void grow();
+
+  std::vector<Entry> table_;  ///< a power of two
+  std::deque<std::array<std::uint32_t, 64>> bricks_;
   std::vector<LatticePoint> points_;
   std::uint64_t last_key_ = ~std::uint64_t{0};
   std::uint32_t last_brick_ = 0;
@@ -56,7 +63,7 @@ class PatternTable {
   const BlockPattern& pattern(const BlockRefinement& refinement);
 
  private:
-  std::map<std::uint32_t, BlockPattern> patterns_;
+  std::vector<std::unique_ptr<BlockPattern>> patterns_;  ///< by faces and edges: 18 bits
 };
 
 }  // namespace sansmesh

@@ -1,9 +1,12 @@
 #include "sansmesh/polygonize/polygonize.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -33,10 +36,11 @@ struct Extraction {
   Vec3 origin;
   std::optional<Box3> region = {};               ///< only blocks that meet it, and kLayers around them
   std::vector<std::uint8_t> beyond_domain = {};  ///< of each block; empty: none is
-  LatticeNumbering numbering = {};
+  LatticeNumbering numbering = {};               ///< while the surface is followed
   PatternTable patterns = {};
   std::vector<ActiveBlock> active = {};
   std::vector<std::uint32_t> numbers = {};
+  std::vector<LatticePoint> points = {};  ///< of each lattice vertex, once the surface has been followed
   /// Field at each lattice vertex; positive on the cube's faces, which closes the mesh.
   std::vector<float> values = {};
   std::vector<Vec3f> moved = {};        ///< of each lattice vertex, relative to origin, where there is a displacement
@@ -49,25 +53,128 @@ struct Extraction {
 
   /// Of a lattice vertex, relative to origin.
   Vec3f position(std::uint32_t number) const {
-    return moved.empty() ? Vec3f(world(numbering.points()[number]) - origin) : moved[number];
+    return moved.empty() ? Vec3f(world(points[number]) - origin) : moved[number];
   }
 
   /// Their lattice vertices get numbers in the order of the blocks, and of the slots of each.
   void add_blocks(const std::vector<std::uint32_t>& blocks) {
+    // Chunks of blocks number their own vertices first, at the same time: what is left to be done in order is each
+    // chunk's vertices once instead of once for every block around them.
+    constexpr std::size_t kChunk = 2048;
+    const std::size_t old = active.size(), chunks = (blocks.size() + kChunk - 1) / kChunk;
     std::vector<BlockRefinement> refinement(blocks.size());
     parallel_for(0, blocks.size(), 1024, [&](std::size_t i) { refinement[i] = refinement_of(tree, blocks[i]); });
+    std::size_t end = numbers.size();
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const BlockPattern& pattern = patterns.pattern(refinement[i]);
-      active.push_back({blocks[i], &pattern, numbers.size()});
-      const BlockTree::Block& b = tree[blocks[i]];
-      const std::uint32_t edge = 2u << (tree.depth() - b.level);
-      for (const std::uint8_t s : pattern.slots) {
-        // Quarter edges exist only where the block is not on the deepest level, so the division is exact.
-        const std::uint32_t q[3] = {s % 5u, s / 5u % 5u, s / 25u};
-        numbers.push_back(numbering.number({b.cell[0] * edge + q[0] * edge / 4, b.cell[1] * edge + q[1] * edge / 4,
-                                            b.cell[2] * edge + q[2] * edge / 4}));
-      }
+      active.push_back({blocks[i], &pattern, end});
+      end += pattern.slots.size();
     }
+    numbers.resize(end);
+    std::vector<std::vector<LatticePoint>> met(chunks);
+    const auto chunk_of = [&](std::size_t c) {
+      return std::span(active).subspan(old + c * kChunk, std::min(kChunk, blocks.size() - c * kChunk));
+    };
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      LatticeNumbering own;
+      for (const ActiveBlock& a : chunk_of(c)) {
+        const BlockTree::Block& b = tree[a.block];
+        const std::uint32_t edge = 2u << (tree.depth() - b.level);
+        for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) {
+          // Quarter edges exist only where the block is not on the deepest level, so the division is exact.
+          const std::uint32_t slot = a.pattern->slots[s], q[3] = {slot % 5u, slot / 5u % 5u, slot / 25u};
+          numbers[a.first + s] = own.number({b.cell[0] * edge + q[0] * edge / 4, b.cell[1] * edge + q[1] * edge / 4,
+                                             b.cell[2] * edge + q[2] * edge / 4});
+        }
+      }
+      met[c] = own.points();
+    });
+    std::vector<std::vector<std::uint32_t>> number(chunks);
+    for (std::size_t c = 0; c < chunks; ++c) {
+      number[c].reserve(met[c].size());
+      for (const LatticePoint& p : met[c]) number[c].push_back(numbering.number(p));
+      met[c] = {};
+    }
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      for (const ActiveBlock& a : chunk_of(c))
+        for (std::size_t s = 0; s < a.pattern->slots.size(); ++s)
+          numbers[a.first + s] = number[c][numbers[a.first + s]];
+    });
+  }
+
+  /// The surface is followed from many places at a time, so that numbers and blocks lie scattered. Puts the blocks that
+  /// it crosses into the tree's order, along a curve that fills space, and numbers their lattice vertices anew in the
+  /// order of these: what is near is then near in memory, in all that is made of them, too.
+  void put_in_order() {
+    constexpr std::size_t kChunk = 1024;
+    constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    std::vector<std::uint32_t> at(tree.size(), kNone);
+    parallel_for(0, active.size(), 4096, [&](std::size_t i) {
+      if (crosses(active[i])) at[active[i].block] = static_cast<std::uint32_t>(i);
+    });
+    std::vector<ActiveBlock> ordered;
+    std::vector<std::size_t> from;  // where its numbers were
+    std::size_t end = 0;
+    for (const std::uint32_t b : tree.leaves()) {
+      if (at[b] == kNone) continue;
+      const ActiveBlock& a = active[at[b]];
+      from.push_back(a.first);
+      ordered.push_back({a.block, a.pattern, end});
+      end += a.pattern->slots.size();
+    }
+    at = {};
+    active = std::move(ordered);
+
+    // Each vertex belongs to the first chunk that has it, which numbers its own in the order in which it meets them.
+    const std::size_t n = values.size(), chunks = (active.size() + kChunk - 1) / kChunk;
+    const auto each_number = [&](std::size_t c, auto&& visit) {
+      for (std::size_t i = c * kChunk; i < std::min(active.size(), (c + 1) * kChunk); ++i)
+        for (std::size_t s = 0; s < active[i].pattern->slots.size(); ++s)
+          visit(numbers[from[i] + s], active[i].first + s);
+    };
+    std::vector<std::uint32_t> owner(n, kNone), renumbered(n, kNone), first(chunks + 1, 0);
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      each_number(c, [&](std::uint32_t v, std::size_t) { lower_to(owner[v], static_cast<std::uint32_t>(c)); });
+    });
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      std::uint32_t own = 0;
+      each_number(c, [&](std::uint32_t v, std::size_t) {
+        if (owner[v] == c && renumbered[v] == kNone) renumbered[v] = own++;
+      });
+      first[c + 1] = own;
+    });
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<LatticePoint> new_points(first.back());
+    std::vector<float> new_values(first.back());
+    std::vector<std::uint8_t> new_caps(first.back());
+    parallel_for(0, n, 8192, [&](std::size_t v) {
+      if (owner[v] == kNone) return;
+      const std::uint32_t to = renumbered[v] += first[owner[v]];
+      new_points[to] = numbering.points()[v];
+      new_values[to] = values[v];
+      new_caps[to] = caps[v];
+    });
+    points = std::move(new_points), values = std::move(new_values), caps = std::move(new_caps);
+    numbering = {};
+    std::vector<std::uint32_t> new_numbers(end);
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      each_number(c, [&](std::uint32_t v, std::size_t to) { new_numbers[to] = renumbered[v]; });
+    });
+    numbers = std::move(new_numbers);
+  }
+
+  static void lower_to(std::uint32_t& value, std::uint32_t bound) {
+    const std::atomic_ref<std::uint32_t> least(value);
+    std::uint32_t old = least.load(std::memory_order_relaxed);
+    while (bound < old && !least.compare_exchange_weak(old, bound, std::memory_order_relaxed)) {
+    }
+  }
+
+  bool crosses(const ActiveBlock& a) const {
+    const bool in = inside(numbers[a.first]);
+    for (std::size_t s = 1; s < a.pattern->slots.size(); ++s)
+      if (inside(numbers[a.first + s]) != in) return true;
+    return false;
   }
 
   /// Evaluates the field at the lattice vertices numbered since the last call.
@@ -85,7 +192,7 @@ struct Extraction {
       parallel_for(0, count, 8192, [&](std::size_t i) { x[i] = world(numbering.points()[done + i]); });
       field.evaluate(x, f);
       parallel_for(0, count, 8192, [&](std::size_t i) {
-        const bool cap = f[i] < 0 && on_border(static_cast<std::uint32_t>(done + i));
+        const bool cap = f[i] < 0 && on_border(numbering.points()[done + i]);
         caps[done + i] = cap;
         values[done + i] = static_cast<float>(cap ? -f[i] : f[i]);
       });
@@ -94,8 +201,7 @@ struct Extraction {
 
   bool inside(std::uint32_t number) const { return values[number] < 0; }
 
-  bool on_border(std::uint32_t number) const {
-    const LatticePoint& p = numbering.points()[number];
+  bool on_border(const LatticePoint& p) const {
     const std::uint32_t last = 2u << tree.depth();
     return p[0] == 0 || p[1] == 0 || p[2] == 0 || p[0] == last || p[1] == last || p[2] == last;
   }
@@ -112,6 +218,8 @@ struct Extraction {
       add_new(std::exchange(beyond, {}), is_active);
       follow(is_active, first, beyond);
     }
+    is_active = {};
+    put_in_order();
   }
 
   /// Adds those that are not active yet.
@@ -202,31 +310,44 @@ struct Extraction {
   /// Appends the blocks that are not active yet across the faces of a block on which the sign changes.
   void cross_faces(const ActiveBlock& a, const std::vector<std::uint8_t>& is_active,
                    std::vector<std::uint32_t>& found) const {
-    bool any_in = false, any_out = false;
-    for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
-    if (!any_in || !any_out) return;
-    for (std::size_t face = 0; face < 6; ++face) {
-      any_in = any_out = false;
-      for (const std::uint8_t s : a.pattern->face[face]) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
-      if (any_in && any_out) cross_face(a.block, face, is_active, found);
-    }
+    if (!crosses(a)) return;
+    for (std::size_t face = 0; face < 6; ++face)
+      if (changes_on(a, face, [](std::uint32_t) { return true; })) cross_face(a, face, is_active, found);
   }
 
-  void cross_face(std::uint32_t block, std::size_t face, const std::vector<std::uint8_t>& is_active,
+  /// Whether the sign changes among the vertices on a face whose slots are accepted.
+  template <class Accept>
+  bool changes_on(const ActiveBlock& a, std::size_t face, const Accept& accept) const {
+    bool any_in = false, any_out = false;
+    for (const std::uint8_t s : a.pattern->face[face])
+      if (accept(a.pattern->slots[s])) (inside(numbers[a.first + s]) ? any_in : any_out) = true;
+    return any_in && any_out;
+  }
+
+  void cross_face(const ActiveBlock& a, std::size_t face, const std::vector<std::uint8_t>& is_active,
                   std::vector<std::uint32_t>& found) const {
-    const BlockTree::Block& b = tree[block];
+    const BlockTree::Block& b = tree[a.block];
     std::array<std::int64_t, 3> cell{b.cell[0], b.cell[1], b.cell[2]};
     const std::size_t axis = face / 2;
     cell[axis] += face % 2 ? 1 : -1;
     const std::int64_t at = tree.find(b.level, cell[0], cell[1], cell[2]);
     if (at < 0) return;
-    const auto take = [&](std::uint32_t n) {
-      if (!is_active[n]) found.push_back(n);
-    };
     const BlockTree::Block& n = tree[static_cast<std::size_t>(at)];
-    if (n.first_child < 0) return take(static_cast<std::uint32_t>(at));
-    for (unsigned c = 0; c < 8; ++c)  // the four children that touch the face
-      if ((c >> axis & 1u) == (face % 2 ? 0u : 1u)) take(static_cast<std::uint32_t>(n.first_child) + c);
+    if (n.first_child < 0) {
+      if (!is_active[static_cast<std::size_t>(at)]) found.push_back(static_cast<std::uint32_t>(at));
+      return;
+    }
+    for (unsigned c = 0; c < 8; ++c) {  // the four children that touch the face, each in its part of it
+      const std::uint32_t child = static_cast<std::uint32_t>(n.first_child) + c;
+      if ((c >> axis & 1u) == static_cast<unsigned>(face % 2) || is_active[child]) continue;
+      const auto in_part = [&](std::uint32_t slot) {
+        const std::array<std::uint32_t, 3> q{slot % 5u, slot / 5u % 5u, slot / 25u};
+        for (std::size_t k = 0; k < 3; ++k)
+          if (k != axis && (c >> k & 1u ? q[k] < 2 : q[k] > 2)) return false;
+        return true;
+      };
+      if (changes_on(a, face, in_part)) found.push_back(child);
+    }
   }
 
   /// METHODS §3.3: lattice vertices near the surface step back from it along the gradient, by a quarter of the local
@@ -261,7 +382,7 @@ struct Extraction {
     // A vertex whose sign the move changed (a second sheet close by) stays where it was.
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const auto v = static_cast<std::uint32_t>(i);
-      if ((f[i] < 0) == inside(v) && !on_border(v)) {
+      if ((f[i] < 0) == inside(v) && !on_border(points[v])) {
         values[i] = static_cast<float>(f[i]);
       } else {
         positions[i] = position(v);
@@ -271,24 +392,43 @@ struct Extraction {
   }
 
   /// The triangles of all crossing simplices between vertices named by lattice edges, or by lattice vertices where
-  /// `merged` allows; triangles that the merging makes degenerate are left out.
-  std::vector<ChainTriangle> march(const std::vector<std::uint8_t>& merged) const {
-    constexpr std::size_t kChunk = 128;
+  /// `merged` allows; triangles that the merging makes degenerate are left out. Only those of blocks with a vertex
+  /// `near`, if that is not empty.
+  std::vector<ChainTriangle> march(const ChainSource::Flags& merged, const ChainSource::Flags& near) const {
+    constexpr std::size_t kChunk = 512;
     const std::size_t chunks = (active.size() + kChunk - 1) / kChunk;
     std::vector<std::vector<ChainTriangle>> parts(chunks);
     parallel_for(0, chunks, 1, [&](std::size_t c) {
       for (std::size_t b = c * kChunk; b < std::min(active.size(), (c + 1) * kChunk); ++b)
-        march_block(active[b], merged, parts[c]);
+        if (near.empty() || has_any(active[b], near)) march_block(active[b], merged, parts[c]);
     });
-    std::size_t total = 0;
-    for (const auto& p : parts) total += p.size();
-    std::vector<ChainTriangle> all;
-    all.reserve(total);
-    for (auto& p : parts) {
-      all.insert(all.end(), p.begin(), p.end());
-      p = {};
-    }
+    std::vector<std::size_t> first(chunks + 1, 0);
+    for (std::size_t c = 0; c < chunks; ++c) first[c + 1] = first[c] + parts[c].size();
+    std::vector<ChainTriangle> all(first.back());
+    parallel_for(0, chunks, 16, [&](std::size_t c) {
+      std::copy(parts[c].begin(), parts[c].end(), all.begin() + static_cast<std::ptrdiff_t>(first[c]));
+      parts[c] = {};
+    });
     return all;
+  }
+
+  bool has_any(const ActiveBlock& a, const ChainSource::Flags& flags) const {
+    for (std::size_t s = 0; s < a.pattern->slots.size(); ++s)
+      if (flags[numbers[a.first + s]]) return true;
+    return false;
+  }
+
+  /// Marks the vertices of all blocks that have a marked one.
+  void widen(ChainSource::Flags& marked) const {
+    constexpr std::size_t kChunk = 4096;
+    std::vector<std::vector<std::size_t>> found((active.size() + kChunk - 1) / kChunk);
+    parallel_for(0, found.size(), 1, [&](std::size_t c) {
+      for (std::size_t b = c * kChunk; b < std::min(active.size(), (c + 1) * kChunk); ++b)
+        if (has_any(active[b], marked)) found[c].push_back(b);
+    });
+    for (const auto& blocks : found)
+      for (const std::size_t b : blocks)
+        for (std::size_t s = 0; s < active[b].pattern->slots.size(); ++s) marked[numbers[active[b].first + s]] = 1;
   }
 
   /// The name of the surface vertex on the lattice edge from `in` to `out`.
@@ -301,13 +441,8 @@ struct Extraction {
   void march_block(const ActiveBlock& a, const std::vector<std::uint8_t>& merged,
                    std::vector<ChainTriangle>& out) const {
     const std::uint32_t* number = numbers.data() + a.first;
-    std::array<bool, 125> in{};
-    bool any_in = false, any_out = false;
-    for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) {
-      in[s] = inside(number[s]);
-      (in[s] ? any_in : any_out) = true;
-    }
-    if (!any_in || !any_out) return;
+    std::array<bool, 125> in;
+    for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) in[s] = inside(number[s]);
     const auto emit = [&](const ChainVertex& p, const ChainVertex& q, const ChainVertex& r) {
       if (!(p == q) && !(q == r) && !(p == r)) out.push_back({p, q, r});
     };
@@ -371,7 +506,10 @@ RawSurface extract(const ScalarField& field, BlockTree blocks, const Vec3& origi
   progress.begin("march");
   std::vector<std::uint8_t> merged;
   if (options.cluster) merged.assign(e.values.size(), 1);
-  SurfaceChain chain = make_surface_chain([&](const std::vector<std::uint8_t>& m) { return e.march(m); }, merged);
+  SurfaceChain chain =
+      make_surface_chain({[&](const ChainSource::Flags& m, const ChainSource::Flags& near) { return e.march(m, near); },
+                          [&](ChainSource::Flags& marked) { e.widen(marked); }},
+                         merged);
   const std::size_t n = chain.vertices.size();
   RawSurface raw{std::move(chain.triangles), std::vector<Vec3f>(n), std::vector<std::uint8_t>(n)};
   parallel_for(0, n, 4096, [&](std::size_t i) {
@@ -410,6 +548,8 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   simplify.error = options.simplify;
   simplify.triangles = options.triangles;
   simplify.least_gain = options.least_gain;
+  // A mesh without borders may be made anew in part, and has to match there.
+  simplify.in_patches = options.domain != nullptr;
   const bool changed = simplify_mesh(mesh, simplify, progress);
   if (!changed) mesh.normals = std::move(normals);
   progress.begin("place vertices again");

@@ -1,6 +1,7 @@
 #include "sansmesh/polygonize/surface_chain.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -12,42 +13,67 @@ namespace {
 
 constexpr std::uint32_t kNoEntry = ~std::uint32_t{0};
 
+std::uint64_t name_of(const ChainVertex& v) { return static_cast<std::uint64_t>(v.a) << 32 | v.b; }
+ChainVertex vertex_of(std::uint64_t name) {
+  return {static_cast<std::uint32_t>(name >> 32), static_cast<std::uint32_t>(name & 0xffffffffUL)};
+}
+
+/// The names among the corners that `take` accepts, ascending.
+template <class Take>
+std::vector<std::uint64_t> sorted_names(const std::vector<ChainTriangle>& named, const Take& take) {
+  constexpr std::size_t kChunk = 16384;
+  std::vector<std::vector<std::uint64_t>> parts((named.size() + kChunk - 1) / kChunk);
+  parallel_for(0, parts.size(), 1, [&](std::size_t c) {
+    for (std::size_t i = c * kChunk; i < std::min(named.size(), (c + 1) * kChunk); ++i)
+      for (const ChainVertex& v : named[i])
+        if (take(v)) parts[c].push_back(name_of(v));
+  });
+  std::vector<std::uint64_t> names;
+  for (const auto& part : parts) names.insert(names.end(), part.begin(), part.end());
+  parallel_sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+std::uint32_t place_in(const std::vector<std::uint64_t>& names, const ChainVertex& v) {
+  return static_cast<std::uint32_t>(std::lower_bound(names.begin(), names.end(), name_of(v)) - names.begin());
+}
+
 /// Gives every name used a number: merged lattice vertices first (ascending), then crossing points (ascending).
 SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_t lattice_vertices) {
   if (named.size() > kMostTriangles) throw DataError("the mesh would have more triangles than can be counted");
   SurfaceChain chain;
   std::vector<std::uint32_t> of_lattice(lattice_vertices, kNoEntry);
-  std::vector<std::uint64_t> edges;
-  for (const ChainTriangle& t : named)
-    for (const ChainVertex& v : t) {
-      if (v.a == v.b) {
-        of_lattice[v.a] = 0;
-      } else {
-        edges.push_back(static_cast<std::uint64_t>(v.a) << 32 | v.b);
-      }
-    }
+  const std::vector<std::uint64_t> edges = sorted_names(named, [](const ChainVertex& v) { return v.a != v.b; });
+  parallel_for(0, named.size(), 8192, [&](std::size_t i) {
+    for (const ChainVertex& v : named[i])
+      if (v.a == v.b) std::atomic_ref(of_lattice[v.a]).store(0, std::memory_order_relaxed);
+  });
   for (std::size_t i = 0; i < of_lattice.size(); ++i) {
     if (of_lattice[i] == kNoEntry) continue;
     of_lattice[i] = static_cast<std::uint32_t>(chain.vertices.size());
     chain.vertices.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)});
   }
-  parallel_sort(edges);
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   const auto first_edge = static_cast<std::uint32_t>(chain.vertices.size());
-  for (const std::uint64_t e : edges)
-    chain.vertices.push_back({static_cast<std::uint32_t>(e >> 32), static_cast<std::uint32_t>(e & 0xffffffffUL)});
+  for (const std::uint64_t e : edges) chain.vertices.push_back(vertex_of(e));
   chain.triangles.resize(named.size());
   parallel_for(0, named.size(), 8192, [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const ChainVertex v = named[i][k];
-      if (v.a == v.b) {
-        chain.triangles[i][k] = of_lattice[v.a];
-      } else {
-        const std::uint64_t e = static_cast<std::uint64_t>(v.a) << 32 | v.b;
-        chain.triangles[i][k] =
-            first_edge + static_cast<std::uint32_t>(std::lower_bound(edges.begin(), edges.end(), e) - edges.begin());
-      }
+      chain.triangles[i][k] = v.a == v.b ? of_lattice[v.a] : first_edge + place_in(edges, v);
     }
+  });
+  return chain;
+}
+
+/// The same for a few triangles, without looking at all of the lattice; vertices in the order of their names.
+SurfaceChain number_few_vertices(const std::vector<ChainTriangle>& named) {
+  SurfaceChain chain;
+  const std::vector<std::uint64_t> names = sorted_names(named, [](const ChainVertex&) { return true; });
+  for (const std::uint64_t name : names) chain.vertices.push_back(vertex_of(name));
+  chain.triangles.resize(named.size());
+  parallel_for(0, named.size(), 8192, [&](std::size_t i) {
+    for (std::size_t k = 0; k < 3; ++k) chain.triangles[i][k] = place_in(names, named[i][k]);
   });
   return chain;
 }
@@ -130,74 +156,108 @@ int fans_of(const SurfaceChain& chain, const VertexCorners& c, std::size_t v, Fa
   return count;
 }
 
+/// How many fans each vertex has, 1 at least; 0: an edge of the vertex has more than two triangles.
+std::vector<std::uint8_t> count_fans(const SurfaceChain& chain, const VertexCorners& c) {
+  std::vector<std::uint8_t> count(chain.vertices.size(), 1);
+  parallel_ranges(0, count.size(), 4096, [&](std::size_t first, std::size_t last) {
+    Fans found;
+    for (std::size_t v = first; v < last; ++v)
+      if (c.first[v + 1] > c.first[v]) count[v] = static_cast<std::uint8_t>(std::min(fans_of(chain, c, v, found), 255));
+  });
+  return count;
+}
+
+/// Undoes the merges that glue sheets along edges, at vertices that `complete` says have all of their triangles.
+/// Returns the lattice vertices that are no longer merged.
+template <class Complete>
+std::vector<std::uint32_t> undo_merges(const SurfaceChain& chain, const VertexCorners& c,
+                                       const std::vector<std::uint8_t>& fans, const Complete& complete,
+                                       ChainSource::Flags& merged) {
+  std::vector<std::uint32_t> undone;
+  const auto undo = [&](std::uint32_t v) {
+    if (merged[v]) merged[v] = 0, undone.push_back(v);
+  };
+  for (std::size_t v = 0; v < fans.size(); ++v) {
+    const ChainVertex name = chain.vertices[v];
+    if (fans[v] > 0 || !complete(name)) continue;
+    if (name.a == name.b) {
+      undo(name.a);
+    } else {
+      // A crossing point that is glued to a merged neighbour: undo the merges around it.
+      for (std::uint32_t i = c.first[v]; i < c.first[v + 1]; ++i)
+        for (const std::uint32_t o : chain.triangles[c.corner[i] / 3])
+          if (const ChainVertex other = chain.vertices[o]; other.a == other.b) undo(other.a);
+    }
+  }
+  return undone;
+}
+
+/// Goes on undoing merges around those that have been undone, until there are none left to undo. Returns the rounds.
+int settle_around(const ChainSource& source, std::vector<std::uint32_t> undone, ChainSource::Flags& merged) {
+  int rounds = 0;
+  for (; !undone.empty(); ++rounds) {
+    // Only vertices in a block with one that was undone can have got other triangles.
+    ChainSource::Flags near(merged.size(), 0);
+    for (const std::uint32_t v : undone) near[v] = 1;
+    source.widen(near);
+    SurfaceChain chain = number_few_vertices(source.march(merged, near));
+    cancel_opposite(chain);
+    const VertexCorners c(chain.triangles, chain.vertices.size());
+    undone = undo_merges(
+        chain, c, count_fans(chain, c), [&](const ChainVertex& v) { return near[v.a] || near[v.b]; }, merged);
+  }
+  return rounds;
+}
+
+/// Sheets that touch in a vertex get one each; unused names go.
+void separate_sheets(SurfaceChain& chain, const VertexCorners& c, const std::vector<std::uint8_t>& fans) {
+  Fans found;
+  const std::vector<std::uint32_t>& link = found.link;
+  for (std::size_t v = 0; v < fans.size(); ++v) {
+    if (fans[v] < 2) continue;
+    const int count = fans_of(chain, c, v, found);
+    for (int f = 1; f < count; ++f) {
+      const auto copy = static_cast<std::uint32_t>(chain.vertices.size());
+      chain.vertices.push_back(chain.vertices[v]);
+      for (std::uint32_t i = 0; i < link.size(); ++i) {
+        const std::uint32_t corner = c.corner[c.first[v] + i];
+        if (link[i] == static_cast<std::uint32_t>(f)) chain.triangles[corner / 3][corner % 3] = copy;
+      }
+    }
+  }
+  std::vector<std::uint32_t> renumber(chain.vertices.size(), kNoEntry);
+  for (const Triangle& t : chain.triangles)
+    for (const std::uint32_t v : t) renumber[v] = 0;
+  std::uint32_t used = 0;
+  for (std::size_t v = 0; v < renumber.size(); ++v) {
+    if (renumber[v] == kNoEntry) continue;
+    renumber[v] = used;
+    chain.vertices[used++] = chain.vertices[v];
+  }
+  chain.vertices.resize(used);
+  parallel_for(0, chain.triangles.size(), 8192, [&](std::size_t i) {
+    for (std::uint32_t& v : chain.triangles[i]) v = renumber[v];
+  });
+}
+
 }  // namespace
 
-SurfaceChain make_surface_chain(
-    const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
-    std::vector<std::uint8_t>& merged) {
+SurfaceChain make_surface_chain(const ChainSource& source, ChainSource::Flags& merged) {
   for (int round = 1;; ++round) {
-    SurfaceChain chain = number_vertices(march(merged), merged.size());
+    SurfaceChain chain = number_vertices(source.march(merged, {}), merged.size());
     chain.rounds = round;
     if (merged.empty()) return chain;
     cancel_opposite(chain);
-    const std::size_t n = chain.vertices.size();
-    const VertexCorners c(chain.triangles, n);
-    std::vector<std::uint8_t> bad(n, 0);
-    std::vector<std::uint8_t> fans(n, 1);
-    parallel_ranges(0, n, 4096, [&](std::size_t first, std::size_t last) {
-      Fans found;
-      for (std::size_t v = first; v < last; ++v) {
-        const int count = fans_of(chain, c, v, found);
-        if (count == 0 && c.first[v + 1] > c.first[v]) bad[v] = 1;
-        fans[v] = static_cast<std::uint8_t>(std::clamp(count, 1, 255));
-      }
-    });
-    bool repeat = false;
-    for (std::size_t v = 0; v < n; ++v) {
-      const ChainVertex name = chain.vertices[v];
-      if (!bad[v]) continue;
-      if (name.a == name.b) {
-        merged[name.a] = 0;
-        repeat = true;
-      } else {
-        // A crossing point that is glued to a merged neighbour: undo the merges around it.
-        for (std::uint32_t i = c.first[v]; i < c.first[v + 1]; ++i)
-          for (const std::uint32_t o : chain.triangles[c.corner[i] / 3]) {
-            const ChainVertex other = chain.vertices[o];
-            if (other.a == other.b && merged[other.a]) merged[other.a] = 0, repeat = true;
-          }
-      }
+    const VertexCorners c(chain.triangles, chain.vertices.size());
+    const std::vector<std::uint8_t> fans = count_fans(chain, c);
+    std::vector<std::uint32_t> undone = undo_merges(
+        chain, c, fans, [](const ChainVertex&) { return true; }, merged);
+    if (undone.empty()) {
+      separate_sheets(chain, c, fans);
+      return chain;
     }
-    if (repeat) continue;
-
-    // Sheets that touch in a vertex get one each; unused names go.
-    Fans found;
-    const std::vector<std::uint32_t>& link = found.link;
-    for (std::size_t v = 0; v < n; ++v) {
-      if (fans[v] < 2) continue;
-      const int count = fans_of(chain, c, v, found);
-      for (int f = 1; f < count; ++f) {
-        const auto copy = static_cast<std::uint32_t>(chain.vertices.size());
-        chain.vertices.push_back(chain.vertices[v]);
-        for (std::uint32_t i = 0; i < link.size(); ++i) {
-          const std::uint32_t corner = c.corner[c.first[v] + i];
-          if (link[i] == static_cast<std::uint32_t>(f)) chain.triangles[corner / 3][corner % 3] = copy;
-        }
-      }
-    }
-    std::vector<std::uint32_t> renumber(chain.vertices.size(), kNoEntry);
-    for (const Triangle& t : chain.triangles)
-      for (const std::uint32_t v : t) renumber[v] = 0;
-    std::uint32_t used = 0;
-    for (std::size_t v = 0; v < renumber.size(); ++v) {
-      if (renumber[v] == kNoEntry) continue;
-      renumber[v] = used;
-      chain.vertices[used++] = chain.vertices[v];
-    }
-    chain.vertices.resize(used);
-    for (Triangle& t : chain.triangles)
-      for (std::uint32_t& v : t) v = renumber[v];
-    return chain;
+    chain = {};
+    if (source.widen) round += settle_around(source, std::move(undone), merged) - 1;
   }
 }
 

@@ -21,15 +21,22 @@ using ChainTriangle = std::array<ChainVertex, 3>;
 struct SurfaceChain {
   std::vector<ChainVertex> vertices;  ///< a name may occur twice: sheets that touched there were separated
   std::vector<Triangle> triangles;
-  int rounds = 1;  ///< marches needed
+  int rounds = 1;  ///< until no merge had to be undone
 };
 
-/// `march(merged)` returns the oriented triangles (a closed chain) for a choice of lattice vertices that merge.
+/// What is marched, in blocks that share lattice vertices.
+struct ChainSource {
+  using Flags = std::vector<std::uint8_t>;  ///< of each lattice vertex
+  /// The oriented triangles (all together: a closed chain) for a choice of lattice vertices that merge; where `near` is
+  /// not empty, at least those of all blocks that have a marked vertex.
+  std::function<std::vector<ChainTriangle>(const Flags& merged, const Flags& near)> march;
+  /// Marks all vertices of the blocks that have a marked one. Absent: all is one block.
+  std::function<void(Flags& marked)> widen;
+};
+
 /// Unmerged marching tetrahedra are a manifold; merging may fold a sheet flat (pairs of opposite triangles, which
 /// cancel), pinch it at a vertex (which is then doubled) or glue it along an edge: there the merge is undone and the
-/// march repeated. `merged` is updated; empty means that nothing merges.
-SurfaceChain make_surface_chain(
-    const std::function<std::vector<ChainTriangle>(const std::vector<std::uint8_t>&)>& march,
-    std::vector<std::uint8_t>& merged);
+/// march repeated, around what was undone. `merged` is updated; empty means that nothing merges.
+SurfaceChain make_surface_chain(const ChainSource& source, ChainSource::Flags& merged);
 
 }  // namespace sansmesh

@@ -84,16 +84,72 @@ TEST(Simplify, EndsWhereTopologyForbidsMore) {
   EXPECT_TRUE(measure_topology(few).closed());
 }
 
-TEST(Simplify, LeavesBoundariesAlone) {
+/// A square of n × n quads with edge 2, less the middle ninth of them.
+TriangleMesh frame(std::uint32_t n) {
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t j = 0; j <= n; ++j)
+      mesh.vertices.push_back({2 * static_cast<float>(i) / static_cast<float>(n) - 1,
+                               2 * static_cast<float>(j) / static_cast<float>(n) - 1, 0});
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      if (3 * i >= n && 3 * i < 2 * n && 3 * j >= n && 3 * j < 2 * n) continue;
+      const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+      mesh.triangles.push_back({a, b, b + 1});
+      mesh.triangles.push_back({a, b + 1, a + 1});
+    }
+  const std::vector<std::uint32_t> used = [&] {
+    std::vector<std::uint8_t> is_used(mesh.vertices.size(), 0);
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t v : t) is_used[v] = 1;
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t v = 0; v < is_used.size(); ++v)
+      if (is_used[v]) all.push_back(v);
+    return all;
+  }();
+  std::vector<std::uint32_t> number(mesh.vertices.size(), 0);
+  std::vector<Vec3f> vertices;
+  for (const std::uint32_t v : used)
+    number[v] = static_cast<std::uint32_t>(vertices.size()), vertices.push_back(mesh.vertices[v]);
+  mesh.vertices = vertices;
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v = number[v];
+  return mesh;
+}
+
+TEST(Simplify, StraightBordersNeedTheirCornersOnly) {
+  const TriangleMesh whole = frame(60);
+  for (const std::size_t triangles : {std::size_t{0}, whole.triangles.size() / 25}) {
+    const TriangleMesh few = simplified(whole, 1e-5, triangles);
+    const MeshTopology topology = measure_topology(few);
+    EXPECT_TRUE(topology.manifold());
+    EXPECT_EQ(topology.boundary_loops, 2u);
+    EXPECT_LE(few.triangles.size(), triangles > 0 ? triangles : whole.triangles.size() / 20);
+    EXPECT_NEAR(measure_quality(few).area, 4 - 4.0 / 9, 1e-4);
+    for (const float end : {1.0f, 1.0f / 3})
+      for (const float sx : {-end, end})
+        for (const float sy : {-end, end}) {
+          float nearest = 1;
+          for (const Vec3f& x : few.vertices) nearest = std::min(nearest, norm(x - Vec3f{sx, sy, 0}));
+          EXPECT_LT(nearest, 1e-4f);
+        }
+  }
+}
+
+TEST(Simplify, BordersStayWithinTheError) {
   TriangleMesh open = test::octasphere(5);
   std::erase_if(open.triangles, [&](const Triangle& t) { return open.vertices[t[0]][2] > 0.5f; });
   const MeshTopology before = measure_topology(open);
-  const TriangleMesh few = simplified(open, 1e-2);
-  const MeshTopology after = measure_topology(few);
-  EXPECT_LT(few.triangles.size(), open.triangles.size() / 3);
-  EXPECT_EQ(after.boundary_edges, before.boundary_edges);
-  EXPECT_EQ(after.boundary_loops, before.boundary_loops);
-  EXPECT_TRUE(after.manifold());
+  for (const double error : {1e-3, 1e-2}) {
+    const TriangleMesh few = simplified(open, error);
+    const MeshTopology after = measure_topology(few);
+    EXPECT_LT(few.triangles.size(), open.triangles.size() / 2);
+    EXPECT_EQ(after.boundary_loops, before.boundary_loops);
+    EXPECT_TRUE(after.manifold());
+    const SurfaceDistance d = distance(few, open);
+    EXPECT_LT(d.to_reference.max, 6 * error);
+    EXPECT_LT(d.from_reference.max, 6 * error);
+  }
 }
 
 TEST(Simplify, CarriesAttributes) {
@@ -145,6 +201,33 @@ TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
                             ASSERT_EQ(one.vertices, many.vertices);
                             ASSERT_EQ(one.triangles, many.triangles);
                           });
+}
+
+TEST(Simplify, InPatchesIsAsGood) {
+  const TriangleMesh ring = test::torus_mesh(300, 200);
+  const auto in_patches = [&](bool patches) {
+    TriangleMesh mesh = ring;
+    SimplifyOptions options;
+    options.error = 2e-3;
+    options.in_patches = patches;
+    Progress progress;
+    EXPECT_TRUE(simplify_mesh(mesh, options, progress));
+    return mesh;
+  };
+  test::compare_threads([&] { return in_patches(true); },
+                        [](const TriangleMesh& one, const TriangleMesh& many) {
+                          ASSERT_EQ(one.vertices, many.vertices);
+                          ASSERT_EQ(one.triangles, many.triangles);
+                        });
+  const TriangleMesh patches = in_patches(true), whole = in_patches(false);
+  EXPECT_LT(static_cast<double>(patches.triangles.size()), 1.15 * static_cast<double>(whole.triangles.size()));
+  EXPECT_LT(patches.triangles.size(), ring.triangles.size() / 4);
+  const MeshTopology topology = measure_topology(patches);
+  EXPECT_TRUE(topology.manifold() && topology.oriented());
+  EXPECT_EQ(topology.boundary_loops, 0u);
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_GT(measure_quality(patches).smallest_angle_mean, 0.95 * measure_quality(whole).smallest_angle_mean);
+  EXPECT_NEAR(measure_quality(patches).volume, measure_quality(ring).volume, 5e-3 * measure_quality(ring).volume);
 }
 
 TEST(Simplify, BadOptionsAndEmptyMeshes) {
