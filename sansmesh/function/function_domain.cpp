@@ -13,7 +13,7 @@ namespace {
 constexpr double kOnClosed = -0.42;
 /// Largest edge of the blocks along a border, in spacings of the samples there, and how far from these the border may
 /// be, in reaches.
-constexpr float kBorderBlock = 3, kBorderWidth = 0.6f;
+constexpr float kBorderBlock = 3.5f, kBorderWidth = 0.6f;
 /// Of so many samples at a border one tells whether a block is too large.
 constexpr std::size_t kEnough = 256;
 
