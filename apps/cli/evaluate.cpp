@@ -104,7 +104,7 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   PointSet samples;  // of the reference, where that is a cloud or a meshed scan
   if (!arguments.reference.files.empty()) {
     PointSet points = arguments.reference.read(console, read);
-    if (!surface.triangles.empty() && (points.triangles.empty() || vertices_suffice(points))) {
+    if (!surface.triangles.empty() && (points.triangles.empty() || vertices_are_dense(points))) {
       samples.origin = points.origin;
       samples.positions = points.positions;
     }

@@ -69,8 +69,9 @@ void measure_density(const PointSet& points, CloudTraits& traits) {
     nearest.push_back(static_cast<double>(n.distances[1]));
   }
   std::sort(spacings.begin(), spacings.end());
-  const double low = quantile_by_area(spacings, 0.05), middle = median(spacings);
-  if (low > 0) traits.density_ratio = quantile_by_area(spacings, 0.95) / low;
+  const double low = quantile_by_area(spacings, 0.05), high = quantile_by_area(spacings, 0.95);
+  const double middle = median(spacings);
+  if (low > 0) traits.density_ratio = high / low;
   if (middle > 0) traits.evenness = median(nearest) / middle;
 }
 

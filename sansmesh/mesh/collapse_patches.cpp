@@ -94,6 +94,7 @@ std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progr
                    tried);
   });
   mesh.pack_triangles();
+  std::fill(mesh.to.begin(), mesh.to.end(), kNoVertex);  // what was asked before is not true any more
   std::vector<std::uint32_t> open;
   mesh.left = 0;
   for (std::uint32_t v = 0; v < mesh.x.size(); ++v) {

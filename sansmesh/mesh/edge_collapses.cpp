@@ -127,7 +127,7 @@ EdgeCollapses::Fan EdgeCollapses::fan_of(std::uint32_t v) const {
     if (starts == 0 && last == link[start][0]) return steps == r.size() && steps >= 3 ? Fan::closed : Fan::none;
     if (starts == 1 && steps == r.size()) return Fan::open;
     here = only_with(last, 0);
-    if (here == r.size()) break;
+    if (here == r.size() || here == start) break;
   }
   return Fan::none;
 }

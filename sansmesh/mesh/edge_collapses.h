@@ -27,7 +27,7 @@ struct EdgeCollapses {
   std::vector<Vec3> x;
   std::vector<Quadric> quadric;
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> original;  ///< in the end: the number that each triangle had
+  std::vector<std::uint32_t> original;  ///< the number that each triangle had; filled before `pack_triangles`
   /// By which those are put in order that cost the same. Of the place, so that it is the same for a part of the mesh.
   std::vector<std::uint32_t> chance;
   std::vector<std::uint8_t> fixed;

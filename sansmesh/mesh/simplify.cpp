@@ -21,6 +21,7 @@ namespace {
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
 constexpr int kMostRounds = 200;
 constexpr double kFirstStage = 16;  // the errors of the stages double from this part of what is accepted
+
 struct Simplifier : detail::EdgeCollapses {
   // The least key of the collapses that have a vertex as an end, and of those that change its ring.
   std::vector<std::uint64_t> end_claim, ring_claim;
@@ -83,7 +84,8 @@ struct Simplifier : detail::EdgeCollapses {
       parallel_for(0, candidates.size(), 2048, [&](std::size_t i) { won[i] = wins(candidates[i]); });
       for (std::size_t i = 0; i < candidates.size(); ++i)
         if (won[i]) chosen.push_back(candidates[i]);
-      if (left_triangles <= target + 2 * chosen.size()) {  // only the cheapest of the last round
+      const bool last = left_triangles <= target + 2 * chosen.size();
+      if (last) {  // only the cheapest
         std::sort(chosen.begin(), chosen.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
         chosen.resize(std::min(chosen.size(), (left_triangles - target + 1) / 2));
       }
@@ -128,7 +130,8 @@ struct Simplifier : detail::EdgeCollapses {
       }
       for (const std::uint32_t v : changed) flag[v] = 0;
       left -= count, left_triangles -= gone;
-      if (count * 300 <= std::min(left, many) || left_triangles <= target) break;
+      // Those of borders take one triangle each, so that the last round may be followed by others.
+      if (left_triangles <= target || (last ? count == 0 : count * 300 <= std::min(left, many))) break;
     }
   }
 
@@ -195,6 +198,7 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
   }
   s.run(progress);
   if (s.left == n) {
+    if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
     mesh.triangles = std::move(s.triangles);
     return false;
   }

@@ -26,7 +26,7 @@ constexpr double kSupported = 0.02;
 constexpr std::size_t kSupportSamples = 100000;
 /// Where the surface ends with its samples, a part that so many samples stand for is not left out: it was seen.
 constexpr double kSeen = 5;
-/// Nor is, of a mesh, a closed one that so many samples stand for, for no less than this share of its area, and without
+/// Nor is, of a mesh, one that so many samples stand for, for no less than this share of its area, and without
 /// which so many would be far from the surface: where every sample lies on a face, these are a small solid, or the tip
 /// of a thin one. Of a cloud they might be strays.
 constexpr double kSolid = 8, kOfSamples = 0.25;
@@ -124,7 +124,7 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
   if (choice.kind == ComponentChoice::Kind::all || count < 2) return std::vector<std::uint8_t>(count, 1);
   std::vector<double> supported = components.area;
   const bool seen = open && points.size() > 0;
-  const bool of_faces = points.of_faces && points.size() > 0;
+  const bool of_faces = points.of_faces && points.size() > 0 && choice.kind == ComponentChoice::Kind::automatic;
   SampledComponents samples;
   if (seen || of_faces || (points.size() > 0 && components.area[1] >= kSmallComponent * components.area[0])) {
     samples = sample_components(mesh, components, points);
@@ -145,8 +145,7 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     chosen[k] = 1;
     ++kept;
   }
-  if (of_faces && choice.kind == ComponentChoice::Kind::automatic)
-    choose_solids(mesh, components, points, spacing, samples, supported, chosen);
+  if (of_faces) choose_solids(mesh, components, points, spacing, samples, supported, chosen);
   return chosen;
 }
 

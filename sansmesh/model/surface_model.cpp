@@ -61,11 +61,15 @@ struct Flatness {
   const PointSet& feet;  ///< of the balls' centres
   double most;           ///< accepted gap between surface and triangles, on average (length)
 
-  /// Whether these are samples of both sides of a wall.
+  /// Whether these are samples of both sides of a wall: whether any look away from the one that looks away most from
+  /// the first, which may lie on the rim.
   bool two_sided(std::span<const std::uint32_t> samples) const {
-    const Vec3f& first = feet.normals[samples.front()];
-    return std::any_of(samples.begin(), samples.end(),
-                       [&](std::uint32_t i) { return dot(feet.normals[i], first) < kOpposite; });
+    const auto cosine = [&](std::uint32_t i, std::uint32_t j) { return dot(feet.normals[i], feet.normals[j]); };
+    const std::uint32_t first = samples.front();
+    const std::uint32_t side = *std::min_element(samples.begin(), samples.end(), [&](std::uint32_t i, std::uint32_t j) {
+      return cosine(i, first) < cosine(j, first);
+    });
+    return std::any_of(samples.begin(), samples.end(), [&](std::uint32_t i) { return cosine(i, side) < kOpposite; });
   }
 
   /// Whether triangles of a block with this edge length would do for what these samples stand for.

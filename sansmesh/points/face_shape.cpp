@@ -117,6 +117,17 @@ bool holds(const Box3f& outer, const Box3f& inner) {
   return true;
 }
 
+double total_area(const PointSet& mesh) {
+  double doubled = 0;
+  for (const Triangle& t : mesh.triangles) doubled += doubled_area(mesh, t);
+  return 0.5 * doubled;
+}
+
+/// Longest edge of triangles that count as dense.
+double longest_dense_edge(const PointSet& mesh, double area) {
+  return kLongEdge * std::sqrt(area / static_cast<double>(mesh.size()));
+}
+
 }  // namespace
 
 FaceSides face_sides(const PointSet& mesh) {
@@ -129,7 +140,9 @@ FaceSides face_sides(const PointSet& mesh) {
     for (Part& p : parts) p.volume = -p.volume;
   std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.volume > b.volume; });
   std::size_t cavities = 0;
-  for (std::size_t i = parts.size(); i-- > 0 && parts[i].volume < -kTinyPart * std::abs(total);) {
+  for (std::size_t i = parts.size(); i > 0;) {
+    --i;
+    if (!(parts[i].volume < -kTinyPart * std::abs(total))) break;
     if (++cavities > kMostCavities) return FaceSides::unknown;
     bool inside = false;
     for (std::size_t k = 0; k < i && !inside && parts[k].volume > -parts[i].volume; ++k)
@@ -169,28 +182,29 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest) {
   return {share, static_cast<double>(median(thin))};
 }
 
-std::size_t face_samples_wanted(const PointSet& mesh) {
-  if (mesh.size() < kEnoughVertices) return kFaceSamples;
-  double total = 0;
-  for (const Triangle& t : mesh.triangles) total += doubled_area(mesh, t);
-  if (!(total > 0)) return 0;
-  const double limit = kLongEdge * std::sqrt(0.5 * total / static_cast<double>(mesh.size()));
+bool vertices_are_dense(const PointSet& mesh) {
+  if (mesh.size() < kEnoughVertices) return false;
+  const double total = total_area(mesh), limit = longest_dense_edge(mesh, total);
   double sparse = 0;
   for (const Triangle& t : mesh.triangles) {
-    const double area = doubled_area(mesh, t);
+    const double area = 0.5 * doubled_area(mesh, t);
     if (!(area > 0)) continue;
     const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
     if (std::max({norm(b - a), norm(c - b), norm(a - c)}) > limit) sparse += area;
   }
-  if (sparse > kSparseShare * total) return kFaceSamples;
-  const ThinParts thin = find_thin_parts(mesh, limit);
+  return sparse <= kSparseShare * total;
+}
+
+std::size_t face_samples_wanted(const PointSet& mesh) {
+  if (!vertices_are_dense(mesh)) return kFaceSamples;
+  const double total = total_area(mesh);
+  if (!(total > 0)) return 0;
+  const ThinParts thin = find_thin_parts(mesh, longest_dense_edge(mesh, total));
   if (thin.share <= kThinShare) return 0;
   const std::size_t most = std::max(kFaceSamples, kMostOfVertex * mesh.size());
   const double spacing = thin.thickness / (kAcross * thin.share);
-  const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + 0.5 * total / (spacing * spacing);
+  const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + total / (spacing * spacing);
   return static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
 }
-
-bool vertices_suffice(const PointSet& mesh) { return face_samples_wanted(mesh) == 0; }
 
 }  // namespace sansmesh

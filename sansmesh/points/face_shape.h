@@ -34,14 +34,15 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest);
 /// Samples of the faces of a mesh whose vertices tell nothing of how many it takes.
 constexpr std::size_t kFaceSamples = 400000;
 
-/// How many samples of its faces describe a mesh that its vertices do not describe; 0 where these suffice. They are
-/// samples enough of meshed scans, not of CAD models and polygon soups: there are at least 1000, nearly all of the area
-/// is in triangles whose edges are not long against the mean spacing of the vertices, and hardly any of it is so thin
-/// that vertices of the other side are as near (`find_thin_parts`). Of a mesh that is only too thin, samples for a
-/// fraction of its thickness are wanted, at least twice and mostly no more than `kFaceSamples`.
-std::size_t face_samples_wanted(const PointSet& mesh);
+/// Whether the vertices are samples of all of the faces, as those of meshed scans are, and not those of CAD models and
+/// polygon soups: there are at least 1000, and nearly all of the area is in triangles whose edges are not long against
+/// the mean spacing of the vertices.
+bool vertices_are_dense(const PointSet& mesh);
 
-/// Whether the vertices are samples enough: none of the faces are wanted.
-bool vertices_suffice(const PointSet& mesh);
+/// How many samples of its faces describe a mesh that its vertices do not describe; 0 where these suffice: they are
+/// dense, and hardly any of the area is so thin that vertices of the other side are as near (`find_thin_parts`). Of a
+/// mesh that is only too thin, samples for a fraction of its thickness are wanted, at least two for each vertex and no
+/// more than `kFaceSamples`, or those two.
+std::size_t face_samples_wanted(const PointSet& mesh);
 
 }  // namespace sansmesh

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
@@ -174,9 +175,9 @@ struct Edge {
   std::uint32_t sample, rank;
 };
 
-/// The edges for which keep(sample, rank) is true, in their order.
-template <class Keep>
-std::vector<Edge> edges_where(const RelationGraph& graph, const Keep& keep) {
+/// Calls visit(edge) for those for which keep(sample, rank) is true, in their order; all are asked before.
+template <class Keep, class Visit>
+void visit_edges(const RelationGraph& graph, const Keep& keep, const Visit& visit) {
   std::vector<std::vector<Edge>> kept((graph.size() + kEdgeSamples - 1) / kEdgeSamples);
   parallel_for(0, kept.size(), 1, [&](std::size_t c) {
     const std::size_t last = std::min(graph.size(), (c + 1) * kEdgeSamples);
@@ -184,9 +185,8 @@ std::vector<Edge> edges_where(const RelationGraph& graph, const Keep& keep) {
       for (std::size_t k = 0; k < graph.degree(); ++k)
         if (keep(s, k)) kept[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(k)});
   });
-  std::vector<Edge> edges;
-  for (const std::vector<Edge>& some : kept) edges.insert(edges.end(), some.begin(), some.end());
-  return edges;
+  for (std::vector<Edge>& some : kept)
+    for (const Edge& e : std::exchange(some, {})) visit(e);
 }
 
 /// Joins along the edges at least so sure within stretches of the tree, each by itself, in a forest of single samples.
@@ -210,8 +210,9 @@ void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
     return std::abs(graph.relation_to(s, k)) >= sure &&
            forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
   };
-  for (const Edge& e : edges_where(graph, joins))
+  visit_edges(graph, joins, [&](const Edge& e) {
     forest.join(e.sample, graph.neighbour(e.sample, e.rank), graph.relation_to(e.sample, e.rank) < 0);
+  });
   forest.flatten();
 }
 
@@ -288,14 +289,14 @@ void propagate(const RelationGraph& graph, const Sights& sights, SignForest& for
   }
   if (sights.known()) sights.join(forest, kLeastSight);
   forest.flatten();
-  const std::vector<Edge> between = edges_where(graph, [&](std::size_t s, std::size_t k) {
+  const auto between = [&](std::size_t s, std::size_t k) {
     return forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
-  });
+  };
   std::vector<SignVote> votes;
-  for (const Edge& e : between) {
+  visit_edges(graph, between, [&](const Edge& e) {
     const std::int64_t r = graph.relation_to(e.sample, e.rank);
     votes.push_back({e.sample, graph.neighbour(e.sample, e.rank), r * std::abs(r)});
-  }
+  });
   contract(forest, votes);
   progress.advance(graph.size());
 }

@@ -28,8 +28,14 @@ std::vector<std::uint64_t> sorted_names(const std::vector<ChainTriangle>& named,
       for (const ChainVertex& v : named[i])
         if (take(v)) parts[c].push_back(name_of(v));
   });
+  std::size_t count = 0;
+  for (const auto& part : parts) count += part.size();
   std::vector<std::uint64_t> names;
-  for (const auto& part : parts) names.insert(names.end(), part.begin(), part.end());
+  names.reserve(count);
+  for (auto& part : parts) {
+    names.insert(names.end(), part.begin(), part.end());
+    part = {};
+  }
   parallel_sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;

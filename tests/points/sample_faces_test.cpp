@@ -83,13 +83,13 @@ PointSet grid(std::uint32_t n) {
 }
 
 TEST(SampleFaces, VerticesOfAMeshedScanSuffice) {
-  EXPECT_TRUE(vertices_suffice(grid(60)));
-  EXPECT_FALSE(vertices_suffice(grid(10))) << "121 vertices are too few";
-  EXPECT_FALSE(vertices_suffice(rectangles()));
+  EXPECT_TRUE(vertices_are_dense(grid(60)));
+  EXPECT_FALSE(vertices_are_dense(grid(10))) << "121 vertices are too few";
+  EXPECT_FALSE(vertices_are_dense(rectangles()));
   PointSet fan = grid(60);  // a fine part beside one triangle as large as all of it
   fan.positions.insert(fan.positions.end(), {{100, 0, 0}, {200, 0, 0}, {100, 70, 0}});
   fan.triangles.push_back({3721, 3722, 3723});
-  EXPECT_FALSE(vertices_suffice(fan));
+  EXPECT_FALSE(vertices_are_dense(fan));
 }
 
 TEST(SampleFaces, NormalsFromFacesAreWeightedByArea) {
