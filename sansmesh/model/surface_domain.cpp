@@ -36,6 +36,7 @@ constexpr double kCovered = -0.42;  ///< as deep inside as among samples on all 
 
 std::vector<Vec3f> positions_of(const std::vector<Coverage::Border>& borders) {
   std::vector<Vec3f> x;
+  x.reserve(borders.size());
   for (const Coverage::Border& b : borders) x.push_back(b.position);
   return x;
 }

@@ -56,7 +56,8 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
 TEST(Reconstruct, FollowsBothSidesOfThinWalls) {
   constexpr float kInner = 0.93f;
   for (const std::size_t n : {7000u, 9000u, 12000u}) {
-    PointSet inner = test::sphere(static_cast<std::size_t>(kInner * kInner * static_cast<float>(n)), 0, 2);
+    const auto fewer = static_cast<std::size_t>(kInner * kInner * static_cast<float>(n));
+    PointSet inner = test::sphere(fewer, 0.0, 2u);
     for (Vec3f& normal : inner.normals) normal = -normal;
     const TriangleMesh mesh = run(test::joined(test::sphere(n), inner, kInner));
     const MeshTopology topology = measure_topology(mesh);
