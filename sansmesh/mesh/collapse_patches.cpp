@@ -4,19 +4,11 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::detail {
 namespace {
-
-/// Spreads 21 bits.
-std::uint64_t every_third_bit(std::uint64_t v) {
-  v = (v | v << 32) & 0x001f00000000ffff;
-  v = (v | v << 16) & 0x001f0000ff0000ff;
-  v = (v | v << 8) & 0x100f00f00f00f00f;
-  v = (v | v << 4) & 0x10c30c30c30c30c3;
-  return (v | v << 2) & 0x1249249249249249;
-}
 
 /// The vertices along a curve that fills space.
 std::vector<std::uint32_t> order_in_space(const EdgeCollapses& mesh) {
@@ -25,10 +17,9 @@ std::vector<std::uint32_t> order_in_space(const EdgeCollapses& mesh) {
   const double scale = (1u << 21) / std::max({size.x, size.y, size.z, 1e-300}) * 0.999;
   std::vector<KeyIndex> keys(mesh.x.size());
   parallel_for(0, keys.size(), 8192, [&](std::size_t v) {
-    std::uint64_t code = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      code |= every_third_bit(static_cast<std::uint64_t>((mesh.x[v][k] - box.lower[k]) * scale)) << k;
-    keys[v] = {code, static_cast<unsigned>(v)};
+    const Vec3 at = (mesh.x[v] - box.lower) * scale;
+    const auto cell = [](double c) { return static_cast<std::uint32_t>(c); };
+    keys[v] = {morton_code(cell(at.x), cell(at.y), cell(at.z)), static_cast<unsigned>(v)};
   });
   parallel_sort(keys);
   std::vector<std::uint32_t> order(mesh.x.size());

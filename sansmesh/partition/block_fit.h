@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/core/morton.h"
 #include "sansmesh/partition/local_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/partition/sample_tree.h"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/sample_tree.h"
 #include "sansmesh/triangulation/block_tree.h"

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/flatness.h"

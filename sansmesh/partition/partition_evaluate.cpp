@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/portable-inl.h"
 #include "sansmesh/partition/partition_evaluate.h"

@@ -7,28 +7,11 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
-
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffULL;
-  x = (x | x << 16) & 0x1f0000ff0000ffULL;
-  x = (x | x << 8) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-  return (x | x << 2) & 0x1249249249249249ULL;
-}
-
-std::uint32_t gather(std::uint64_t x) {
-  x &= 0x1249249249249249ULL;
-  x = (x | x >> 2) & 0x10c30c30c30c30c3ULL;
-  x = (x | x >> 4) & 0x100f00f00f00f00fULL;
-  x = (x | x >> 8) & 0x1f0000ff0000ffULL;
-  x = (x | x >> 16) & 0x1f00000000ffffULL;
-  return static_cast<std::uint32_t>((x | x >> 32) & 0x1fffff);
-}
 
 /// In halves, so that it takes twelve bytes: there are two a sample while it sorts.
 struct Item {
@@ -86,14 +69,6 @@ struct Runs {
 };
 
 }  // namespace
-
-std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return spread(x) | spread(y) << 1 | spread(z) << 2;
-}
-
-std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
-  return {gather(code), gather(code >> 1), gather(code >> 2)};
-}
 
 SampleTree::SampleTree(std::vector<Vec3f> positions, std::vector<Vec3f> normals, const Vec3f& lower, float edge,
                        int depth)

@@ -73,8 +73,4 @@ class SampleTree {
   std::vector<Level> levels_;
 };
 
-/// Interleaves the low 21 bits of three integers, x lowest.
-std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
-std::array<std::uint32_t, 3> morton_cell(std::uint64_t code);
-
 }  // namespace sansmesh

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/partition/sample_tree.h"

@@ -46,11 +46,9 @@ bool is_triangle(const PointSet& mesh, const Triangle& t) {
          is_finite(mesh.positions[t[0]]) && is_finite(mesh.positions[t[1]]) && is_finite(mesh.positions[t[2]]);
 }
 
-/// Zero for triangles that are none.
-double doubled_area(const PointSet& mesh, const Triangle& t) {
-  if (!is_triangle(mesh, t)) return 0;
-  const Vec3 a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
-  return norm(cross(b - a, c - a));
+float longest_edge(const PointSet& mesh, const Triangle& t) {
+  const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+  return std::max({norm(b - a), norm(c - b), norm(a - c)});
 }
 
 /// Whether nearly every edge has two triangles, one in each direction.
@@ -117,15 +115,26 @@ bool holds(const Box3f& outer, const Box3f& inner) {
   return true;
 }
 
-double total_area(const PointSet& mesh) {
-  double doubled = 0;
-  for (const Triangle& t : mesh.triangles) doubled += doubled_area(mesh, t);
-  return 0.5 * doubled;
+/// How the triangles lie among the vertices.
+struct Density {
+  double area = 0;    ///< of all
+  double sparse = 0;  ///< of those with edges longer than `limit`
+  double limit = 0;   ///< kLongEdge spacings of the vertices (length)
+};
+
+Density measure_density(const PointSet& mesh) {
+  Density d;
+  std::vector<double> area(mesh.triangles.size());
+  for (std::size_t i = 0; i < area.size(); ++i)
+    d.area += area[i] = 0.5 * norm(doubled_area(mesh.positions, mesh.triangles[i]));
+  d.limit = kLongEdge * std::sqrt(d.area / static_cast<double>(mesh.size()));
+  for (std::size_t i = 0; i < area.size(); ++i)
+    if (area[i] > 0 && static_cast<double>(longest_edge(mesh, mesh.triangles[i])) > d.limit) d.sparse += area[i];
+  return d;
 }
 
-/// Longest edge of triangles that count as dense.
-double longest_dense_edge(const PointSet& mesh, double area) {
-  return kLongEdge * std::sqrt(area / static_cast<double>(mesh.size()));
+bool is_dense(const PointSet& mesh, const Density& d) {
+  return mesh.size() >= kEnoughVertices && d.sparse <= kSparseShare * d.area;
 }
 
 }  // namespace
@@ -161,8 +170,7 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest) {
   parallel_for(0, probes.size(), 64, [&](std::size_t i) {
     const FaceSample& probe = probes[i];
     const Triangle& t = mesh.triangles[probe.triangle];
-    const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    const float edge = std::min(std::max({norm(b - a), norm(c - b), norm(a - c)}), static_cast<float>(longest));
+    const float edge = std::min(longest_edge(mesh, t), static_cast<float>(longest));
     // A face that looks the other way than those around it, as in soups, tells nothing.
     if (!(dot(normals[t[0]] + normals[t[1]] + normals[t[2]], probe.normal) > kOwnSide)) return;
     const Vec3f p(probe.position);
@@ -182,28 +190,17 @@ ThinParts find_thin_parts(const PointSet& mesh, double longest) {
   return {share, static_cast<double>(median(thin))};
 }
 
-bool vertices_are_dense(const PointSet& mesh) {
-  if (mesh.size() < kEnoughVertices) return false;
-  const double total = total_area(mesh), limit = longest_dense_edge(mesh, total);
-  double sparse = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const double area = 0.5 * doubled_area(mesh, t);
-    if (!(area > 0)) continue;
-    const Vec3f &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-    if (std::max({norm(b - a), norm(c - b), norm(a - c)}) > limit) sparse += area;
-  }
-  return sparse <= kSparseShare * total;
-}
+bool vertices_are_dense(const PointSet& mesh) { return is_dense(mesh, measure_density(mesh)); }
 
 std::size_t face_samples_wanted(const PointSet& mesh) {
-  if (!vertices_are_dense(mesh)) return kFaceSamples;
-  const double total = total_area(mesh);
-  if (!(total > 0)) return 0;
-  const ThinParts thin = find_thin_parts(mesh, longest_dense_edge(mesh, total));
+  const Density density = measure_density(mesh);
+  if (!is_dense(mesh, density)) return kFaceSamples;
+  if (!(density.area > 0)) return 0;
+  const ThinParts thin = find_thin_parts(mesh, density.limit);
   if (thin.share <= kThinShare) return 0;
   const std::size_t most = std::max(kFaceSamples, kMostOfVertex * mesh.size());
   const double spacing = thin.thickness / (kAcross * thin.share);
-  const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + total / (spacing * spacing);
+  const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + density.area / (spacing * spacing);
   return static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
 }
 

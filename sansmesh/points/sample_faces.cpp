@@ -16,15 +16,6 @@ double uniform(std::uint64_t counter) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-/// The normal times twice the area; zero for triangles that are none.
-Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
-  const std::size_t n = vertices.size();
-  if (t[0] >= n || t[1] >= n || t[2] >= n) return {};
-  const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
-  const Vec3 area = cross(b - a, c - a);
-  return is_finite(area) ? area : Vec3{};
-}
-
 /// Attributes of the vertices, interpolated, and of the triangles.
 void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& samples, PointSet& cloud) {
   if (!mesh.attributes.empty()) {
@@ -49,6 +40,14 @@ void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& sampl
 }
 
 }  // namespace
+
+Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
+  const std::size_t n = vertices.size();
+  if (t[0] >= n || t[1] >= n || t[2] >= n) return {};
+  const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
+  const Vec3 area = cross(b - a, c - a);
+  return is_finite(area) ? area : Vec3{};
+}
 
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count) {

@@ -26,6 +26,9 @@ struct FaceSample {
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count);
 
+/// The normal of a triangle times twice its area; zero for those whose corners are not there or not finite.
+Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& triangle);
+
 /// A cloud of `count` samples of the faces with the normals of the faces; colours and attributes of the vertices are
 /// interpolated, those of the triangles taken over (where no vertex attribute has the name).
 PointSet sample_faces(const PointSet& mesh, std::size_t count);

@@ -2,18 +2,9 @@
 
 #include <cmath>
 
+#include "sansmesh/core/morton.h"
+
 namespace sansmesh::detail {
-namespace {
-
-/// Spreads the lower ten bits so that two zeros stand between neighbours.
-std::uint32_t spread_bits(std::uint32_t v) {
-  v = (v | (v << 16)) & 0x030000FFu;
-  v = (v | (v << 8)) & 0x0300F00Fu;
-  v = (v | (v << 4)) & 0x030C30C3u;
-  return (v | (v << 2)) & 0x09249249u;
-}
-
-}  // namespace
 
 void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t>& order) {
   order.clear();
@@ -30,8 +21,8 @@ void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t
     std::uint64_t key = 0;
     if (!sorted) {
       const Vec3 at = (x[i] - box.lower) * scale;
-      key = spread_bits(static_cast<std::uint32_t>(at.x)) | (spread_bits(static_cast<std::uint32_t>(at.y)) << 1) |
-            (spread_bits(static_cast<std::uint32_t>(at.z)) << 2);
+      const auto cell = [](double c) { return static_cast<std::uint32_t>(c); };
+      key = morton_code(cell(at.x), cell(at.y), cell(at.z));
     }
     order.push_back((key << 32) | i);
   }

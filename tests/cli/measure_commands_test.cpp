@@ -4,10 +4,10 @@
 #include <numbers>
 #include <random>
 
-#include "polygonize/mesh_shapes.h"
 #include "run_tool.h"
 #include "sansmesh/io/io.h"
 #include "support/clouds.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh::test {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "function/edit_shapes.h"
 #include "function/mesh_sets.h"
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

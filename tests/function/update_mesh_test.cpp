@@ -6,12 +6,12 @@
 #include "function/edit_shapes.h"
 #include "function/mesh_sets.h"
 #include "io/io_test_tools.h"
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 
 namespace sansmesh {

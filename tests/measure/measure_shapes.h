@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/scalar_field.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh::test {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

@@ -6,11 +6,11 @@
 #include <limits>
 #include <random>
 
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

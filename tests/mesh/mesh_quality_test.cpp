@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "polygonize/mesh_shapes.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <limits>
 
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/mesh/components.h"
 #include "support/any_threads.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

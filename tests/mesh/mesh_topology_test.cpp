@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <random>
 
-#include "polygonize/mesh_shapes.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "function/mesh_sets.h"
-#include "polygonize/mesh_shapes.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

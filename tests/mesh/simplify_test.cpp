@@ -7,12 +7,12 @@
 #include <map>
 #include <numeric>
 
-#include "polygonize/mesh_shapes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/any_threads.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

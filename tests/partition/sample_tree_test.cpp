@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "sansmesh/core/morton.h"
 #include "sansmesh/partition/neighbour_walk.h"
 
 namespace sansmesh {

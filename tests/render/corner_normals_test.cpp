@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "polygonize/mesh_shapes.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <string>
 
-#include "polygonize/mesh_shapes.h"
 #include "render/picture_levels.h"
 #include "sansmesh/core/error.h"
 #include "support/any_threads.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

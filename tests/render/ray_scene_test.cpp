@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "polygonize/mesh_shapes.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh {
 namespace {

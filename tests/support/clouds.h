@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numbers>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/data/point_set.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh::test {
 
@@ -75,23 +75,10 @@ inline PointSet joined(PointSet cloud, const PointSet& other, float scale = 1, c
 /// The unit sphere as a mesh without normals: an octahedron whose triangles were cut in four `levels` times.
 /// 4^(levels + 1) + 2 vertices.
 inline PointSet ball_mesh(int levels) {
+  const TriangleMesh ball = octasphere(levels);
   PointSet mesh;
-  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-  for (int l = 0; l < levels; ++l) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, added] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.size()));
-      if (added) mesh.positions.push_back(normalized(mesh.positions[a] + mesh.positions[b]));
-      return at->second;
-    };
-    std::vector<std::array<std::uint32_t, 3>> finer;
-    for (const auto& [a, b, c] : mesh.triangles) {
-      const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-    }
-    mesh.triangles = std::move(finer);
-  }
+  mesh.positions = ball.vertices;
+  mesh.triangles = ball.triangles;
   return mesh;
 }
 
