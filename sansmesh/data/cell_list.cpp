@@ -1,0 +1,53 @@
+#include "sansmesh/data/cell_list.h"
+
+namespace sansmesh {
+namespace {
+
+using Edge = std::array<std::uint8_t, 2>;
+
+constexpr Edge kTetrahedronEdges[] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+constexpr Edge kPyramidEdges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}};
+constexpr Edge kWedgeEdges[] = {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}};
+constexpr Edge kHexahedronEdges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                     {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+
+constexpr CellFace kTetrahedronFaces[] = {{3, {0, 2, 1}}, {3, {0, 1, 3}}, {3, {1, 2, 3}}, {3, {2, 0, 3}}};
+constexpr CellFace kPyramidFaces[] = {
+    {4, {0, 3, 2, 1}}, {3, {0, 1, 4}}, {3, {1, 2, 4}}, {3, {2, 3, 4}}, {3, {3, 0, 4}}};
+// VTK's wedge has its first triangle counter-clockwise seen from outside.
+constexpr CellFace kWedgeFaces[] = {
+    {3, {0, 1, 2}}, {3, {3, 5, 4}}, {4, {0, 3, 4, 1}}, {4, {1, 4, 5, 2}}, {4, {2, 5, 3, 0}}};
+constexpr CellFace kHexahedronFaces[] = {{4, {0, 3, 2, 1}}, {4, {4, 5, 6, 7}}, {4, {0, 1, 5, 4}},
+                                         {4, {1, 2, 6, 5}}, {4, {2, 3, 7, 6}}, {4, {3, 0, 4, 7}}};
+
+}  // namespace
+
+std::span<const std::array<std::uint8_t, 2>> cell_edges(CellShape shape) {
+  switch (shape) {
+    case CellShape::tetrahedron:
+      return kTetrahedronEdges;
+    case CellShape::pyramid:
+      return kPyramidEdges;
+    case CellShape::wedge:
+      return kWedgeEdges;
+    case CellShape::hexahedron:
+      break;
+  }
+  return kHexahedronEdges;
+}
+
+std::span<const CellFace> cell_faces(CellShape shape) {
+  switch (shape) {
+    case CellShape::tetrahedron:
+      return kTetrahedronFaces;
+    case CellShape::pyramid:
+      return kPyramidFaces;
+    case CellShape::wedge:
+      return kWedgeFaces;
+    case CellShape::hexahedron:
+      break;
+  }
+  return kHexahedronFaces;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,62 @@
+// Volumes as files hold them: blocks of points, cells and arrays, before anything is made of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/data/cell_list.h"
+
+namespace sansmesh {
+
+/// How the points of a block are given.
+enum class GridKind : std::uint8_t {
+  lattice,       ///< uniform or rectilinear: `axes`, turned by `directions`
+  curvilinear,   ///< `dims` points in three logical directions, anywhere: `points`, the first index runs fastest
+  unstructured,  ///< `points` and `cells`
+  scattered      ///< `points` alone
+};
+
+struct GridBlock {
+  std::string name;  ///< of the block in its file, may be empty
+  GridKind kind = GridKind::unstructured;
+
+  /// lattice: coordinates of the points along each axis, strictly increasing, at least one each; point (i, j, k), the
+  /// number i + nx (j + ny k), lies at origin + axes[0][i] directions[0] + axes[1][j] directions[1] + …
+  std::array<std::vector<double>, 3> axes;
+  std::array<Vec3, 3> directions{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< orthonormal, may mirror
+  Vec3 origin;
+
+  std::array<std::size_t, 3> dims{};  ///< curvilinear: numbers of points, at least 1 each
+  std::vector<Vec3> points;           ///< of all kinds but lattices; may be NaN
+  CellList cells;                     ///< of unstructured blocks. Those of the structured ones follow from the dims:
+                                      ///< cell (i, j, k) is number i + mx (j + my k) with m = max(1, dims − 1)
+  /// Unstructured blocks: flat cells (triangles and quadrilaterals, the fourth corner kNone for triangles), for files
+  /// that have no others.
+  std::vector<std::array<std::uint32_t, 4>> flat_cells;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  AttributeTable point_arrays;  ///< a row for each point
+  AttributeTable cell_arrays;   ///< a row for each cell (for each flat cell where there are no others)
+  /// Points and cells that do not count: not 0 where blanked (iblank), covered by a finer level, or a copy of another
+  /// process's (ghosts). Empty: none.
+  std::vector<std::uint8_t> hidden_points, hidden_cells;
+
+  int level = 0;  ///< of refinement (AMR), 0 the coarsest
+};
+
+/// The content of one file, or of files that belong together.
+struct GridData {
+  std::vector<GridBlock> blocks;
+  std::vector<double> times;       ///< of the steps that there are, if any
+  std::optional<double> time;      ///< of this step
+  std::string format;              ///< "VTK XML unstructured grid"
+  std::vector<std::string> notes;  ///< what a user should know: cells of kinds that were cut or left out, …
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,38 @@
+// From the blocks of a file to samples: the one place where grids of all kinds become the same.
+#pragma once
+
+#include <string>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/grid_data.h"
+#include "sansmesh/data/sampled_volume.h"
+
+namespace sansmesh {
+
+/// What the values of an array belong to.
+enum class Association : std::uint8_t { points, cells };
+
+/// Where the array of that name is. Points, where both have one. Throws ArgumentError naming the arrays that there are
+/// where neither has.
+Association association_of(const GridData& data, const std::string& array);
+
+/// Samples, stars and cells of all blocks together (METHODS §6, §9):
+/// - a single lattice stays one; samples of cells are the lattice of the cells' centres;
+/// - points at one place become one sample (the mean of their values), so that O-grids close and the blocks of a
+///   conforming multiblock grid are connected; cells with coinciding corners become those of fewer corners, and cells
+///   without volume are left out;
+/// - of samples of cells the finest level counts (AMR); a cell's neighbours are those that share a face with it, or
+/// part
+///   of one;
+/// - where blocks overlap the finer one counts, judged by the local length of edges, of equally fine ones the one whose
+///   cell's centre comes first in lexicographic order of its coordinates: never by the order of blocks. Samples and
+///   cells of the others are left out there, and stars reach across;
+/// - grids with one layer of points or with flat cells become a slab one spacing thick;
+/// - scattered points get the cells of their Delaunay tetrahedralisation.
+///
+/// The result does not depend on the order of blocks but for `block`, nor on the number of threads. Throws DataError
+/// naming the cause where nothing is left (no points, no array, all in a plane or line, nothing finite, nothing
+/// visible) and where cells name points that are not there.
+SampledVolume assemble_volume(const GridData& data, Association association, Progress& progress);
+
+}  // namespace sansmesh

@@ -1,0 +1,13 @@
+// The surface of a volume, convex or not: where rays enter and leave it.
+#pragma once
+
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Faces that only one cell has, as triangles turned outwards, with shared vertices. Faces between cells of different
+/// size (levels of AMR, borders of blocks) do not count where the other side is covered.
+TriangleMesh volume_boundary(const SampledVolume& volume);
+
+}  // namespace sansmesh

@@ -1,0 +1,30 @@
+// One array of a volume, ready for reconstructions: reals, finite everywhere.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sansmesh/data/sampled_volume.h"
+
+namespace sansmesh {
+
+struct VolumeValues {
+  std::string name;
+  std::size_t components = 1;
+  std::vector<double> values;  ///< components a sample
+  /// Samples whose value was not finite: it was filled in from the neighbours (ring by ring: the mean of those known).
+  std::vector<std::uint32_t> filled;
+
+  std::span<const double> of(std::size_t sample) const {
+    return std::span(values).subspan(sample * components, components);
+  }
+};
+
+/// The array of that name. Throws ArgumentError naming the arrays that there are where it is none of them, DataError
+/// where not a single value is finite.
+VolumeValues volume_values(const SampledVolume& volume, const std::string& name);
+
+}  // namespace sansmesh
