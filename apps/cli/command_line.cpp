@@ -112,6 +112,10 @@ const CommandLine& CommandLine::subcommand(const std::string& name) const {
   return **std::find_if(commands_.begin(), commands_.end(), [&](const auto& c) { return c->app_ == wanted; });
 }
 
+void CommandLine::require_subcommand() { app_->require_subcommand(1); }
+
+bool CommandLine::chosen() const { return app_->parsed(); }
+
 bool CommandLine::has(const std::string& flag) const { return app_->get_option_no_throw(flag) != nullptr; }
 
 }  // namespace sansmesh::cli

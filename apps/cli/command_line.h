@@ -83,7 +83,12 @@ class CommandLine {
 
   /// A command of this tool; lives as long as this.
   CommandLine& add_subcommand(const std::string& name, const std::string& what);
+  /// Of this and no other level.
   const CommandLine& subcommand(const std::string& name) const;
+  /// One of the commands of this must be given.
+  void require_subcommand();
+  /// Whether the words of the command line chose this command.
+  bool chosen() const;
   bool has(const std::string& flag) const;
   /// What reads the words of the command line and prints the help.
   CLI::App& app() const { return *app_; }

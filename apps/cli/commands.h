@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "command.h"
 
@@ -24,6 +25,11 @@ Command add_section(CommandLine& app);
 Command add_compare(CommandLine& app);
 Command add_measure(CommandLine& app);
 Command add_csg(CommandLine& app);
+/// The commands of `volume`.
+std::vector<Command> add_volume(CommandLine& app);
+Command add_volume_probe(CommandLine& volume);
+Command add_volume_resample(CommandLine& volume);
+Command add_volume_isosurface(CommandLine& volume);
 
 /// Throws FileError early if no function file of that name can be written.
 void check_function_writable(const std::string& file);

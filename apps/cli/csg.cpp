@@ -18,6 +18,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "volume_input.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -56,9 +57,24 @@ void run_csg(CsgArguments& a, Console& console) {
     }
     return function;
   };
+  const auto volume_solid = [&](const std::string& name) -> std::optional<Solid> {
+    const auto isosurface = parse_isosurface_name(name);
+    if (!isosurface) return std::nullopt;
+    files.push_back(name);
+    return isosurface_solid(open_isosurface(*isosurface, console).surface);
+  };
   const Solid solid = parse_csg(
-      a.expression, [&](const std::string& name) { return function_solid(load(name)); },
-      [&](const std::string& name) { return csg::leaf(std::make_shared<FunctionDistance>(load(name), progress)); });
+      a.expression,
+      [&](const std::string& name) {
+        const auto of_volume = volume_solid(name);
+        return of_volume ? *of_volume : function_solid(load(name));
+      },
+      [&](const std::string& name) {
+        if (parse_isosurface_name(name))
+          throw ArgumentError(
+              fmt::format("'{}': offsets and shells of isosurfaces need a fit: volume isosurface, then fit", name));
+        return csg::leaf(std::make_shared<FunctionDistance>(load(name), progress));
+      });
   // Functions of scans may have small sheets far from their surface, which `sansmesh mesh` leaves out too.
   a.options.components = a.components.value_or(
       ComponentChoice{functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1});
@@ -121,7 +137,8 @@ Command add_csg(CommandLine& app) {
                "Fewer triangles where the surface is flat to within this; 0: nowhere [about a thousandth of a cell]")
       .type_name("LENGTH");
   c.footer(
-      "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes) and\n"
+      "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes), what is above a\n"
+      "value in a volume (data.vtu[Temp=300]) and\n"
       "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
       "  cylinder(r, h, axis, center)         without h it has no ends\n"
       "  cone(r, h, top, axis, center)        torus(R, r, axis, center)\n"

@@ -2,7 +2,9 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <new>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,54 +46,66 @@ void add_common(CommandLine& command, CommonArguments& common) {
       .group("Output");
 }
 
-/// Runs the command that was chosen.
-void run(const CLI::App& app, const std::vector<Command>& commands, const CommonArguments& common) {
+/// The command that the command line chose; it must have.
+const Command& chosen_of(const std::vector<Command>& commands) {
+  return *std::find_if(commands.begin(), commands.end(), [](const Command& c) { return c.line->chosen(); });
+}
+
+void run(const Command& command, const CommonArguments& common) {
   const ThreadScope threads(common.threads);
-  for (const Command& command : commands) {
-    if (!app.got_subcommand(&command.line->app())) continue;
-    Console console(common.console, *command.line);
-    return command.run(console);
+  Console console(common.console, *command.line);
+  command.run(console);
+}
+
+/// "render " or "volume probe ": what to put before --help.
+std::string chosen_words(const CLI::App& app) {
+  std::string words;
+  for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
+    at = at->get_subcommands().front();
+    words += at->get_name() + " ";
   }
+  return words;
 }
 
 int main(int argc, char** argv) {
   CommonArguments common;
-  CommandLine line("Surfaces straight from samples.", "sansmesh");
+  CommandLine line("Surfaces and volumes straight from samples.", "sansmesh");
   CLI::App& app = line.app();
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("sansmesh ") + SANSMESH_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(28);
-  const std::vector<Command> commands = {
+  std::vector<Command> commands = {
       add_reconstruct(line), add_normals(line),   add_evaluate(line), add_info(line),    add_render(line),
       add_project(line),     add_curvature(line), add_advise(line),   add_fit(line),     add_mesh(line),
       add_eval(line),        add_edit(line),      add_diagnose(line), add_section(line), add_compare(line),
       add_measure(line),     add_csg(line)};
+  for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (const Command& command : commands) add_common(*command.line, common);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    const auto chosen = app.get_subcommands();
+    const std::string words = chosen_words(app);
     if (argc < 2) {
       fmt::print("{}", app.help());
-    } else if (chosen.empty() && argv[1][0] != '-') {
+    } else if (words.empty() && argv[1][0] != '-') {
       print_error(fmt::format("unknown command '{}' (see sansmesh --help)", argv[1]));
     } else {
-      print_error(fmt::format("{} (see sansmesh {}--help)", error.what(),
-                              chosen.empty() ? "" : chosen.front()->get_name() + " "));
+      print_error(fmt::format("{} (see sansmesh {}--help)", error.what(), words));
     }
     return kUsage;
   }
+  const Command& command = chosen_of(commands);
   try {
-    run(app, commands, common);
+    run(command, common);
     return 0;
   } catch (const Cancelled&) {
     print_error("interrupted, nothing was written");
     return kInterrupted;
   } catch (const ArgumentError& error) {
-    print_error(in_flags(error.what(), line.subcommand(app.get_subcommands().front()->get_name())));
+    print_error(in_flags(error.what(), *command.line));
     return kUsage;
   } catch (const std::bad_alloc&) {
     print_error("not enough memory");

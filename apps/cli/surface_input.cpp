@@ -16,6 +16,11 @@ namespace sansmesh::cli {
 SurfaceInput::SurfaceInput(CloudInput input, Console& console)
     : input_(std::move(input)), file_(input_.name()), console_(console) {
   console.progress().begin("read");
+  if (const auto name = input_.files.size() == 1 ? parse_isosurface_name(file_) : std::nullopt) {
+    isosurface_ = open_isosurface(*name, console);
+    placed_.emplace(*isosurface_->surface, isosurface_->surface->place());
+    return;
+  }
   if (input_.is_function()) {
     function_.emplace(read_function(file_));
     placed_.emplace(function_->field, function_->place);
@@ -27,16 +32,26 @@ SurfaceInput::SurfaceInput(CloudInput input, Console& console)
 }
 
 Json SurfaceInput::json() const {
-  Json json = input_.json();
+  Json json = isosurface_ ? isosurface_->json : input_.json();
   json["kind"] = kind();
   return json;
 }
 
-const char* SurfaceInput::kind() const { return function_ ? "function" : mesh_.triangles.empty() ? "points" : "mesh"; }
+const char* SurfaceInput::kind() const {
+  if (isosurface_) return "isosurface";
+  return function_ ? "function" : mesh_.triangles.empty() ? "points" : "mesh";
+}
 
 TriangleMesh& SurfaceInput::mesh() {
   if (made_) return mesh_;
   try {
+    if (isosurface_) {
+      IsosurfaceReport report;
+      mesh_ = mesh_isosurface(*isosurface_->surface, {}, console_.progress(), &report);
+      console_.warn(file_, report.warnings);
+      made_ = true;
+      return mesh_;
+    }
     MeshReport report;
     mesh_ = mesh_function(*function_, {}, console_.progress(), &report);
     console_.warn(file_, report.warnings);
@@ -48,6 +63,7 @@ TriangleMesh& SurfaceInput::mesh() {
 }
 
 Box3 SurfaceInput::bounds() const {
+  if (isosurface_) return placed_->bounds();
   if (function_) {
     const Box3f box = sansmesh::bounds(*function_->samples);
     if (box.empty()) return placed_->bounds();
@@ -60,9 +76,10 @@ Box3 SurfaceInput::bounds() const {
 }
 
 std::unique_ptr<SignedDistance> SurfaceInput::distance() {
-  if (placed_) return std::make_unique<FieldDistance>(*placed_);
+  if (placed_ && !isosurface_) return std::make_unique<FieldDistance>(*placed_);
   try {
-    return signed_distance(mesh_);
+    // Values of a volume are no distances, and go on beyond its boundary.
+    return signed_distance(mesh());
   } catch (const DataError& error) {
     throw FileError(file_, error.what());
   }

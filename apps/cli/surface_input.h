@@ -1,4 +1,4 @@
-// A surface from a file, whatever says where it is: triangles, points, or a function.
+// A surface from a file, whatever says where it is: triangles, points, a function, or a value in a volume.
 #pragma once
 
 #include <memory>
@@ -11,6 +11,7 @@
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/measure/signed_distance.h"
+#include "volume_input.h"
 
 namespace sansmesh::cli {
 
@@ -26,11 +27,11 @@ class SurfaceInput {
   const std::string& file() const { return file_; }
   /// "file" or "files", and "kind".
   Json json() const;
-  /// "mesh", "points" or "function".
+  /// "mesh", "points", "function" or "isosurface".
   const char* kind() const;
-  /// The function in the input's coordinates; null for meshes and points.
+  /// The function or isosurface in the input's coordinates; null for meshes and points.
   const ScalarField* field() const { return placed_ ? &*placed_ : nullptr; }
-  /// The mesh or the points as read; of a function the mesh, made at the first call.
+  /// The mesh or the points as read; of a function or isosurface the mesh, made at the first call.
   TriangleMesh& mesh();
   /// Around mesh, points or the samples of a function (its own box if it has none).
   Box3 bounds() const;
@@ -43,6 +44,7 @@ class SurfaceInput {
   Console& console_;
   TriangleMesh mesh_;
   std::optional<SurfaceFunction> function_;
+  std::optional<NamedIsosurface> isosurface_;
   std::optional<PlacedField> placed_;
   bool made_ = false;
 };

@@ -87,6 +87,11 @@ class Lexer {
     }
     const std::size_t begin = at_;
     while (is_name(peek())) ++at_;
+    if (peek() == '[') {  // data.vtu[Temp=300], a surface in a volume
+      const std::size_t close = text_.find(']', at_);
+      if (close == std::string_view::npos) csg_error(token.at, "the bracket of this name is not closed");
+      at_ = close + 1;
+    }
     token.kind = CsgToken::Kind::name;
     token.text = text_.substr(begin, at_ - begin);
     // Neither a difference nor a dash in the name would be what everybody expects.

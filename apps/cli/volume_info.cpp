@@ -1,0 +1,127 @@
+#include "volume_info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh::cli {
+namespace {
+
+void say(Console& console, const char* what, const std::string& text) {
+  console.say(fmt::format("{:<12}{}", what, text));
+}
+
+/// "name double × 3 (points): 0 to 1, 2 to 3, …"
+void describe_array(const DatasetArray& a, Console& console, Json& list) {
+  std::string ranges;
+  const int digits = a.type == NumberType::f32 ? 6 : 10;
+  for (std::size_t c = 0; c < std::min<std::size_t>(a.components, 9); ++c)
+    ranges += std::isnan(a.least[c])
+                  ? fmt::format("{}no numbers", c > 0 ? ", " : "")
+                  : fmt::format("{}{:.{}g} to {:.{}g}", c > 0 ? ", " : "", a.least[c], digits, a.most[c], digits);
+  if (a.components > 9) ranges += ", …";
+  const char* const of = a.of == Association::points ? "point" : "cell";
+  say(console, "array",
+      fmt::format("{} ({}{} a {}): {}{}", printable(a.name, 80), name_of(a.type),
+                  a.components > 1 ? fmt::format(" × {}", a.components) : "", of, ranges,
+                  a.not_finite > 0 ? fmt::format("; {} not finite", counted(a.not_finite, "number")) : ""));
+  const auto numbers = [](const std::vector<double>& v) {
+    Json json = Json::array();
+    for (const double x : v) json.push_back(std::isnan(x) ? Json() : Json(x));
+    return json;
+  };
+  list.push_back({{"name", printable(a.name)},
+                  {"of", of},
+                  {"type", name_of(a.type)},
+                  {"components", a.components},
+                  {"lower", numbers(a.least)},
+                  {"upper", numbers(a.most)},
+                  {"not_finite", a.not_finite}});
+}
+
+/// What was left out or mended, as far as there is anything.
+std::vector<std::string> mended(const VolumeFacts& f) {
+  std::vector<std::string> lines;
+  const auto add = [&](std::size_t n, const char* what, const std::string& text) {
+    if (n > 0) lines.push_back(fmt::format("{} {}", counted(n, what), text));
+  };
+  add(f.merged, "point", "at the place of another: one sample each place");
+  add(f.not_finite, "point", "without finite coordinates left out");
+  add(f.hidden, "point", "or cells hidden (blanked, covered by finer levels, ghosts)");
+  add(f.overlapped, "sample", "left out since a finer block covers their place");
+  add(f.degenerate, "cell", "without volume or with corners that coincide");
+  add(f.inverted, "cell", "inside out, turned");
+  if (f.layer > 0) lines.push_back(fmt::format("a single layer, taken as a slab {} thick", length(f.layer)));
+  return lines;
+}
+
+}  // namespace
+
+void run_volume_info(const VolumeInput& input, Console& console) {
+  OpenVolume volume(input, console);
+  const auto samples = volume.samples();
+  const VolumeFacts& f = samples->facts;
+  const Box3 box = samples->bounds();
+  const Vec3 size = box.size();
+  console.progress().finish();
+  VolumeDataset& dataset = volume.dataset();
+
+  console.say(fmt::format("{}: {}", input.name(), dataset.format()));
+  say(console, "grid",
+      fmt::format("{}, {}{}", f.grid, counted(f.points, "point"),
+                  f.cells > 0 ? fmt::format(", {}", counted(f.cells, "cell")) : ""));
+  if (f.blocks > 1 || f.levels > 1)
+    say(console, "blocks", fmt::format("{}{}", grouped(f.blocks),
+                                       f.levels > 1 ? fmt::format(" in {}", counted(f.levels, "level")) : ""));
+  say(console, "samples",
+      fmt::format("{} (values of {})", grouped(samples->size()), samples->in_cells ? "cells" : "points"));
+  say(console, "box",
+      fmt::format("{} × {} × {}, from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", length(size.x),
+                  length(size.y), length(size.z), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
+                  box.upper.z));
+  say(console, "spacing",
+      fmt::format("{} to {}, median {}; cells up to {:.3g} times as long as wide", length(f.least_spacing),
+                  length(f.most_spacing), length(f.median_spacing), f.aspect));
+  if (f.parts > 1) say(console, "parts", fmt::format("{} that are not connected", grouped(f.parts)));
+  const std::vector<std::string> lines = mended(f);
+  for (const std::string& line : lines) say(console, "mended", line);
+  if (!dataset.times().empty())
+    say(console, "times", fmt::format("{}, from {:.6g} to {:.6g}", counted(dataset.times().size(), "step"),
+                                      dataset.times().front(), dataset.times().back()));
+  Json arrays = Json::array();
+  for (const DatasetArray& a : dataset.arrays()) describe_array(a, console, arrays);
+
+  Json json = input.json();
+  json["format"] = dataset.format();
+  json["grid"] = f.grid;
+  json["blocks"] = f.blocks;
+  json["levels"] = f.levels;
+  json["points"] = f.points;
+  json["cells"] = f.cells;
+  json["samples"] = samples->size();
+  json["values_of"] = samples->in_cells ? "cells" : "points";
+  json["lower"] = {box.lower.x, box.lower.y, box.lower.z};
+  json["upper"] = {box.upper.x, box.upper.y, box.upper.z};
+  json["spacing"] = {{"least", f.least_spacing}, {"median", f.median_spacing}, {"most", f.most_spacing}};
+  json["aspect"] = f.aspect;
+  json["parts"] = f.parts;
+  json["merged"] = f.merged;
+  json["hidden"] = f.hidden;
+  json["overlapped"] = f.overlapped;
+  json["degenerate"] = f.degenerate;
+  json["inverted"] = f.inverted;
+  json["not_finite"] = f.not_finite;
+  json["layer"] = f.layer;
+  json["arrays"] = std::move(arrays);
+  json["times"] = dataset.times();
+  json["notes"] = dataset.notes();
+  console.say_json(json);
+  console.print_timings();
+}
+
+}  // namespace sansmesh::cli

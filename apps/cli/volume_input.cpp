@@ -1,0 +1,214 @@
+#include "volume_input.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "command_line.h"
+#include "sansmesh/core/error.h"
+
+namespace sansmesh::cli {
+namespace {
+
+std::string method_names() {
+  std::string names;
+  for (const ReconstructionInfo& m : reconstruction_methods())
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", m.name);
+  return names;
+}
+
+}  // namespace
+
+std::string VolumeInput::name() const {
+  if (files.size() == 1) return files[0];
+  return fmt::format("{} and {}", files[0], counted(files.size() - 1, "other file"));
+}
+
+Json VolumeInput::json() const {
+  return files.size() == 1 ? Json{{"file", files[0]}} : Json{{"files", files}};
+}
+
+void add_volume_files(CommandLine& c, VolumeInput& input) {
+  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").required();
+  add_raw_options(c, input.read);
+}
+
+void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
+  const auto raw = [&options]() -> RawLayout& {
+    if (!options.raw) options.raw.emplace();
+    return *options.raw;
+  };
+  c.add_option_function(
+       "--dims",
+       [raw](const std::string& text) {
+         std::array<std::size_t, 3> dims{};
+         const char *at = text.data(), *const end = at + text.size();
+         for (std::size_t k = 0; k < 3; ++k) {
+           const auto [next, error] = std::from_chars(at, end, dims[k]);
+           if (error != std::errc() || dims[k] == 0 || (k < 2 ? next == end || (*next != 'x' && *next != ',') : next != end))
+             throw ValueError(fmt::format("must be three numbers such as 256x256x128, not {}", text));
+           at = next + 1;
+         }
+         raw().dims = dims;
+       },
+       "Raw files: numbers of values along x, y and z")
+      .type_name("NXxNYxNZ")
+      .group("Raw files");
+  std::vector<std::pair<std::string, NumberType>> types;
+  for (int k = 0; k <= static_cast<int>(NumberType::f64); ++k)
+    types.emplace_back(name_of(static_cast<NumberType>(k)), static_cast<NumberType>(k));
+  c.add_option_function(
+       "--type",
+       [raw, types](const std::string& text) {
+         for (const auto& [name, type] : types)
+           if (name == text) return void(raw().type = type);
+         throw ValueError(fmt::format("must be int8, uint8, …, float or double, not {}", text));
+       },
+       "Of raw values: int8, uint8, int16, …, float, double [uint8]")
+      .type_name("TYPE")
+      .group("Raw files");
+  c.add_option_function(
+       "--spacing",
+       [raw](const std::vector<double>& steps) {
+         for (const double s : steps)
+           if (!(s > 0)) throw ValueError("must be three positive lengths");
+         raw().spacing = {steps[0], steps[1], steps[2]};
+       },
+       "Of raw values along x, y and z [1,1,1]")
+      .numbers(3)
+      .type_name("LENGTHS")
+      .group("Raw files");
+  c.add_flag_callback("--big-endian", [raw] { raw().big_endian = true; }, "Raw values have their high byte first")
+      .group("Raw files");
+  c.add_option("--step", options.time_step, "Which of several steps in time, from 0 [0]").type_name("NUMBER");
+}
+
+void add_volume_input(CommandLine& c, VolumeInput& input) {
+  add_volume_files(c, input);
+  c.add_option("--array", input.array, "Array, or a component of it: NAME, NAME:0, NAME:x, NAME:magnitude [a scalar]")
+      .type_name("NAME");
+  c.add_option_function(
+       "--method",
+       [&input](const std::string& name) {
+         try {
+           input.method.method = reconstruction_of_name(name);
+         } catch (const ArgumentError&) {
+           throw ValueError(fmt::format("must be one of {}, not {}", method_names(), name));
+         }
+       },
+       fmt::format("Reconstruction: {} [{}]", method_names(), info_of(input.method.method).name))
+      .type_name("NAME")
+      .group("Reconstruction");
+  c.add_option("--degree", input.method.degree, "Highest degree of polynomials, 0..4 (mls, mls-detail), 1..5 (lagrange)")
+      .type_name("DEGREE")
+      .group("Reconstruction");
+  c.add_option("--iterations", input.method.iterations, "Times that residuals are added (amls, mls-detail), 0..100")
+      .type_name("COUNT")
+      .group("Reconstruction");
+  c.add_option("--shape", input.method.shape, "ε of amls, 0.05..10: small is smooth")
+      .type_name("NUMBER")
+      .group("Reconstruction");
+  c.add_option("--order", input.method.order, "Of amls: 2, 4 or 6").type_name("ORDER").group("Reconstruction");
+  c.add_option("--radius", input.method.radius, "Of supports in spacings, 1..10 (mls, rbf, shepard)")
+      .type_name("NUMBER")
+      .group("Reconstruction");
+}
+
+OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(input), console_(console) {
+  input.method.validate();
+  console.progress().begin("read");
+  ReadReport read;
+  GridData data = input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
+                                          : read_volumes(input.files, input.read, &read);
+  console.warn(input.name(), read.warnings);
+  console.warn(input.name(), data.notes);
+  try {
+    dataset_ = std::make_unique<VolumeDataset>(std::move(data));
+  } catch (const DataError& error) {
+    throw FileError(input.name(), error.what());
+  }
+  choice_ = dataset_->choose(input.array.empty() ? dataset_->default_array().name : input.array);
+}
+
+std::string OpenVolume::array_name() const {
+  if (choice_.magnitude) return choice_.array + "_magnitude";
+  return choice_.component ? fmt::format("{}_{}", choice_.array, *choice_.component) : choice_.array;
+}
+
+std::shared_ptr<const SampledVolume> OpenVolume::samples() {
+  if (samples_) return samples_;
+  try {
+    samples_ = dataset_->volume(choice_.array, console_.progress());
+  } catch (const DataError& error) {
+    throw FileError(input_.name(), error.what());
+  }
+  return samples_;
+}
+
+std::shared_ptr<const VolumeField> OpenVolume::field() {
+  samples();
+  std::shared_ptr<const VolumeField> field;
+  try {
+    field = dataset_->field(choice_, input_.method, console_.progress(), &report_);
+  } catch (const DataError& error) {
+    throw FileError(input_.name(), error.what());
+  }
+  console_.warn(input_.name(), report_.notes);
+  return field;
+}
+
+std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {
+  const DatasetArray& array = dataset_->array(choice_.array);
+  if (array.components > 1 && !choice_.component && !choice_.magnitude)
+    throw ArgumentError(fmt::format("`array`: {} has {} components: choose one ({}:0, {}:magnitude, …)", array.name,
+                                    array.components, array.name, array.name));
+  const auto values = field();
+  console_.progress().begin("find surface");
+  try {
+    return std::make_shared<const Isosurface>(
+        samples(), values, [&](std::size_t i) { return sample_value(i); }, value);
+  } catch (const DataError& error) {
+    throw FileError(input_.name(), error.what());
+  }
+}
+
+double OpenVolume::sample_value(std::size_t i) {
+  const Attribute& a = *samples()->attributes.find(choice_.array);
+  if (choice_.component) return a.number(i * a.components + *choice_.component);
+  if (a.components == 1) return a.number(i);
+  double sum = 0;
+  for (std::size_t c = 0; c < a.components; ++c) sum += a.number(i * a.components + c) * a.number(i * a.components + c);
+  return std::sqrt(sum);
+}
+
+Json OpenVolume::json() const {
+  Json json = input_.json();
+  json["format"] = dataset_->format();
+  json["array"] = choice_.array;
+  json["method"] = info_of(report_.options.method).name;
+  if (samples_) {
+    json["samples"] = samples_->size();
+    json["grid"] = samples_->facts.grid;
+  }
+  json["notes"] = report_.notes;
+  return json;
+}
+
+NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
+  VolumeInput input;
+  input.files = {name.file};
+  input.array = name.array;
+  OpenVolume volume(input, console);
+  NamedIsosurface named;
+  named.surface = volume.isosurface(name.value);
+  named.json = volume.json();
+  named.json["value"] = name.value;
+  return named;
+}
+
+}  // namespace sansmesh::cli

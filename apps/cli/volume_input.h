@@ -1,0 +1,82 @@
+// A volume that a command reads, which of its arrays, and how that becomes a field.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "json.h"
+#include "sansmesh/dataset/isosurface.h"
+#include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/io/read_volume.h"
+
+namespace sansmesh::cli {
+
+class CommandLine;
+
+struct VolumeInput {
+  std::vector<std::string> files;  ///< at least one once the command line is read
+  std::string array;               ///< as given to --array; empty: the dataset's own choice
+  VolumeReadOptions read;
+  ReconstructionOptions method;
+
+  /// "a.vtu", "a.vts and 2 other files"
+  std::string name() const;
+  /// "file", or "files".
+  Json json() const;
+};
+
+/// DATA, and what raw files need: --dims, --type, …
+void add_volume_files(CommandLine& command, VolumeInput& input);
+/// The same, --array, and --method with its options.
+void add_volume_input(CommandLine& command, VolumeInput& input);
+
+/// A volume that was read, and fields of it. Errors of the data are thrown as FileError that name the file.
+class OpenVolume {
+ public:
+  /// Reads; warnings go to the console.
+  OpenVolume(const VolumeInput& input, Console& console);
+
+  VolumeDataset& dataset() { return *dataset_; }
+  /// What --array says, or the dataset's own choice.
+  const ArrayChoice& choice() const { return choice_; }
+  /// What to call it: the array with its component.
+  std::string array_name() const;
+  /// The samples of the array.
+  std::shared_ptr<const SampledVolume> samples();
+  /// The reconstruction; what there is to say about it goes to the console.
+  std::shared_ptr<const VolumeField> field();
+  /// {f = value} of the array. Throws ArgumentError where the array has several components and none was chosen.
+  std::shared_ptr<const Isosurface> isosurface(double value);
+  const ReconstructionReport& report() const { return report_; }
+  /// Value of sample i of the array as chosen (its magnitude, where a vector is asked for as a whole).
+  double sample_value(std::size_t i);
+  /// "array", "method", "samples", "grid", …
+  Json json() const;
+
+ private:
+  const VolumeInput& input_;
+  Console& console_;
+  std::unique_ptr<VolumeDataset> dataset_;
+  ArrayChoice choice_;
+  ReconstructionReport report_;
+  std::shared_ptr<const SampledVolume> samples_;
+};
+
+/// How raw files and those of several steps are read: --dims, --type, …
+void add_raw_options(CommandLine& command, VolumeReadOptions& options);
+
+/// A surface in a volume that is named FILE[ARRAY=VALUE].
+struct NamedIsosurface {
+  std::shared_ptr<const Isosurface> surface;
+  Json json;
+};
+/// Throws FileError, and ArgumentError as VolumeDataset::choose.
+NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console);
+
+inline constexpr const char* kReadableVolumes =
+    "Reads MetaImage, NRRD, raw, PLOT3D, points with attributes and, through VTK, .vti .vtr .vts .vtu .vtm .vthb\n"
+    ".vtk, Exodus, EnSight, CGNS and folders of DICOM slices. Several files are the blocks of one volume.";
+
+}  // namespace sansmesh::cli

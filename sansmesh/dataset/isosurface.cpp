@@ -1,0 +1,314 @@
+#include "sansmesh/dataset/isosurface.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
+#include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/volume/volume_boundary.h"
+
+namespace sansmesh {
+namespace {
+
+/// Places whose slopes the scale of the values is taken from, at most.
+constexpr std::size_t kSlopes = 4096;
+/// Blocks are divided while they are longer than so many spacings.
+constexpr double kBlock = 1.1;
+/// More blocks than this are not made: they are larger then, and a warning says so.
+constexpr std::size_t kMostIsoBlocks = 6'000'000;
+/// Default mesh error in spacings.
+constexpr double kIsoError = 0.02;
+/// Half the diagonal of a block with edge 1.
+const double kHalfDiagonal = std::sqrt(0.75);
+
+Placement placement_of(const SampledVolume& volume) {
+  const Box3 box = volume.bounds();
+  return placement_for(box.center(), box.diagonal());
+}
+
+Box3 own_bounds(const SampledVolume& volume, const Placement& place) { return place.from_input(volume.bounds()); }
+
+}  // namespace
+
+// ---- Domain ------------------------------------------------------------------------------------------------------
+
+struct VolumeDomain::Boundary {
+  Boundary(const SampledVolume& volume, const Placement& place) : locator(volume), mesh(boundary(volume, place)) {}
+
+  static TriangleMesh boundary(const SampledVolume& volume, const Placement& place) {
+    TriangleMesh mesh = volume_boundary(volume);
+    move_from_input(mesh, place);
+    return mesh;
+  }
+
+  VolumeLocator locator;
+  TriangleMesh mesh;
+  MeshDistance distance{mesh};
+};
+
+VolumeDomain::VolumeDomain(const SampledVolume& volume, const Placement& place)
+    : volume_(volume), place_(place), bounds_(own_bounds(volume, place)) {
+  if (!volume.lattice) boundary_ = std::make_unique<const Boundary>(volume, place);
+}
+
+VolumeDomain::~VolumeDomain() = default;
+
+void VolumeDomain::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  parallel_ranges(0, x.size(), 512, [&](std::size_t begin, std::size_t end) {
+    const std::size_t n = end - begin;
+    std::vector<Vec3> input(n);
+    for (std::size_t i = 0; i < n; ++i) input[i] = place_.to_input(x[begin + i]);
+    if (!boundary_) {
+      const Lattice& l = *volume_.lattice;
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3 a = l.to_axes(input[i]);
+        double most = -std::numeric_limits<double>::infinity();
+        Vec3 towards;
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (l.lower[k] - a[k] > most) most = l.lower[k] - a[k], towards = -l.directions[k];
+          if (a[k] - l.upper[k] > most) most = a[k] - l.upper[k], towards = l.directions[k];
+        }
+        values[begin + i] = place_.from_input(most);
+        if (!gradients.empty()) gradients[begin + i] = towards;
+      }
+      return;
+    }
+    std::vector<MeasuredPoint> found(n);
+    boundary_->distance.measure(x.subspan(begin, n), std::numeric_limits<double>::infinity(), found);
+    std::vector<VolumePlace> places(n);
+    boundary_->locator.locate(input, places);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double sign = places[i].inside ? -1 : 1, distance = std::abs(found[i].distance);
+      values[begin + i] = std::isfinite(distance) ? sign * distance : sign;
+      if (!gradients.empty())
+        gradients[begin + i] = distance > 0 ? (x[begin + i] - found[i].point) * (sign / distance) : Vec3{};
+    }
+  });
+}
+
+void VolumeDomain::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  detail::ranges_by_slope(*this, 1, x, radius, found);
+}
+
+// ---- Field -------------------------------------------------------------------------------------------------------
+
+Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeField> field,
+                       const std::function<double(std::size_t)>& sample_value, double value)
+    : volume_(std::move(volume)),
+      field_(std::move(field)),
+      place_(placement_of(*volume_)),
+      value_(value),
+      domain_(*volume_, place_),
+      ranges_(*volume_, sample_value, place_) {
+  std::vector<Vec3> places = ranges_.places_of(value);
+  if (places.empty()) {
+    const ValueRange all = ranges_.around({}, 2);
+    const double beyond = ValueRanges::kBeyond * (all.most - all.least) / (1 + 2 * ValueRanges::kBeyond);
+    throw DataError(fmt::format("has no surface of the value {:.6g}: values lie between about {:.6g} and {:.6g}", value,
+                                all.least + beyond, all.most - beyond));
+  }
+  const std::size_t stride = 1 + places.size() / kSlopes;
+  std::vector<Vec3> some;
+  for (std::size_t i = 0; i < places.size(); i += stride) some.push_back(place_.to_input(places[i]));
+  std::vector<Vec3> gradients(some.size());
+  field_->evaluate(some, {{}, gradients, {}, {}});
+  std::vector<double> slopes;
+  for (const Vec3& g : gradients)
+    if (norm(g) > 0) slopes.push_back(norm(g));
+  if (slopes.empty()) return;
+  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
+  std::nth_element(slopes.begin(), middle, slopes.end());
+  slope_ = *middle * place_.unit;
+}
+
+std::vector<Vec3> Isosurface::in_input(std::span<const Vec3> x) const {
+  std::vector<Vec3> y(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) y[i] = place_.to_input(x[i]);
+  return y;
+}
+
+void Isosurface::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  evaluate_in_domain(x, values, gradients, {});
+}
+
+void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                                    std::span<std::uint8_t> inside) const {
+  field_->evaluate(in_input(x), {values, gradients, inside, {}});
+  for (double& v : values) v = (value_ - v) / slope_;
+  const double scale = -place_.unit / slope_;
+  for (Vec3& g : gradients) g *= scale;
+}
+
+void Isosurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  parallel_for(0, x.size(), 512, [&](std::size_t i) {
+    const ValueRange r = ranges_.around(x[i], radius);
+    // Outside of all cells nothing is known but that there is no surface.
+    found[i] = r.least > r.most ? ValueRange{1e-9, std::numeric_limits<double>::infinity()}
+                                : ValueRange{(value_ - r.most) / slope_, (value_ - r.least) / slope_};
+  });
+}
+
+void Isosurface::spacing(std::span<const Vec3> x, std::span<double> found) const {
+  field_->spacing(in_input(x), found);
+  for (double& s : found) s = place_.from_input(s);
+}
+
+// ---- Mesh --------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Blocks as small as the samples are apart (times `scale`) wherever the surface may be. Nothing where that takes too
+/// many.
+std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<double> cell, double scale,
+                                    Progress& progress) {
+  const Box3 box = surface.bounds();
+  const Vec3 size = box.size();
+  const double edge = 1.01 * std::max({size.x, size.y, size.z});
+  BlockTree tree(box.center() - Vec3{1, 1, 1} * (edge / 2), edge);
+  std::vector<std::uint32_t> level{0};
+  while (!level.empty()) {
+    progress.check();
+    std::vector<Vec3> centers(level.size());
+    for (std::size_t i = 0; i < level.size(); ++i) centers[i] = tree.block_center(level[i]);
+    const double block = tree.block_edge(level[0]);
+    std::vector<ValueRange> ranges(level.size());
+    surface.ranges(centers, kHalfDiagonal * block, ranges);
+    std::vector<double> spacing(level.size(), cell.value_or(0));
+    if (!cell) surface.spacing(centers, spacing);
+    std::vector<std::uint32_t> next;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (!ranges[i].holds_zero() || tree[level[i]].level >= kMostDepth) continue;
+      const bool coarse = tree[level[i]].level < 3;
+      if (!coarse && block <= kBlock * scale * spacing[i]) continue;
+      const auto first = static_cast<std::uint32_t>(tree.subdivide(level[i]));
+      for (std::uint32_t c = 0; c < 8; ++c) next.push_back(first + c);
+    }
+    if (tree.size() > kMostIsoBlocks) return std::nullopt;
+    level = std::move(next);
+  }
+  return tree;
+}
+
+/// What is known of an isosurface as part of a solid.
+class IsosurfaceKnowledge final : public csg::FieldKnowledge {
+ public:
+  explicit IsosurfaceKnowledge(const Isosurface& surface) : surface_(surface) {}
+  double detail(const Vec3& x, double) const override {
+    double spacing = 0;
+    surface_.spacing({&x, 1}, {&spacing, 1});
+    return kBlock * spacing;
+  }
+  double least(double sign, const Vec3& x, double radius) const override {
+    ValueRange range{};
+    surface_.ranges({&x, 1}, radius, {&range, 1});
+    const double least = sign > 0 ? range.least : -range.most;
+    return least > 0 ? least : -std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const Isosurface& surface_;
+};
+
+/// In the surface's own coordinates.
+Solid own_solid(const std::shared_ptr<const Isosurface>& surface) {
+  const Solid within = csg::leaf(surface, std::make_shared<IsosurfaceKnowledge>(*surface));
+  return csg::intersect(within, csg::leaf(std::shared_ptr<const ScalarField>(surface, &surface->domain())));
+}
+
+void measure_iso(const TriangleMesh& mesh, IsosurfaceReport& r) {
+  const MeshTopology topology = measure_topology(mesh);
+  const MeshSize size = measure_size(mesh);
+  r.components = static_cast<std::size_t>(topology.components);
+  r.closed = topology.closed();
+  r.area = size.area;
+  if (r.closed) r.volume = size.volume;
+}
+
+}  // namespace
+
+void IsosurfaceOptions::validate() const {
+  if (cell && !(*cell > 0 && std::isfinite(*cell)))
+    throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
+  MeshOptions mesh;
+  mesh.mesh_error = mesh_error, mesh.triangles = triangles, mesh.enhance = enhance;
+  mesh.validate();
+}
+
+TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions& options, Progress& progress,
+                             IsosurfaceReport* report) {
+  options.validate();
+  IsosurfaceReport local;
+  IsosurfaceReport& r = report ? *report : local;
+  r = {};
+  const Placement& place = surface.place();
+  const double median = place.from_input(surface.volume().facts.median_spacing);
+  std::optional<double> cell;
+  if (options.cell) cell = place.from_input(*options.cell);
+
+  if (options.closed) {
+    const std::shared_ptr<const Isosurface> borrowed(std::shared_ptr<const void>(), &surface);
+    CsgMeshOptions csg;
+    csg.cell = cell.value_or(kBlock * median);
+    csg.components = options.components;
+    CsgMeshReport made;
+    TriangleMesh mesh = mesh_csg(own_solid(borrowed), csg, progress, &made);
+    r.blocks = made.blocks, r.cell = place.to_input(made.cell), r.warnings = made.warnings;
+    move_to_input(mesh, place);
+    measure_iso(mesh, r);
+    return mesh;
+  }
+
+  progress.begin("find surface");
+  double scale = 1;
+  std::optional<BlockTree> blocks = iso_blocks(surface, cell, scale, progress);
+  while (!blocks) {
+    scale *= 2;
+    std::optional<double> larger = cell;
+    if (larger) *larger *= scale;
+    blocks = iso_blocks(surface, larger, scale, progress);
+  }
+  if (scale > 1)
+    r.warnings.push_back(fmt::format("the surface is so large that blocks are {} times as wide as the samples are apart",
+                                     scale));
+  r.cell = place.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
+
+  MeshOptions meshing;
+  meshing.enhance = options.enhance, meshing.triangles = options.triangles;
+  if (options.mesh_error) meshing.mesh_error = place.from_input(*options.mesh_error);
+  const double mesh_error = meshing.mesh_error.value_or(kIsoError * median);
+  r.mesh_error = place.to_input(mesh_error);
+  PolygonizeOptions polygonize = detail::meshing_options(meshing, mesh_error, false);
+  polygonize.domain = &surface.domain();
+  MeshReport made;
+  TriangleMesh mesh = detail::cut_out(surface, *blocks, meshing, polygonize, progress, made);
+  if (mesh.triangles.empty())
+    throw DataError(fmt::format("has no surface of the value {:.6g} in its volume", surface.value()));
+  progress.begin("finish mesh");
+  detail::choose_components(mesh, options.components, {}, 0, made);
+  r.blocks = made.blocks;
+  r.warnings.insert(r.warnings.end(), made.warnings.begin(), made.warnings.end());
+  move_to_input(mesh, place);
+  measure_iso(mesh, r);
+  if (options.triangles && mesh.triangles.size() > *options.triangles)
+    r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
+                         ": each part, hole and handle needs some");
+  progress.finish();
+  return mesh;
+}
+
+Solid isosurface_solid(std::shared_ptr<const Isosurface> surface) {
+  const Placement place = surface->place();
+  return csg::place(own_solid(surface), place);
+}
+
+}  // namespace sansmesh

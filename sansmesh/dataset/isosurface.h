@@ -1,0 +1,115 @@
+// Surfaces on which a quantity of a volume has one value: as fields like those of implicit surfaces, as solids, as
+// meshes.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/data/placement.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/dataset/value_ranges.h"
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/field/volume_field.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/triangulation/block_tree.h"
+#include "sansmesh/volume/volume_locator.h"
+
+namespace sansmesh {
+
+/// Where the volume is: negative inside, about the distance to its boundary (with the sign of the locator). In
+/// coordinates of its own.
+class VolumeDomain : public ScalarField {
+ public:
+  /// What is passed must outlive it.
+  VolumeDomain(const SampledVolume& volume, const Placement& place);
+  ~VolumeDomain() override;
+
+  Box3 bounds() const override { return bounds_; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
+
+ private:
+  struct Boundary;
+  const SampledVolume& volume_;
+  Placement place_;
+  Box3 bounds_;
+  std::unique_ptr<const Boundary> boundary_;  ///< none of a lattice
+};
+
+/// {f = value} as an implicit surface: negative where f is larger, in coordinates of its own (`place`), scaled so that
+/// its gradient has norm 1 about the surface (on the median).
+class Isosurface : public ScalarField {
+ public:
+  /// `field` has one component; `sample_value(i)` is that of sample i. Throws DataError where no cell of the volume
+  /// has the value between those of its samples, naming the range of the data.
+  Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeField> field,
+             const std::function<double(std::size_t)>& sample_value, double value);
+
+  const Placement& place() const { return place_; }
+  double value() const { return value_; }
+  /// Whether the volume is more than a box, so that the surface ends at its boundary.
+  bool has_boundary() const { return !volume_->lattice.has_value(); }
+  const VolumeDomain& domain() const { return domain_; }
+  const SampledVolume& volume() const { return *volume_; }
+
+  Box3 bounds() const override { return domain_.bounds(); }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
+  void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                          std::span<std::uint8_t> inside) const override;
+  /// From the samples around (ValueRanges).
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
+  /// Distance between samples around x.
+  void spacing(std::span<const Vec3> x, std::span<double> found) const;
+
+ private:
+  std::vector<Vec3> in_input(std::span<const Vec3> x) const;
+
+  std::shared_ptr<const SampledVolume> volume_;
+  std::shared_ptr<const VolumeField> field_;
+  Placement place_;
+  double value_, slope_ = 1;
+  VolumeDomain domain_;
+  ValueRanges ranges_;
+};
+
+struct IsosurfaceOptions {
+  /// Edge of the smallest blocks (length). Default: the local spacing of the samples.
+  std::optional<double> cell;
+  std::optional<double> mesh_error;       ///< as in MeshOptions
+  std::optional<std::size_t> triangles;   ///< as in MeshOptions
+  ComponentChoice components = {ComponentChoice::Kind::all, 1};
+  bool closed = false;  ///< the boundary of {f > value}: closed by faces of the volume's boundary
+  bool enhance = true;  ///< as in MeshOptions
+
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct IsosurfaceReport {
+  std::size_t blocks = 0;
+  double cell = 0;        ///< edge of the smallest blocks (length)
+  double mesh_error = 0;  ///< distance between mesh and surface aimed at (length)
+  std::size_t components = 0;
+  bool closed = false;
+  double area = 0;
+  std::optional<double> volume;  ///< enclosed, where closed
+  std::vector<std::string> warnings;
+};
+
+/// The surface as a mesh in the input's coordinates: it ends at the volume's boundary unless it is to be closed. Vertex
+/// normals point to where the quantity is smaller. Throws DataError where nothing is found.
+TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions& options, Progress& progress,
+                             IsosurfaceReport* report = nullptr);
+
+/// {f > value} as a solid in the input's coordinates, which ends at the volume's boundary.
+Solid isosurface_solid(std::shared_ptr<const Isosurface> surface);
+
+}  // namespace sansmesh

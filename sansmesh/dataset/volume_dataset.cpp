@@ -1,0 +1,147 @@
+#include "sansmesh/dataset/volume_dataset.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/field/volume_component.h"
+
+namespace sansmesh {
+namespace {
+
+/// Adds a block's array to what is known of those of its name.
+void take_in(const Attribute& a, Association of, const std::vector<std::uint8_t>& hidden,
+             std::vector<DatasetArray>& arrays) {
+  const auto same = [&](const DatasetArray& d) { return d.name == a.name && d.of == of; };
+  auto found = std::find_if(arrays.begin(), arrays.end(), same);
+  if (found == arrays.end()) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    arrays.push_back({a.name, of, a.type(), a.components, std::vector<double>(a.components, kInfinity),
+                      std::vector<double>(a.components, -kInfinity), 0});
+    found = arrays.end() - 1;
+  }
+  const std::size_t components = std::min(found->components, a.components);
+  for (std::size_t row = 0; row < a.rows(); ++row) {
+    if (!hidden.empty() && hidden[row] != 0) continue;
+    for (std::size_t c = 0; c < components; ++c) {
+      const double v = a.number(row * a.components + c);
+      if (!std::isfinite(v)) {
+        ++found->not_finite;
+        continue;
+      }
+      found->least[c] = std::min(found->least[c], v);
+      found->most[c] = std::max(found->most[c], v);
+    }
+  }
+}
+
+/// How well an array suits to be shown when nothing was chosen.
+int suits(const DatasetArray& a) {
+  int points = 0;
+  if (a.components == 1 && a.least[0] < a.most[0]) points += 8;
+  if (is_real(a.type)) points += 4;
+  if (a.components == 1) points += 2;
+  if (a.of == Association::points) points += 1;
+  return points;
+}
+
+std::string names_of(const std::vector<DatasetArray>& arrays) {
+  std::string names;
+  for (const DatasetArray& a : arrays) {
+    const bool again = std::any_of(arrays.data(), &a, [&](const DatasetArray& b) { return b.name == a.name; });
+    if (!again) names += (names.empty() ? "" : ", ") + a.name;
+  }
+  return names;
+}
+
+}  // namespace
+
+VolumeDataset::VolumeDataset(GridData data) : data_(std::move(data)) {
+  for (const GridBlock& b : data_.blocks) {
+    for (const Attribute& a : b.point_arrays) take_in(a, Association::points, b.hidden_points, arrays_);
+    for (const Attribute& a : b.cell_arrays) take_in(a, Association::cells, b.hidden_cells, arrays_);
+  }
+  if (arrays_.empty()) throw DataError("holds no arrays: there is nothing to reconstruct");
+  for (DatasetArray& a : arrays_)
+    for (std::size_t c = 0; c < a.components; ++c)
+      if (a.least[c] > a.most[c]) a.least[c] = a.most[c] = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 1; k < arrays_.size(); ++k)
+    if (suits(arrays_[k]) > suits(arrays_[default_])) default_ = k;
+}
+
+const DatasetArray& VolumeDataset::array(const std::string& name) const {
+  const DatasetArray* found = nullptr;
+  for (const DatasetArray& a : arrays_)
+    if (a.name == name && (!found || a.of == Association::points)) found = &a;
+  if (!found) throw ArgumentError(fmt::format("`array`: there is none named '{}'; there are {}", name, names_of(arrays_)));
+  return *found;
+}
+
+ArrayChoice VolumeDataset::choose(const std::string& text) const {
+  const auto exists = [&](const std::string& name) {
+    return std::any_of(arrays_.begin(), arrays_.end(), [&](const DatasetArray& a) { return a.name == name; });
+  };
+  const std::size_t colon = text.rfind(':');
+  if (exists(text) || colon == std::string::npos || !exists(text.substr(0, colon)))
+    return {array(text).name, {}, false};
+  ArrayChoice choice{text.substr(0, colon), {}, false};
+  const std::size_t components = array(choice.array).components;
+  const std::string word = text.substr(colon + 1);
+  if (word == "magnitude") {
+    choice.magnitude = true;
+    return choice;
+  }
+  std::size_t k = components;
+  if (word.size() == 1 && word[0] >= 'x' && word[0] <= 'z') {
+    k = static_cast<std::size_t>(word[0] - 'x');
+  } else {
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), k);
+    if (error != std::errc() || end != word.data() + word.size()) k = components;
+  }
+  if (k >= components)
+    throw ArgumentError(fmt::format("`array`: '{}' names no component: {} has {} (0 to {}, or magnitude)", text,
+                                    choice.array, components, components - 1));
+  choice.component = k;
+  return choice;
+}
+
+std::shared_ptr<const SampledVolume> VolumeDataset::volume(const std::string& name, Progress& progress) {
+  const Association of = array(name).of;
+  auto& volume = volumes_[of == Association::points ? 0 : 1];
+  if (volume) return volume;
+  volume = std::make_shared<const SampledVolume>(assemble_volume(data_, of, progress));
+  const bool done = std::all_of(arrays_.begin(), arrays_.end(), [&](const DatasetArray& a) {
+    return volumes_[a.of == Association::points ? 0 : 1] != nullptr;
+  });
+  if (done) data_.blocks = {};
+  return volume;
+}
+
+std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choice, const ReconstructionOptions& options,
+                                                        Progress& progress, ReconstructionReport* report) {
+  std::shared_ptr<const VolumeField> field =
+      reconstruct_volume(volume(choice.array, progress), choice.array, options, progress, report);
+  if (field->components() > 1 && (choice.component || choice.magnitude))
+    return std::make_shared<VolumeComponent>(std::move(field), choice.component);
+  return field;
+}
+
+std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text) {
+  if (!text.ends_with(']')) return std::nullopt;
+  const std::size_t open = text.rfind('['), equals = text.rfind('=');
+  if (open == std::string::npos || equals == std::string::npos || equals < open) return std::nullopt;
+  IsosurfaceName name{text.substr(0, open), text.substr(open + 1, equals - open - 1), 0};
+  const std::string value = text.substr(equals + 1, text.size() - equals - 2);
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), name.value);
+  if (name.file.empty() || name.array.empty() || error != std::errc() || end != value.data() + value.size() ||
+      !std::isfinite(name.value))
+    throw ArgumentError(fmt::format("'{}' is no isosurface: those are written FILE[ARRAY=VALUE]", text));
+  return name;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,82 @@
+// A volume as a user has it: some files, their arrays, and the fields that reconstructions make of these.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/grid_data.h"
+#include "sansmesh/data/number_type.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/field/volume_field.h"
+#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/reconstruction.h"
+
+namespace sansmesh {
+
+/// An array of a dataset. One name may stand for two: one of points and one of cells.
+struct DatasetArray {
+  std::string name;
+  Association of = Association::points;
+  NumberType type = NumberType::f32;
+  std::size_t components = 1;
+  std::vector<double> least, most;  ///< of each component, over what is finite and not hidden; NaN: nothing is
+  std::size_t not_finite = 0;       ///< numbers
+};
+
+/// What of an array is meant by "NAME", "NAME:1", "NAME:y" or "NAME:magnitude".
+struct ArrayChoice {
+  std::string array;
+  std::optional<std::size_t> component;  ///< one of several; else all
+  bool magnitude = false;                ///< of the vector
+};
+
+class VolumeDataset {
+ public:
+  /// Throws DataError where there is no array at all.
+  explicit VolumeDataset(GridData data);
+
+  const std::vector<DatasetArray>& arrays() const { return arrays_; }
+  /// The first real array of one component that is not constant; else of one component, else of several, and then of
+  /// points rather than of cells.
+  const DatasetArray& default_array() const { return arrays_[default_]; }
+  /// Of points, where there are two of that name. Throws ArgumentError naming those that there are.
+  const DatasetArray& array(const std::string& name) const;
+  /// Throws ArgumentError for names of no array and components that it has not.
+  ArrayChoice choose(const std::string& text) const;
+
+  /// Samples that the array belongs to: assembled at the first call. Not safe from several threads.
+  std::shared_ptr<const SampledVolume> volume(const std::string& array, Progress& progress);
+
+  /// The reconstruction of an array, of all its components or of what was chosen. Throws as reconstruct_volume.
+  std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const ReconstructionOptions& options,
+                                           Progress& progress, ReconstructionReport* report = nullptr);
+
+  const std::string& format() const { return data_.format; }
+  const std::vector<std::string>& notes() const { return data_.notes; }
+  const std::vector<double>& times() const { return data_.times; }
+  const std::optional<double>& time() const { return data_.time; }
+
+ private:
+  GridData data_;  ///< without blocks once nothing more can be made of them
+  std::vector<DatasetArray> arrays_;
+  std::size_t default_ = 0;
+  std::array<std::shared_ptr<const SampledVolume>, 2> volumes_;
+};
+
+/// A surface in a volume, as it is named where a file is asked for: "data.vtu[Temp=300]", "data.vtu[V:magnitude=2]".
+struct IsosurfaceName {
+  std::string file;
+  std::string array;  ///< with its component
+  double value = 0;
+};
+
+/// Nothing where the text does not end in brackets with an equals sign between them; throws ArgumentError where the
+/// value is no number or something is missing.
+std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text);
+
+}  // namespace sansmesh
