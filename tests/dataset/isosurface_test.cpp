@@ -1,0 +1,181 @@
+#include "sansmesh/dataset/isosurface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_csg.h"
+#include "support/any_threads.h"
+#include "volume/volume_grids.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr Vec3 kCenter{0.52, 0.5, 0.47};
+
+/// Larger towards the centre: {f > 0.7} is the ball of radius 0.3.
+double cone(const Vec3& x) { return 1 - norm(x - kCenter); }
+
+std::shared_ptr<const Isosurface> surface_in(GridData data, double value,
+                                             ReconstructionMethod method = ReconstructionMethod::linear) {
+  VolumeDataset dataset(std::move(data));
+  Progress progress;
+  ReconstructionOptions options;
+  options.method = method;
+  const auto volume = dataset.volume("f", progress);
+  const auto field = dataset.field({"f", {}, false}, options, progress);
+  const auto& values = *volume->attributes.find<double>("f");
+  return std::make_shared<const Isosurface>(volume, field, [&](std::size_t i) { return values[i]; }, value);
+}
+
+TriangleMesh mesh_of(const Isosurface& surface, const IsosurfaceOptions& options, IsosurfaceReport& report) {
+  Progress progress;
+  return mesh_isosurface(surface, options, progress, &report);
+}
+
+double largest_error(const TriangleMesh& mesh, double radius) {
+  double error = 0;
+  for (const Vec3f& v : mesh.vertices) error = std::max(error, std::abs(norm(mesh.origin + Vec3(v) - kCenter) - radius));
+  return error;
+}
+
+struct NamedGrid {
+  const char* name;
+  GridData data;
+};
+
+std::vector<NamedGrid> grids_of_the_cube() {
+  std::vector<NamedGrid> grids;
+  grids.push_back({"lattice", test::lattice_grid({33, 33, 33}, cone)});
+  grids.push_back({"stretched", test::stretched_grid({33, 33, 33}, cone, 1.05)});
+  grids.push_back({"tetrahedra", test::tetrahedra_grid({25, 25, 25}, cone)});
+  grids.push_back({"mixed", test::mixed_grid({22, 22, 22}, cone)});
+  return grids;
+}
+
+TEST(Isosurface, OfABallIsAClosedSphereOnEveryGrid) {
+  for (NamedGrid& grid : grids_of_the_cube()) {
+    SCOPED_TRACE(grid.name);
+    IsosurfaceReport report;
+    const auto surface = surface_in(std::move(grid.data), 0.7);
+    const TriangleMesh mesh = mesh_of(*surface, {}, report);
+    EXPECT_TRUE(report.closed);
+    EXPECT_EQ(report.components, 1u);
+    const double volume = 4.0 / 3 * std::numbers::pi * 0.027;
+    ASSERT_TRUE(report.volume);
+    EXPECT_NEAR(*report.volume, volume, 0.02 * volume);  // outward: positive
+    EXPECT_LT(largest_error(mesh, 0.3), 0.004);
+  }
+}
+
+/// {f > value} below a plane that crosses the whole cube.
+TEST(Isosurface, EndsAtTheBoundaryOfTheVolume) {
+  const auto height = [](const Vec3& x) { return 0.4 - x.z; };
+  for (const bool tetrahedra : {false, true}) {
+    const auto surface =
+        surface_in(tetrahedra ? test::tetrahedra_grid({17, 17, 17}, height) : test::lattice_grid({17, 17, 17}, height), 0);
+    IsosurfaceReport report;
+    const TriangleMesh open = mesh_of(*surface, {}, report);
+    EXPECT_FALSE(report.closed);
+    EXPECT_NEAR(report.area, 1, 0.02);
+    for (const Vec3f& v : open.vertices) {
+      const Vec3 x = open.origin + Vec3(v);
+      EXPECT_NEAR(x.z, 0.4, 1e-5);
+      EXPECT_TRUE(x.x > -0.01 && x.x < 1.01 && x.y > -0.01 && x.y < 1.01);
+    }
+    IsosurfaceOptions options;
+    options.closed = true;
+    const TriangleMesh closed = mesh_of(*surface, options, report);
+    EXPECT_TRUE(report.closed);
+    EXPECT_NEAR(*report.volume, 0.4, 0.004);
+  }
+}
+
+TEST(Isosurface, InTheHoleOfAVolumeThereIsNone) {
+  // A ring: the part of a lattice of hexahedra between two cylinders, cut by a plane through its axis.
+  GridBlock ring = test::lattice_block({33, 5, 9}, {0, 0.5, 0}, {2 * std::numbers::pi, 1, 0.5});
+  ring = test::curvilinear_block(ring, [](const Vec3& x) { return Vec3{x.y * std::cos(x.x), x.y * std::sin(x.x), x.z}; });
+  const auto surface = surface_in(test::one_block(std::move(ring), [](const Vec3& x) { return x.y + 0.01; }), 0);
+  IsosurfaceReport report;
+  const TriangleMesh mesh = mesh_of(*surface, {}, report);
+  EXPECT_EQ(report.components, 2u);
+  for (const Vec3f& v : mesh.vertices) {
+    const Vec3 x = mesh.origin + Vec3(v);
+    EXPECT_GT(std::hypot(x.x, x.y), 0.48);
+  }
+  EXPECT_NEAR(report.area, 2 * 0.5 * 0.5, 0.03);
+}
+
+TEST(Isosurface, NamesTheRangeWhereTheValueIsNotThere) {
+  try {
+    surface_in(test::lattice_grid({9, 9, 9}, cone), 7);
+    FAIL() << "there is no such surface";
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("between"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Isosurface, IsASolidLikeOthers) {
+  const auto surface = surface_in(test::tetrahedra_grid({25, 25, 25}, cone), 0.7);
+  const Solid ball = isosurface_solid(surface);
+  Progress progress;
+  CsgMeshReport report;
+  mesh_csg(csg::subtract(ball, csg::half_space({0, 0, 1}, kCenter.z)), {}, progress, &report);
+  EXPECT_TRUE(report.closed);
+  const double half = 2.0 / 3 * std::numbers::pi * 0.027;
+  EXPECT_NEAR(report.volume, half, 0.02 * half);
+}
+
+TEST(Isosurface, DoesNotDependOnThreads) {
+  const auto surface = surface_in(test::tetrahedra_grid({17, 17, 17}, cone), 0.7);
+  test::expect_equal_for_any_threads([&] {
+    IsosurfaceReport report;
+    return mesh_of(*surface, {}, report).vertices;
+  });
+}
+
+TEST(ValueRanges, HoldAllValuesOfTheCellsAround) {
+  const auto wave = [](const Vec3& x) { return std::sin(9 * x.x) * std::cos(7 * x.y) + x.z * x.z; };
+  std::vector<NamedGrid> grids;
+  grids.push_back({"stretched", test::stretched_grid({19, 18, 17}, wave)});
+  grids.push_back({"bent", test::bent_grid({13, 12, 11}, wave)});
+  grids.push_back({"tetrahedra", test::tetrahedra_grid({9, 9, 9}, wave)});
+  for (NamedGrid& grid : grids) {
+    SCOPED_TRACE(grid.name);
+    VolumeDataset dataset(std::move(grid.data));
+    Progress progress;
+    const auto volume = dataset.volume("f", progress);
+    const auto& values = *volume->attributes.find<double>("f");
+    const Box3 box = volume->bounds();
+    const Placement place = placement_for(box.center(), box.diagonal());
+    const ValueRanges ranges(*volume, [&](std::size_t i) { return values[i]; }, place);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(0, 1);
+    for (int trial = 0; trial < 200; ++trial) {
+      const Vec3 x = box.lower + Vec3{unit(random) * box.size().x, unit(random) * box.size().y, unit(random) * box.size().z};
+      const double radius = 0.3 * unit(random) * unit(random);
+      const ValueRange found = ranges.around(place.from_input(x), place.from_input(radius));
+      for (std::size_t i = 0; i < volume->size(); ++i) {
+        if (norm(volume->position(i) - x) > radius) continue;
+        EXPECT_LE(found.least, values[i]);
+        EXPECT_GE(found.most, values[i]);
+      }
+    }
+    EXPECT_TRUE(ranges.places_of(100).empty());
+    EXPECT_FALSE(ranges.places_of(0.5).empty());
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh
