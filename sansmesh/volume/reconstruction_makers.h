@@ -6,7 +6,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/field/volume_field.h"
-#include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
