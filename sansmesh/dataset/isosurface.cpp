@@ -28,6 +28,9 @@ constexpr double kBlock = 1.1;
 constexpr std::size_t kMostIsoBlocks = 6'000'000;
 /// Default mesh error in spacings.
 constexpr double kIsoError = 0.02;
+/// Edge of the cube of blocks over the longest side of the volume: the surface does not reach its faces, where it would be
+/// closed.
+constexpr double kCube = 1.25;
 /// Half the diagonal of a block with edge 1.
 const double kHalfDiagonal = std::sqrt(0.75);
 
@@ -173,7 +176,7 @@ std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<dou
                                     Progress& progress) {
   const Box3 box = surface.bounds();
   const Vec3 size = box.size();
-  const double edge = 1.01 * std::max({size.x, size.y, size.z});
+  const double edge = kCube * std::max({size.x, size.y, size.z});
   BlockTree tree(box.center() - Vec3{1, 1, 1} * (edge / 2), edge);
   std::vector<std::uint32_t> level{0};
   while (!level.empty()) {
