@@ -125,14 +125,12 @@ OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(inpu
   ReadReport read;
   GridData data = input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
                                           : read_volumes(input.files, input.read, &read);
-  console.warn(input.name(), read.warnings);
   console.warn(input.name(), data.notes);
-  try {
-    dataset_ = std::make_unique<VolumeDataset>(std::move(data));
-  } catch (const DataError& error) {
-    throw FileError(input.name(), error.what());
-  }
-  choice_ = dataset_->choose(input.array.empty() ? dataset_->default_array().name : input.array);
+  dataset_ = std::make_unique<VolumeDataset>(std::move(data));
+  if (!input.array.empty())
+    choice_ = dataset_->choose(input.array);
+  else if (!dataset_->arrays().empty())
+    choice_ = {dataset_->default_array().name, {}, false};
 }
 
 std::string OpenVolume::array_name() const {
@@ -143,7 +141,8 @@ std::string OpenVolume::array_name() const {
 std::shared_ptr<const SampledVolume> OpenVolume::samples() {
   if (samples_) return samples_;
   try {
-    samples_ = dataset_->volume(choice_.array, console_.progress());
+    samples_ = dataset_->arrays().empty() ? dataset_->volume(Association::points, console_.progress())
+                                          : dataset_->volume(choice_.array, console_.progress());
   } catch (const DataError& error) {
     throw FileError(input_.name(), error.what());
   }
@@ -154,6 +153,7 @@ std::shared_ptr<const VolumeField> OpenVolume::field() {
   samples();
   std::shared_ptr<const VolumeField> field;
   try {
+    dataset_->default_array();  // there must be one
     field = dataset_->field(choice_, input_.method, console_.progress(), &report_);
   } catch (const DataError& error) {
     throw FileError(input_.name(), error.what());
@@ -163,11 +163,11 @@ std::shared_ptr<const VolumeField> OpenVolume::field() {
 }
 
 std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {
+  const auto values = field();
   const DatasetArray& array = dataset_->array(choice_.array);
   if (array.components > 1 && !choice_.component && !choice_.magnitude)
     throw ArgumentError(fmt::format("`array`: {} has {} components: choose one ({}:0, {}:magnitude, …)", array.name,
                                     array.components, array.name, array.name));
-  const auto values = field();
   console_.progress().begin("find surface");
   try {
     return std::make_shared<const Isosurface>(

@@ -53,6 +53,7 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
   OpenVolume volume(a.input, console);
+  volume.samples();
   const DatasetArray& array = volume.dataset().array(volume.choice().array);
   if (!a.value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
   const double value = a.value.value_or(array.components == 1 ? 0.5 * (array.least[0] + array.most[0]) : 0);

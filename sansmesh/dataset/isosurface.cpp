@@ -22,15 +22,16 @@ namespace {
 
 /// Places whose slopes the scale of the values is taken from, at most.
 constexpr std::size_t kSlopes = 4096;
-/// Blocks are divided while they are longer than so many spacings.
-constexpr double kBlock = 1.1;
+/// Edge of the blocks in spacings.
+constexpr double kBlock = 1;
 /// More blocks than this are not made: they are larger then, and a warning says so.
 constexpr std::size_t kMostIsoBlocks = 6'000'000;
 /// Default mesh error in spacings.
 constexpr double kIsoError = 0.02;
-/// Edge of the cube of blocks over the longest side of the volume: the surface does not reach its faces, where it would be
-/// closed.
-constexpr double kCube = 1.25;
+/// The cube of blocks is larger than the volume by so many blocks on each side: the surface does not reach its faces,
+/// where it would be closed.
+constexpr double kAroundVolume = 3;
+constexpr double kRounding = 1 + 1e-9;
 /// Half the diagonal of a block with edge 1.
 const double kHalfDiagonal = std::sqrt(0.75);
 
@@ -161,6 +162,10 @@ void Isosurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueR
   });
 }
 
+void Isosurface::may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const {
+  parallel_for(0, x.size(), 512, [&](std::size_t i) { answers[i] = ranges_.among(x[i], radius, value_); });
+}
+
 void Isosurface::spacing(std::span<const Vec3> x, std::span<double> found) const {
   field_->spacing(in_input(x), found);
   for (double& s : found) s = place_.from_input(s);
@@ -176,7 +181,10 @@ std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<dou
                                     Progress& progress) {
   const Box3 box = surface.bounds();
   const Vec3 size = box.size();
-  const double edge = kCube * std::max({size.x, size.y, size.z});
+  // A power of two times the blocks that are wanted, so that halving leads to these and not to smaller ones.
+  const double finest = scale * (cell ? *cell : kBlock * surface.median_spacing());
+  const double least = std::max({size.x, size.y, size.z}) + 2 * kAroundVolume * finest;
+  const double edge = finest * std::exp2(std::ceil(std::log2(least / finest)));
   BlockTree tree(box.center() - Vec3{1, 1, 1} * (edge / 2), edge);
   std::vector<std::uint32_t> level{0};
   while (!level.empty()) {
@@ -184,15 +192,18 @@ std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<dou
     std::vector<Vec3> centers(level.size());
     for (std::size_t i = 0; i < level.size(); ++i) centers[i] = tree.block_center(level[i]);
     const double block = tree.block_edge(level[0]);
-    std::vector<ValueRange> ranges(level.size());
-    surface.ranges(centers, kHalfDiagonal * block, ranges);
-    std::vector<double> spacing(level.size(), cell.value_or(0));
-    if (!cell) surface.spacing(centers, spacing);
+    std::vector<std::uint8_t> passes(level.size());
+    surface.may_pass(centers, kHalfDiagonal * block, passes);
+    std::vector<double> wanted(level.size(), scale * cell.value_or(0));
+    if (!cell) {
+      surface.spacing(centers, wanted);
+      for (double& w : wanted) w *= kBlock * scale;
+    }
     std::vector<std::uint32_t> next;
     for (std::size_t i = 0; i < level.size(); ++i) {
-      if (!ranges[i].holds_zero() || tree[level[i]].level >= kMostDepth) continue;
+      if (!passes[i] || tree[level[i]].level >= kMostDepth) continue;
       const bool coarse = tree[level[i]].level < 3;
-      if (!coarse && block <= kBlock * scale * spacing[i]) continue;
+      if (!coarse && block <= kRounding * wanted[i]) continue;
       const auto first = static_cast<std::uint32_t>(tree.subdivide(level[i]));
       for (std::uint32_t c = 0; c < 8; ++c) next.push_back(first + c);
     }
@@ -254,7 +265,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   IsosurfaceReport& r = report ? *report : local;
   r = {};
   const Placement& place = surface.place();
-  const double median = place.from_input(surface.volume().facts.median_spacing);
+  const double median = surface.median_spacing();
   std::optional<double> cell;
   if (options.cell) cell = place.from_input(*options.cell);
 
@@ -276,9 +287,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   std::optional<BlockTree> blocks = iso_blocks(surface, cell, scale, progress);
   while (!blocks) {
     scale *= 2;
-    std::optional<double> larger = cell;
-    if (larger) *larger *= scale;
-    blocks = iso_blocks(surface, larger, scale, progress);
+    blocks = iso_blocks(surface, cell, scale, progress);
   }
   if (scale > 1)
     r.warnings.push_back(fmt::format("the surface is so large that blocks are {} times as wide as the samples are apart",

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -66,7 +68,10 @@ class Isosurface : public ScalarField {
                           std::span<std::uint8_t> inside) const override;
   /// From the samples around (ValueRanges).
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
-  /// Distance between samples around x.
+  /// Whether the surface may pass within `radius` of each of x (1; else 0): as ranges() would tell, but quicker.
+  void may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const;
+  /// Distance between samples: on the median, and around x.
+  double median_spacing() const { return place_.from_input(volume_->facts.median_spacing); }
   void spacing(std::span<const Vec3> x, std::span<double> found) const;
 
  private:

@@ -14,8 +14,8 @@ namespace sansmesh {
 namespace {
 
 constexpr float kEndless = std::numeric_limits<float>::infinity();
-constexpr std::size_t kBrick = 4;  ///< cells of a lattice along each side of a group
-constexpr std::size_t kGroup = 8;  ///< cells of other grids a group
+constexpr std::size_t kBrick = 2;  ///< cells of a lattice along each side of a group
+constexpr std::size_t kGroup = 4;  ///< cells of other grids a group
 
 /// Rounded to float outwards.
 Box3f outwards(const Box3& box) {
@@ -165,6 +165,32 @@ ValueRanges::ValueRanges(const SampledVolume& volume, const std::function<double
   });
 }
 
+ValueRanges::Reach ValueRanges::reach(const Node& node, std::size_t lane, const Vec3f& x) {
+  Reach r{0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float below = node.boxes.lower[k][lane] - x[k], above = x[k] - node.boxes.upper[k][lane];
+    const float out = std::max({below, above, 0.0F}), across = std::max(-below, -above);
+    r.nearest += out * out, r.farthest += across * across;
+  }
+  return r;
+}
+
+bool ValueRanges::among(const Vec3& x, double radius, double value) const {
+  if (levels_.empty()) return false;
+  const Vec3f p(x);
+  const auto squared = static_cast<float>(radius * radius * (1 + 1e-5));
+  const float v = static_cast<float>(value);  // ranges were rounded outwards
+  const auto visit = [&](const auto& self, std::size_t level, std::size_t n) -> bool {
+    const Node& node = levels_[level][n];
+    for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
+      if (node.least[lane] > v || node.most[lane] < v || reach(node, lane, p).nearest > squared) continue;
+      if (level == 0 || self(self, level - 1, kTreeWidth * n + lane)) return true;
+    }
+    return false;
+  };
+  return visit(visit, levels_.size() - 1, 0);
+}
+
 ValueRange ValueRanges::around(const Vec3& x, double radius) const {
   ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   if (levels_.empty()) return range;
@@ -175,12 +201,7 @@ ValueRange ValueRanges::around(const Vec3& x, double radius) const {
     for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
       const double least = static_cast<double>(node.least[lane]), most = static_cast<double>(node.most[lane]);
       if (least > most || (least >= range.least && most <= range.most)) continue;
-      float near = 0, far = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const float below = node.boxes.lower[k][lane] - p[k], above = p[k] - node.boxes.upper[k][lane];
-        const float out = std::max({below, above, 0.0F}), span = std::max(-below, -above);
-        near += out * out, far += std::max(span, out) * std::max(span, out);
-      }
+      const auto [near, far] = reach(node, lane, p);
       if (near > squared) continue;
       if (level == 0 || far <= squared) {
         range.least = std::min(range.least, least), range.most = std::max(range.most, most);

@@ -66,12 +66,16 @@ VolumeDataset::VolumeDataset(GridData data) : data_(std::move(data)) {
     for (const Attribute& a : b.point_arrays) take_in(a, Association::points, b.hidden_points, arrays_);
     for (const Attribute& a : b.cell_arrays) take_in(a, Association::cells, b.hidden_cells, arrays_);
   }
-  if (arrays_.empty()) throw DataError("holds no arrays: there is nothing to reconstruct");
   for (DatasetArray& a : arrays_)
     for (std::size_t c = 0; c < a.components; ++c)
       if (a.least[c] > a.most[c]) a.least[c] = a.most[c] = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t k = 1; k < arrays_.size(); ++k)
     if (suits(arrays_[k]) > suits(arrays_[default_])) default_ = k;
+}
+
+const DatasetArray& VolumeDataset::default_array() const {
+  if (arrays_.empty()) throw DataError("holds no arrays: there is nothing to reconstruct");
+  return arrays_[default_];
 }
 
 const DatasetArray& VolumeDataset::array(const std::string& name) const {
@@ -111,7 +115,10 @@ ArrayChoice VolumeDataset::choose(const std::string& text) const {
 }
 
 std::shared_ptr<const SampledVolume> VolumeDataset::volume(const std::string& name, Progress& progress) {
-  const Association of = array(name).of;
+  return volume(array(name).of, progress);
+}
+
+std::shared_ptr<const SampledVolume> VolumeDataset::volume(Association of, Progress& progress) {
   auto& volume = volumes_[of == Association::points ? 0 : 1];
   if (volume) return volume;
   volume = std::make_shared<const SampledVolume>(assemble_volume(data_, of, progress));

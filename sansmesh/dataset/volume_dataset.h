@@ -37,19 +37,22 @@ struct ArrayChoice {
 
 class VolumeDataset {
  public:
-  /// Throws DataError where there is no array at all.
   explicit VolumeDataset(GridData data);
 
   const std::vector<DatasetArray>& arrays() const { return arrays_; }
   /// The first real array of one component that is not constant; else of one component, else of several, and then of
   /// points rather than of cells.
-  const DatasetArray& default_array() const { return arrays_[default_]; }
+  /// Throws DataError where there is no array at all.
+  const DatasetArray& default_array() const;
   /// Of points, where there are two of that name. Throws ArgumentError naming those that there are.
   const DatasetArray& array(const std::string& name) const;
   /// Throws ArgumentError for names of no array and components that it has not.
   ArrayChoice choose(const std::string& text) const;
 
-  /// Samples that the array belongs to: assembled at the first call. Not safe from several threads.
+  /// Samples at points or in cells: assembled at the first call. Not safe from several threads. Throws DataError where
+  /// nothing can be made of the blocks.
+  std::shared_ptr<const SampledVolume> volume(Association of, Progress& progress);
+  /// Those that the array belongs to.
   std::shared_ptr<const SampledVolume> volume(const std::string& array, Progress& progress);
 
   /// The reconstruction of an array, of all its components or of what was chosen. Throws as reconstruct_volume.

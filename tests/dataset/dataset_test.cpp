@@ -62,7 +62,7 @@ TEST(VolumeDataset, SaysWhatThereIsWhereANameIsWrong) {
   EXPECT_NE(message_of("nothing").find("ids, where, constant, f"), std::string::npos);
   EXPECT_NE(message_of("where:3").find("0 to 2"), std::string::npos);
   EXPECT_NE(message_of("where:w"), "");
-  EXPECT_THROW(VolumeDataset(GridData{}), DataError);
+  EXPECT_THROW(VolumeDataset(GridData{}).default_array(), DataError);
 }
 
 TEST(VolumeDataset, MagnitudesAreThoseOfTheVectorWithTheirGradients) {
