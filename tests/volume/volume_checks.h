@@ -35,6 +35,9 @@ inline std::vector<NamedGrid> all_grids(const VolumeFunction& f) {
   grids.emplace_back("tetrahedra of an o-grid", one_block(tetrahedra_of(o_grid_block({13, 4, 5})), f));
   grids.emplace_back("mixed", mixed_grid({7, 4, 4}, f));
   grids.emplace_back("abutting", abutting_blocks(5, 5, f));
+  grids.emplace_back("abutting, unlike", abutting_blocks(5, 7, f));
+  grids.emplace_back("two levels", two_level_amr(8, f));
+  grids.emplace_back("overlapping", three_overlapping_blocks(6, f));
   std::vector<NamedGrid> all;
   for (auto& [name, data] : grids)
     for (const Association a : {Association::points, Association::cells})
