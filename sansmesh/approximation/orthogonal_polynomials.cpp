@@ -239,8 +239,14 @@ ValueAndGradient<D> OrthogonalFit<D>::value_and_gradient(const std::array<double
 
 template <int D>
 void OrthogonalFit<D>::monomial_coefficients(std::span<double> coefficients) const {
-  const auto n = static_cast<std::size_t>(size_);
-  if (coefficients.size() < n) throw ArgumentError("approximation: room for size() monomial coefficients is needed");
+  monomial_coefficients(coefficient_, coefficients);
+}
+
+template <int D>
+void OrthogonalFit<D>::monomial_coefficients(std::span<const double> orthogonal, std::span<double> coefficients) const {
+  const std::size_t n = orthogonal.size();
+  if (n > static_cast<std::size_t>(size_)) throw ArgumentError("approximation: there are no more than size() polynomials");
+  if (coefficients.size() < n) throw ArgumentError("approximation: room for all monomial coefficients is needed");
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
   // Row j: ψ_j in monomials, entries 0 .. j, again a triangle.
   thread_local std::vector<double> rows;
@@ -260,7 +266,7 @@ void OrthogonalFit<D>::monomial_coefficients(std::span<double> coefficients) con
       for (auto l = static_cast<std::size_t>(first_[j]); l < j; ++l)
         for (std::size_t m = 0; m <= l; ++m) own[m] -= alpha[l] * rows[start(l) + m];
     }
-    for (std::size_t m = 0; m <= j; ++m) coefficients[m] += coefficient_[j] * own[m];
+    for (std::size_t m = 0; m <= j; ++m) coefficients[m] += orthogonal[j] * own[m];
   }
 }
 

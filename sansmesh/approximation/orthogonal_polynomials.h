@@ -113,6 +113,8 @@ class OrthogonalFit {
   /// PolynomialOrder. Writes the first size() entries; `coefficients` is at least as long (ArgumentError), the rest is
   /// set to 0.
   void monomial_coefficients(std::span<double> coefficients) const;
+  /// The same of Σ_j orthogonal[j] ψ_j, with as many terms as `orthogonal` has, at most size().
+  void monomial_coefficients(std::span<const double> orthogonal, std::span<double> coefficients) const;
 
  private:
   static std::size_t row_start(int j) { return static_cast<std::size_t>(j) * static_cast<std::size_t>(j - 1) / 2; }

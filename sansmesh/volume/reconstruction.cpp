@@ -32,36 +32,44 @@ const std::vector<Entry>& entries() {
        make_linear_field},
 
       // shepard
-      {{Method::shepard, "shepard", "", "", {}},  //
-       nullptr},
+      {{Method::shepard, "shepard", "inverse squared distances of the samples around", "all", {"radius"}},  //
+       make_shepard_field},
 
       // sibson
-      {{Method::sibson, "sibson", "", "", {}},  //
-       nullptr},
+      {{Method::sibson, "sibson", "natural neighbours: volumes taken from Voronoi cells", "all", {}},  //
+       make_sibson_field},
 
       // mean-value
-      {{Method::mean_value, "mean-value", "", "", {}},  //
-       nullptr},
+      {{Method::mean_value, "mean-value", "mean value coordinates in the cell, convex or not", "all", {}},  //
+       make_mean_value_field},
 
       // cubic
-      {{Method::cubic, "cubic", "", "", {}},  //
-       nullptr},
+      {{Method::cubic,
+        "cubic",
+        "piecewise cubics of the BC family: Catmull–Rom, B-spline and between",
+        "uniform and rectilinear",
+        {"b", "c"}},  //
+       make_cubic_field},
 
       // sinc
-      {{Method::sinc, "sinc", "", "", {}},  //
-       nullptr},
+      {{Method::sinc, "sinc", "windowed sinc, eight samples in each direction", "uniform", {}},  //
+       make_sinc_field},
 
       // lagrange
-      {{Method::lagrange, "lagrange", "", "", {}},  //
-       nullptr},
+      {{Method::lagrange,
+        "lagrange",
+        "polynomials through samples in each direction",
+        "uniform and rectilinear",
+        {"degree"}},  //
+       make_lagrange_field},
 
       // rbf
-      {{Method::rbf, "rbf", "", "", {}},  //
-       nullptr},
+      {{Method::rbf, "rbf", "radial basis functions of compact support, blended", "all", {"radius"}},  //
+       make_rbf_field},
 
       // bernstein
-      {{Method::bernstein, "bernstein", "", "", {}},  //
-       nullptr},
+      {{Method::bernstein, "bernstein", "cubic splines in Bernstein–Bézier form on tetrahedra", "all", {}},  //
+       make_bernstein_field},
 
       // mls
       {{Method::mls, "mls", "", "", {}},  //

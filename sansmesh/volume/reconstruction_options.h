@@ -17,7 +17,7 @@ enum class ReconstructionMethod : std::uint8_t {
   mean_value,  ///< mean value coordinates in the cell
   cubic,       ///< the BC family; uniform and rectilinear grids
   sinc,        ///< windowed; uniform grids
-  lagrange,    ///< polynomials through samples in each direction; uniform, rectilinear and curvilinear grids
+  lagrange,    ///< polynomials through samples in each direction; uniform and rectilinear grids
   rbf,         ///< radial basis functions of compact support
   bernstein,   ///< splines in Bernstein–Bézier form on tetrahedra
   mls,         ///< moving least squares about each point

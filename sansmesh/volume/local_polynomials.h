@@ -1,0 +1,53 @@
+// A polynomial about every sample of a volume: what mls-detail blends (METHODS §6.1, §9).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/approximation/polynomial_order.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/core/shared_array.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/star_metric.h"
+#include "sansmesh/volume/volume_values.h"
+
+namespace sansmesh {
+
+/// p_i(x) = constant_i + Σ_{m >= 1} c_im monomial_m(u), u = M_i (x − x_i), monomials in the order of PolynomialOrder<3>,
+/// degree 0..4. Plain arrays that are never changed, in memory or in a mapped file.
+struct LocalPolynomials {
+  static constexpr int kMaxDegree = 4;
+  std::size_t components = 1;
+  SharedArray<StarMetric> metrics;
+  SharedArray<double> constants;       ///< components a sample
+  SharedArray<std::uint8_t> degrees;   ///< of a sample, the same for all components
+  SharedArray<std::uint64_t> first;    ///< where in `coefficients` a sample begins; one more entry than samples
+  SharedArray<float> coefficients;     ///< without the constants; component after component
+
+  SharedArray<float> trust;            ///< of a sample, 0..1: how far it is more than linear interpolation
+
+  std::size_t size() const { return degrees.size(); }
+  std::span<const float> of(std::size_t sample, std::size_t component) const {
+    const auto terms = static_cast<std::size_t>(monomial_count(3, degrees[sample]) - 1);
+    return coefficients.view().subspan(first[sample] + component * terms, terms);
+  }
+};
+
+struct LocalPolynomialOptions {
+  int max_degree = 3;
+  bool robust = true;
+  /// How much of f_i − p_i(x_i) is added to the constant: 1 interpolates.
+  double share = 1;
+};
+
+/// The cells that a sample is a corner of, or that it stands for, ascending.
+Adjacency cells_of_samples(const SampledVolume& volume);
+
+/// See docs/methods/volume-reconstruction.md.
+LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                       const LocalPolynomialOptions& options, Progress& progress);
+
+}  // namespace sansmesh

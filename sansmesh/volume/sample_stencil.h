@@ -1,0 +1,41 @@
+// Neighbourhoods of samples by the mesh: rings of stars.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/star_metric.h"
+
+namespace sansmesh {
+
+/// Gathers samples ring by ring. One object a thread; its memory is reused. `volume` must outlive it and be no lattice.
+class SampleStencil {
+ public:
+  explicit SampleStencil(const SampledVolume& volume) : volume_(volume), seen_(volume.size(), 0) {}
+
+  /// The sample, its star, the stars of these and so on, whole rings until there are at least `enough` or nothing more
+  /// is connected, at most `max_rings` of them. Of the last ring only the nearest by the metric are taken where there
+  /// would be more than `most` (of equally near ones those of lower number). Nothing is reached across gaps of the mesh.
+  void gather(std::uint32_t sample, const StarMetric& metric, std::size_t enough, std::size_t most, int max_rings);
+
+  /// Ring after ring; the first is the sample itself.
+  std::span<const std::uint32_t> samples() const { return samples_; }
+  /// Local coordinates of these.
+  std::span<const Vec3> local() const { return local_; }
+  int rings() const { return rings_; }
+
+ private:
+  const SampledVolume& volume_;
+  std::vector<std::uint32_t> seen_;  ///< the number of the query that met a sample last
+  std::uint32_t query_ = 0;
+  std::vector<std::uint32_t> samples_;
+  std::vector<Vec3> local_;
+  std::vector<std::pair<double, std::uint32_t>> ring_;
+  int rings_ = 0;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,61 @@
+#include "sansmesh/volume/star_metric.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/local_frame.h"
+
+namespace sansmesh {
+namespace {
+
+// Extents below this fraction of the largest are rounding of the positions, not thickness.
+constexpr double kFlat = 1e-7;
+
+}  // namespace
+
+StarMetric star_metric(std::span<const Vec3> offsets, double fallback) {
+  double longest = 0;
+  for (const Vec3& d : offsets) longest = std::max(longest, norm(d));
+  StarMetric metric;
+  if (!(longest > 0)) {
+    const auto f = static_cast<float>(1 / fallback);
+    metric.rows = {Vec3f{f, 0, 0}, Vec3f{0, f, 0}, Vec3f{0, 0, f}};
+    return metric;
+  }
+  Symmetric3 moments;
+  for (const Vec3& d : offsets) moments.add(d / longest, 1.0 / static_cast<double>(offsets.size()));
+  const PrincipalAxes axes = principal_axes(moments);
+  std::array<double, 3> extent;
+  for (std::size_t k = 0; k < 3; ++k) extent[k] = std::sqrt(std::max(axes.values[k], 0.0));
+  if (extent[1] < kFlat * extent[2]) extent[1] = extent[2];
+  if (extent[0] < kFlat * extent[2]) extent[0] = std::min(extent[1], extent[2]);
+  double farthest = 0;
+  for (const Vec3& d : offsets) {
+    double r2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double u = dot(d / longest, axes.axes[k]) / extent[k];
+      r2 += u * u;
+    }
+    farthest = std::max(farthest, r2);
+  }
+  const double scale = 1 / (longest * std::sqrt(farthest));
+  for (std::size_t k = 0; k < 3; ++k) metric.rows[k] = Vec3f(axes.axes[k] * (scale / extent[k]));
+  return metric;
+}
+
+std::vector<StarMetric> star_metrics(const SampledVolume& volume) {
+  std::vector<StarMetric> metrics(volume.size());
+  const double fallback = std::max(volume.facts.median_spacing, 1e-6 * volume.bounds().diagonal());
+  parallel_ranges(0, metrics.size(), 1024, [&](std::size_t first, std::size_t last) {
+    std::vector<Vec3> offsets;
+    for (std::size_t i = first; i < last; ++i) {
+      offsets.clear();
+      for (const std::uint32_t j : volume.stars[i]) offsets.push_back(volume.positions[j] - volume.positions[i]);
+      metrics[i] = star_metric(offsets, fallback > 0 ? fallback : 1);
+    }
+  });
+  return metrics;
+}
+
+}  // namespace sansmesh

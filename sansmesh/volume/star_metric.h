@@ -1,0 +1,40 @@
+// How samples of a volume lie around each of them: an ellipsoidal norm from the star (METHODS §6.2).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/sampled_volume.h"
+
+namespace sansmesh {
+
+/// Takes offsets from a sample, lengths, to local coordinates u = M d in which the samples next to it lie in the unit
+/// ball, whatever the aspect of the cells: the local norm is ‖u‖. Rows of M; M = diag(1 / extent) E with orthonormal E.
+struct StarMetric {
+  std::array<Vec3f, 3> rows{};
+
+  Vec3 operator()(const Vec3& d) const {
+    return {rows[0].x * d.x + rows[0].y * d.y + rows[0].z * d.z, rows[1].x * d.x + rows[1].y * d.y + rows[1].z * d.z,
+            rows[2].x * d.x + rows[2].y * d.y + rows[2].z * d.z};
+  }
+  /// Mᵀ u: what takes gradients by u to gradients by length.
+  Vec3 transposed(const Vec3& u) const {
+    return Vec3(rows[0]) * u.x + Vec3(rows[1]) * u.y + Vec3(rows[2]) * u.z;
+  }
+};
+
+/// The metric of neighbours at the given offsets: axes and ratios of extents are those of the offsets' second moments
+/// about the sample (about, not around their mean: stars at the boundary are one-sided), and the farthest neighbour has
+/// norm 1. For an affine image of a cubic lattice all neighbours along edges have norm 1. Directions in which the star
+/// has no extent (a plane, a line) take the least extent that it has in another; without neighbours, or if all
+/// coincide, the metric is that of a ball of radius `fallback`, a length > 0.
+StarMetric star_metric(std::span<const Vec3> offsets, double fallback);
+
+/// Those of all samples of a volume that is no lattice, from their stars. Runs in parallel.
+std::vector<StarMetric> star_metrics(const SampledVolume& volume);
+
+}  // namespace sansmesh
