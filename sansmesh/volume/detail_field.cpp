@@ -43,7 +43,8 @@ std::unique_ptr<VolumeField> make_detail_field(std::shared_ptr<const SampledVolu
                                                const ReconstructionOptions& options, Progress& progress,
                                                ReconstructionReport* report) {
   LocalPolynomialOptions local;
-  local.max_degree = options.degree.value_or(3);
+  local.fit.max_degree = options.degree.value_or(3);
+  local.fit.robust = options.robust.value_or(true);
   LocalPolynomials polynomials = fit_local_polynomials(*volume, values, local, progress);
   if (report != nullptr) {
     report->options = options;

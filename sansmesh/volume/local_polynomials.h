@@ -12,6 +12,7 @@
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/volume/star_metric.h"
+#include "sansmesh/volume/stencil_fit.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
@@ -37,8 +38,7 @@ struct LocalPolynomials {
 };
 
 struct LocalPolynomialOptions {
-  int max_degree = 3;
-  bool robust = true;
+  StencilFitOptions fit;
   /// How much of f_i − p_i(x_i) is added to the constant: 1 interpolates.
   double share = 1;
 };
@@ -46,7 +46,15 @@ struct LocalPolynomialOptions {
 /// The cells that a sample is a corner of, or that it stands for, ascending.
 Adjacency cells_of_samples(const SampledVolume& volume);
 
-/// See docs/methods/volume-reconstruction.md.
+/// Polynomials about all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md): stencils are
+/// as many whole rings of the mesh as hold twice the number of polynomials of the highest degree. Fits are about
+/// samples and blended, not about each point as in `mls`: that is a thousand times fewer systems, the result is smooth,
+/// and the degree is chosen where there is something to judge it by. Runs in parallel.
+///
+/// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
+/// interpolation there and b = half their difference, summed over the star, trust is 1 as long as Σ b² <= Σ a² / 2, else
+/// Σ a² / (½ Σ a² + Σ b²): a correction of linear interpolation of size a whose error is of size b is best taken by
+/// such a share. Under-resolved data so end up at linear interpolation.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 
