@@ -21,13 +21,17 @@ struct VolumePlace {
   /// Entries of `cells` of the volume (samples of a lattice): the corners of the cell.
   std::array<std::uint32_t, 8> corners{};
   /// Shape functions of the cell: linear in tetrahedra, trilinear in hexahedra, with VTK's for pyramids and wedges.
-  /// They sum to 1; inside all are >= 0 (to rounding), outside they are those of the nearest place of the cell.
+  /// They sum to 1; inside all are >= 0 (to rounding), outside they are those of the nearest place of the cell. In the
+  /// outer half cells of lattices of samples in cells they go on linearly: some are < 0.
   std::array<double, 8> weights{};
 };
 
 /// Derivatives of the shape functions by the position, at a place found for x; zero where the cell is singular there.
 void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& x,
                      std::span<Vec3, 8> gradients);
+
+/// The mean length of the edges of the cell of a place.
+double local_spacing(const SampledVolume& volume, const VolumePlace& place);
 
 /// Built once, then asked from any thread. `volume` must outlive it.
 class VolumeLocator {

@@ -130,9 +130,7 @@ inline GridData bent_grid(std::array<std::size_t, 3> n, const VolumeFunction& f,
 inline GridBlock o_grid_block(std::array<std::size_t, 3> n, double growth = 1.15) {
   GridBlock block = lattice_block(n, {0, 0, 0}, {2 * std::numbers::pi, 1, 2});
   block.axes[1] = axis_steps(n[1], 0, 1, growth);
-  return curvilinear_block(block, [](const Vec3& x) {
-    return Vec3{x.y * std::cos(x.x), x.y * std::sin(x.x), x.z};
-  });
+  return curvilinear_block(block, [](const Vec3& x) { return Vec3{x.y * std::cos(x.x), x.y * std::sin(x.x), x.z}; });
 }
 
 inline GridData o_grid(std::array<std::size_t, 3> n, const VolumeFunction& f) { return one_block(o_grid_block(n), f); }
@@ -180,8 +178,8 @@ inline GridData mixed_grid(std::array<std::size_t, 3> n, const VolumeFunction& f
         const auto tip = static_cast<std::uint32_t>(block.points.size());
         block.points.push_back(middle);
         for (const CellFace& face : cell_faces(CellShape::hexahedron))  // inwards seen from the tip
-          block.cells.add(CellShape::pyramid, std::array{h[face.corner[0]], h[face.corner[3]], h[face.corner[2]],
-                                                         h[face.corner[1]], tip});
+          block.cells.add(CellShape::pyramid,
+                          std::array{h[face.corner[0]], h[face.corner[3]], h[face.corner[2]], h[face.corner[1]], tip});
       }
     }
   }
@@ -222,8 +220,8 @@ inline GridData two_level_amr(std::size_t n, const VolumeFunction& f, bool blank
   return data;
 }
 
-/// Three curvilinear blocks that overlap, of spacings about 1/n, 1/(1.7 n) and 1/(2.6 n): a box, a turned one and a bent
-/// one. The whole is not convex.
+/// Three curvilinear blocks that overlap, of spacings about 1/n, 1/(1.7 n) and 1/(2.6 n): a box, a turned one and a
+/// bent one. The whole is not convex.
 inline GridData three_overlapping_blocks(std::size_t n, const VolumeFunction& f) {
   const auto m = static_cast<std::size_t>(1.7 * static_cast<double>(n) * 0.8),
              l = static_cast<std::size_t>(2.6 * static_cast<double>(n) * 0.5);

@@ -1,0 +1,33 @@
+// Samples in cells as a continuous function: what `linear` is where values belong to cells.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/volume_values.h"
+
+namespace sansmesh {
+
+/// Linear on tetrahedra between the sample of a cell, a face's middle and two of its corners. Values at corners are
+/// those of the plane of least squares through the samples of the cells around, within the range of these; at the
+/// surface of the volume through the next ones, too, and beyond their range by at most one and a half times it, so that
+/// linear functions are reproduced up to the surface. Values in the middle of a face are the means of its corners.
+class CellInterpolant {
+ public:
+  /// `volume` has samples in cells and is no lattice; both must outlive it.
+  CellInterpolant(const SampledVolume& volume, const VolumeValues& values);
+
+  /// At x in (or near) the cell of a place; values and gradients (if wanted) have one entry a component.
+  void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const;
+
+ private:
+  const SampledVolume& volume_;
+  const VolumeValues& values_;
+  std::vector<double> at_corners_;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,138 @@
+#include "sansmesh/volume/reconstruction.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/volume/reconstruction_makers.h"
+
+namespace sansmesh {
+namespace {
+
+struct Entry {
+  ReconstructionInfo info;
+  /// Null for names that are kept for methods to come: these are not in the table that others see.
+  std::unique_ptr<VolumeField> (*make)(ReconstructionInput) = nullptr;
+};
+
+using Method = ReconstructionMethod;
+
+/// One entry a method, in the order of the enumerators.
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> all = {
+      // nearest
+      {{Method::nearest, "nearest", "the value of the nearest sample", "all", {}},  //
+       make_nearest_field},
+
+      // linear
+      {{Method::linear, "linear", "the grid's own: trilinear in hexahedra, barycentric in tetrahedra", "all", {}},  //
+       make_linear_field},
+
+      // shepard
+      {{Method::shepard, "shepard", "", "", {}},  //
+       nullptr},
+
+      // sibson
+      {{Method::sibson, "sibson", "", "", {}},  //
+       nullptr},
+
+      // mean-value
+      {{Method::mean_value, "mean-value", "", "", {}},  //
+       nullptr},
+
+      // cubic
+      {{Method::cubic, "cubic", "", "", {}},  //
+       nullptr},
+
+      // sinc
+      {{Method::sinc, "sinc", "", "", {}},  //
+       nullptr},
+
+      // lagrange
+      {{Method::lagrange, "lagrange", "", "", {}},  //
+       nullptr},
+
+      // rbf
+      {{Method::rbf, "rbf", "", "", {}},  //
+       nullptr},
+
+      // bernstein
+      {{Method::bernstein, "bernstein", "", "", {}},  //
+       nullptr},
+
+      // mls
+      {{Method::mls, "mls", "", "", {}},  //
+       nullptr},
+
+      // mls-detail
+      {{Method::mls_detail, "mls-detail", "", "", {}},  //
+       nullptr},
+
+      // amls
+      {{Method::amls, "amls", "", "", {}},  //
+       nullptr},
+  };
+  return all;
+}
+
+/// Options that are set and that the method does not heed.
+void check_heeded(const ReconstructionOptions& options, const ReconstructionInfo& info) {
+  const ReconstructionOptions defaults;
+  const std::pair<std::string_view, bool> set[] = {
+      {"degree", options.degree.has_value()}, {"iterations", options.iterations.has_value()},
+      {"shape", options.shape.has_value()},   {"order", options.order.has_value()},
+      {"radius", options.radius.has_value()}, {"robust", options.robust.has_value()},
+      {"b", options.b != defaults.b},         {"c", options.c != defaults.c},
+  };
+  for (const auto& [name, is_set] : set)
+    if (is_set && std::find(info.options.begin(), info.options.end(), name) == info.options.end())
+      throw ArgumentError(fmt::format("`{}` means nothing to the reconstruction {}", name, info.name));
+}
+
+}  // namespace
+
+std::span<const ReconstructionInfo> reconstruction_methods() {
+  static const std::vector<ReconstructionInfo> there = [] {
+    std::vector<ReconstructionInfo> infos;
+    for (const Entry& entry : entries())
+      if (entry.make) infos.push_back(entry.info);
+    return infos;
+  }();
+  return there;
+}
+
+const ReconstructionInfo& info_of(ReconstructionMethod method) {
+  return entries()[static_cast<std::size_t>(method)].info;
+}
+
+ReconstructionMethod reconstruction_of_name(std::string_view name) {
+  std::string names;
+  for (const ReconstructionInfo& info : reconstruction_methods()) {
+    if (info.name == name) return info.method;
+    names += (names.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw ArgumentError("there is no reconstruction '" + printable(name, 60) + "'; those there are: " + names);
+}
+
+std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
+                                                const ReconstructionOptions& options, Progress& progress,
+                                                ReconstructionReport* report) {
+  options.validate();
+  const Entry& entry = entries()[static_cast<std::size_t>(options.method)];
+  if (!entry.make) throw ArgumentError(fmt::format("there is no reconstruction {} here", entry.info.name));
+  check_heeded(options, entry.info);
+  ReconstructionReport own;
+  ReconstructionReport& told = report ? *report : own;
+  told = {};
+  told.options = options;
+  VolumeValues values = volume_values(*volume, array);
+  if (!values.filled.empty())
+    told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
+                                     values.filled.size(), volume->size()));
+  return entry.make({std::move(volume), std::move(values), options, progress, told});
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,51 @@
+// What is asked of a reconstruction of a volume, and what it tells.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sansmesh {
+
+enum class ReconstructionMethod : std::uint8_t {
+  nearest,     ///< the value of the nearest sample
+  linear,      ///< that of the grid itself: trilinear, barycentric, …
+  shepard,     ///< inverse squared distances
+  sibson,      ///< natural neighbours
+  mean_value,  ///< mean value coordinates in the cell
+  cubic,       ///< the BC family; uniform and rectilinear grids
+  sinc,        ///< windowed; uniform grids
+  lagrange,    ///< polynomials through samples in each direction; uniform, rectilinear and curvilinear grids
+  rbf,         ///< radial basis functions of compact support
+  bernstein,   ///< splines in Bernstein–Bézier form on tetrahedra
+  mls,         ///< moving least squares about each point
+  mls_detail,  ///< robust local polynomials of adaptive degree, blended
+  amls         ///< approximate moving least squares: ellipsoidal, normalised, iterated
+};
+
+/// What is absent is chosen from the data.
+struct ReconstructionOptions {
+  ReconstructionMethod method = ReconstructionMethod::mls_detail;
+  std::optional<int> degree;      ///< mls, mls_detail: highest degree of polynomials, 0..4; lagrange: 1..5
+  std::optional<int> iterations;  ///< amls, mls_detail: times that residuals are added, 0..100
+  std::optional<double> shape;    ///< amls: ε, 0.05..10: small is smooth
+  std::optional<int> order;       ///< amls: 2, 4 or 6
+  std::optional<double> radius;   ///< mls, rbf, shepard: in spacings, 1..10
+  std::optional<bool> robust;     ///< mls_detail: weights that leave steps between materials sharp
+  double b = 0, c = 0.5;          ///< cubic: B and C, 0..1 each; Catmull–Rom
+
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// What was chosen, and what is worth knowing.
+struct ReconstructionReport {
+  ReconstructionOptions options;       ///< with what was chosen from the data
+  std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
+  std::vector<std::size_t> by_degree;  ///< polynomials of each degree that there are, where there are any
+  double noise = 0;                    ///< of the values, where it was estimated (unit of the array)
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,295 @@
+#include "sansmesh/volume/volume_locator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/volume/box_tree.h"
+#include "sansmesh/volume/cell_adjacency.h"
+#include "sansmesh/volume/cell_geometry.h"
+#include "sansmesh/volume/point_order.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kStrict = 1e-10;  // in parameters: nearer to a face than this is on it
+
+/// The cell of an axis for a coordinate: the number of its lower end.
+std::size_t axis_cell(const std::vector<double>& axis, bool uniform, double a) {
+  const std::size_t last = axis.size() - 2;
+  if (!(a > axis[0])) return 0;
+  if (a >= axis[last]) return last;
+  std::size_t i;
+  if (uniform) {
+    const double step = (axis.back() - axis[0]) / static_cast<double>(axis.size() - 1);
+    i = std::min(static_cast<std::size_t>((a - axis[0]) / step), last);
+    while (i > 0 && axis[i] > a) --i;
+    while (i < last && axis[i + 1] <= a) ++i;
+  } else {
+    i = static_cast<std::size_t>(std::upper_bound(axis.begin(), axis.end(), a) - axis.begin()) - 1;
+  }
+  return i;
+}
+
+void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
+  const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
+  place.inside = is_finite(x);
+  std::size_t cell[3];
+  Vec3 u;
+  for (std::size_t k = 0; k < 3; ++k) {
+    place.inside = place.inside && a[k] >= l.lower[k] - tolerance && a[k] <= l.upper[k] + tolerance;
+    const double c = std::clamp(a[k], l.lower[k], l.upper[k]);
+    cell[k] = axis_cell(l.axes[k], l.uniform, c);
+    const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
+    u[k] = (c - from) / (to - from);
+  }
+  const std::size_t nx = l.axes[0].size(), nxy = nx * l.axes[1].size();
+  const std::size_t first = cell[0] + nx * cell[1] + nxy * cell[2];
+  const std::size_t corner[8] = {first,       first + 1,       first + 1 + nx,       first + nx,
+                                 first + nxy, first + nxy + 1, first + nxy + 1 + nx, first + nxy + nx};
+  for (std::size_t c = 0; c < 8; ++c) place.corners[c] = static_cast<std::uint32_t>(corner[c]);
+  place.cell = place.corners[0];
+  place.corner_count = 8;
+  shape_functions(CellShape::hexahedron, u, place.weights);
+}
+
+}  // namespace
+
+struct VolumeLocator::State {
+  const SampledVolume& volume;
+  double tolerance;
+  BoxTree cells;
+
+  /// Faces without a cell on the other side, for points outside: found when the first one is asked for.
+  struct Border {
+    std::vector<std::uint32_t> faces;  ///< kMostFaces · cell + face
+    BoxTree tree;
+  };
+  mutable std::once_flag border_made;
+  mutable Border border;
+
+  explicit State(const SampledVolume& v) : volume(v), tolerance(1e-9 * v.bounds().diagonal()) {
+    if (volume.lattice) return;
+    if (volume.cells.empty()) throw DataError("the volume has no cells");
+    cells = BoxTree(volume.cells.size(), [this](std::size_t c) {
+      Box3 box;
+      for (const std::uint32_t p : volume.cells[c]) box.extend(volume.corner(p));
+      return widened(box);
+    });
+  }
+
+  Box3 widened(Box3 box) const {
+    const Vec3 slack{tolerance, tolerance, tolerance};
+    return {box.lower - slack, box.upper + slack};
+  }
+
+  std::size_t corners_of(std::size_t cell, const Vec3& x, std::array<Vec3, 8>& corners) const {
+    const auto points = volume.cells[cell];
+    for (std::size_t c = 0; c < points.size(); ++c) corners[c] = volume.corner(points[c]) - x;
+    return points.size();
+  }
+
+  void make_border() const {
+    const std::size_t points = volume.corners.empty() ? volume.positions.size() : volume.corners.size();
+    const auto neighbours = face_neighbours(volume.cells, points);
+    for (std::size_t c = 0; c < volume.cells.size(); ++c)
+      for (std::size_t f = 0; f < cell_faces(volume.cells.shapes[c]).size(); ++f)
+        if (neighbours[kMostFaces * c + f] == kNoCell)
+          border.faces.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
+    border.tree = BoxTree(border.faces.size(), [this](std::size_t i) {
+      Box3 box;
+      std::array<Vec3, 4> ring;
+      const std::size_t count = ring_of(border.faces[i], {}, ring);
+      for (std::size_t k = 0; k < count; ++k) box.extend(ring[k]);
+      return box;
+    });
+  }
+
+  std::size_t ring_of(std::uint32_t id, const Vec3& x, std::array<Vec3, 4>& ring) const {
+    const std::size_t cell = id / kMostFaces;
+    const CellFace& face = cell_faces(volume.cells.shapes[cell])[id % kMostFaces];
+    for (std::size_t k = 0; k < face.count; ++k) ring[k] = volume.corner(volume.cells[cell][face.corner[k]]) - x;
+    return face.count;
+  }
+
+  void set(VolumePlace& place, std::uint32_t cell) const {
+    const auto points = volume.cells[cell];
+    place.cell = cell;
+    place.corner_count = static_cast<std::uint8_t>(points.size());
+    std::copy(points.begin(), points.end(), place.corners.begin());
+  }
+
+  /// The place on the faces without a neighbour that is nearest to x.
+  void locate_outside(const Vec3& x, VolumePlace& place) const {
+    std::call_once(border_made, [this] { make_border(); });
+    const auto distance = [&](std::uint32_t i) {
+      std::array<Vec3, 4> r;
+      const std::size_t count = ring_of(border.faces[i], x, r);
+      double d = squared_norm(closest_on_triangle({}, r[0], r[1], r[2]));
+      if (count == 4) d = std::min(d, squared_norm(closest_on_triangle({}, r[0], r[2], r[3])));
+      return d;
+    };
+    const std::uint32_t nearest = border.tree.nearest(x, distance, std::numeric_limits<double>::infinity());
+    if (nearest == BoxTree::kNone) {  // no border: a volume that closes on itself, or distances that overflow
+      set(place, 0);
+      place.weights[0] = 1;
+      return;
+    }
+    const std::uint32_t id = border.faces[nearest];
+    set(place, id / kMostFaces);
+    std::array<Vec3, 4> ring;
+    std::array<double, 4> weights;
+    const std::size_t count = ring_of(id, x, ring);
+    nearest_on_face(std::span(ring).first(count), weights);
+    const CellFace& face = cell_faces(volume.cells.shapes[place.cell])[id % kMostFaces];
+    for (std::size_t k = 0; k < count; ++k) place.weights[face.corner[k]] = weights[k];
+  }
+
+  void locate(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+    place.inside = false;
+    place.weights.fill(0);
+    if (!is_finite(x)) {
+      set(place, 0);
+      place.weights[0] = 1;
+      return;
+    }
+    cells.containing(x, candidates);
+    std::array<Vec3, 8> corners;
+    // Held by a cell's inside, where the smallest counts, or only by its faces, where the first does.
+    std::uint32_t within = kNoCell, touched = kNoCell;
+    double smallest = -1;
+    Vec3 within_at, touched_at;
+    bool failed = false;
+    for (const std::uint32_t cell : candidates) {
+      const CellShape shape = volume.cells.shapes[cell];
+      const std::size_t count = corners_of(cell, x, corners);
+      const std::span<const Vec3> these = std::span(corners).first(count);
+      const CellMap map(shape, these);
+      Vec3 u;
+      if (!map.invert(u)) {
+        failed = true;
+        continue;
+      }
+      if (parameters_within(shape, u, kStrict)) {
+        if (within == kNoCell) {
+          within = cell, within_at = u;
+          continue;
+        }
+        if (smallest < 0) {
+          std::array<Vec3, 8> others;
+          const std::size_t n = corners_of(within, x, others);
+          smallest = std::abs(cell_volume(volume.cells.shapes[within], std::span(others).first(n)));
+        }
+        const double size = std::abs(cell_volume(shape, these));
+        if (size < smallest || (size == smallest && cell < within)) within = cell, within_at = u, smallest = size;
+      } else if (within == kNoCell && cell < touched) {
+        const Vec3 nearest = clamped_parameters(shape, u);
+        if (squared_norm(nearest - u) < 0.25 && squared_norm(map.at(nearest)) <= tolerance * tolerance)
+          touched = cell, touched_at = nearest;
+      }
+    }
+    if (within != kNoCell || touched != kNoCell) {
+      place.inside = true;
+      set(place, within != kNoCell ? within : touched);
+      shape_functions(volume.cells.shapes[place.cell], within != kNoCell ? within_at : touched_at, place.weights);
+      return;
+    }
+    if (failed) {  // folded or nearly flat cells, in which Newton's method goes astray
+      double nearest = tolerance * tolerance;
+      for (const std::uint32_t cell : candidates) {
+        std::array<double, 8> weights;
+        const std::size_t count = corners_of(cell, x, corners);
+        const double d = nearest_in_cell(volume.cells.shapes[cell], std::span(corners).first(count), weights);
+        if (!(d <= nearest) || (d == nearest && place.inside && cell > place.cell)) continue;
+        place.inside = true;
+        nearest = d;
+        set(place, cell);
+        place.weights.fill(0);
+        std::copy_n(weights.begin(), count, place.weights.begin());
+      }
+      if (place.inside) return;
+    }
+    locate_outside(x, place);
+  }
+};
+
+VolumeLocator::VolumeLocator(const SampledVolume& volume) : state_(std::make_unique<State>(volume)) {}
+VolumeLocator::~VolumeLocator() = default;
+
+const SampledVolume& VolumeLocator::volume() const { return state_->volume; }
+
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places) const {
+  if (x.size() != places.size()) throw ArgumentError("VolumeLocator: as many places as points are needed");
+  const State& state = *state_;
+  if (state.volume.lattice) {
+    parallel_for(0, x.size(), 1024,
+                 [&](std::size_t i) { locate_in_lattice(*state.volume.lattice, state.tolerance, x[i], places[i]); });
+    return;
+  }
+  const auto order = locality_order(x);
+  parallel_ranges(0, x.size(), 256, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t> candidates;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = order.empty() ? k : order[k];
+      state.locate(x[i], places[i], candidates);
+    }
+  });
+}
+
+double local_spacing(const SampledVolume& volume, const VolumePlace& place) {
+  if (volume.lattice) {
+    const Lattice& l = *volume.lattice;
+    const auto at = l.indices(place.cell);
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += l.axes[k][at[k] + 1] - l.axes[k][at[k]];
+    return sum / 3;
+  }
+  double sum = 0;
+  const auto corners = volume.cells[place.cell];
+  const auto edges = cell_edges(volume.cells.shapes[place.cell]);
+  for (const auto& edge : edges) sum += norm(volume.corner(corners[edge[0]]) - volume.corner(corners[edge[1]]));
+  return sum / static_cast<double>(edges.size());
+}
+
+void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& /*x*/,
+                     std::span<Vec3, 8> gradients) {
+  std::fill(gradients.begin(), gradients.end(), Vec3{});
+  const CellShape shape = volume.lattice ? CellShape::hexahedron : volume.cells.shapes[place.cell];
+  const std::size_t count = place.corner_count;
+  Vec3 u = parameters_of(shape, place.weights);
+  // The tip of a pyramid is singular; just below it all is well.
+  if (shape == CellShape::pyramid) u.z = std::min(u.z, 1 - 1e-6);
+  std::array<Vec3, 8> by_parameter;
+  shape_derivatives(shape, u, by_parameter);
+  if (volume.lattice) {
+    const Lattice& l = *volume.lattice;
+    const auto at = l.indices(place.cell);
+    double step[3];
+    for (std::size_t k = 0; k < 3; ++k) step[k] = l.axes[k][at[k] + 1] - l.axes[k][at[k]];
+    for (std::size_t c = 0; c < 8; ++c)
+      for (std::size_t k = 0; k < 3; ++k) gradients[c] += l.directions[k] * (by_parameter[c][k] / step[k]);
+    return;
+  }
+  std::array<Vec3, 3> j;
+  const Vec3 base = volume.corner(place.corners[0]);
+  for (std::size_t c = 1; c < count; ++c) {
+    const Vec3 edge = volume.corner(place.corners[c]) - base;
+    for (std::size_t k = 0; k < 3; ++k) j[k] += edge * by_parameter[c][k];
+  }
+  const Matrix3 jacobian{j[0], j[1], j[2]};
+  for (std::size_t c = 0; c < count; ++c) {
+    gradients[c] = jacobian.solve_transposed(by_parameter[c]);
+    if (!is_finite(gradients[c])) {
+      std::fill(gradients.begin(), gradients.end(), Vec3{});
+      return;
+    }
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,105 @@
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/error.h"
+#include "support/any_threads.h"
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+TEST(LinearField, ReproducesLinearFunctionsOnEveryGrid) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const auto field = field_of(volume, ReconstructionMethod::linear);
+    const auto x = places_within(*volume, 500);
+    std::vector<double> values(x.size());
+    std::vector<Vec3> gradients(x.size());
+    std::vector<std::uint8_t> inside(x.size()), degrees(x.size());
+    field->evaluate(x, {values, gradients, inside, degrees});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_NEAR(values[i], linear_function(x[i]), 1e-9) << i;
+      ASSERT_NEAR(norm(gradients[i] - kLinearGradient), 0, 1e-6) << i;
+      ASSERT_EQ(inside[i], 1) << i;
+    }
+  }
+}
+
+TEST(LinearField, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
+  const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
+  for (const NamedGrid& grid : all_grids(linear_function))
+    for (const auto method : {ReconstructionMethod::linear, ReconstructionMethod::nearest}) {
+      SCOPED_TRACE(grid.name);
+      const auto field = field_of(volume_of(grid.data, grid.association), method);
+      std::vector<double> values(x.size(), 7), spacings(x.size());
+      std::vector<Vec3> gradients(x.size());
+      std::vector<std::uint8_t> inside(x.size(), 9);
+      field->evaluate(x, {values, gradients, inside, {}});
+      field->spacing(x, spacings);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        EXPECT_TRUE(std::isfinite(values[i]) && is_finite(gradients[i])) << i;
+        EXPECT_GT(spacings[i], 0) << i;
+        if (i < 4) EXPECT_EQ(inside[i], 0) << i;
+      }
+      EXPECT_EQ(values[0], 0);
+      EXPECT_EQ(values[1], 0);
+    }
+}
+
+TEST(LinearField, AnswersDependOnThePointAlone) {
+  const auto volume = volume_of(o_grid({17, 5, 6}, linear_function));
+  const auto field = field_of(volume, ReconstructionMethod::linear);
+  const auto x = places_within(*volume, 5000);
+  const auto all = [&] {
+    std::vector<double> values(x.size());
+    field->evaluate(x, {values, {}, {}, {}});
+    return values;
+  };
+  expect_equal_for_any_threads(all);
+  const auto together = all();
+  for (std::size_t i = 0; i < x.size(); i += 97) {
+    double alone = 0;
+    field->evaluate({&x[i], 1}, {{&alone, 1}, {}, {}, {}});
+    EXPECT_EQ(alone, together[i]);
+  }
+}
+
+TEST(NearestField, AnswersTheNearestSample) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const auto field = field_of(volume, ReconstructionMethod::nearest);
+    const auto x = places_within(*volume, 100);
+    std::vector<double> values(x.size());
+    field->evaluate(x, {values, {}, {}, {}});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      double least = std::numeric_limits<double>::infinity(), value = 0;
+      for (std::size_t s = 0; s < volume->size(); ++s)
+        if (const double d = squared_norm(volume->position(s) - x[i]); d < least)
+          least = d, value = volume->attributes.find("f")->number(s);
+      ASSERT_EQ(values[i], value) << i;
+    }
+  }
+}
+
+TEST(Reconstruction, NamesWhatIsWrong) {
+  const auto volume = volume_of(lattice_grid({3, 3, 3}, linear_function));
+  Progress progress;
+  EXPECT_THROW(reconstruction_of_name("cubist"), ArgumentError);
+  EXPECT_EQ(reconstruction_of_name("linear"), ReconstructionMethod::linear);
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::linear;
+  try {
+    reconstruct_volume(volume, "g", options, progress);
+    FAIL();
+  } catch (const ArgumentError& e) {
+    EXPECT_NE(std::string(e.what()).find("f"), std::string::npos);
+  }
+  options.degree = 2;
+  EXPECT_THROW(reconstruct_volume(volume, "f", options, progress), ArgumentError);
+}
+
+}  // namespace
+}  // namespace sansmesh::test

@@ -1,0 +1,101 @@
+#include "sansmesh/volume/volume_locator.h"
+
+#include <cmath>
+
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+Vec3 corner_place(const SampledVolume& volume, std::uint32_t c) {
+  return volume.lattice ? volume.lattice->position(c) : volume.corner(c);
+}
+
+TEST(VolumeLocator, FindsThePlaceThatACellHasAtItsWeights) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const VolumeLocator locator(*volume);
+    const auto x = places_within(*volume, 2000);
+    std::vector<VolumePlace> places(x.size());
+    locator.locate(x, places);
+    const double size = volume->bounds().diagonal();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_TRUE(places[i].inside) << i;
+      Vec3 there;
+      double sum = 0;
+      for (std::size_t c = 0; c < places[i].corner_count; ++c) {
+        there += corner_place(*volume, places[i].corners[c]) * places[i].weights[c];
+        sum += places[i].weights[c];
+        if (!volume->lattice) ASSERT_GE(places[i].weights[c], -1e-9) << i;
+      }
+      ASSERT_NEAR(sum, 1, 1e-12) << i;
+      ASSERT_LT(norm(there - x[i]), 1e-9 * size) << i;
+    }
+  }
+}
+
+TEST(VolumeLocator, SlopesOfShapeFunctionsAreTheirDifferences) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const VolumeLocator locator(*volume);
+    for (const Vec3& x : places_within(*volume, 50)) {
+      constexpr double kStep = 1e-6;
+      VolumePlace at;
+      locator.locate({&x, 1}, {&at, 1});
+      std::array<Vec3, 8> slopes;
+      shape_gradients(*volume, at, x, slopes);
+      for (std::size_t k = 0; k < 3; ++k) {
+        Vec3 ahead = x, behind = x;
+        ahead[k] += kStep, behind[k] -= kStep;
+        VolumePlace a, b;
+        locator.locate({&ahead, 1}, {&a, 1});
+        locator.locate({&behind, 1}, {&b, 1});
+        if (a.cell != at.cell || b.cell != at.cell || !a.inside || !b.inside) continue;
+        for (std::size_t c = 0; c < at.corner_count; ++c)
+          ASSERT_NEAR((a.weights[c] - b.weights[c]) / (2 * kStep), slopes[c][k], 1e-3 * (1 + norm(slopes[c])));
+      }
+    }
+  }
+}
+
+TEST(VolumeLocator, KeepsItsDigitsInThinLayersFarFromTheOrigin) {
+  // Steps of 1e-5 beside some of 1, bent, 1000 away from the origin.
+  GridBlock layers = lattice_block({9, 9, 40}, {0, 0, 0}, {8, 8, 1});
+  layers.axes[2] = axis_steps(40, 0, 1, 1.3);
+  const GridBlock bent = curvilinear_block(layers, [](const Vec3& x) {
+    return Vec3{x.x + 1000, x.y - 1000, x.z + 0.3 * std::sin(x.x) * std::cos(0.5 * x.y)};
+  });
+  const auto volume = volume_of(one_block(bent, linear_function));
+  EXPECT_GT(volume->facts.aspect, 1e4);
+  const VolumeLocator locator(*volume);
+  const auto x = places_within(*volume, 5000);
+  std::vector<VolumePlace> places(x.size());
+  locator.locate(x, places);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    ASSERT_TRUE(places[i].inside) << i;
+    Vec3 there;
+    for (std::size_t c = 0; c < 8; ++c) there += volume->corner(places[i].corners[c]) * places[i].weights[c];
+    ASSERT_LT(norm(there - x[i]), 1e-10) << i;
+  }
+}
+
+TEST(VolumeLocator, OutsideItIsTheNearestPlaceOfTheVolume) {
+  // Around a ball's worth of directions from the o-grid's cylinder (radius 1, z in 0..2), whose facets are known.
+  const auto volume = volume_of(o_grid({33, 5, 6}, linear_function));
+  const VolumeLocator locator(*volume);
+  for (int i = 0; i < 200; ++i) {
+    const double angle = 0.1 + 0.37 * i, z = 2.0 * ((i * 7) % 20) / 19;
+    const Vec3 x{1.5 * std::cos(angle), 1.5 * std::sin(angle), z};
+    VolumePlace place;
+    locator.locate({&x, 1}, {&place, 1});
+    ASSERT_FALSE(place.inside);
+    Vec3 there;
+    for (std::size_t c = 0; c < place.corner_count; ++c) there += volume->corner(place.corners[c]) * place.weights[c];
+    EXPECT_NEAR(norm(there - x), 0.5, 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh::test
