@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
+#include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/stencil_fit.h"
 
@@ -14,13 +15,6 @@ namespace {
 
 constexpr int kMostRings = 6;
 constexpr double kEnough = 2, kMost = 4;  // samples of a stencil, in numbers of polynomials
-
-// A chunk of samples: what one thread appends, and what is put together in order.
-struct PolynomialPart {
-  std::vector<double> constants;
-  std::vector<float> coefficients;
-  std::vector<std::uint8_t> degrees, split;
-};
 
 // The polynomial about sample after sample of a mesh.
 class MeshFitter {
@@ -83,38 +77,6 @@ double value_at(std::span<const float> c, const Vec3& u) {
   return sum;
 }
 
-// How far polynomials of neighbours agree half-way between them, against how far they are from linear there.
-std::vector<float> trust_of(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
-                            std::span<const std::uint8_t> split) {
-  const std::size_t n = volume.size(), c = values.components;
-  std::vector<float> trust(n, 1.0f);
-  parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> star;
-    std::vector<double> steps;
-    for (std::size_t i = begin; i < end; ++i) {
-      volume.star(i, star);
-      double gain = 0, doubt = 0;
-      const Vec3 x = volume.position(i);
-      for (const std::uint32_t j : star) {
-        const Vec3 d = (volume.position(j) - x) * 0.5;
-        for (std::size_t m = 0; m < c; ++m) {
-          const double own = p.constants[i * c + m] + value_at(p.of(i, m), p.metrics[i](d));
-          const double other = p.constants[j * c + m] + value_at(p.of(j, m), p.metrics[j](-d));
-          const double fi = values.values[i * c + m], fj = values.values[j * c + m];
-          const double a = 0.5 * (own + other) - 0.5 * (fi + fj), b = 0.5 * (own - other);
-          // Across a step both sides go on as they are: that they disagree is no reason for doubt.
-          if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
-            continue;
-          gain += a * a, doubt += b * b;
-        }
-      }
-      doubt -= 0.5 * gain;
-      if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
-    }
-  });
-  return trust;
-}
-
 }  // namespace
 
 Adjacency cells_of_samples(const SampledVolume& volume) {
@@ -130,42 +92,52 @@ Adjacency cells_of_samples(const SampledVolume& volume) {
   return result;
 }
 
-LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
-                                       const LocalPolynomialOptions& options, Progress& progress) {
-  const std::size_t n = volume.size(), chunk = 2048, chunks = (n + chunk - 1) / chunk;
-  std::vector<StarMetric> metrics = star_metrics(volume);
-  const Adjacency cells = cells_of_samples(volume);
-  std::vector<PolynomialPart> parts(chunks);
-  progress.begin("local polynomials", chunks);
-  parallel_ranges(0, chunks, 8, [&](std::size_t begin, std::size_t end) {
-    MeshFitter fitter(volume, cells, values, options);
-    for (std::size_t p = begin; p < end; ++p) {
-      for (std::size_t i = p * chunk; i < std::min(n, (p + 1) * chunk); ++i)
-        fitter.append(static_cast<std::uint32_t>(i), metrics[i], parts[p]);
-      progress.advance();
+StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
+  return volume.lattice ? lattice_metric(*volume.lattice, sample) : metrics[sample];
+}
+
+std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
+                            std::span<const std::uint8_t> split) {
+  const std::size_t n = volume.size(), c = values.components;
+  std::vector<float> trust(n, 1.0f);
+  parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> star;
+    for (std::size_t i = begin; i < end; ++i) {
+      volume.star(i, star);
+      double gain = 0, doubt = 0;
+      const Vec3 x = volume.position(i);
+      const StarMetric metric = p.metric(volume, i);
+      for (const std::uint32_t j : star) {
+        const Vec3 d = (volume.position(j) - x) * 0.5;
+        for (std::size_t m = 0; m < c; ++m) {
+          const double own = p.constants[i * c + m] + value_at(p.of(i, m), metric(d));
+          const double other = p.constants[j * c + m] + value_at(p.of(j, m), p.metric(volume, j)(-d));
+          const double fi = values.values[i * c + m], fj = values.values[j * c + m];
+          const double a = 0.5 * (own + other) - 0.5 * (fi + fj), b = 0.5 * (own - other);
+          // Across a step both sides go on as they are: that they disagree is no reason for doubt.
+          if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
+            continue;
+          gain += a * a, doubt += b * b;
+        }
+      }
+      doubt -= 0.5 * gain;
+      if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
     }
   });
-  PolynomialPart all;
-  std::vector<std::uint64_t> first{0};
-  for (PolynomialPart& part : parts) {
-    all.constants.insert(all.constants.end(), part.constants.begin(), part.constants.end());
-    all.coefficients.insert(all.coefficients.end(), part.coefficients.begin(), part.coefficients.end());
-    all.split.insert(all.split.end(), part.split.begin(), part.split.end());
-    for (const std::uint8_t d : part.degrees) {
-      all.degrees.push_back(d);
-      first.push_back(first.back() + values.components * static_cast<std::uint64_t>(monomial_count(3, d) - 1));
-    }
-    part = {};
-  }
-  LocalPolynomials result;
-  result.components = values.components;
-  result.metrics = std::move(metrics);
-  result.constants = std::move(all.constants);
-  result.coefficients = std::move(all.coefficients);
-  result.degrees = std::move(all.degrees);
-  result.first = std::move(first);
-  result.trust = trust_of(volume, values, result, all.split);
-  return result;
+  return trust;
+}
+
+LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                       const LocalPolynomialOptions& options, Progress& progress) {
+  if (volume.lattice) return fit_lattice_polynomials(volume, values, options, progress);
+  std::vector<StarMetric> metrics = star_metrics(volume);
+  const Adjacency cells = cells_of_samples(volume);
+  return gather_polynomials<PolynomialPart>(
+      volume, values, progress, [&] { return MeshFitter(volume, cells, values, options); },
+      [&](MeshFitter& fitter, std::size_t i, PolynomialPart& part) {
+        fitter.append(static_cast<std::uint32_t>(i), metrics[i], part);
+      },
+      metrics);
 }
 
 }  // namespace sansmesh

@@ -38,6 +38,14 @@ class StencilFit {
   /// the first, component after component, u.size() each. tests: local coordinates of where the polynomial is used.
   void fit(std::span<const Vec3> u, std::span<const double> f, std::size_t components, std::span<const Vec3> tests);
 
+  /// Whether the values fall into two groups as above: a test that costs much less than a fit.
+  bool has_step(std::span<const double> f, std::size_t n, std::size_t components) {
+    own_.assign(n, 1);
+    split_ = false;
+    find_step(f, n, components);
+    return split_;
+  }
+
   int degree() const { return degree_; }
   /// Coefficients of the monomials in u, of the constant first: monomial_count(3, degree()) a component.
   std::span<const double> monomials(std::size_t component) const {
