@@ -36,7 +36,6 @@ class CellBlend final : public VolumeField {
     const auto order = locality_order(x);
     parallel_ranges(0, (n + kBlendBlock - 1) / kBlendBlock, 1, [&](std::size_t begin, std::size_t end) {
       Scratch scratch;
-      scratch.memory = polynomials_->memory();
       for (std::size_t b = begin; b < end; ++b)
         evaluate_block(x, order, b * kBlendBlock, std::min(n, (b + 1) * kBlendBlock), wanted, scratch);
     });
@@ -46,13 +45,7 @@ class CellBlend final : public VolumeField {
     if (found.size() != x.size()) throw ArgumentError("volume field: room for the answers at all points is needed");
     std::vector<VolumePlace> places(x.size());
     locator_->locate(x, places);
-    parallel_for(0, x.size(), 1024, [&](std::size_t i) {
-      const VolumePlace& p = places[i];
-      const CellShape shape = volume_->lattice ? CellShape::hexahedron : volume_->cells.shapes[p.cell];
-      double sum = 0;
-      for (const auto& edge : cell_edges(shape)) sum += norm(corner(p.corners[edge[1]]) - corner(p.corners[edge[0]]));
-      found[i] = sum / static_cast<double>(cell_edges(shape).size());
-    });
+    parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, places[i]); });
   }
 
  private:
@@ -61,7 +54,6 @@ class CellBlend final : public VolumeField {
     std::vector<std::uint32_t> at;
     std::vector<VolumePlace> places;
     std::vector<std::uint64_t> keys;
-    std::unique_ptr<CornerPolynomials::Memory> memory;
     CellTile tile;
   };
 
@@ -110,7 +102,7 @@ class CellBlend final : public VolumeField {
     std::array<CellCorner, 8> corners;
     std::array<Vec3, 8> positions;
     for (std::size_t v = 0; v < count; ++v) positions[v] = corner(samples[v]);
-    double base = polynomials_->corners(samples, 0, s.memory.get(), corners);
+    double base = polynomials_->corners(samples, 0, corners);
 
     constexpr std::size_t kRow = 16;  // what the widest vectors read
     const std::size_t filled = (n + kRow - 1) / kRow * kRow;
@@ -131,7 +123,7 @@ class CellBlend final : public VolumeField {
     }
     detail::blend_weights(shape, filled, gradient, tile);
     for (std::size_t m = 0; m < c; ++m) {
-      if (m > 0) base = polynomials_->corners(samples, m, s.memory.get(), corners);
+      if (m > 0) base = polynomials_->corners(samples, m, corners);
       detail::blend_corners(corners.data(), count, filled, gradient, tile);
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t to = s.at[point(i)] * c + m;

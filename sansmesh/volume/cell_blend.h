@@ -13,20 +13,14 @@
 
 namespace sansmesh {
 
-/// Polynomials about samples, one for each component: those of LocalPolynomials, or made when they are asked for.
+/// Polynomials about samples, one for each component.
 class CornerPolynomials {
  public:
-  /// What a thread keeps between calls.
-  struct Memory {
-    virtual ~Memory() = default;
-  };
-
   virtual ~CornerPolynomials() = default;
   virtual std::size_t components() const = 0;
-  virtual std::unique_ptr<Memory> memory() const { return nullptr; }
   /// The polynomials of up to eight samples, corners of one cell, for one component. Constants and values are less that
-  /// of the first one, which is returned. What coefficients point to stays until the next call with that memory.
-  virtual double corners(std::span<const std::uint32_t> samples, std::size_t component, Memory* memory,
+  /// of the first one, which is returned.
+  virtual double corners(std::span<const std::uint32_t> samples, std::size_t component,
                          std::span<detail::CellCorner> out) const = 0;
 };
 

@@ -1,27 +1,33 @@
-#include "sansmesh/volume/detail_field.h"
+// mls-detail: robust local polynomials of adaptive degree, blended.
+#include <fmt/core.h>
 
+#include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "sansmesh/volume/cell_blend.h"
 #include "sansmesh/volume/local_polynomials.h"
+#include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/volume_locator.h"
 
 namespace sansmesh {
 namespace {
 
 class StoredCornerPolynomials final : public CornerPolynomials {
  public:
-  StoredCornerPolynomials(LocalPolynomials polynomials, VolumeValues values)
-      : polynomials_(std::move(polynomials)), values_(std::move(values)) {}
+  StoredCornerPolynomials(std::shared_ptr<const SampledVolume> volume, LocalPolynomials polynomials,
+                          VolumeValues values)
+      : volume_(std::move(volume)), polynomials_(std::move(polynomials)), values_(std::move(values)) {}
 
   std::size_t components() const override { return polynomials_.components; }
-  double corners(std::span<const std::uint32_t> samples, std::size_t component, Memory* /*memory*/,
+  double corners(std::span<const std::uint32_t> samples, std::size_t component,
                  std::span<detail::CellCorner> out) const override {
     const std::size_t c = polynomials_.components;
     const double base = values_.values[samples[0] * c + component];
     for (std::size_t v = 0; v < samples.size(); ++v) {
       const std::size_t i = samples[v];
       detail::CellCorner& corner = out[v];
-      corner.metric = polynomials_.metrics[i];
+      corner.metric = polynomials_.metric(*volume_, i);
       corner.coefficients = polynomials_.of(i, component).data();
       corner.degree = polynomials_.degrees[i];
       corner.constant = static_cast<float>(polynomials_.constants[i * c + component] - base);
@@ -32,26 +38,35 @@ class StoredCornerPolynomials final : public CornerPolynomials {
   }
 
  private:
+  std::shared_ptr<const SampledVolume> volume_;
   LocalPolynomials polynomials_;
   VolumeValues values_;
 };
 
 }  // namespace
 
-std::unique_ptr<VolumeField> make_detail_field(std::shared_ptr<const SampledVolume> volume,
-                                               std::shared_ptr<const VolumeLocator> locator, VolumeValues values,
-                                               const ReconstructionOptions& options, Progress& progress,
-                                               ReconstructionReport* report) {
+std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   LocalPolynomialOptions local;
-  local.max_degree = options.degree.value_or(3);
-  LocalPolynomials polynomials = fit_local_polynomials(*volume, values, local, progress);
-  if (report != nullptr) {
-    report->options = options;
-    report->by_degree.assign(LocalPolynomials::kMaxDegree + 1, 0);
-    for (const std::uint8_t d : polynomials.degrees) ++report->by_degree[d];
-  }
-  return make_cell_blend(std::move(volume), std::move(locator),
-                         std::make_unique<StoredCornerPolynomials>(std::move(polynomials), std::move(values)));
+  ReconstructionOptions& chosen = input.report.options;
+  local.fit.max_degree = input.options.degree.value_or(3);
+  local.fit.robust = input.options.robust.value_or(true);
+  chosen.degree = local.fit.max_degree;
+  chosen.robust = local.fit.robust;
+  LocalPolynomials polynomials = fit_local_polynomials(*input.volume, input.values, local, input.progress);
+  auto& by_degree = input.report.by_degree;
+  by_degree.assign(LocalPolynomials::kMaxDegree + 1, 0);
+  for (const std::uint8_t d : polynomials.degrees) ++by_degree[d];
+  const auto doubtful = static_cast<std::size_t>(
+      std::count_if(polynomials.trust.begin(), polynomials.trust.end(), [](float t) { return t < 0.5f; }));
+  if (4 * doubtful > polynomials.size())
+    input.report.notes.push_back(
+        fmt::format("the samples are too far apart for what they show: at {:.0f} % of them polynomials of neighbours "
+                    "disagree, and the result is hardly better than linear interpolation there",
+                    100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
+  auto locator = std::make_shared<const VolumeLocator>(*input.volume);
+  auto stored =
+      std::make_unique<StoredCornerPolynomials>(input.volume, std::move(polynomials), std::move(input.values));
+  return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));
 }
 
 }  // namespace sansmesh

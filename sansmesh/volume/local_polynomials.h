@@ -3,15 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/approximation/polynomial_order.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/volume/star_metric.h"
+#include "sansmesh/volume/stencil_fit.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
@@ -21,7 +23,7 @@ namespace sansmesh {
 struct LocalPolynomials {
   static constexpr int kMaxDegree = 4;
   std::size_t components = 1;
-  SharedArray<StarMetric> metrics;
+  SharedArray<StarMetric> metrics;     ///< empty for a lattice
   SharedArray<double> constants;       ///< components a sample
   SharedArray<std::uint8_t> degrees;   ///< of a sample, the same for all components
   SharedArray<std::uint64_t> first;    ///< where in `coefficients` a sample begins; one more entry than samples
@@ -30,6 +32,8 @@ struct LocalPolynomials {
   SharedArray<float> trust;            ///< of a sample, 0..1: how far it is more than linear interpolation
 
   std::size_t size() const { return degrees.size(); }
+  /// M of a sample; lattices have no `metrics`.
+  StarMetric metric(const SampledVolume& volume, std::size_t sample) const;
   std::span<const float> of(std::size_t sample, std::size_t component) const {
     const auto terms = static_cast<std::size_t>(monomial_count(3, degrees[sample]) - 1);
     return coefficients.view().subspan(first[sample] + component * terms, terms);
@@ -37,8 +41,7 @@ struct LocalPolynomials {
 };
 
 struct LocalPolynomialOptions {
-  int max_degree = 3;
-  bool robust = true;
+  StencilFitOptions fit;
   /// How much of f_i − p_i(x_i) is added to the constant: 1 interpolates.
   double share = 1;
 };
@@ -46,8 +49,69 @@ struct LocalPolynomialOptions {
 /// The cells that a sample is a corner of, or that it stands for, ascending.
 Adjacency cells_of_samples(const SampledVolume& volume);
 
-/// See docs/methods/volume-reconstruction.md.
+/// Polynomials about all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md): stencils are
+/// as many whole rings of the mesh as hold twice the number of polynomials of the highest degree. Fits are about
+/// samples and blended, not about each point as in `mls`: that is a thousand times fewer systems, the result is smooth,
+/// and the degree is chosen where there is something to judge it by. Runs in parallel.
+///
+/// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
+/// interpolation there and b = half their difference, summed over the star, trust is 1 as long as Σ b² <= Σ a² / 2, else
+/// Σ a² / (½ Σ a² + Σ b²): a correction of linear interpolation of size a whose error is of size b is best taken by
+/// such a share. Under-resolved data so end up at linear interpolation.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
+
+/// A chunk of samples: what one thread appends, and what is put together in order.
+struct PolynomialPart {
+  std::vector<double> constants;
+  std::vector<float> coefficients;
+  std::vector<std::uint8_t> degrees, split;
+};
+
+/// See LocalPolynomials::trust. `split` tells which polynomials are of one side of a step.
+std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
+                                    std::span<const std::uint8_t> split);
+
+/// The polynomials of all samples: `make` a fitter for a thread, append(fitter, sample, part) adds one.
+template <class Part, class Make, class Append>
+LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeValues& values, Progress& progress,
+                                    const Make& make, const Append& append, std::vector<StarMetric> metrics) {
+  const std::size_t n = volume.size(), chunk = 2048, chunks = (n + chunk - 1) / chunk;
+  std::vector<Part> parts(chunks);
+  progress.begin("local polynomials", chunks);
+  parallel_ranges(0, chunks, 8, [&](std::size_t begin, std::size_t end) {
+    auto fitter = make();
+    for (std::size_t p = begin; p < end; ++p) {
+      for (std::size_t i = p * chunk; i < (p + 1 < chunks ? (p + 1) * chunk : n); ++i) append(fitter, i, parts[p]);
+      progress.advance();
+    }
+  });
+  Part all;
+  std::vector<std::uint64_t> first;
+  first.reserve(n + 1);
+  first.push_back(0);
+  std::size_t total = 0;
+  for (const Part& part : parts) total += part.coefficients.size();
+  all.coefficients.reserve(total), all.constants.reserve(n * values.components), all.degrees.reserve(n);
+  for (Part& part : parts) {
+    all.constants.insert(all.constants.end(), part.constants.begin(), part.constants.end());
+    all.coefficients.insert(all.coefficients.end(), part.coefficients.begin(), part.coefficients.end());
+    all.split.insert(all.split.end(), part.split.begin(), part.split.end());
+    for (const std::uint8_t d : part.degrees) {
+      all.degrees.push_back(d);
+      first.push_back(first.back() + values.components * static_cast<std::uint64_t>(monomial_count(3, d) - 1));
+    }
+    part = {};
+  }
+  LocalPolynomials result;
+  result.components = values.components;
+  result.metrics = std::move(metrics);
+  result.constants = std::move(all.constants);
+  result.coefficients = std::move(all.coefficients);
+  result.degrees = std::move(all.degrees);
+  result.first = std::move(first);
+  result.trust = polynomial_trust(volume, values, result, all.split);
+  return result;
+}
 
 }  // namespace sansmesh

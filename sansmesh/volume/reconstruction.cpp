@@ -76,8 +76,12 @@ const std::vector<Entry>& entries() {
        nullptr},
 
       // mls-detail
-      {{Method::mls_detail, "mls-detail", "", "", {}},  //
-       nullptr},
+      {{Method::mls_detail,
+        "mls-detail",
+        "robust polynomials about samples, of the degree that predicts best, blended",
+        "all",
+        {"degree", "robust"}},
+       make_mls_detail_field},
 
       // amls
       {{Method::amls, "amls", "", "", {}},  //
