@@ -2,12 +2,15 @@
 // make such fields of samples, and what looks at them (probes, renderers, polygonisers).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
+#include "sansmesh/field/scalar_field.h"
 
 namespace sansmesh {
 
@@ -37,6 +40,14 @@ class VolumeField {
 
   /// The distance between neighbouring samples around each of x (length, > 0): finer than this nothing is known.
   virtual void spacing(std::span<const Vec3> x, std::span<double> found) const = 0;
+
+  /// What all values of the first component within each box lie between, as far as that is known without looking: where
+  /// it is not, the ends are infinite, and they are so unless this is overridden. As many entries as boxes. Safe from
+  /// several threads.
+  virtual void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const {
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    std::fill_n(found.begin(), boxes.size(), ValueRange{-kUnknown, kUnknown});
+  }
 };
 
 }  // namespace sansmesh

@@ -54,7 +54,10 @@ RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
 
 }  // namespace
 
-Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
+namespace {
+
+/// `frame` for vertices as they stand in the mesh; null: that of their box.
+Subject placed_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame* frame) {
   Subject subject{drawable(mesh), 0};
   TriangleMesh& own = subject.mesh;
   if (own.vertices.empty()) throw DataError("nothing to draw: the mesh has no finite vertices");
@@ -73,11 +76,24 @@ Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
       radius = estimate_spacing(cloud) * (own.normals.empty() ? kBallOverSpacing : kDiscOverSpacing);
     }
     if (!(size > 0)) size = radius > 0 ? 4 * radius : 1;  // all points in one place
+    if (frame) size = frame->size;
     subject.radius = static_cast<float>(radius > 0 ? radius / size : 0.25);
   }
-  const Vec3 center = box.center();
+  if (frame) size = frame->size;
+  const Vec3 center = frame ? frame->center : box.center();
   for (Vec3f& p : own.vertices) p = Vec3f((Vec3(p) - center) / size);
   return subject;
+}
+
+}  // namespace
+
+Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
+  return placed_subject(mesh, options, nullptr);
+}
+
+Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame) {
+  const PictureFrame own{frame.center - mesh.origin, frame.size};
+  return placed_subject(mesh, options, &own);
 }
 
 MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)

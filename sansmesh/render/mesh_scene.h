@@ -21,6 +21,8 @@ struct Subject {
 
 /// Throws DataError where nothing is left.
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options);
+/// The same in coordinates of the caller's choice, given for positions in the world.
+Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame);
 
 class MeshScene : public PictureScene {
  public:

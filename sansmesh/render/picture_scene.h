@@ -9,6 +9,14 @@
 
 namespace sansmesh {
 
+/// The painter's coordinates: (x − center) / size.
+struct PictureFrame {
+  Vec3 center;
+  double size = 1;
+  Vec3f to_picture(const Vec3& x) const { return Vec3f((x - center) / size); }
+  Vec3f to_surface(const Vec3f& x) const { return Vec3f(Vec3(x) * size + center); }
+};
+
 /// Where a ray from the eye ends.
 struct SurfacePoint {
   Vec3f position;   ///< just off the surface on the viewer's side: further rays start here

@@ -11,7 +11,8 @@ namespace {
 /// Linear light → sRGB.
 float srgb(float c) { return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f; }
 
-/// Light that comes from the surface.
+}  // namespace
+
 Vec3f surface_light(const Pixel& pixel) {
   const Vec3f light =
       pixel.ambient + Lighting::kFill * (pixel.fill * pixel.open) + Lighting::kKey * (pixel.facing * pixel.lit);
@@ -19,8 +20,6 @@ Vec3f surface_light(const Pixel& pixel) {
   const Vec3f bright = product(pixel.color, light) + gloss;
   return shoulder(bright) + pixel.beyond;
 }
-
-}  // namespace
 
 Rgba opaque_color(const Pixel& pixel, const Vec3f& background) {
   const float beside = 1 - pixel.cover;

@@ -21,6 +21,9 @@ struct Pixel {
   Vec3f beyond;                  // light from mirrors and clear bodies
 };
 
+/// Linear light that comes from the surface, whatever its cover.
+Vec3f surface_light(const Pixel& pixel);
+
 /// In front of `background` (linear light).
 Rgba opaque_color(const Pixel& pixel, const Vec3f& background);
 

@@ -17,6 +17,7 @@ struct Query {
   RTCIntersectContext context;
   float distance = std::numeric_limits<float>::infinity();
   unsigned primitive = RTC_INVALID_GEOMETRY_ID;
+  std::vector<RayCrossing>* all = nullptr;  // where wanted, every hit, and the ray goes on
 };
 
 /// Of hits at the same distance the lowest primitive counts: which one comes last depends on the tree, and the tree on
@@ -25,6 +26,17 @@ void settle_ties(const RTCFilterFunctionNArguments* arguments) {
   auto* query = reinterpret_cast<Query*>(arguments->context);
   const float distance = RTCRayN_tfar(arguments->ray, arguments->N, 0);
   const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  if (query->all) {
+    RTCRayN* ray = arguments->ray;
+    RTCHitN* hit = arguments->hit;
+    const unsigned n = arguments->N;
+    const float along = RTCRayN_dir_x(ray, n, 0) * RTCHitN_Ng_x(hit, n, 0) +
+                        RTCRayN_dir_y(ray, n, 0) * RTCHitN_Ng_y(hit, n, 0) +
+                        RTCRayN_dir_z(ray, n, 0) * RTCHitN_Ng_z(hit, n, 0);
+    query->all->push_back({distance, primitive, along < 0});
+    arguments->valid[0] = 0;
+    return;
+  }
   if (distance == query->distance && primitive > query->primitive) {
     arguments->valid[0] = 0;
     return;
@@ -153,6 +165,20 @@ std::optional<RayHit> RayScene::closest(const Vec3f& origin, const Vec3f& direct
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return RayHit{found.ray.tfar, normalized(Vec3f{found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z}), found.hit.primID,
                 found.hit.u, found.hit.v};
+}
+
+void RayScene::crossings(const Vec3f& origin, const Vec3f& direction, std::vector<RayCrossing>& found) const {
+  found.clear();
+  Query query;
+  query.all = &found;
+  rtcInitIntersectContext(&query.context);
+  RTCRayHit hit{};
+  hit.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity());
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(state_->scene, &query.context, &hit);
+  std::sort(found.begin(), found.end(), [](const RayCrossing& a, const RayCrossing& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.primitive < b.primitive;
+  });
 }
 
 bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float length) const {

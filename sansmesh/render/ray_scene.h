@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/triangle_mesh.h"
@@ -16,6 +17,13 @@ struct RayHit {
   Vec3f normal;                 ///< geometric, unit, of the side that the triangle's order of corners defines
   std::uint32_t primitive = 0;  ///< triangle or point
   float u = 0, v = 0;           ///< weights of the triangle's second and third corner
+};
+
+/// A place where a ray goes through a surface.
+struct RayCrossing {
+  float distance = 0;
+  std::uint32_t primitive = 0;
+  bool entering = false;  ///< against the side that the triangle's order of corners defines
 };
 
 /// Built once, then asked from any thread. Directions must be unit vectors.
@@ -33,6 +41,9 @@ class RayScene {
   ~RayScene();
 
   std::optional<RayHit> closest(const Vec3f& origin, const Vec3f& direction) const;
+  /// All of them, by distance, in place of what `found` held. Where a ray meets an edge or a corner, each triangle
+  /// there may count.
+  void crossings(const Vec3f& origin, const Vec3f& direction, std::vector<RayCrossing>& found) const;
   bool blocked(const Vec3f& origin, const Vec3f& direction, float length) const;
 
  private:

@@ -14,14 +14,6 @@
 
 namespace sansmesh {
 
-/// The painter's coordinates: (x − center) / size.
-struct PictureFrame {
-  Vec3 center;
-  double size = 1;
-  Vec3f to_picture(const Vec3& x) const { return Vec3f((x - center) / size); }
-  Vec3f to_surface(const Vec3f& x) const { return Vec3f(Vec3(x) * size + center); }
-};
-
 class SurfaceScene : public PictureScene {
  public:
   /// What is passed must outlive the scene; `colors` may be null. `camera` in the painter's coordinates.

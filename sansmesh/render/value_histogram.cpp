@@ -1,0 +1,77 @@
+#include "sansmesh/render/value_histogram.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+
+ValueHistogram value_histogram(std::span<const double> values, std::span<const double> gradients) {
+  if (!gradients.empty() && gradients.size() != values.size())
+    throw ArgumentError("as many lengths of gradients as values are needed");
+  std::vector<double> sorted;
+  sorted.reserve(values.size());
+  for (const double v : values)
+    if (std::isfinite(v)) sorted.push_back(v);
+  if (sorted.empty()) throw DataError("no value of the volume is finite");
+  std::sort(sorted.begin(), sorted.end());
+  ValueHistogram h;
+  h.least = sorted.front(), h.most = sorted.back();
+  const std::size_t rest = sorted.size() / 1000;
+  h.lower = sorted[rest], h.upper = sorted[sorted.size() - 1 - rest];
+  if (!(h.upper > h.lower)) h.lower = h.least, h.upper = h.most;
+  h.share.assign(ValueHistogram::kBins, 0);
+  h.steepness.assign(ValueHistogram::kBins, 0);
+  const double scale = h.upper > h.lower ? ValueHistogram::kBins / (h.upper - h.lower) : 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) continue;
+    const double place = std::clamp((values[i] - h.lower) * scale, 0.0, ValueHistogram::kBins - 1.0);
+    const auto bin = static_cast<std::size_t>(place);
+    h.share[bin] += 1;
+    if (!gradients.empty() && std::isfinite(gradients[i])) h.steepness[bin] += gradients[i];
+  }
+  for (std::size_t b = 0; b < ValueHistogram::kBins; ++b) {
+    if (h.share[b] > 0) h.steepness[b] /= h.share[b];
+    h.share[b] /= static_cast<double>(sorted.size());
+  }
+  return h;
+}
+
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points) {
+  if (field.components() != 1) throw ArgumentError("a histogram is of a field of one component");
+  const Box3 box = field.bounds();
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (box.empty() || !(longest > 0)) throw DataError("the volume has no extent");
+  // Cubes, of which flat boxes have one layer at least.
+  const double floor = 1e-3 * longest;
+  const double edge = std::cbrt(std::max(size.x, floor) * std::max(size.y, floor) * std::max(size.z, floor) /
+                                static_cast<double>(std::max<std::size_t>(points, 1)));
+  std::array<std::size_t, 3> n{};
+  for (std::size_t k = 0; k < 3; ++k) n[k] = std::max<std::size_t>(1, static_cast<std::size_t>(size[k] / edge));
+  std::vector<Vec3> x;
+  x.reserve(n[0] * n[1] * n[2]);
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i)
+        x.push_back(box.lower + Vec3{(static_cast<double>(i) + 0.5) / static_cast<double>(n[0]) * size.x,
+                                     (static_cast<double>(j) + 0.5) / static_cast<double>(n[1]) * size.y,
+                                     (static_cast<double>(k) + 0.5) / static_cast<double>(n[2]) * size.z});
+  std::vector<double> values(x.size());
+  std::vector<Vec3> gradients(x.size());
+  std::vector<std::uint8_t> inside(x.size());
+  field.evaluate(x, {values, gradients, inside, {}});
+  std::vector<double> kept, lengths;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!inside[i]) continue;
+    kept.push_back(values[i]);
+    lengths.push_back(norm(gradients[i]));
+  }
+  if (kept.empty()) throw DataError("no point of the volume was found in its box");
+  return value_histogram(kept, lengths);
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,31 @@
+// How often values are in a volume, and how steep the field is where they are.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/field/volume_field.h"
+
+namespace sansmesh {
+
+struct ValueHistogram {
+  static constexpr std::size_t kBins = 256;
+  double least = 0, most = 0;     ///< of all values
+  double lower = 0, upper = 0;    ///< that the bins cover: all but a thousandth at each end
+  std::vector<double> share;      ///< of the values in each bin; those beyond count in the outermost. Sum 1
+  std::vector<double> steepness;  ///< mean length of the gradient of those, 0 where there are none or nothing is known
+
+  double value(std::size_t bin) const { return lower + (static_cast<double>(bin) + 0.5) / kBins * (upper - lower); }
+};
+
+/// Of these values, those that are not finite left out; lengths of gradients are as many or none. Throws DataError
+/// where no value is finite.
+ValueHistogram value_histogram(std::span<const double> values, std::span<const double> gradients = {});
+
+/// Of a field of one component, at about so many points of a lattice over its box, those inside of the volume. Throws
+/// DataError where none is.
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points = 100000);
+
+}  // namespace sansmesh

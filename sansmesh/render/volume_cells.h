@@ -1,0 +1,57 @@
+// A coarse grid over a volume: how fine the field is in each cell, and what its values lie between.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/field/volume_field.h"
+
+namespace sansmesh {
+
+/// Rays take the length of their steps from it, and leap over cells in which nothing is to be seen.
+class VolumeCells {
+ public:
+  /// Ranges are those that the field knows (VolumeField::ranges). Where it knows none they follow from values and
+  /// gradients at points about as far apart as the samples, widened by what the gradients make of the way between
+  /// them; cells for which that would take too many points have no ends. `field` has one component; `other` may be
+  /// null.
+  VolumeCells(const VolumeField& field, const VolumeField* other, Progress& progress);
+
+  const Box3& box() const { return box_; }
+  const std::array<int, 3>& counts() const { return counts_; }
+  const Vec3& edge() const { return edge_; }
+  std::size_t size() const { return spacing_.size(); }
+  /// The cell of a point (world coordinates); points beyond belong to the nearest cell.
+  std::size_t cell(const Vec3& x) const {
+    std::size_t index = 0;
+    for (std::size_t k = 3; k-- > 0;) {
+      const double at = (x[k] - box_.lower[k]) * inverse_[k];
+      const int most = counts_[k] - 1;
+      const int i = at > 0 ? (at < most ? static_cast<int>(at) : most) : 0;
+      index = index * static_cast<std::size_t>(counts_[k]) + static_cast<std::size_t>(i);
+    }
+    return index;
+  }
+  /// Where a line x + t d that is in a cell leaves it (t in lengths of d).
+  double exit(std::size_t cell, const Vec3& x, const Vec3& d) const;
+  double spacing(std::size_t cell) const { return static_cast<double>(spacing_[cell]); }
+  const ValueRange& range(std::size_t cell) const { return ranges_[cell]; }
+  /// Of the other field.
+  const ValueRange& other_range(std::size_t cell) const { return other_ranges_[cell]; }
+
+ private:
+  void find_ranges(const VolumeField& field, std::vector<ValueRange>& ranges, Progress& progress) const;
+
+  Box3 box_;
+  std::array<int, 3> counts_{1, 1, 1};
+  Vec3 edge_, inverse_;
+  std::vector<float> spacing_;
+  std::vector<ValueRange> ranges_, other_ranges_;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,144 @@
+#include "sansmesh/render/volume_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kMostSurfaces = 16;
+
+std::optional<double> whole_number_text(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string_view> pieces_of(std::string_view text, char between) {
+  std::vector<std::string_view> pieces;
+  for (;;) {
+    const std::size_t at = text.find(between);
+    pieces.push_back(text.substr(0, at));
+    if (at == std::string_view::npos) return pieces;
+    text.remove_prefix(at + 1);
+  }
+}
+
+std::optional<Vec3> direction_of(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  if (text == "x") return Vec3{1, 0, 0};
+  if (text == "y") return Vec3{0, 1, 0};
+  if (text == "z") return Vec3{0, 0, 1};
+  const auto parts = pieces_of(text, ',');
+  if (parts.size() != 3) return std::nullopt;
+  Vec3 n;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto value = whole_number_text(parts[k]);
+    if (!value) return std::nullopt;
+    n[k] = *value;
+  }
+  if (!(norm(n) > 0)) return std::nullopt;
+  return n;
+}
+
+}  // namespace
+
+IsoSurface iso_surface_of(const std::string& text) {
+  const auto fail = [&] {
+    throw ArgumentError("an iso-surface is VALUE, VALUE:#rrggbb or VALUE:#rrggbb:OPACITY, not '" + printable(text, 60) +
+                        "'");
+  };
+  const auto parts = pieces_of(text, ':');
+  IsoSurface iso;
+  const auto value = whole_number_text(parts[0]);
+  if (!value || parts.size() > 3) fail();
+  iso.value = *value;
+  if (parts.size() > 1 && !parts[1].empty()) {
+    const std::string_view c = parts[1];
+    if (c.size() != 7 || c[0] != '#' || c.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string_view::npos)
+      fail();
+    const unsigned long bits = std::stoul(std::string(c.substr(1)), nullptr, 16);
+    iso.color = Vec3f{static_cast<float>(bits >> 16 & 255) / 255, static_cast<float>(bits >> 8 & 255) / 255,
+                      static_cast<float>(bits & 255) / 255};
+  }
+  if (parts.size() > 2) {
+    const auto opacity = whole_number_text(parts[2]);
+    if (!opacity) fail();
+    iso.opacity = *opacity;
+    check_range("opacity of an iso-surface", iso.opacity, 0, 1);
+  }
+  return iso;
+}
+
+CutPlane cut_plane_of(const std::string& text) {
+  const auto fail = [&] {
+    throw ArgumentError("a cut is written as x>1, y<2, -1<z<2 or NX,NY,NZ>OFFSET (what is taken away), not '" +
+                        printable(text, 60) + "'");
+  };
+  CutPlane cut;
+  if (const auto parts = pieces_of(text, '>'); parts.size() == 2) {
+    const auto n = direction_of(parts[0]);
+    const auto offset = whole_number_text(parts[1]);
+    if (!n || !offset) fail();
+    cut.normal = *n, cut.offset = *offset;
+    return cut;
+  }
+  const auto parts = pieces_of(text, '<');
+  if (parts.size() == 2) {
+    const auto n = direction_of(parts[0]);
+    const auto offset = whole_number_text(parts[1]);
+    if (!n || !offset) fail();
+    cut.normal = -*n, cut.offset = -*offset;
+    return cut;
+  }
+  if (parts.size() != 3) fail();
+  const auto n = direction_of(parts[1]);
+  const auto low = whole_number_text(parts[0]), high = whole_number_text(parts[2]);
+  if (!n || !low || !high || !(*high > *low)) fail();
+  cut.normal = *n, cut.offset = *low, cut.thickness = *high - *low;
+  return cut;
+}
+
+void VolumePictureOptions::validate() const {
+  RenderOptions::validate();
+  if (transfer) transfer->validate();
+  if (transfer && !preset.empty()) throw ArgumentError("`preset` and `transfer` exclude each other");
+  if (!preset.empty()) {
+    const auto known = transfer_function_presets();
+    if (std::find(known.begin(), known.end(), preset) == known.end())
+      transfer_function_preset(preset, ValueHistogram{});  // throws with the list of those known
+  }
+  check_range("opacity_scale", opacity_scale, 0, 1000);
+  check_range("step", step, 0.05, 4);
+  check_range("least_light", least_light, 0, 0.1);
+  if (isos.size() > kMostSurfaces)
+    throw ArgumentError(fmt::format("`isos` may hold {} surfaces, not {}", kMostSurfaces, isos.size()));
+  if (cuts.size() > kMostSurfaces)
+    throw ArgumentError(fmt::format("`cuts` may hold {} planes, not {}", kMostSurfaces, cuts.size()));
+  for (const IsoSurface& iso : isos) {
+    if (!std::isfinite(iso.value)) throw ArgumentError("`isos`: values must be finite");
+    check_range("isos.opacity", iso.opacity, 0, 1);
+    if (iso.color)
+      for (std::size_t k = 0; k < 3; ++k) check_range("isos.color", static_cast<double>((*iso.color)[k]), 0, 1);
+  }
+  for (const CutPlane& cut : cuts) {
+    if (!is_finite(cut.normal) || !(norm(cut.normal) > 0))
+      throw ArgumentError("`cuts`: a normal must have a direction");
+    if (!std::isfinite(cut.offset)) throw ArgumentError("`cuts`: offsets must be finite");
+    if (!(cut.thickness > 0))
+      throw ArgumentError(fmt::format("`cuts`: a thickness must be positive, not {:g}", cut.thickness));
+  }
+}
+
+}  // namespace sansmesh

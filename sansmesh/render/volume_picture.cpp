@@ -1,0 +1,358 @@
+#include "sansmesh/render/volume_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/render/color_space.h"
+#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/mesh_scene.h"
+#include "sansmesh/render/painter.h"
+#include "sansmesh/render/sample_pattern.h"
+#include "sansmesh/render/surface_scene.h"
+#include "sansmesh/render/value_histogram.h"
+#include "sansmesh/render/volume_cells.h"
+#include "sansmesh/render/volume_stretches.h"
+#include "sansmesh/render/volume_tracer.h"
+
+namespace sansmesh {
+namespace {
+
+using LightMap = PixelMap<std::array<float, 4>>;
+
+constexpr int kVolumeTile = 32;
+constexpr std::size_t kFineRays = 1024;  // that are traced together where pixels take several
+constexpr float kContrast = 0.035f;      // between neighbours, from which on they do; about what the eye sees
+constexpr int kCheckEvery = 16;          // pixels in each direction of which one is checked
+constexpr std::size_t kHistogramPoints = 60000;
+
+/// Order of the pixels of a tile in which neighbours are near each other: blocks of 4 × 4.
+std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int bottom) {
+  std::vector<std::pair<int, int>> pixels;
+  for (int y = top; y < bottom; y += 4)
+    for (int x = left; x < right; x += 4)
+      for (int v = y; v < std::min(y + 4, bottom); ++v)
+        for (int u = x; u < std::min(x + 4, right); ++u) pixels.emplace_back(u, v);
+  return pixels;
+}
+
+Vec3f direction_at(const Camera& camera, const VolumePictureOptions& options, float x, float y) {
+  return camera.direction(2 * x / static_cast<float>(options.width) - 1,
+                          1 - 2 * y / static_cast<float>(options.height));
+}
+
+/// About as the eye sees it, on a background of middling light.
+Vec3f seen(const std::array<float, 4>& p) {
+  const auto root = [&](float c) { return std::sqrt(std::max(0.0f, c + 0.6f * p[3])); };
+  return {root(p[0]), root(p[1]), root(p[2])};
+}
+
+float difference(const Vec3f& a, const Vec3f& b) {
+  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
+}
+
+/// A surface with a caster whose coordinates begin elsewhere.
+class ShiftedScene : public PictureScene {
+ public:
+  ShiftedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
+               const SurfaceRenderOptions& options)
+      : options_(options), scene_(caster, frame, camera, colors, options_) {}
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override {
+    scene_.closest(eye, directions, points);
+  }
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
+    scene_.blocked(rays, answers);
+  }
+
+ private:
+  SurfaceRenderOptions options_;
+  SurfaceScene scene_;
+};
+
+}  // namespace
+
+PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& options) {
+  options.validate();
+  auto shared = std::make_shared<const TriangleMesh>(mesh);
+  return [shared, options](const PictureFrame& frame, const Camera& camera) {
+    return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera.backward);
+  };
+}
+
+PictureSurface surface_in_volume(const SurfaceCaster& caster, const Vec3& origin, const ColorField* colors,
+                                 const SurfaceRenderOptions& options) {
+  options.validate();
+  SurfaceRenderOptions own = options;
+  own.shadows = false;
+  return [&caster, origin, colors, own](const PictureFrame& frame, const Camera& camera) {
+    return std::make_unique<ShiftedScene>(caster, PictureFrame{frame.center - origin, frame.size}, camera, colors, own);
+  };
+}
+
+class VolumePicture::Work {
+ public:
+  Work(VolumeSubject subject, Progress& progress)
+      : subject_(std::move(subject)),
+        frame_(framed()),
+        cells_(*subject_.field, subject_.opacity, progress),
+        stretches_(*subject_.field, subject_.boundary, frame_),
+        histogram_(value_histogram(*subject_.field, kHistogramPoints)) {}
+
+  Camera camera(const VolumePictureOptions& options) const {
+    const double aspect = static_cast<double>(options.width) / options.height;
+    double reach = 0;
+    if (options.steady)
+      for (const Vec3f& p : outline_) reach = std::max(reach, static_cast<double>(norm(p)));
+    const Vec3f middle;
+    const std::span<const Vec3f> points = options.steady ? std::span(&middle, 1) : std::span<const Vec3f>(outline_);
+    return frame_camera(points, options.view, options.up, options.field_of_view, aspect, kPictureMargin, reach);
+  }
+
+  SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
+    if (options.transfer) return {*options.transfer, {}};
+    if (!options.preset.empty()) return {transfer_function_preset(options.preset, histogram_), {}};
+    SuggestedTransferFunction found = suggest_transfer_function(histogram_);
+    if (subject_.opacity) {  // opacities by the other array's values
+      const SuggestedTransferFunction other =
+          suggest_transfer_function(value_histogram(*subject_.opacity, kHistogramPoints));
+      found.function.opacities = other.function.opacities;
+    }
+    return found;
+  }
+
+  LightMap light(const Camera& camera, const VolumePictureOptions& options, Progress& progress,
+                 VolumePictureReport* report, bool check) const {
+    options.validate();
+    const SuggestedTransferFunction chosen = transfer(options);
+    std::vector<std::unique_ptr<PictureScene>> scenes;
+    TracedVolume volume = traced();
+    for (const PictureSurface& surface : subject_.surfaces) {
+      scenes.push_back(surface(frame_, camera));
+      volume.surfaces.push_back(scenes.back().get());
+    }
+    const VolumeTracer tracer(volume, camera, chosen.function, options);
+    LightMap map(options.width, options.height);
+    std::atomic<std::uint64_t> evaluations{0}, rays{0};
+    coarse(tracer, camera, options, map, progress, evaluations, rays);
+    VolumePictureReport own;
+    if (check) check_steps(volume, camera, chosen.function, options, map, own);
+    if (options.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
+    if (report) {
+      own.transfer = chosen.function, own.why = chosen.why;
+      own.rays = rays, own.evaluations = evaluations;
+      *report = own;
+    }
+    return map;
+  }
+
+  const VolumeSubject& subject() const { return subject_; }
+  const PictureFrame& frame() const { return frame_; }
+  const ValueHistogram& histogram() const { return histogram_; }
+
+ private:
+  TracedVolume traced() const {
+    TracedVolume volume;
+    volume.field = subject_.field, volume.opacity = subject_.opacity;
+    volume.bounded = subject_.boundary && !subject_.boundary->triangles.empty();
+    volume.stretches = &stretches_, volume.cells = &cells_, volume.frame = frame_;
+    return volume;
+  }
+
+  /// Checks what came in, and finds what frames the picture.
+  PictureFrame framed() {
+    if (!subject_.field) throw ArgumentError("a picture needs a field");
+    if (subject_.field->components() != 1 || (subject_.opacity && subject_.opacity->components() != 1))
+      throw ArgumentError("pictures are made of fields of one component: take a component, or the length");
+    Box3 box;
+    const TriangleMesh* mesh = subject_.boundary;
+    if (mesh && !mesh->triangles.empty()) {
+      for (const Vec3f& p : mesh->vertices) box.extend(mesh->origin + Vec3(p));
+    } else {
+      box = subject_.field->bounds();
+    }
+    if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper) || !(box.diagonal() > 0))
+      throw DataError("nothing to draw: the volume has no extent");
+    const PictureFrame frame{box.center(), box.diagonal()};
+    if (mesh && !mesh->triangles.empty()) {
+      for (const Vec3f& p : mesh->vertices) outline_.push_back(frame.to_picture(mesh->origin + Vec3(p)));
+    } else {
+      for (int c = 0; c < 8; ++c)
+        outline_.push_back(frame.to_picture(
+            {c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z}));
+    }
+    return frame;
+  }
+
+  void coarse(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
+              Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
+    const int across = (map.width + kVolumeTile - 1) / kVolumeTile, down = (map.height + kVolumeTile - 1) / kVolumeTile;
+    const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+    progress.begin("rendering", tiles);
+    parallel_for(0, tiles, 1, [&](std::size_t tile) {
+      const int left = static_cast<int>(tile) % across * kVolumeTile,
+                top = static_cast<int>(tile) / across * kVolumeTile;
+      const auto pixels =
+          tile_pixels(left, top, std::min(left + kVolumeTile, map.width), std::min(top + kVolumeTile, map.height));
+      std::vector<Vec3f> directions;
+      for (const auto& [x, y] : pixels)
+        directions.push_back(direction_at(camera, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+      std::vector<TracedLight> lights(pixels.size());
+      evaluations += tracer.trace(directions, lights);
+      rays += pixels.size();
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const TracedLight& l = lights[i];
+        map.at(pixels[i].first, pixels[i].second) = {l.light.x, l.light.y, l.light.z, l.left};
+      }
+      progress.advance();
+    });
+    progress.finish();
+  }
+
+  /// Several rays where a pixel differs from a neighbour: there its one ray may tell half of what is to be seen.
+  void fine(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
+            Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
+    PixelMap<std::uint8_t> wanted(map.width, map.height, 0);
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        const Vec3f here = seen(map.at(x, y));
+        for (const auto& [u, v] : {std::pair{x + 1, y}, {x, y + 1}}) {
+          if (u >= map.width || v >= map.height) continue;
+          if (difference(here, seen(map.at(u, v))) > kContrast) wanted.at(x, y) = wanted.at(u, v) = 1;
+        }
+      }
+    std::vector<std::pair<int, int>> pixels;
+    for (int y = 0; y < map.height; y += kVolumeTile)
+      for (int x = 0; x < map.width; x += kVolumeTile)
+        for (const auto& [u, v] :
+             tile_pixels(x, y, std::min(x + kVolumeTile, map.width), std::min(y + kVolumeTile, map.height)))
+          if (wanted.at(u, v)) pixels.emplace_back(u, v);
+    const int n = options.samples;
+    const auto each = static_cast<std::size_t>(n * n);
+    const std::size_t chunk = std::max<std::size_t>(1, kFineRays / each), chunks = (pixels.size() + chunk - 1) / chunk;
+    progress.begin("smoothing", std::max<std::size_t>(1, chunks));
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      const std::size_t first = c * chunk, last = std::min(first + chunk, pixels.size());
+      std::vector<Vec3f> directions;
+      for (std::size_t i = first; i < last; ++i)
+        for (int s = 0; s < n * n; ++s)
+          directions.push_back(direction_at(
+              camera, options,
+              static_cast<float>(pixels[i].first) + (static_cast<float>(s % n) + 0.5f) / static_cast<float>(n),
+              static_cast<float>(pixels[i].second) + (static_cast<float>(s / n) + 0.5f) / static_cast<float>(n)));
+      std::vector<TracedLight> lights(directions.size());
+      evaluations += tracer.trace(directions, lights);
+      rays += directions.size();
+      for (std::size_t i = first; i < last; ++i) {
+        std::array<float, 4> sum{};
+        for (std::size_t s = 0; s < each; ++s) {
+          const TracedLight& l = lights[(i - first) * each + s];
+          sum[0] += l.light.x, sum[1] += l.light.y, sum[2] += l.light.z, sum[3] += l.left;
+        }
+        for (float& v : sum) v /= static_cast<float>(each);
+        map.at(pixels[i].first, pixels[i].second) = sum;
+      }
+      progress.advance();
+    });
+    progress.finish();
+  }
+
+  void check_steps(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
+                   const VolumePictureOptions& options, const LightMap& map, VolumePictureReport& report) const {
+    VolumePictureOptions halved = options;
+    halved.step = 0.5 * options.step;
+    const VolumeTracer tracer(volume, camera, transfer, halved);
+    std::vector<Vec3f> directions;
+    std::vector<std::array<float, 4>> before;
+    for (int y = kCheckEvery / 2; y < map.height; y += kCheckEvery)
+      for (int x = kCheckEvery / 2; x < map.width; x += kCheckEvery) {
+        directions.push_back(direction_at(camera, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+        before.push_back(map.at(x, y));
+      }
+    if (directions.empty()) return;
+    std::vector<TracedLight> lights(directions.size());
+    tracer.trace(directions, lights);
+    double sum = 0;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      // On white, as it would be shown.
+      const auto shown = [](float r, float g, float b, float left) {
+        return srgb_color(Vec3f{std::min(1.0f, r + left), std::min(1.0f, g + left), std::min(1.0f, b + left)});
+      };
+      const Vec3f a = shown(before[i][0], before[i][1], before[i][2], before[i][3]);
+      const Vec3f b = shown(lights[i].light.x, lights[i].light.y, lights[i].light.z, lights[i].left);
+      const double d = 255 * static_cast<double>(difference(a, b));
+      sum += d, report.step_error_most = std::max(report.step_error_most, d);
+    }
+    report.step_error_mean = sum / static_cast<double>(lights.size());
+  }
+
+  VolumeSubject subject_;
+  std::vector<Vec3f> outline_;  // that frames the picture
+  PictureFrame frame_;
+  VolumeCells cells_;
+  VolumeStretches stretches_;
+  ValueHistogram histogram_;
+};
+
+VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {
+  progress.begin("preparing");
+  work_ = std::make_unique<Work>(std::move(subject), progress);
+  progress.finish();
+}
+VolumePicture::~VolumePicture() = default;
+
+const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
+const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
+Camera VolumePicture::camera(const VolumePictureOptions& options) const {
+  options.validate();
+  return work_->camera(options);
+}
+LightMap VolumePicture::light(const Camera& camera, const VolumePictureOptions& options, Progress& progress,
+                              VolumePictureReport* report) const {
+  return work_->light(camera, options, progress, report, false);
+}
+
+Image VolumePicture::render(const VolumePictureOptions& options, Progress& progress, VolumePictureReport* report,
+                            bool check_steps) const {
+  options.validate();
+  const Camera camera = work_->camera(options);
+  VolumePictureReport own;
+  const LightMap map = work_->light(camera, options, progress, &own, check_steps);
+  Image image(options.width, options.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const auto& p = map.at(x, y);
+      const Vec3f light{p[0], p[1], p[2]};
+      Rgba& color = image.at(x, y);
+      if (options.background == RenderOptions::Background::transparent) {
+        const float alpha = 1 - p[3];
+        const Vec3f c = alpha > 0 ? srgb_color(light / alpha) : Vec3f{};
+        color = {c.x, c.y, c.z, std::max(0.0f, alpha)};
+        continue;
+      }
+      const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.width);
+      const float fy = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.height);
+      const Vec3f c = srgb_color(light + background_light(options, fx, fy) * p[3]);
+      color = {c.x, c.y, c.z, 1};
+      if (options.background != RenderOptions::Background::gradient || p[3] == 0) continue;
+      // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
+      const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
+      for (float& v : color) v = from_byte(to_byte(v, threshold));
+    }
+  if (report) *report = own;
+  return image;
+}
+
+Image render_volume(const VolumeSubject& subject, const VolumePictureOptions& options, Progress& progress,
+                    VolumePictureReport* report) {
+  options.validate();
+  const VolumePicture picture(subject, progress);
+  return picture.render(options, progress, report);
+}
+
+}  // namespace sansmesh

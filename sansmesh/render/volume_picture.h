@@ -1,0 +1,86 @@
+// Pictures of volumes: whatever a field says between the samples, seen through.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/color_field.h"
+#include "sansmesh/field/volume_field.h"
+#include "sansmesh/render/camera.h"
+#include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/volume_options.h"
+
+namespace sansmesh {
+
+/// Makes a surface ready for a picture with this frame and camera.
+using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
+
+/// A mesh, or a cloud as discs or balls, in the coordinates of the volume. The mesh is copied. Throws DataError where
+/// there is nothing to draw.
+PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& options);
+/// A surface without a mesh; its coordinates are the volume's less `origin`. Caster and colours (which may be null)
+/// must outlive the pictures.
+PictureSurface surface_in_volume(const SurfaceCaster& caster, const Vec3& origin, const ColorField* colors,
+                                 const SurfaceRenderOptions& options);
+
+/// What there is to see. All of it must outlive the picture.
+struct VolumeSubject {
+  const VolumeField* field = nullptr;      ///< colours, iso-surfaces and opacities; one component
+  const VolumeField* opacity = nullptr;    ///< opacities, where they come from another array; one component
+  const TriangleMesh* boundary = nullptr;  ///< closed, turned outwards; null: `inside` of the field decides
+  std::vector<PictureSurface> surfaces;    ///< opaque surfaces in the same picture
+};
+
+/// How a picture came to be.
+struct VolumePictureReport {
+  TransferFunction transfer;  ///< that was used
+  std::string why;            ///< it was taken, if it was suggested
+  std::uint64_t rays = 0, evaluations = 0;
+  /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
+  /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.
+  double step_error_mean = 0, step_error_most = 0;
+};
+
+/// Built once for a volume; then pictures of it from anywhere, with any transfer function.
+class VolumePicture {
+ public:
+  /// Throws ArgumentError for fields of other than one component, DataError where there is nothing to draw.
+  VolumePicture(VolumeSubject subject, Progress& progress);
+  ~VolumePicture();
+  VolumePicture(const VolumePicture&) = delete;
+  VolumePicture& operator=(const VolumePicture&) = delete;
+
+  /// In perspective, framed by the boundary. Does not depend on the number of threads. `report` may be null;
+  /// `check_steps` fills in the errors of the steps, which takes about a fiftieth of the time. Throws ArgumentError for
+  /// bad options.
+  Image render(const VolumePictureOptions& options, Progress& progress, VolumePictureReport* report = nullptr,
+               bool check_steps = false) const;
+
+  /// What is seen without anything behind it, for the camera given in coordinates of frame(): linear light,
+  /// premultiplied, and the share of light from behind that comes through. One ray a pixel, options.samples² where
+  /// neighbours differ.
+  PixelMap<std::array<float, 4>> light(const Camera& camera, const VolumePictureOptions& options, Progress& progress,
+                                       VolumePictureReport* report = nullptr) const;
+
+  const PictureFrame& frame() const;
+  Camera camera(const VolumePictureOptions& options) const;
+  /// Of the field's values in the volume.
+  const ValueHistogram& histogram() const;
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+/// One picture.
+Image render_volume(const VolumeSubject& subject, const VolumePictureOptions& options, Progress& progress,
+                    VolumePictureReport* report = nullptr);
+
+}  // namespace sansmesh

@@ -1,0 +1,481 @@
+#include "sansmesh/render/volume_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "sansmesh/render/pixel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kReferenceShare = 0.02;  // default reference length, of the diagonal
+constexpr int kMostPieces = 12;           // of a step, each with its own integral
+constexpr int kRootRounds = 10;
+constexpr float kGrazing = 0.4f;
+constexpr double kFaceOpacity = 0.004;  // from which on a cut face is opaque
+
+/// The cubic through two values with slopes (per length of the step).
+struct Cubic {
+  double a, b, c, d;
+  Cubic(double v0, double s0, double v1, double s1)
+      : a(2 * (v0 - v1) + s0 + s1), b(3 * (v1 - v0) - 2 * s0 - s1), c(s0), d(v0) {}
+  double operator()(double s) const { return ((a * s + b) * s + c) * s + d; }
+};
+
+}  // namespace
+
+struct VolumeTracer::Sample {
+  double t = 0, value = 0, slope = 0, other = 0, other_slope = 0;  // slopes per picture length
+  Vec3 gradient;                                                   // that shades, per picture length
+  bool inside = true, shaded = false;
+  Vec3f light{1, 1, 1}, gloss;
+};
+
+struct VolumeTracer::Walk {
+  Vec3 direction;
+  std::uint32_t slot = 0;               // of the ray's answer
+  std::uint32_t stretch = 0, last = 0;  // the next one, and where they end
+  RayStretch now;
+  bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` holds
+  double t = 0;
+  Sample before;
+  double surface = std::numeric_limits<double>::infinity();
+  Vec3f surface_light;
+  Vec3 light;
+  double left = 1;
+};
+
+struct VolumeTracer::Root {
+  std::uint32_t walk = 0, iso = 0;
+  double low = 0, high = 0, low_value = 0, high_value = 0;  // bracket; values minus that of the iso-surface
+  double d = 0;                                             // length of the step
+  bool sure = false;                                        // both ends were evaluated: there is a root
+  bool done = false, hit = false;
+  Sample sample;
+};
+
+struct VolumeTracer::Scratch {
+  std::vector<Walk> walks;
+  std::vector<RayStretch> stretches;
+  std::vector<std::uint32_t> first;
+  std::vector<std::uint32_t> active;
+  std::vector<Vec3> x, gradients, other_gradients;
+  std::vector<double> values, others;
+  std::vector<std::uint8_t> inside;
+  std::vector<Sample> samples;
+  std::vector<Root> roots;
+};
+
+VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
+                           const VolumePictureOptions& options)
+    : volume_(volume),
+      camera_(camera),
+      eye_(camera.position),
+      lighting_(camera),
+      transfer_(transfer),
+      colors_(volume.opacity ? TransferTable::colors_only(transfer) : TransferTable(transfer)),
+      depths_(transfer),
+      options_(options),
+      separate_(volume.opacity != nullptr),
+      footprint_(2 * camera.half_height / static_cast<float>(options.height)) {
+  const double reference = transfer.reference_length ? *transfer.reference_length / volume.frame.size : kReferenceShare;
+  extinction_ = options.opacity_scale / reference;
+  const auto [lower, upper] = transfer.range();
+  weak_ = 1.5 * (separate_ ? transfer.opacities.back().value - transfer.opacities.front().value : upper - lower);
+  for (const IsoSurface& iso : options.isos)
+    iso_colors_.push_back(linear_color(iso.color ? *iso.color : transfer.color(iso.value)));
+  const VolumeCells& cells = *volume.cells;
+  clear_.assign(cells.size(), 0);
+  if (!options.skip_empty) return;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const ValueRange& dense = separate_ ? cells.other_range(c) : cells.range(c);
+    bool clear = options.opacity_scale == 0 || depths_.clear(dense.least, dense.most);
+    for (const IsoSurface& iso : options.isos)
+      clear = clear && !(cells.range(c).least <= iso.value && iso.value <= cells.range(c).most);
+    clear_[c] = clear;
+  }
+}
+
+Vec3 VolumeTracer::world(const Walk& walk, double t) const {
+  return volume_.frame.center + (eye_ + walk.direction * t) * volume_.frame.size;
+}
+
+double VolumeTracer::step_at(std::size_t cell, double t) const {
+  const Vec3& edge = volume_.cells->edge();
+  const double most = std::min({edge.x, edge.y, edge.z}) / volume_.frame.size;
+  const double step = options_.step * volume_.cells->spacing(cell) / volume_.frame.size;
+  return std::max(std::min(step, most), 0.5 * static_cast<double>(footprint_) * t);
+}
+
+/// Finds out where the walk is to be evaluated next; false: it is at its end.
+bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
+  for (;;) {
+    if (!walk.within) {
+      if (walk.stretch == walk.last || walk.left == 0) return false;
+      walk.now = scratch.stretches[walk.stretch++];
+      if (walk.now.begin >= walk.surface) return false;
+      if (walk.now.end > walk.surface) walk.now.end = walk.surface, walk.now.ends_at_cut = false;
+      walk.within = walk.begun = true;
+      walk.started = false;
+      walk.t = walk.now.begin;
+      if (walk.now.begins_at_cut && options_.cut_faces) return true;
+    }
+    const double at = walk.started ? walk.before.t : walk.t;
+    std::size_t cell = volume_.cells->cell(world(walk, at));
+    if (!clear_[cell]) {
+      if (!walk.started) return true;
+      const double step = step_at(cell, at);
+      walk.t = walk.now.end - at <= 1.01 * step ? walk.now.end : at + step;
+      return true;
+    }
+    // A leap over cells in which nothing is to be seen.
+    double t = at;
+    const Vec3 d = walk.direction * volume_.frame.size;
+    while (clear_[cell] && t < walk.now.end) {
+      t += volume_.cells->exit(cell, world(walk, t), d) + 1e-7;
+      if (t < walk.now.end) cell = volume_.cells->cell(world(walk, t));
+    }
+    walk.started = walk.begun = false;
+    if (t >= walk.now.end) {
+      walk.within = false;
+      if (!walk.now.ends_at_cut || !options_.cut_faces) continue;
+      walk.within = true;
+      walk.t = walk.now.end;
+      return true;
+    }
+    walk.t = t;
+    return true;
+  }
+}
+
+/// Samples of all active walks at their places.
+std::size_t VolumeTracer::evaluate(Scratch& s) const {
+  const std::size_t n = s.x.size();
+  s.values.resize(n), s.gradients.resize(n), s.samples.resize(n);
+  const bool ask = !volume_.bounded;
+  s.inside.assign(ask ? n : 0, 1);
+  volume_.field->evaluate(s.x, {s.values, s.gradients, s.inside, {}});
+  if (separate_) {
+    s.others.resize(n), s.other_gradients.resize(n);
+    volume_.opacity->evaluate(s.x, {s.others, s.other_gradients, {}, {}});
+  }
+  return n;
+}
+
+void VolumeTracer::shade(const Walk& walk, Sample& sample, bool surface) const {
+  if (sample.shaded) return;
+  sample.shaded = true;
+  sample.light = {1, 1, 1};
+  sample.gloss = {};
+  if (!options_.shading && !surface) return;
+  const double steep = norm(sample.gradient);
+  if (!(steep > 0)) return;
+  const float share = surface ? 1.0f : static_cast<float>(steep * steep / (steep * steep + weak_ * weak_));
+  Vec3f n(sample.gradient / steep);
+  const Vec3f d(walk.direction);
+  float facing = dot(n, d);
+  if (facing > 0) n = -n, facing = -facing;
+  const auto light = [&](const Vec3f& m) {
+    return lighting_.ambient(m) + Lighting::kFill * std::max(0.0f, dot(m, lighting_.fill)) +
+           Lighting::kKey * std::max(0.0f, dot(m, lighting_.key));
+  };
+  Vec3f lit = light(n);
+  // What glows has no side: at grazing angles both count, so that nothing jumps where the gradient turns away.
+  if (!surface && facing > -kGrazing) {
+    const float other = 0.5f * (1 + facing / kGrazing) * (1 + facing / kGrazing);
+    lit = mix(lit, light(-n), other);
+  }
+  sample.light = mix(Vec3f{1, 1, 1}, lit, share);
+  const float shine = dot(n, lighting_.key) > 0 ? lighting_.shine(n, d) : 0;
+  sample.gloss = (Lighting::kKey * shine + Lighting::kSkyHigh * (surface ? lighting_.sheen(n, d) : 0)) * share;
+}
+
+void VolumeTracer::lay(Walk& walk, const Vec3f& light, double opacity) const {
+  walk.light += Vec3(light) * (walk.left * opacity);
+  walk.left *= 1 - opacity;
+}
+
+void VolumeTracer::cut_face(Walk& walk, const Sample& sample) const {
+  if (!sample.inside) return;
+  double opacity = 1;
+  if (options_.opacity_scale > 0)
+    opacity = std::min(1.0, transfer_.opacity(separate_ ? sample.other : sample.value) / kFaceOpacity);
+  if (opacity > 0) lay(walk, linear_color(transfer_.color(sample.value)), opacity);
+}
+
+/// Emission and absorption between two shares of a step.
+void VolumeTracer::absorb(Walk& walk, const Sample& a, const Sample& b, double from, double to) const {
+  const double d = b.t - a.t;
+  if (!(to > from) || !(d > 0) || extinction_ == 0) return;
+  const double scale = colors_.scale();
+  const Cubic value(colors_.place(a.value), a.slope * d * scale, colors_.place(b.value), b.slope * d * scale);
+  const double other_scale = depths_.scale();
+  const Cubic other(depths_.place(a.other), a.other_slope * d * other_scale, depths_.place(b.other),
+                    b.other_slope * d * other_scale);
+  const Cubic& dense = separate_ ? other : value;
+
+  // How bent the value is, how far it goes, and how much is absorbed say how many pieces are needed.
+  const double u0 = dense(from), u1 = dense(to), span = std::abs(u1 - u0);
+  const double bend = (std::abs(dense.a) + std::abs(dense.b)) * (to - from) * (to - from);
+  const TransferTable& table = depths_;
+  double mean = 0;
+  if (span > 1e-6) {
+    mean = (table.at(u1).depth - table.at(u0).depth) / (u1 - u0);
+  } else {
+    mean = table.density(u0).depth;
+  }
+  if (mean == 0 && bend < 0.5) return;
+  const double depth = mean * extinction_ * d * (to - from);
+  const double wish = 1 + bend * (24.0 / TransferTable::kBins) + span * (12.0 / TransferTable::kBins) + 3 * depth;
+  const int pieces = std::min(kMostPieces, static_cast<int>(wish));
+  const double piece = (to - from) / pieces, length = piece * d * extinction_;
+
+  double u = u0, v = separate_ ? value(from) : u0;
+  TransferTable::Entry dark = table.at(u), bright = separate_ ? colors_.at(v) : dark;
+  for (int i = 0; i < pieces && walk.left > 0; ++i) {
+    const double s = from + (i + 1) * piece;
+    const double un = dense(s), vn = separate_ ? value(s) : un;
+    const TransferTable::Entry dark_next = table.at(un);
+    const TransferTable::Entry bright_next = separate_ ? colors_.at(vn) : dark_next;
+    TransferTable::Entry slope;
+    if (std::abs(un - u) > 1e-6) {
+      slope.depth = (dark_next.depth - dark.depth) / (un - u);
+    } else {
+      slope.depth = table.density(u).depth;
+    }
+    if (slope.depth > 0) {
+      // The mean colour of what glows between the two values.
+      Vec3 color;
+      const double glow = bright_next.depth - bright.depth;
+      if (std::abs(vn - v) > 1e-6 && std::abs(glow) > 1e-300) {
+        color =
+            Vec3{bright_next.red - bright.red, bright_next.green - bright.green, bright_next.blue - bright.blue} / glow;
+      } else {
+        const TransferTable::Entry at = colors_.density(v);
+        if (at.depth > 0) color = Vec3{at.red, at.green, at.blue} / at.depth;
+      }
+      const double opacity = -std::expm1(-slope.depth * length);
+      const float middle = static_cast<float>(s - 0.5 * piece);
+      const Vec3f light = mix(a.light, b.light, middle), gloss = mix(a.gloss, b.gloss, middle);
+      lay(walk, product(Vec3f(color), light) + gloss, opacity);
+    }
+    u = un, v = vn, dark = dark_next, bright = bright_next;
+  }
+}
+
+/// From one sample to the next, through the iso-surfaces between them.
+void VolumeTracer::go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> roots) const {
+  if (!a.inside || !b.inside) return;
+  const double d = b.t - a.t;
+  const double first = separate_ ? a.other : a.value, second = separate_ ? b.other : b.value;
+  const double slope =
+      d * std::max(std::abs(separate_ ? a.other_slope : a.slope), std::abs(separate_ ? b.other_slope : b.slope));
+  const double margin = 0.3 * slope;
+  if (extinction_ > 0 && !depths_.clear(std::min(first, second) - margin, std::max(first, second) + margin)) {
+    shade(walk, a, false);
+    shade(walk, b, false);
+  }
+  double at = 0;
+  for (Root& root : roots) {
+    if (!root.hit) continue;
+    const double s = std::clamp((root.sample.t - a.t) / d, at, 1.0);
+    absorb(walk, a, b, at, s);
+    at = s;
+    shade(walk, root.sample, true);
+    const Vec3f light = shoulder(product(iso_colors_[root.iso], root.sample.light) + root.sample.gloss);
+    lay(walk, light, options_.isos[root.iso].opacity);
+    if (walk.left <= options_.least_light) break;
+  }
+  if (walk.left > options_.least_light) absorb(walk, a, b, at, 1);
+}
+
+/// Places where iso-surfaces cross the steps of this round; by walk and distance.
+std::size_t VolumeTracer::find_roots(Scratch& s) const {
+  constexpr int kParts = 4;  // of a step that are looked at for a change of sign: a cubic has up to three roots
+  s.roots.clear();
+  for (std::size_t i = 0; i < s.active.size(); ++i) {
+    const Walk& walk = s.walks[s.active[i]];
+    const Sample &a = walk.before, &b = s.samples[i];
+    if (!walk.started || !a.inside || !b.inside) continue;
+    const double d = b.t - a.t;
+    if (!(d > 0)) continue;
+    const Cubic value(a.value, a.slope * d, b.value, b.slope * d);
+    for (std::size_t k = 0; k < options_.isos.size(); ++k) {
+      const double level = options_.isos[k].value;
+      double low = a.value - level;
+      for (int p = 1; p <= kParts; ++p) {
+        const double high = (p == kParts ? b.value : value(p / double(kParts))) - level;
+        if ((low >= 0) != (high >= 0)) {
+          Root root;
+          root.walk = static_cast<std::uint32_t>(i), root.iso = static_cast<std::uint32_t>(k);
+          root.low = a.t + d * (p - 1) / kParts, root.high = p == kParts ? b.t : a.t + d * p / kParts;
+          root.low_value = low, root.high_value = high, root.d = d;
+          // Of a single change the ends of the step are as good as those of the part, and known for certain.
+          if ((a.value >= level) != (b.value >= level)) root.sure = true;
+          s.roots.push_back(root);
+        }
+        low = high;
+      }
+    }
+  }
+  if (s.roots.empty()) return 0;
+  // Changes of sign that only the cubic sees are one of several in their step: those are checked.
+  std::size_t count = 0;
+  std::vector<std::size_t> open;
+  std::vector<Vec3> x, gradients;
+  std::vector<double> values, others;
+  for (std::size_t r = 0; r < s.roots.size(); ++r) {
+    Root& root = s.roots[r];
+    root.sample.t =
+        root.low + (root.high - root.low) * std::clamp(root.low_value / (root.low_value - root.high_value), 0.02, 0.98);
+    const auto same = [&](const Root& o) { return o.walk == root.walk && o.iso == root.iso; };
+    const bool alone = (r == 0 || !same(s.roots[r - 1])) && (r + 1 == s.roots.size() || !same(s.roots[r + 1]));
+    if (root.sure && alone) {
+      const Walk& walk = s.walks[s.active[root.walk]];
+      const double level = options_.isos[root.iso].value;
+      root.low = walk.before.t, root.low_value = walk.before.value - level;
+      root.high = s.samples[root.walk].t, root.high_value = s.samples[root.walk].value - level;
+    } else {
+      root.sure = false;
+    }
+    open.push_back(r);
+  }
+  for (int round = 0; round < kRootRounds && !open.empty(); ++round) {
+    x.clear();
+    for (const std::size_t r : open) x.push_back(world(s.walks[s.active[s.roots[r].walk]], s.roots[r].sample.t));
+    values.resize(x.size()), gradients.resize(x.size());
+    volume_.field->evaluate(x, {values, gradients, {}, {}});
+    count += x.size();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      Root& root = s.roots[open[i]];
+      const Walk& walk = s.walks[s.active[root.walk]];
+      Sample& now = root.sample;
+      now.value = values[i], now.gradient = gradients[i] * volume_.frame.size;
+      const double value = values[i] - options_.isos[root.iso].value;
+      const double slope = dot(now.gradient, walk.direction);
+      if ((value >= 0) == (root.low_value >= 0)) {
+        root.low = now.t, root.low_value = value;
+      } else {
+        root.high = now.t, root.high_value = value;
+      }
+      const double tolerance = std::max(1e-4 * root.d, 0.01 * static_cast<double>(footprint_) * now.t);
+      double next = slope != 0 ? now.t - value / slope : now.t;
+      const double change = std::abs(next - now.t);
+      if ((slope != 0 && change < tolerance && next >= root.low - tolerance && next <= root.high + tolerance) ||
+          root.high - root.low < tolerance || value == 0) {
+        root.hit = root.sure || std::abs(value) <= 4 * std::abs(slope) * tolerance;
+        if (slope != 0 && change < tolerance) now.t = std::clamp(next, root.low, root.high);
+        continue;
+      }
+      const double inner = 0.02 * (root.high - root.low);
+      if (!(next > root.low + inner && next < root.high - inner) || round > 4) next = 0.5 * (root.low + root.high);
+      now.t = next;
+      open[kept++] = open[i];
+    }
+    open.resize(kept);
+  }
+  for (const std::size_t r : open) s.roots[r].hit = s.roots[r].sure;
+  std::stable_sort(s.roots.begin(), s.roots.end(), [](const Root& a, const Root& b) {
+    return a.walk != b.walk ? a.walk < b.walk : a.sample.t < b.sample.t;
+  });
+  return count;
+}
+
+std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<TracedLight> lights) const {
+  Scratch s;
+  s.walks.resize(directions.size());
+  std::vector<VolumeRay> rays(directions.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = {eye_, normalized(Vec3(directions[i]))};
+  volume_.stretches->find(rays, options_.cuts, s.stretches, s.first);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Walk& walk = s.walks[i];
+    walk.direction = rays[i].direction;
+    walk.slot = static_cast<std::uint32_t>(i);
+    walk.stretch = s.first[i], walk.last = s.first[i + 1];
+  }
+  std::vector<std::optional<SurfacePoint>> points(directions.size());
+  for (const PictureScene* scene : volume_.surfaces) {
+    scene->closest(camera_.position, directions, points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!points[i]) continue;
+      const SurfacePoint& p = *points[i];
+      Walk& walk = s.walks[i];
+      const double t = dot(Vec3(p.position) - eye_, walk.direction);
+      if (!(t < walk.surface)) continue;
+      walk.surface = t;
+      Pixel pixel;
+      pixel.color = p.color, pixel.ambient = lighting_.ambient(p.normal), pixel.open = pixel.lit = 1;
+      pixel.facing = std::max(0.0f, dot(p.normal, lighting_.key));
+      pixel.fill = std::max(0.0f, dot(p.normal, lighting_.fill));
+      pixel.shine = pixel.facing > 0 ? p.gloss * lighting_.shine(p.normal, directions[i]) : 0;
+      pixel.sheen = p.gloss * lighting_.sheen(p.normal, directions[i]);
+      pixel.beyond = p.beyond;
+      walk.surface_light = surface_light(pixel);
+    }
+  }
+
+  std::size_t count = 0;
+  s.active.resize(directions.size());
+  for (std::size_t i = 0; i < s.active.size(); ++i) s.active[i] = static_cast<std::uint32_t>(i);
+  for (;;) {
+    std::size_t kept = 0;
+    s.x.clear();
+    for (const std::uint32_t w : s.active) {
+      if (!next_place(s.walks[w], s)) continue;
+      s.active[kept++] = w;
+      s.x.push_back(world(s.walks[w], s.walks[w].t));
+    }
+    s.active.resize(kept);
+    if (kept == 0) break;
+    count += evaluate(s);
+    for (std::size_t i = 0; i < kept; ++i) {
+      const Walk& walk = s.walks[s.active[i]];
+      Sample& now = s.samples[i];
+      now = {};
+      now.t = walk.t, now.value = s.values[i];
+      const Vec3 gradient = s.gradients[i] * volume_.frame.size;
+      now.slope = dot(gradient, walk.direction);
+      now.gradient = gradient;
+      if (separate_) {
+        now.gradient = s.other_gradients[i] * volume_.frame.size;
+        now.other = s.others[i], now.other_slope = dot(now.gradient, walk.direction);
+      }
+      now.inside = s.inside.empty() || s.inside[i];
+    }
+    if (!options_.isos.empty()) count += find_roots(s);
+    std::size_t root = 0;
+    for (std::size_t i = 0; i < kept; ++i) {
+      Walk& walk = s.walks[s.active[i]];
+      Sample& now = s.samples[i];
+      std::size_t last = root;
+      while (last < s.roots.size() && s.roots[last].walk == i) ++last;
+      if (walk.begun && walk.now.begins_at_cut && options_.cut_faces) cut_face(walk, now);
+      walk.begun = false;
+      if (walk.started) go_through(walk, walk.before, now, std::span(s.roots).subspan(root, last - root));
+      root = last;
+      if (walk.left <= options_.least_light) {
+        walk.left = 0, walk.within = false;
+        continue;
+      }
+      walk.before = now;
+      walk.started = true;
+      if (now.t < walk.now.end) continue;
+      if (walk.now.ends_at_cut && options_.cut_faces) cut_face(walk, now);
+      walk.within = walk.started = false;
+    }
+  }
+  for (const Walk& walk : s.walks) {
+    TracedLight& found = lights[walk.slot];
+    const Vec3 light = walk.surface < std::numeric_limits<double>::infinity()
+                           ? walk.light + Vec3(walk.surface_light) * walk.left
+                           : walk.light;
+    found.light = Vec3f(light);
+    found.left = walk.surface < std::numeric_limits<double>::infinity() ? 0 : static_cast<float>(walk.left);
+  }
+  return count;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,82 @@
+// Light along rays through a volume: emission and absorption from front to back, many rays at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sansmesh/field/volume_field.h"
+#include "sansmesh/render/camera.h"
+#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/transfer_table.h"
+#include "sansmesh/render/volume_cells.h"
+#include "sansmesh/render/volume_options.h"
+#include "sansmesh/render/volume_stretches.h"
+
+namespace sansmesh {
+
+/// Light that comes along a ray (linear, without what is behind), and the share of what is behind that comes through.
+struct TracedLight {
+  Vec3f light;
+  float left = 1;
+  friend bool operator==(const TracedLight&, const TracedLight&) = default;
+};
+
+/// What tracing looks at. All of it must outlive the tracer.
+struct TracedVolume {
+  const VolumeField* field = nullptr;    ///< one component: colours, iso-surfaces, and opacities unless
+  const VolumeField* opacity = nullptr;  ///< there is one for them
+  bool bounded = false;                  ///< the stretches end at the boundary; else the field is asked what is inside
+  const VolumeStretches* stretches = nullptr;
+  const VolumeCells* cells = nullptr;
+  std::vector<const PictureScene*> surfaces;  ///< opaque, in the picture's coordinates
+  PictureFrame frame;
+};
+
+class VolumeTracer {
+ public:
+  VolumeTracer(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
+               const VolumePictureOptions& options);
+
+  /// Light along each of the unit directions from the camera; as many answers. What a ray finds does not depend on the
+  /// others: neighbours in neighbouring slots, some hundreds at a time, go fastest. Returns the number of places at
+  /// which the field was evaluated. Safe from several threads.
+  std::size_t trace(std::span<const Vec3f> directions, std::span<TracedLight> lights) const;
+
+ private:
+  struct Sample;
+  struct Walk;
+  struct Root;
+  struct Scratch;
+
+  bool next_place(Walk& walk, const Scratch& scratch) const;
+  double step_at(std::size_t cell, double t) const;
+  std::size_t evaluate(Scratch& scratch) const;
+  std::size_t find_roots(Scratch& scratch) const;
+  void shade(const Walk& walk, Sample& sample, bool surface) const;
+  void go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> roots) const;
+  void absorb(Walk& walk, const Sample& a, const Sample& b, double from, double to) const;
+  void lay(Walk& walk, const Vec3f& light, double opacity) const;
+  void cut_face(Walk& walk, const Sample& sample) const;
+  Vec3 world(const Walk& walk, double t) const;
+
+  TracedVolume volume_;
+  Camera camera_;
+  Vec3 eye_;
+  Lighting lighting_;
+  TransferFunction transfer_;
+  TransferTable colors_;  // with extinctions; or colours alone where opacities are of another array
+  TransferTable depths_;
+  const VolumePictureOptions& options_;
+  bool separate_ = false;
+  double extinction_ = 0;  // per picture length, of extinction 1 in reference lengths
+  double weak_ = 0;        // gradients (per picture length) that say as little about a surface as they say much
+  float footprint_ = 0;    // of a pixel at distance 1
+  std::vector<std::uint8_t> clear_;  // of each cell
+  std::vector<Vec3f> iso_colors_;
+};
+
+}  // namespace sansmesh

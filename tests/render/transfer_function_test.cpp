@@ -1,0 +1,238 @@
+#include "sansmesh/render/transfer_function.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "render/analytic_volumes.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/render/color_space.h"
+#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/transfer_table.h"
+#include "support/places.h"
+
+namespace sansmesh {
+namespace {
+
+/// −ln(1 − o) over [0, v] for o = v: in closed form.
+double ramp_depth(double v) { return (1 - v) * std::log1p(-v) + v; }
+
+TransferFunction ramp(double most = 0.9) {
+  TransferFunction f;
+  f.colors = {{0, {1, 0, 0}}, {1, {1, 0, 0}}};
+  f.opacities = {{0, 0}, {most, most}};
+  return f;
+}
+
+TEST(TransferTable, DepthOfARampIsItsIntegral) {
+  const TransferTable table(ramp());
+  for (const double v : {0.05, 0.2, 0.5, 0.89}) {
+    const double found = (table.at(table.place(v)).depth - table.at(table.place(0)).depth) / table.scale();
+    EXPECT_NEAR(found, ramp_depth(v), 1e-6) << v;
+  }
+}
+
+TEST(TransferTable, GoesOnBeyondItsEnds) {
+  TransferFunction f = ramp();
+  f.opacities = {{0, 0.5}, {0.5, 0.5}, {0.5, 0}, {1, 0}};
+  const TransferTable table(f);
+  const double slope = -std::log(0.5);
+  const auto depth = [&](double v) { return table.at(table.place(v)).depth / table.scale(); };
+  EXPECT_NEAR(depth(-2) - depth(0), -2 * slope, 1e-9);
+  EXPECT_NEAR(depth(0.5) - depth(0), 0.5 * slope, 1e-6);
+  EXPECT_NEAR(depth(7) - depth(0.5), 0, 1e-6);
+  EXPECT_TRUE(table.clear(0.6, 100));
+  EXPECT_FALSE(table.clear(-5, -4));
+  EXPECT_FALSE(table.clear(0.4, 0.9));
+}
+
+TEST(TransferTable, ColoursOfAPieceAreWeightedByExtinction) {
+  // Red and clear below, blue and dense above: whatever glows is blue.
+  TransferFunction f;
+  f.mixing = ColorMixing::step;
+  f.colors = {{0, {1, 0, 0}}, {0.5, {0, 0, 1}}, {1, {0, 0, 1}}};
+  f.opacities = {{0, 0}, {0.5, 0}, {0.5, 0.6}, {1, 0.6}};
+  const TransferTable table(f);
+  const auto a = table.at(table.place(0)), b = table.at(table.place(1));
+  const double depth = b.depth - a.depth;
+  EXPECT_NEAR((b.red - a.red) / depth, 0, 1e-4);
+  EXPECT_NEAR((b.blue - a.blue) / depth, 1, 1e-4);
+}
+
+TEST(TransferFunction, MixesInLabWithEvenLightness) {
+  TransferFunction f;
+  f.colors = {{0, {0.1f, 0.2f, 0.6f}}, {2, {0.9f, 0.8f, 0.3f}}};
+  f.opacities = {{0, 0}};
+  const double low = lab_of_srgb(f.color(0)).x, high = lab_of_srgb(f.color(2)).x;
+  for (const double t : {0.25, 0.5, 0.75}) EXPECT_NEAR(lab_of_srgb(f.color(2 * t)).x, low + t * (high - low), 1e-3);
+  f.mixing = ColorMixing::step;
+  EXPECT_EQ(f.color(1.999), f.colors[0].color);
+  EXPECT_EQ(f.color(2), f.colors[1].color);
+}
+
+TEST(ColorSpace, LabAndBack) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> u(0, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3f c{u(random), u(random), u(random)};
+    EXPECT_LT(norm(srgb_of_lab(lab_of_srgb(c)) - c), 2e-4f);
+    EXPECT_LT(norm(srgb_color(linear_color(c)) - c), 1e-5f);
+  }
+  EXPECT_NEAR(lab_of_srgb({1, 1, 1}).x, 100, 1e-3);
+  // Half way from red to green along the hue lies yellow.
+  EXPECT_LT(norm(mix_hsv({1, 0, 0}, {0, 1, 0}, 0.5) - Vec3f{1, 1, 0}), 1e-5f);
+  const Vec3f middle = mix_diverging({0.23f, 0.30f, 0.75f}, {0.70f, 0.016f, 0.15f}, 0.5);
+  EXPECT_GT(std::min({middle.x, middle.y, middle.z}), 0.8f);  // the middle is light and grey
+}
+
+TEST(TransferFunction, OwnJsonComesBackTheSame) {
+  const ValueHistogram h = value_histogram(test::linear_volume({1, 2, 0}, -1));
+  for (const std::string_view name : transfer_function_presets()) {
+    TransferFunction f = transfer_function_preset(name, h);
+    f.reference_length = 0.25;
+    f.name = "a \"name\"";
+    EXPECT_EQ(parse_transfer_function(transfer_function_json(f), "f.json"), f) << name;
+  }
+}
+
+TEST(TransferFunction, ReadsParaViewsMaps) {
+  const std::string map =
+      R"([{"ColorSpace": "Diverging", "Name": "Warm", "NanColor": [1, 1, 0],
+           "RGBPoints": [10, 0.23, 0.30, 0.75, 15, 0.86, 0.86, 0.86, 20, 0.7, 0.016, 0.15],
+           "Points": [10, 0, 0.5, 0, 20, 0.6, 0.5, 0]}])";
+  const TransferFunction f = parse_transfer_function(map, "warm.json");
+  EXPECT_EQ(f.name, "Warm");
+  EXPECT_EQ(f.range(), (std::pair{10.0, 20.0}));
+  EXPECT_NEAR(f.opacity(15), 0.3, 1e-12);
+  EXPECT_NEAR(static_cast<double>(f.color(15).x), 0.86, 1e-6);
+  // A midpoint at three quarters: half the opacity is reached there.
+  const TransferFunction late = parse_transfer_function(
+      R"({"ColorSpace": "HSV", "RGBPoints": [0, 1, 0, 0, 1, 0, 1, 0], "Points": [0, 0, 0.75, 0, 1, 0.8, 0.5, 0]})",
+      "f");
+  EXPECT_NEAR(late.opacity(0.75), 0.4, 1e-9);
+  EXPECT_NEAR(static_cast<double>(late.color(0.5).y), 1, 1e-6);
+}
+
+TEST(TransferFunction, BadFilesGiveOneLineWithTheirName) {
+  const std::string head = R"({"version": 1, )";
+  for (const std::string& text : {
+           std::string(""),
+           std::string("{"),
+           std::string("3"),
+           std::string("[]"),
+           std::string("[3]"),
+           head + R"("colors": [[0, "#00000g"]], "opacities": [[0, 1]]})",
+           head + R"("colors": [[0, "#000000"]], "opacities": [[0, 2]]})",
+           head + R"("colors": [[1, "#000000"], [0, "#000000"]], "opacities": [[0, 1]]})",
+           head + R"("colors": [], "opacities": [[0, 1]]})",
+           head + R"("colors": [[0, 1, 1]], "opacities": [[0, 1]]})",
+           head + R"("colors": [[0, "#000000"]]})",
+           head + R"("colors": [[0, "#000000"]], "opacities": [[0, 1]], "mixing": "hsl"})",
+           head + R"("colors": [[0, "#000000"]], "opacities": [[0, 1]], "opacity": 3})",
+           head + R"("colors": [[0, "#000000"]], "opacities": [[0, 1]], "reference_length": -1})",
+           std::string(R"({"version": 2, "colors": [[0, "#000000"]], "opacities": [[0, 1]]})"),
+           std::string(R"([{"ColorSpace": "RGB", "RGBPoints": [0, 1, 1]}])"),
+           std::string(R"([{"ColorSpace": "XYZ", "RGBPoints": [0, 1, 1, 1]}])"),
+           std::string(R"([{"IndexedColors": [0, 1, 1]}])"),
+       }) {
+    try {
+      parse_transfer_function(text, "dir/bad.json");
+      ADD_FAILURE() << text;
+    } catch (const FileError& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("dir/bad.json", 0), 0u) << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(read_transfer_function("/nowhere/at all.json"), FileError);
+}
+
+/// Values of a body of two materials in air, with noise.
+std::vector<double> scanned(double air, double body, double dense, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 0.02 * (body - air));
+  std::vector<double> values;
+  for (int i = 0; i < 60000; ++i) values.push_back(air + std::abs(noise(random)));
+  for (int i = 0; i < 30000; ++i) values.push_back(body + noise(random));
+  for (int i = 0; i < 4000; ++i) values.push_back(dense + 3 * noise(random));
+  for (int i = 0; i < 3000; ++i) values.push_back(air + (body - air) * i / 3000.0);
+  return values;
+}
+
+TEST(SuggestTransferFunction, DropsAirAndShowsBone) {
+  // In Hounsfield units, in those plus 1024, and in bytes.
+  for (const auto& [air, body, dense] :
+       {std::array{-1000.0, 50.0, 900.0}, {24.0, 1074.0, 1924.0}, {3.0, 100.0, 190.0}}) {
+    const TransferFunction f = suggest_transfer_function(value_histogram(scanned(air, body, dense, 1))).function;
+    EXPECT_EQ(f.opacity(air), 0);
+    EXPECT_EQ(f.opacity(air + 0.2 * (body - air)), 0);
+    EXPECT_GT(f.opacity(body), 0);
+    EXPECT_LT(f.opacity(body), 0.1);
+    EXPECT_GT(f.opacity(dense), 0.4);
+    // The presets for CT find bone and flesh wherever they are.
+    const TransferFunction bone = transfer_function_preset("ct-bone", value_histogram(scanned(air, body, dense, 2)));
+    EXPECT_EQ(bone.opacity(body), 0);
+    EXPECT_GT(bone.opacity(dense), 0.4);
+    const TransferFunction soft =
+        transfer_function_preset("ct-soft-tissue", value_histogram(scanned(air, body, dense, 3)));
+    EXPECT_EQ(soft.opacity(air), 0);
+    EXPECT_GT(soft.opacity(body), 0.02);
+  }
+}
+
+TEST(SuggestTransferFunction, ShowsRareValuesOfTheWholeRange) {
+  // A stream of value 1 almost everywhere, with a wake from 0.3 to 4: no background, nothing dropped.
+  std::mt19937 random(5);
+  std::normal_distribution<double> stream(1, 0.05);
+  std::uniform_real_distribution<double> wake(0.3, 4);
+  std::vector<double> values, slopes;
+  for (int i = 0; i < 50000; ++i) values.push_back(stream(random)), slopes.push_back(0.1);
+  for (int i = 0; i < 5000; ++i) values.push_back(wake(random)), slopes.push_back(3);
+  const TransferFunction f = suggest_transfer_function(value_histogram(values, slopes)).function;
+  EXPECT_LT(f.opacity(1), 0.3 * f.opacity(3.5));
+  for (const double v : {0.4, 1.0, 2.0, 3.9}) EXPECT_GT(f.opacity(v), 0) << v;
+  // What is steep is more opaque than what is as rare but flat.
+  for (std::size_t i = 0; i < values.size(); ++i) slopes[i] = values[i] > 3 ? 3 : 0.1;
+  const TransferFunction g = suggest_transfer_function(value_histogram(values, slopes)).function;
+  EXPECT_GT(g.opacity(3.5), 1.5 * g.opacity(2.3));
+}
+
+TEST(SuggestTransferFunction, DivergesWhereThereAreBothSigns) {
+  std::vector<double> values;
+  for (int i = 0; i <= 1000; ++i) values.push_back(-3 + 0.005 * i);  // −3..2
+  const TransferFunction f = suggest_transfer_function(value_histogram(values)).function;
+  EXPECT_NEAR(f.colors.front().value, -f.colors.back().value, 1e-12);
+  const Vec3f zero = f.color(0);
+  EXPECT_GT(std::min({zero.x, zero.y, zero.z}), 0.9f);
+  EXPECT_NO_THROW(suggest_transfer_function(value_histogram(std::vector<double>(10, 4.0))).function.validate());
+  EXPECT_THROW(value_histogram(std::vector<double>(3, std::nan(""))), DataError);
+  EXPECT_THROW(transfer_function_preset("bones", value_histogram(values)), ArgumentError);
+}
+
+TEST(ExtraTransferFunction, EngineAndHeadAreMaterialsBuckyBallIsARange) {
+  const std::filesystem::path folder = test::source_file("../shared/data/volumes/grids");
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data";
+  const auto read = [&](const char* name, auto type) {
+    std::ifstream in(folder / name, std::ios::binary);
+    std::vector<double> values;
+    for (decltype(type) v; in.read(reinterpret_cast<char*>(&v), sizeof v);) values.push_back(v);
+    return value_histogram(values);
+  };
+  const ValueHistogram engine = read("engine.raw", std::uint8_t{}), head = read("headsq.raw", std::int16_t{});
+  for (const auto& [h, air, body, dense] : {std::tuple{&engine, 5.0, 137.0, 200.0}, {&head, 120.0, 1070.0, 1600.0}}) {
+    const TransferFunction f = suggest_transfer_function(*h).function;
+    EXPECT_EQ(f.opacity(air), 0);
+    EXPECT_LT(f.opacity(body), 0.1);
+    EXPECT_GT(f.opacity(dense), 0.3);
+  }
+  for (const char* name : {"bucky.raw", "nucleon.raw", "neghip.raw", "ironprot.raw"}) {
+    const TransferFunction f = suggest_transfer_function(read(name, std::uint8_t{})).function;
+    EXPECT_EQ(f.opacity(0), 0) << name;
+    EXPECT_GT(f.opacity(150), f.opacity(60)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh
