@@ -1,0 +1,190 @@
+// sansmesh volume render: a picture of a volume, seen through.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/render/baked_volume.h"
+#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/volume/volume_boundary.h"
+#include "volume_input.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct VolumeRenderArguments {
+  VolumeInput input;
+  std::string output, transfer, opacity_by, background = "gradient";
+  std::vector<std::string> isos, cuts, meshes;
+  PictureArguments picture;
+  VolumePictureOptions options;
+  int frames = 0;
+  bool interactive = false, no_shading = false, no_cut_faces = false, no_bar = false;
+  double bake_error = BakeOptions().tolerance;
+};
+
+/// NAME.png → NAME_007.png
+std::string frame_of(const std::string& output, int frame) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
+      .string();
+}
+
+VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
+  VolumePictureOptions o = a.options;
+  static_cast<RenderOptions&>(o) = a.picture.chosen();
+  using Background = RenderOptions::Background;
+  if (a.background == "transparent") o.background = Background::transparent;
+  if (a.background == "white" || a.background == "black") {
+    o.background = Background::solid;
+    o.background_color = a.background == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+  }
+  for (const std::string& text : a.isos) o.isos.push_back(iso_surface_of(text));
+  for (const std::string& text : a.cuts) o.cuts.push_back(cut_plane_of(text));
+  o.shading = !a.no_shading;
+  o.cut_faces = !a.no_cut_faces;
+  o.color_bar = !a.no_bar;
+  o.steady = a.frames > 0;
+  if (!a.transfer.empty()) o.transfer = read_transfer_function(a.transfer);
+  o.validate();
+  return o;
+}
+
+/// The field of one number that --array or --opacity-by means: vectors count by their magnitude.
+std::shared_ptr<const VolumeField> scalar_field(OpenVolume& volume, const VolumeInput& input, ArrayChoice choice,
+                                                Console& console) {
+  if (volume.dataset().array(choice.array).components > 1 && !choice.component) choice.magnitude = true;
+  return volume.dataset().field(choice, input.method, console.progress());
+}
+
+void run_volume_render(const VolumeRenderArguments& a, Console& console) {
+  VolumePictureOptions options = chosen_options(a);
+  check_writable(a.output, "image");
+  require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
+  OpenVolume volume(a.input, console);
+  Progress& progress = console.progress();
+  const auto samples = volume.samples();
+  std::shared_ptr<const VolumeField> field, opacity;
+  std::vector<std::string> files;
+  VolumePictureReport report;
+  std::unique_ptr<BakedVolume> baked, baked_opacity;
+  try {
+    field = volume.field();
+    if (field->components() > 1) field = scalar_field(volume, a.input, volume.choice(), console);
+    if (!a.opacity_by.empty())
+      opacity = scalar_field(volume, a.input, volume.dataset().choose(a.opacity_by), console);
+    VolumeSubject subject;
+    subject.field = field.get(), subject.opacity = opacity.get();
+    if (a.interactive) {
+      BakeOptions bake;
+      bake.tolerance = a.bake_error;
+      progress.begin("bake");
+      baked = std::make_unique<BakedVolume>(*field, bake, progress);
+      subject.field = baked.get();
+      if (opacity) {
+        baked_opacity = std::make_unique<BakedVolume>(*opacity, bake, progress);
+        subject.opacity = baked_opacity.get();
+      }
+    }
+    TriangleMesh boundary;
+    if (!samples->lattice) {
+      boundary = volume_boundary(*samples);
+      subject.boundary = &boundary;
+    }
+    for (const std::string& file : a.meshes) subject.surfaces.push_back(surface_in_volume(read_mesh(file), options));
+    if (options.color_title.empty()) options.color_title = volume.array_name();
+    const VolumePicture picture(std::move(subject), progress);
+    const std::vector<ViewDirection> views = turntable(options.view, std::max(1, a.frames));
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      VolumePictureOptions frame = options;
+      frame.view = views[k];
+      files.push_back(a.frames > 0 ? frame_of(a.output, static_cast<int>(k)) : a.output);
+      write_image(files.back(), picture.render(frame, progress, &report));
+    }
+  } catch (const DataError& error) {
+    throw FileError(a.input.name(), error.what());
+  }
+  progress.finish();
+
+  console.say(fmt::format("{}: {} by {} on {} ({})", a.input.name(), volume.array_name(),
+                          info_of(volume.report().options.method).name, counted(samples->size(), "sample"),
+                          samples->facts.grid));
+  const auto [lower, upper] = report.transfer.range();
+  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.size() == 1 ? files[0] : a.output, lower, upper,
+                          report.why.empty() ? "" : "; " + report.why));
+  if (baked)
+    console.say(fmt::format("baked into {}, off by {:.3g} % of the range on average, {:.3g} % at most",
+                            counted(baked->report().bricks, "brick"), 100 * baked->report().error_mean,
+                            100 * baked->report().error_most));
+  Json json = {{"input", volume.json()},
+               {"transfer", Json::parse(transfer_function_json(report.transfer))},
+               {"why", report.why},
+               {"rays", report.rays},
+               {"evaluations", report.evaluations},
+               {"output", {{"files", files}, {"width", options.width}, {"height", options.height}}}};
+  if (baked)
+    json["baked"] = {{"bricks", baked->report().bricks},
+                     {"bytes", baked->report().bytes},
+                     {"error_mean", baked->report().error_mean},
+                     {"error_most", baked->report().error_most}};
+  console.say_json(json);
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_volume_render(CommandLine& volume) {
+  CommandLine& c = volume.add_subcommand("render", "Volume on any grid → picture: seen through, iso-surfaces, cuts");
+  auto shared = std::make_shared<VolumeRenderArguments>();
+  VolumeRenderArguments& a = *shared;
+  add_volume_input(c, a.input);
+  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  std::string presets;
+  for (const std::string_view name : transfer_function_presets())
+    presets += (presets.empty() ? "" : ", ") + std::string(name);
+  c.add_option("--preset", a.options.preset, "Colours and opacities: " + presets + " [from the values' histogram]")
+      .type_name("NAME");
+  c.add_option("--transfer", a.transfer, "The same from a file: JSON of ours or a colour map of ParaView")
+      .type_name("FILE");
+  c.add_option("--opacity", a.options.opacity_scale, "Multiplies the opacity; 0: iso-surfaces and cuts only [1]")
+      .type_name("FACTOR");
+  c.add_option("--opacity-by", a.opacity_by, "Array for the opacity, --array then gives the colours").type_name("NAME");
+  c.add_option("--iso", a.isos, "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated")
+      .type_name("VALUE")
+      .repeated();
+  c.add_option("--cut", a.cuts, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
+      .type_name("PLACE")
+      .repeated();
+  c.add_option("--mesh", a.meshes, "Mesh in the same picture; may be repeated").type_name("FILE").repeated();
+  c.add_flag("--no-cut-faces", a.no_cut_faces, "Cut faces stay as clear as what is behind them");
+  c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light");
+  c.add_flag("--interactive", a.interactive, "Quick: from the field baked into bricks, whose error is reported");
+  c.add_option("--bake-error", a.bake_error, "Of --interactive: error above which bricks are split, share of the range [0.004]")
+      .type_name("SHARE");
+  c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group("Picture");
+  c.add_flag("--axes", a.options.axes, "With the outline of the box and ticks").group("Picture");
+  c.add_option("--unit", a.options.unit, "Of lengths, at the axes").type_name("UNIT").group("Picture");
+  c.add_option("--title", a.options.title, "Above the picture").type_name("TEXT").group("Picture");
+  c.add_option("--background", a.background, "gradient, white, black or transparent")
+      .one_of({"gradient", "white", "black", "transparent"})
+      .type_name("NAME")
+      .group("Picture");
+  c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
+      .type_name("COUNT")
+      .group("Picture");
+  add_picture_options(c, a.picture);
+  c.footer(std::string(kReadableVolumes) +
+           "\n\nExamples:\n"
+           "  sansmesh volume render head.mhd -o head.png --preset ct-bone\n"
+           "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --cut 'y>4' --axes\n"
+           "  sansmesh volume render fire.vtu --array t --opacity-by mfrac -o fire.png --frames 36");
+  return {&c, [shared](Console& console) { run_volume_render(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli
