@@ -12,7 +12,10 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
+#include "sansmesh/volume/cell_finder.h"
 #include "sansmesh/volume/cell_geometry.h"
+#include "sansmesh/volume/covered_cells.h"
+#include "sansmesh/volume/delaunay.h"
 #include "sansmesh/volume/gathered_cells.h"
 
 namespace sansmesh {
@@ -117,23 +120,18 @@ SampledVolume lattice_volume(const GridBlock& block, bool in_cells) {
   return volume;
 }
 
-std::string grid_in_words(const GridData& data) {
+std::string grid_in_words(const GridData& data, const VolumeFacts& facts) {
+  if (facts.levels > 1) return fmt::format("AMR, {} levels", facts.levels);
   std::set<std::string> kinds;
-  std::size_t count = 0;
-  for (const GridBlock& b : data.blocks) {
-    if (b.kind == GridKind::lattice)
-      kinds.insert("lattice");
-    else if (b.kind == GridKind::curvilinear)
-      kinds.insert("curvilinear");
-    else if (b.kind == GridKind::scattered)
-      kinds.insert("scattered");
-    else
-      kinds.insert("unstructured");
-    ++count;
-  }
+  for (const GridBlock& b : data.blocks)
+    kinds.insert(b.kind == GridKind::lattice       ? "rectilinear"
+                 : b.kind == GridKind::curvilinear ? "curvilinear"
+                 : b.kind == GridKind::scattered   ? "scattered"
+                                                   : "unstructured");
   std::string words;
   for (const std::string& kind : kinds) words += (words.empty() ? "" : " and ") + kind;
-  return count > 1 ? fmt::format("{} {} blocks", count, words) : words;
+  if (data.blocks.size() == 1) return words;
+  return fmt::format("{} {}{} blocks", data.blocks.size(), facts.overlapped > 0 ? "overlapping " : "", words);
 }
 
 /// The arrays of some rows of all blocks: `blocks` (empty: the first) and `rows` of each wanted one.
@@ -197,6 +195,30 @@ void set_cell_facts(SampledVolume& volume) {
   set_spacings(volume.facts, std::move(steps));
 }
 
+/// Takes out the cells whose place finer ones of other blocks take. Keeps `source` of each cell in step.
+void remove_overlapped(GatheredCells& gathered, std::vector<std::uint32_t>& source, VolumeFacts& facts) {
+  if (gathered.cell_block.empty()) return;
+  std::vector<std::uint16_t> block(gathered.cells.size());
+  for (std::size_t c = 0; c < block.size(); ++c) block[c] = gathered.cell_block[source.empty() ? c : source[c]];
+  if (std::all_of(block.begin(), block.end(), [&](std::uint16_t b) { return b == block[0]; })) return;
+  const auto gone = overlapped_cells(gathered.cells, gathered.points, block);
+  if (!any_set(gone)) return;
+  std::size_t before = 0, after = 0;
+  used_points(gathered.cells, gathered.points.size(), before);
+  CellList cells;
+  std::vector<std::uint32_t> left;
+  for (std::size_t c = 0; c < gone.size(); ++c) {
+    if (gone[c]) continue;
+    cells.add(gathered.cells.shapes[c], gathered.cells[c]);
+    left.push_back(source.empty() ? static_cast<std::uint32_t>(c) : source[c]);
+  }
+  const std::size_t lost = gone.size() - cells.size();
+  gathered.cells = std::move(cells);
+  source = std::move(left);
+  used_points(gathered.cells, gathered.points.size(), after);
+  facts.overlapped = gathered.centers.empty() ? before - after : lost;
+}
+
 /// Samples at corners of cells.
 void set_point_samples(const GridData& data, const std::vector<std::size_t>& order, GatheredCells& gathered,
                        const std::vector<std::uint32_t>& first_there, SampledVolume& volume) {
@@ -226,6 +248,17 @@ void set_point_samples(const GridData& data, const std::vector<std::size_t>& ord
   volume.cells = std::move(gathered.cells);
   for (std::uint32_t& p : volume.cells.corners) p = number[p];
   volume.stars = edge_neighbours(volume.cells, count);
+  if (volume.block.empty()) return;
+  // Across borders where blocks do not fit: a sample there and the corners of the cell beyond.
+  const FaceNeighbours faces(volume.cells, volume.positions);
+  std::vector<std::uint64_t> links;
+  for_each_partial_neighbour(faces, [&](std::uint32_t cell, std::uint32_t corner, std::uint32_t other) {
+    const double most = 1.5 * std::max(faces.finder().mean_edge(cell), faces.finder().mean_edge(other));
+    for (const std::uint32_t p : volume.cells[other])
+      if (squared_norm(volume.positions[p] - volume.positions[corner]) <= most * most)
+        links.push_back(link_of(corner, p));
+  });
+  if (!links.empty()) volume.stars = united(volume.stars, symmetric_links(links, count));
 }
 
 /// Samples in cells; `source` of each cell, empty if they are numbered as they were.
@@ -255,13 +288,27 @@ void set_cell_samples(const GridData& data, const std::vector<std::size_t>& orde
   }
   volume.attributes = rows_of_blocks(data, order, true, blocks, rows);
   volume.block = std::move(blocks);
-  const auto across = face_neighbours(volume.cells, count);
+  const FaceNeighbours faces(volume.cells, volume.corners);
   std::vector<std::uint64_t> links;
   for (std::size_t c = 0; c < volume.cells.size(); ++c)
     for (std::size_t f = 0; f < kMostFaces; ++f)
-      if (const std::uint32_t other = across[kMostFaces * c + f]; other != kNoCell && other > c)
+      if (const std::uint32_t other = faces.equal(c, f); other != kNoCell && other > c)
         links.push_back(link_of(volume.cell_sample[c], volume.cell_sample[other]));
+  for_each_partial_neighbour(faces, [&](std::uint32_t cell, std::uint32_t, std::uint32_t other) {
+    links.push_back(link_of(volume.cell_sample[cell], volume.cell_sample[other]));
+  });
   volume.stars = symmetric_links(links, volume.positions.size());
+}
+
+/// The level of each sample, by its block.
+void set_levels(const GridData& data, SampledVolume& volume) {
+  std::set<int> levels;
+  for (const GridBlock& b : data.blocks) levels.insert(b.level);
+  volume.facts.levels = levels.size();
+  if (levels.size() < 2) return;
+  volume.level.resize(volume.block.size());
+  for (std::size_t i = 0; i < volume.level.size(); ++i)
+    volume.level[i] = static_cast<std::uint8_t>(std::clamp(data.blocks[volume.block[i]].level, 0, 255));
 }
 
 }  // namespace
@@ -298,14 +345,23 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   const auto order = canonical_order(data);
   GatheredCells gathered = gather_cells(data, order, in_cells, volume.facts);
   progress.advance();
+  const bool scattered = gathered.cells.empty() &&
+                         std::any_of(data.blocks.begin(), data.blocks.end(),
+                                     [](const auto& b) { return b.kind == GridKind::scattered && !b.points.empty(); });
+  if (scattered && in_cells) throw DataError("scattered points have no cells");
+  std::vector<std::uint32_t> scattered_groups;
+  if (scattered) gathered = gather_scattered(data, order, volume.facts, scattered_groups);
+  volume.scattered = scattered;
   if (volume.facts.points == 0) throw DataError("there are no points");
   if (volume.facts.points == volume.facts.not_finite) throw DataError("no point has finite coordinates");
   if (gathered.cells.empty())
     throw DataError(volume.facts.hidden > 0 ? "all cells are hidden" : "there are no cells: all points lie on a line");
-  const auto first_there = join_coincident(gathered);
+  volume.facts.hidden += remove_below_levels(data, gathered);
+  const auto first_there = scattered ? std::move(scattered_groups) : join_coincident(gathered);
   progress.advance();
-  const auto source = mend_cells(gathered, volume.facts);
+  auto source = mend_cells(gathered, volume.facts);
   if (gathered.cells.empty()) throw DataError("no cell has any volume: all points lie in a plane or on a line");
+  if (!scattered) remove_overlapped(gathered, source, volume.facts);
   progress.advance();
   if (in_cells)
     set_cell_samples(data, order, gathered, source, volume);
@@ -315,10 +371,11 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   if (volume.attributes.empty())
     throw DataError(in_cells ? "there are no arrays of cells" : "there are no arrays of points");
   progress.advance();
+  set_levels(data, volume);
   volume.part = connected_parts(volume.stars, volume.facts.parts);
   if (volume.facts.parts == 1) volume.part = {};
   set_cell_facts(volume);
-  volume.facts.grid = grid_in_words(data);
+  volume.facts.grid = grid_in_words(data, volume.facts);
   progress.finish();
   return volume;
 }

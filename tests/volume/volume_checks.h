@@ -3,18 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
 #include <memory>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/volume/assemble_volume.h"
-#include "sansmesh/volume/cell_geometry.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "volume/volume_grids.h"
+#include "volume/volume_places.h"
 
 namespace sansmesh::test {
 
@@ -35,7 +32,17 @@ inline std::vector<NamedGrid> all_grids(const VolumeFunction& f) {
   grids.emplace_back("tetrahedra of an o-grid", one_block(tetrahedra_of(o_grid_block({13, 4, 5})), f));
   grids.emplace_back("mixed", mixed_grid({7, 4, 4}, f));
   grids.emplace_back("abutting", abutting_blocks(5, 5, f));
+  grids.emplace_back("abutting, unlike", abutting_blocks(5, 7, f));
+  grids.emplace_back("two levels", two_level_amr(8, f));
+  grids.emplace_back("overlapping", three_overlapping_blocks(6, f));
   std::vector<NamedGrid> all;
+  all.push_back({"scattered", scattered_grid(400, f)});
+  // Many points on common spheres.
+  GridBlock points = lattice_block({6, 6, 6});
+  GridBlock cospherical;
+  cospherical.kind = GridKind::scattered;
+  for (std::size_t i = 0; i < block_point_count(points); ++i) cospherical.points.push_back(block_point(points, i));
+  all.push_back({"scattered lattice", one_block(cospherical, f)});
   for (auto& [name, data] : grids)
     for (const Association a : {Association::points, Association::cells})
       all.push_back({name + (a == Association::cells ? ", cells" : ""), data, a});
@@ -52,34 +59,6 @@ inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume
   ReconstructionOptions options;
   options.method = method;
   return reconstruct_volume(std::move(volume), "f", options, progress);
-}
-
-/// Random places within random cells, not nearer to faces than a hundredth. At lattices places between the ends.
-inline std::vector<Vec3> places_within(const SampledVolume& volume, std::size_t count, unsigned seed = 5) {
-  std::mt19937 random(seed);
-  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-  std::vector<Vec3> places;
-  while (places.size() < count) {
-    if (volume.lattice) {
-      Vec3 a;
-      for (std::size_t k = 0; k < 3; ++k)
-        a[k] = volume.lattice->lower[k] + (volume.lattice->upper[k] - volume.lattice->lower[k]) * uniform();
-      places.push_back(volume.lattice->from_axes(a));
-      continue;
-    }
-    const std::size_t cell = random() % volume.cells.size();
-    const CellShape shape = volume.cells.shapes[cell];
-    Vec3 u{0.01 + 0.98 * uniform(), 0.01 + 0.98 * uniform(), 0.01 + 0.98 * uniform()};
-    if (shape == CellShape::tetrahedron) u = u / (1.02 + u.x + u.y + u.z);
-    if (shape == CellShape::wedge) u = {u.x * (1 - u.y), u.y, u.z};
-    std::array<double, 8> weights;
-    shape_functions(shape, u, weights);
-    Vec3 sum;
-    for (std::size_t c = 0; c < volume.cells[cell].size(); ++c)
-      sum += volume.corner(volume.cells[cell][c]) * weights[c];
-    places.push_back(sum);
-  }
-  return places;
 }
 
 }  // namespace sansmesh::test

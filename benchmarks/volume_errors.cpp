@@ -1,0 +1,222 @@
+// Errors of reconstructions of volumes between the samples: the test functions of the thesis on the samples of a grid,
+// asked for at random places of its inside, beside the grid's own linear interpolation.
+//
+//   benchmark_volume_errors [OPTION...] FILE...|GRID...
+//
+//   FILE              a volume; several files joined by '+' are its blocks
+//   GRID              made up: lattice, stretched, bent, layers, o-grid, tets, o-tets, mixed, scattered, amr,
+//   overlapping
+//   --methods=A,B     all that there are by default; linear always comes first
+//   --cells           samples in cells; at their corners by default
+//   --tets            cells of structured grids cut into tetrahedra
+//   --count=N         places, 100,000 by default
+//   --by-cells        places at random in random cells, so that small cells count as much as large ones
+//   --size=N          points along an axis of grids that are made up, 20 by default
+//
+// Coordinates are normalised by the bounding box. Errors are mean and largest ones, and as shares of those of linear.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/io/read_volume.h"
+#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/volume_locator.h"
+#include "volume/volume_grids.h"
+#include "volume/volume_places.h"
+
+namespace {
+
+using namespace sansmesh;
+
+double f1(const Vec3& p) {
+  return (1.25 + std::cos(5.4 * p.y)) * std::cos(6 * p.z) / (6 + 6 * (3 * p.x - 1) * (3 * p.x - 1));
+}
+double f2(const Vec3& p) { return (std::tanh(9 * p.z - 9 * p.x - 9 * p.y) + 1) / 9; }
+double f3(const Vec3& p) {
+  const auto sq = [](double v) { return v * v; };
+  const double x = 9 * p.x, y = 9 * p.y, z = 9 * p.z;
+  return 0.75 * std::exp(-(sq(x - 2) + sq(y - 2) + sq(z - 2)) / 4) +
+         0.75 * std::exp(-sq(x + 1) / 49 - (y + 1) / 10 - (z + 1) / 10) +
+         0.5 * std::exp(-(sq(x - 7) + sq(y - 3) + sq(z - 5)) / 4) - 0.2 * std::exp(-sq(x - 4) - sq(y - 7) - sq(z - 5));
+}
+
+struct Options {
+  std::vector<std::string> methods, grids;
+  bool cells = false, tets = false, by_cells = false;
+  std::size_t count = 100000, size = 20;
+};
+
+std::vector<std::string> split(std::string_view text, char at) {
+  std::vector<std::string> parts;
+  while (true) {
+    const std::size_t end = std::min(text.find(at), text.size());
+    parts.emplace_back(text.substr(0, end));
+    if (end == text.size()) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+GridData made_up(const std::string& name, std::size_t n, bool& found) {
+  const auto zero = [](const Vec3&) { return 0.0; };
+  found = true;
+  if (name == "lattice") return test::lattice_grid({n, n, n}, zero);
+  if (name == "stretched") return test::stretched_grid({n, n, n}, zero, 1.2);
+  if (name == "bent") return test::bent_grid({n, n, n}, zero);
+  if (name == "layers") return test::bent_grid({n, n, n}, zero, 1.5);
+  if (name == "o-grid") return test::o_grid({2 * n + 1, n, n}, zero);
+  if (name == "tets") return test::tetrahedra_grid({n, n, n}, zero);
+  if (name == "o-tets") return test::one_block(test::tetrahedra_of(test::o_grid_block({2 * n + 1, n, n})), zero);
+  if (name == "mixed") return test::mixed_grid({n, n, n}, zero);
+  if (name == "scattered") return test::scattered_grid(n * n * n, zero);
+  if (name == "amr") return test::two_level_amr(n / 4 * 4, zero);
+  if (name == "overlapping") return test::three_overlapping_blocks(n, zero);
+  found = false;
+  return {};
+}
+
+std::vector<Vec3> places_inside(const SampledVolume& volume, std::size_t count) {
+  const VolumeLocator locator(volume);
+  const Box3 box = volume.bounds();
+  std::mt19937 random(12345);
+  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  std::vector<Vec3> inside;
+  while (inside.size() < count) {
+    std::vector<Vec3> x(count);
+    for (Vec3& p : x)
+      for (std::size_t k = 0; k < 3; ++k) p[k] = box.lower[k] + uniform() * box.size()[k];
+    std::vector<VolumePlace> places(x.size());
+    locator.locate(x, places);
+    for (std::size_t i = 0; i < x.size() && inside.size() < count; ++i)
+      if (places[i].inside) inside.push_back(x[i]);
+  }
+  return inside;
+}
+
+void measure(const std::string& name, const Options& options) {
+  Progress progress;
+  bool found = false;
+  GridData data = made_up(name, options.size, found);
+  if (!found) data = read_volumes(split(name, '+'));
+  if (options.tets)
+    for (GridBlock& block : data.blocks)
+      if (block.kind == GridKind::lattice || block.kind == GridKind::curvilinear) {
+        const auto hidden = block.hidden_points;
+        block = test::tetrahedra_of(block);
+        block.hidden_points = hidden;
+      }
+  for (GridBlock& block : data.blocks) {
+    block.point_arrays.clear(), block.cell_arrays.clear();
+    if (block.kind == GridKind::lattice)
+      for (const auto& axis : block.axes)
+        if (axis.size() < 2) throw DataError("a layer: errors are measured in volumes only");
+    test::set_function(block, [](const Vec3&) { return 0.0; });
+  }
+  const double start = process_cpu_seconds();
+  SampledVolume made = assemble_volume(data, options.cells ? Association::cells : Association::points, progress);
+  const double assembled = process_cpu_seconds() - start;
+  data = {};
+  const Box3 box = made.bounds();
+  const Vec3 size = box.size();
+  const auto normal = [&](const Vec3& x) {
+    const Vec3 d = x - box.lower;
+    return Vec3{d.x / size.x, d.y / size.y, d.z / size.z};
+  };
+  double (*const functions[])(const Vec3&) = {f1, f2, f3};
+  for (int f = 0; f < 3; ++f) {
+    std::vector<double> values(made.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = functions[f](normal(made.position(i)));
+    made.attributes.set(fmt::format("f{}", f + 1), std::move(values));
+  }
+  const auto volume = std::make_shared<const SampledVolume>(std::move(made));
+  const auto x = options.by_cells ? test::places_within(*volume, options.count) : places_inside(*volume, options.count);
+  const VolumeFacts& facts = volume->facts;
+  fmt::print(
+      "\n{}: {}{}, {} samples, {} cells, aspect {:.3g}, {} merged, {} degenerate, {} overlapped; assembled in "
+      "{:.2f} CPU s\n",
+      name, facts.grid, options.cells ? " (cells)" : "", volume->size(), volume->cells.size(), facts.aspect,
+      facts.merged, facts.degenerate, facts.overlapped, assembled);
+  fmt::print("{:<12} {:>2} {:>10} {:>10} {:>8} {:>8} {:>10} {:>8} {:>8}\n", "method", "", "mean", "max", "mean/lin",
+             "max/lin", "not finite", "fit s", "ask s");
+  double linear_mean[3] = {}, linear_max[3] = {};
+  for (const std::string& method : options.methods) {
+    ReconstructionOptions wanted;
+    wanted.method = reconstruction_of_name(method);
+    for (int f = 0; f < 3; ++f) {
+      try {
+        const double before = process_cpu_seconds();
+        const auto field = reconstruct_volume(volume, fmt::format("f{}", f + 1), wanted, progress);
+        const double fitted = process_cpu_seconds();
+        std::vector<double> values(x.size());
+        field->evaluate(x, {values, {}, {}, {}});
+        const double asked = process_cpu_seconds();
+        double sum = 0, most = 0;
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+          const double error = std::abs(values[i] - functions[f](normal(x[i])));
+          if (!std::isfinite(error)) {
+            ++wrong;
+            continue;
+          }
+          sum += error, most = std::max(most, error);
+        }
+        const double mean = sum / static_cast<double>(x.size());
+        if (method == "linear") linear_mean[f] = mean, linear_max[f] = most;
+        fmt::print("{:<12} f{} {:>10.3e} {:>10.3e} {:>8.3f} {:>8.3f} {:>10} {:>8.3f} {:>8.3f}{}\n", method, f + 1, mean,
+                   most, mean / linear_mean[f], most / linear_max[f], wrong, fitted - before, asked - fitted,
+                   most > linear_max[f] * (1 + 1e-9) ? "  WORSE" : "");
+      } catch (const ArgumentError& e) {
+        fmt::print("{:<12} f{} {}\n", method, f + 1, e.what());
+      }
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  std::vector<std::string> methods;
+  try {
+    for (int i = 1; i < argc; ++i) {
+      const std::string_view a = argv[i];
+      if (a.starts_with("--methods="))
+        methods = split(a.substr(10), ',');
+      else if (a == "--cells")
+        options.cells = true;
+      else if (a == "--tets")
+        options.tets = true;
+      else if (a == "--by-cells")
+        options.by_cells = true;
+      else if (a.starts_with("--count="))
+        options.count = std::stoul(std::string(a.substr(8)));
+      else if (a.starts_with("--size="))
+        options.size = std::stoul(std::string(a.substr(7)));
+      else if (a.starts_with("--"))
+        throw ArgumentError("unknown option " + std::string(a));
+      else
+        options.grids.emplace_back(a);
+    }
+    if (methods.empty())
+      for (const ReconstructionInfo& info : reconstruction_methods()) methods.emplace_back(info.name);
+    std::erase(methods, "linear");
+    methods.insert(methods.begin(), "linear");
+    options.methods = methods;
+    if (options.grids.empty()) throw ArgumentError("which grids or files?");
+    for (const std::string& grid : options.grids) measure(grid, options);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "benchmark_volume_errors: {}\n", e.what());
+    return 1;
+  }
+  return 0;
+}

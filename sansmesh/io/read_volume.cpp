@@ -1,0 +1,295 @@
+// Chooses the reader for a volume: by the first bytes of its file where they say what it is, else by its ending.
+#include "sansmesh/io/read_volume.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "sansmesh/io/file_content.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/volume_readers.h"
+#include "sansmesh/io/vtk_module.h"
+#include "sansmesh/io/vtk_xml.h"
+
+namespace sansmesh {
+namespace {
+
+using io::Input;
+
+enum class VolumeFormat : std::uint8_t {
+  unknown,
+  metaimage,
+  nrrd,
+  raw,
+  plot3d,
+  points,
+  pvd,
+  vtk_xml,
+  vtk_legacy,
+  exodus,
+  ensight,
+  cgns,
+  openfoam,
+  dicom
+};
+
+struct VolumeEnding {
+  const char* endings;  ///< separated and surrounded by spaces
+  VolumeFormat format;
+};
+
+constexpr VolumeEnding volume_endings[] = {
+    {" mhd mha ", VolumeFormat::metaimage},
+    {" nrrd nhdr ", VolumeFormat::nrrd},
+    {" raw ", VolumeFormat::raw},
+    {" bin x p3d grd fmt q ", VolumeFormat::plot3d},
+    {" vti vtr vts vtu vtm vtmb vthb vth pvti pvtr pvts pvtu vtpc vtpd ", VolumeFormat::vtk_xml},
+    {" vtk ", VolumeFormat::vtk_legacy},
+    {" ex2 exo exii e g ", VolumeFormat::exodus},
+    {" case encas ", VolumeFormat::ensight},
+    {" cgns ", VolumeFormat::cgns},
+    {" foam ", VolumeFormat::openfoam},
+    {" pvd ", VolumeFormat::pvd},
+    {" dcm dicom ", VolumeFormat::dicom},
+};
+constexpr const char* point_endings =
+    " xyz csv txt asc pts tsv dat ply pcd vtp las obj off stl pwn xyzn npts xyzrgb conf coff noff cnoff ";
+
+VolumeFormat format_of_ending(const std::string& name) {
+  const std::string key = " " + name + " ";
+  if (name.empty()) return VolumeFormat::unknown;
+  for (const VolumeEnding& e : volume_endings) {
+    if (std::string_view(e.endings).find(key) != std::string_view::npos) return e.format;
+  }
+  return std::string_view(point_endings).find(key) != std::string_view::npos ? VolumeFormat::points
+                                                                             : VolumeFormat::unknown;
+}
+
+std::string known_volume_endings() {
+  std::string known;
+  for (const VolumeEnding& e : volume_endings) known += std::string(e.endings).substr(0, std::strlen(e.endings) - 1);
+  return known.substr(1) + ", and those of points";
+}
+
+/// The type that the root of an XML file of VTK's names; empty where it is none.
+std::string vtk_xml_type(const Input& in) {
+  if (in.bytes.substr(0, 4096).find("<VTKFile") == std::string_view::npos) return {};
+  ReadReport ignored;
+  const Input head{in.file, in.bytes.substr(in.bytes.find("<VTKFile"), 4096), ignored};
+  io::XmlScanner xml(head);
+  const auto tag = xml.next();
+  return tag ? std::string((*tag)["type"]) : std::string();
+}
+
+VolumeFormat format_of_volume(const Input& in, const std::string& xml_type) {
+  const std::string_view bytes = in.bytes;
+  const VolumeFormat by_name = format_of_ending(io::ending(in.file));
+  if (xml_type == "PolyData" || xml_type == "PPolyData") return VolumeFormat::points;
+  if (xml_type == "Collection") return VolumeFormat::pvd;
+  if (!xml_type.empty()) return VolumeFormat::vtk_xml;
+  if (bytes.starts_with("# vtk DataFile")) return VolumeFormat::vtk_legacy;
+  if (bytes.starts_with("NRRD000")) return VolumeFormat::nrrd;
+  if (bytes.starts_with("ObjectType") || bytes.starts_with("NDims")) return VolumeFormat::metaimage;
+  if (bytes.size() > 132 && bytes.substr(128, 4) == "DICM") return VolumeFormat::dicom;
+  if (bytes.starts_with("\x89HDF\r\n\x1a\n") || bytes.starts_with("CDF\x01") || bytes.starts_with("CDF\x02") ||
+      bytes.starts_with("CDF\x05"))
+    return by_name == VolumeFormat::cgns ? by_name : VolumeFormat::exodus;
+  if (bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) return VolumeFormat::cgns;
+  const std::string name = io::ending(in.file);
+  if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? VolumeFormat::plot3d : by_name;
+  if (by_name == VolumeFormat::unknown && io::is_plot3d(in)) return VolumeFormat::plot3d;
+  return by_name;
+}
+
+GridData scattered_points(const std::string& file, ReadReport& report) {
+  const PointSet points = read_points(file, &report);
+  GridData data;
+  data.format = report.format;
+  GridBlock& block = data.blocks.emplace_back();
+  block.kind = GridKind::scattered;
+  block.points.reserve(points.size());
+  for (const Vec3f& p : points.positions) block.points.push_back(points.origin + Vec3(p));
+  block.point_arrays = points.attributes;
+  const auto add = [&](const char* name, auto values) {
+    if (!block.point_arrays.find(name)) block.point_arrays.set(name, std::move(values), 3);
+  };
+  if (points.has_normals()) {
+    std::vector<float> flat;
+    for (const Vec3f& n : points.normals) flat.insert(flat.end(), {n.x, n.y, n.z});
+    add("normal", std::move(flat));
+  }
+  if (points.has_colors()) {
+    std::vector<std::uint8_t> flat;
+    for (const auto& c : points.colors) flat.insert(flat.end(), c.begin(), c.end());
+    add("color", std::move(flat));
+  }
+  return data;
+}
+
+GridData read_by_vtk_checked(const Input& in, io::VtkFormat format, const std::string& xml_type,
+                             const VolumeReadOptions& options, bool gzipped) {
+  if (gzipped) in.fail("files of this format are not read gzipped: unpack it first");
+  return io::read_by_vtk({in.file, format, xml_type, options.time_step});
+}
+
+GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report);
+
+GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
+                         bool inside_collection) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return io::read_by_vtk({file, io::VtkFormat::dicom, {}, 0});
+  // Programs open an empty file of this kind only to name the folder that it is in.
+  if (format_of_ending(io::ending(file)) == VolumeFormat::openfoam && std::filesystem::exists(file, ignored))
+    return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
+  const io::FileContent content(file);
+  const Input in{file, content.bytes(), report};
+  if (options.raw) return io::read_raw(in, *options.raw);
+  const std::string xml_type = vtk_xml_type(in);
+  const auto by_vtk = [&](io::VtkFormat format) {
+    return read_by_vtk_checked(in, format, xml_type, options, content.gzipped());
+  };
+  switch (format_of_volume(in, xml_type)) {
+    case VolumeFormat::metaimage:
+      return io::read_metaimage(in, options.time_step);
+    case VolumeFormat::nrrd:
+      return io::read_nrrd(in, options.time_step);
+    case VolumeFormat::raw: {
+      const auto layout = io::raw_layout_of_name(file);
+      if (!layout) {
+        in.fail(
+            "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
+            "write a MetaImage header (.mhd) for it");
+      }
+      return io::read_raw(in, *layout);
+    }
+    case VolumeFormat::plot3d:
+      return io::read_plot3d(in, options.solution);
+    case VolumeFormat::points:
+      return scattered_points(file, report);
+    case VolumeFormat::pvd:
+      if (inside_collection) in.fail("is a collection inside another one");
+      return read_collection(in, options, report);
+    case VolumeFormat::vtk_xml:
+      if (xml_type.empty()) in.fail("is not a file of VTK's in XML, as its ending says it should be");
+      return by_vtk(io::VtkFormat::xml);
+    case VolumeFormat::vtk_legacy:
+      if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
+      return by_vtk(io::VtkFormat::legacy);
+    case VolumeFormat::exodus:
+      if (in.bytes.starts_with("CDF") || in.bytes.starts_with("\x89HDF")) return by_vtk(io::VtkFormat::exodus);
+      in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
+    case VolumeFormat::ensight:
+      return by_vtk(io::VtkFormat::ensight);
+    case VolumeFormat::cgns:
+      return by_vtk(io::VtkFormat::cgns);
+    case VolumeFormat::openfoam:
+      return by_vtk(io::VtkFormat::openfoam);
+    case VolumeFormat::dicom:
+      return by_vtk(io::VtkFormat::dicom);
+    case VolumeFormat::unknown:
+      break;
+  }
+  const std::string name = io::ending(file);
+  in.fail(name.empty() ? "has no ending and its content is of no known format; known endings: " + known_volume_endings()
+                       : "unknown ending '." + name.substr(0, 20) + "'; known: " + known_volume_endings());
+}
+
+void append_blocks(GridData& all, GridData part, const std::string& name) {
+  for (GridBlock& block : part.blocks) {
+    block.name = block.name.empty() ? name : name + "/" + block.name;
+    all.blocks.push_back(std::move(block));
+  }
+  all.notes.insert(all.notes.end(), part.notes.begin(), part.notes.end());
+  if (all.format.find(part.format) == std::string::npos) all.format += (all.format.empty() ? "" : ", ") + part.format;
+  if (all.times.empty()) all.times = std::move(part.times);
+  if (!all.time) all.time = part.time;
+}
+
+GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report) {
+  const std::vector<io::PvdEntry> entries = io::read_pvd(in);
+  GridData all;
+  for (const io::PvdEntry& e : entries) all.times.push_back(e.time);
+  std::sort(all.times.begin(), all.times.end());
+  all.times.erase(std::unique(all.times.begin(), all.times.end()), all.times.end());
+  if (options.time_step >= all.times.size()) {
+    throw ArgumentError(fmt::format("`time_step` is {}, but {} has the steps 0 to {}", options.time_step,
+                                    printable(in.file, 200), all.times.size() - 1));
+  }
+  all.time = all.times[options.time_step];
+  for (const io::PvdEntry& e : entries) {
+    if (e.time != *all.time) continue;
+    append_blocks(all, read_any_volume(e.file, {}, report, true), std::filesystem::path(e.file).stem().string());
+  }
+  all.format = "ParaView collection, " + all.format;
+  return all;
+}
+
+void check_points(const std::string& file, const GridData& data) {
+  for (const GridBlock& block : data.blocks) {
+    if (!block.points.empty() || block.kind == GridKind::lattice) return;
+  }
+  throw FileError(file, "holds no points");
+}
+
+}  // namespace
+
+GridData read_volume(const std::string& file, const VolumeReadOptions& options, ReadReport* report) {
+  ReadReport own;
+  ReadReport& r = report ? *report : own;
+  r = {};
+  GridData data = read_any_volume(file, options, r, false);
+  check_points(file, data);
+  data.notes.insert(data.notes.end(), r.warnings.begin(), r.warnings.end());
+  r.format = data.format;
+  return data;
+}
+
+GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOptions& options, ReadReport* report) {
+  if (files.empty()) throw ArgumentError("read_volumes: no files");
+  ReadReport own;
+  ReadReport& all_report = report ? *report : own;
+  all_report = {};
+  GridData all;
+  std::size_t parts = 0;
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    VolumeReadOptions of_file = options;
+    // A grid and its solution, one after the other.
+    if (of_file.solution.empty() && k + 1 < files.size()) {
+      std::error_code ignored;
+      const std::string solution = io::plot3d_solution_of(files[k]);
+      if (!solution.empty() && std::filesystem::equivalent(solution, files[k + 1], ignored))
+        of_file.solution = solution;
+    }
+    ReadReport r;
+    GridData part = read_volume(files[k], of_file, &r);
+    for (const std::string& w : r.warnings) all_report.warnings.push_back(printable(files[k], 200) + ": " + w);
+    if (of_file.solution != options.solution) ++k;
+    ++parts;
+    if (parts == 1 && k + 1 == files.size()) {
+      all_report.format = part.format;
+      return part;
+    }
+    append_blocks(all, std::move(part), std::filesystem::path(files[k]).stem().string());
+  }
+  all.format = fmt::format("{} files, {}", parts, all.format);
+  all_report.format = all.format;
+  return all;
+}
+
+bool is_volume_name(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return true;
+  const VolumeFormat format = format_of_ending(io::ending(file));
+  return format != VolumeFormat::unknown && format != VolumeFormat::points;
+}
+
+bool has_vtk_readers(std::string* why_not) {
+  std::string cause;
+  const bool there = io::load_vtk_module(cause) != nullptr;
+  if (why_not) *why_not = cause;
+  return there;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,35 @@
+// Readers of volumes, each in a source of its own: X_read.cpp.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/data/grid_data.h"
+#include "sansmesh/io/input.h"
+#include "sansmesh/io/raw_layout.h"
+
+namespace sansmesh::io {
+
+/// MetaImage, header and numbers in one file or in two. `step` counts along a fourth axis.
+GridData read_metaimage(const Input& in, std::size_t step);
+/// NRRD, attached or detached. `step` counts along an axis of time.
+GridData read_nrrd(const Input& in, std::size_t step);
+/// Numbers without a header.
+GridData read_raw(const Input& in, const RawLayout& layout);
+/// What the name of a raw file says of its layout ("engine_256x256x128_uint8.raw"), if anything.
+std::optional<RawLayout> raw_layout_of_name(const std::string& file);
+/// PLOT3D grid and, where there is one, solution or functions.
+GridData read_plot3d(const Input& in, const std::string& solution);
+/// Whether the bytes are those of a PLOT3D grid: of a size that follows exactly from the numbers at their beginning.
+bool is_plot3d(const Input& in);
+/// The file of the solution that belongs to a grid by its name, if it is there; else empty.
+std::string plot3d_solution_of(const std::string& grid);
+/// The time steps and files of a ParaView data collection (.pvd); names are relative to its folder.
+struct PvdEntry {
+  double time;
+  std::string file;
+};
+std::vector<PvdEntry> read_pvd(const Input& in);
+
+}  // namespace sansmesh::io

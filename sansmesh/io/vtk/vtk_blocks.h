@@ -1,0 +1,18 @@
+// What VTK's readers make, as blocks of a grid.
+#pragma once
+
+#include "sansmesh/data/grid_data.h"
+#include "sansmesh/io/vtk_module.h"
+
+class vtkDataObject;
+
+namespace sansmesh::io {
+
+/// Appends the blocks of a data set, or of all those in a tree of them, and what there is to note. Throws
+/// std::runtime_error with the cause where cells name points that are not there or arrays do not fit.
+void add_blocks(vtkDataObject& object, const std::string& name, VtkSink& sink, GridData& data);
+
+/// Leaves out blocks of points or surfaces where there are others with volume; collects equal notes.
+void tidy_blocks(GridData& data);
+
+}  // namespace sansmesh::io

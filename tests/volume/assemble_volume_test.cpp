@@ -1,0 +1,346 @@
+#include "sansmesh/volume/assemble_volume.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
+#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volume/volume_locator.h"
+#include "support/any_threads.h"
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+double enclosed(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    sum += dot(cross(a, b), c) / 6;
+  }
+  return sum;
+}
+
+double volume_of_cells(const SampledVolume& volume) {
+  if (volume.lattice) {
+    double product = 1;
+    for (std::size_t k = 0; k < 3; ++k) product *= volume.lattice->upper[k] - volume.lattice->lower[k];
+    return product;
+  }
+  double sum = 0;
+  std::array<Vec3, 8> x;
+  for (std::size_t c = 0; c < volume.cells.size(); ++c) {
+    const auto corners = volume.cells[c];
+    for (std::size_t k = 0; k < corners.size(); ++k) x[k] = volume.corner(corners[k]);
+    sum += cell_volume(volume.cells.shapes[c], std::span(x).first(corners.size()));
+  }
+  return sum;
+}
+
+/// Of cells that overlap: the share of random places of the box that are inside.
+double volume_by_chance(const SampledVolume& volume) {
+  const Box3 box = volume.bounds();
+  std::mt19937 random(3);
+  std::vector<Vec3> x(50000);
+  for (Vec3& p : x)
+    for (std::size_t k = 0; k < 3; ++k)
+      p[k] = box.lower[k] + box.size()[k] * static_cast<double>(random()) / 4294967296.0;
+  std::vector<VolumePlace> places(x.size());
+  VolumeLocator(volume).locate(x, places);
+  const auto inside = std::count_if(places.begin(), places.end(), [](const VolumePlace& p) { return p.inside; });
+  return box.size().x * box.size().y * box.size().z * static_cast<double>(inside) / static_cast<double>(x.size());
+}
+
+bool same_but_for_blocks(const SampledVolume& a, const SampledVolume& b) {
+  return a.positions == b.positions && a.corners == b.corners && a.cells.shapes == b.cells.shapes &&
+         a.cells.corners == b.cells.corners && a.cells.first == b.cells.first && a.cell_sample == b.cell_sample &&
+         a.stars.entries == b.stars.entries && a.stars.first == b.stars.first && a.part == b.part &&
+         a.level == b.level && a.attributes == b.attributes;
+}
+
+TEST(AssembleVolume, StarsAreSymmetricAscendingAndWithoutTheirSample) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    std::vector<std::uint32_t> star, back;
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < volume->size(); ++i) {
+      volume->star(i, star);
+      ASSERT_FALSE(star.empty());
+      ASSERT_TRUE(std::is_sorted(star.begin(), star.end()));
+      most = std::max(most, star.size());
+      for (const std::uint32_t j : star) {
+        ASSERT_NE(i, j);
+        volume->star(j, back);
+        ASSERT_TRUE(std::binary_search(back.begin(), back.end(), i));
+      }
+    }
+    EXPECT_GE(most, 4u);
+  }
+}
+
+TEST(AssembleVolume, BoundaryEnclosesTheCells) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const bool overlapping = grid.name.starts_with("overlapping");
+    const double of_cells = overlapping ? volume_by_chance(*volume) : volume_of_cells(*volume);
+    const TriangleMesh mesh = volume_boundary(*volume);
+    // Curved faces are cut into two triangles, which are not quite where the faces are.
+    EXPECT_NEAR(enclosed(mesh), of_cells, (overlapping || grid.name.starts_with("bent") ? 2e-2 : 1e-5) * of_cells);
+    std::multiset<std::pair<std::uint32_t, std::uint32_t>> edges;
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
+    if (grid.name.starts_with("two levels") || grid.name.starts_with("overlapping") ||
+        grid.name.starts_with("abutting, unlike"))
+      continue;  // faces of different sizes meet there
+    for (const auto& [a, b] : edges) ASSERT_EQ(edges.count({b, a}), edges.count({a, b}));
+  }
+}
+
+TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
+  const auto o = volume_of(o_grid({17, 5, 6}, linear_function));
+  EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // the axis once, the seam once
+  EXPECT_EQ(o->cells.size(), 16 * 4 * 5u);
+  EXPECT_EQ(o->facts.degenerate, 16 * 5u);
+  EXPECT_EQ(o->facts.parts, 1u);
+  EXPECT_EQ(std::count(o->cells.shapes.begin(), o->cells.shapes.end(), CellShape::wedge), 16 * 5);
+
+  // One edge of a hexahedron without length: two pyramids, of the same volume.
+  GridBlock block = tetrahedra_of(lattice_block({2, 2, 2}));
+  block.cells = {};
+  block.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  block.cells.add(CellShape::hexahedron, std::array<std::uint32_t, 8>{0, 1, 2, 3, 4, 4, 6, 7});
+  const auto collapsed = volume_of(one_block(block, linear_function));
+  EXPECT_EQ(collapsed->facts.degenerate, 1u);
+  EXPECT_EQ(collapsed->cells.size(), 2u);
+  EXPECT_NEAR(volume_of_cells(*collapsed), enclosed(volume_boundary(*collapsed)), 1e-6);
+
+  // Inside out among others: turned.
+  GridBlock turned = tetrahedra_of(lattice_block({3, 3, 3}));
+  std::swap(turned.cells.corners[0], turned.cells.corners[1]);
+  const auto upright = volume_of(one_block(turned, linear_function));
+  EXPECT_EQ(upright->facts.inverted, 1u);
+  EXPECT_NEAR(volume_of_cells(*upright), 1, 1e-12);
+}
+
+TEST(AssembleVolume, OrderOfBlocksDoesNotShow) {
+  for (const auto& [name, data] : {std::pair{"overlapping", three_overlapping_blocks(6, linear_function)},
+                                   std::pair{"amr", two_level_amr(8, linear_function)},
+                                   std::pair{"amr, not blanked", two_level_amr(8, linear_function, false)},
+                                   std::pair{"abutting", abutting_blocks(5, 7, linear_function)}})
+    for (const Association a : {Association::points, Association::cells}) {
+      SCOPED_TRACE(name);
+      GridData other = data;
+      std::reverse(other.blocks.begin(), other.blocks.end());
+      const auto one = volume_of(data, a), two = volume_of(other, a);
+      EXPECT_TRUE(same_but_for_blocks(*one, *two));
+      ASSERT_EQ(one->block.size(), one->size());
+      for (std::size_t i = 0; i < one->size(); ++i)
+        ASSERT_EQ(one->block[i] + two->block[i] + 1u, data.blocks.size()) << i;
+    }
+}
+
+TEST(AssembleVolume, SameOnAnyNumberOfThreads) {
+  compare_threads([] { return volume_of(three_overlapping_blocks(8, linear_function)); },
+                  [](const auto& a, const auto& b) { EXPECT_TRUE(same_but_for_blocks(*a, *b)); });
+}
+
+TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
+  for (const bool blanked : {true, false}) {
+    const auto volume = volume_of(two_level_amr(8, linear_function, blanked), Association::cells);
+    EXPECT_EQ(volume->size(), 512u - 64 + 512);
+    EXPECT_EQ(volume->cells.size(), volume->size());
+    EXPECT_EQ(volume->facts.hidden, 64u);
+    EXPECT_EQ(volume->facts.grid, "AMR, 2 levels");
+    EXPECT_EQ(volume->facts.parts, 1u);
+    EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-12);
+    EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-6);
+    // A coarse cell at the side of the fine block has four neighbours there and five others.
+    std::size_t coarse_links = 0;
+    for (std::size_t i = 0; i < volume->size(); ++i)
+      for (const std::uint32_t j : volume->stars[i]) coarse_links += volume->level[i] == 0 && volume->level[j] == 1;
+    EXPECT_EQ(coarse_links, 6 * 64u);
+  }
+}
+
+TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
+  for (const Association a : {Association::points, Association::cells}) {
+    const GridData data = three_overlapping_blocks(8, linear_function);
+    const auto volume = volume_of(data, a);
+    EXPECT_GT(volume->facts.overlapped, 0u);
+    EXPECT_EQ(volume->facts.parts, 1u);
+    EXPECT_EQ(volume->facts.grid, "3 overlapping curvilinear blocks");
+    const VolumeLocator locator(*volume);
+    std::array<std::size_t, 3> held{};
+    for (std::size_t b = 0; b < 3; ++b) {
+      GridData single;
+      single.blocks = {data.blocks[b]};
+      const auto x = places_within(*volume_of(single, a), 2000);
+      std::vector<VolumePlace> places(x.size());
+      locator.locate(x, places);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_TRUE(places[i].inside) << "block " << b << ", point " << i;
+        const std::uint32_t sample =
+            a == Association::cells ? volume->cell_sample[places[i].cell] : places[i].corners[0];
+        held[b] += volume->block[sample] == b;
+      }
+    }
+    EXPECT_EQ(held[2], 2000u);  // the finest one wherever it is
+    EXPECT_LT(held[0], 2000u);
+  }
+}
+
+TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
+  for (const Association a : {Association::points, Association::cells}) {
+    const auto volume = volume_of(abutting_blocks(5, 7, linear_function), a);
+    EXPECT_EQ(volume->facts.parts, 1u);
+    for (std::size_t i = 0; i < volume->size(); ++i) {
+      if (std::abs(volume->positions[i].x - 1) > (a == Association::cells ? 0.13 : 1e-9)) continue;
+      bool reaches = false;
+      for (const std::uint32_t j : volume->stars[i]) reaches = reaches || volume->block[j] != volume->block[i];
+      EXPECT_TRUE(reaches) << i;
+    }
+  }
+}
+
+TEST(AssembleVolume, ConformingBlocksAreOne) {
+  const auto volume = volume_of(abutting_blocks(5, 5, linear_function));
+  EXPECT_EQ(volume->size(), 9 * 25u);
+  EXPECT_EQ(volume->facts.merged, 25u);
+  EXPECT_EQ(volume->facts.overlapped, 0u);
+}
+
+TEST(AssembleVolume, SingleLayersBecomeSlabs) {
+  for (const GridBlock& block :
+       {lattice_block({6, 5, 1}), curvilinear_block(lattice_block({6, 1, 5}), [](const Vec3& x) { return x; })})
+    for (const Association a : {Association::points, Association::cells}) {
+      GridData data;
+      data.blocks = {block};
+      std::vector<double> points, cells;
+      for (std::size_t i = 0; i < 30; ++i) points.push_back(linear_function(block_point(data.blocks[0], i)));
+      for (std::size_t i = 0; i < 20; ++i) cells.push_back(1);
+      data.blocks[0].point_arrays.set("f", points);
+      data.blocks[0].cell_arrays.set("f", cells);
+      const auto volume = volume_of(data, a);
+      EXPECT_GT(volume->facts.layer, 0.15);
+      const auto field = field_of(volume, ReconstructionMethod::linear);
+      const Vec3 x = block_point(data.blocks[0], 7) + Vec3{0.05, 0, 0};
+      double value = 0;
+      std::uint8_t inside = 0;
+      field->evaluate({&x, 1}, {{&value, 1}, {}, {&inside, 1}, {}});
+      EXPECT_EQ(inside, 1);
+      EXPECT_NEAR(value, a == Association::points ? linear_function(x) : 1, 1e-12);
+    }
+}
+
+TEST(AssembleVolume, HiddenAndNotFinitePointsTakeTheirCellsAlong) {
+  GridData data = bent_grid({5, 5, 5}, linear_function);
+  data.blocks[0].hidden_points.assign(125, 0);
+  data.blocks[0].hidden_points[62] = 1;
+  data.blocks[0].points[0].y = std::numeric_limits<double>::quiet_NaN();
+  const auto volume = volume_of(data);
+  EXPECT_EQ(volume->cells.size(), 64u - 8 - 1);
+  EXPECT_EQ(volume->facts.hidden, 1u);
+  EXPECT_EQ(volume->facts.not_finite, 1u);
+  EXPECT_EQ(volume->size(), 123u);
+  GridData lattice = lattice_grid({4, 4, 4}, linear_function);
+  lattice.blocks[0].hidden_cells.assign(27, 0);
+  lattice.blocks[0].hidden_cells[13] = 1;
+  const auto hollow = volume_of(lattice, Association::cells);
+  EXPECT_EQ(hollow->size(), 26u);
+  EXPECT_NEAR(enclosed(volume_boundary(*hollow)), 26.0 / 27, 1e-6);
+}
+
+TEST(AssembleVolume, PartsAreTold) {
+  GridData data = lattice_grid({3, 3, 3}, linear_function);
+  GridBlock far = lattice_block({3, 3, 3}, {5, 5, 5}, {6, 6, 6});
+  set_function(far, linear_function);
+  data.blocks.push_back(far);
+  const auto volume = volume_of(data);
+  EXPECT_EQ(volume->facts.parts, 2u);
+  ASSERT_EQ(volume->part.size(), 54u);
+  EXPECT_EQ(std::count(volume->part.begin(), volume->part.end(), 0u), 27);
+}
+
+TEST(AssembleVolume, ScatteredPointsFillTheirHull) {
+  const auto volume = volume_of(scattered_grid(3000, linear_function));
+  EXPECT_TRUE(volume->scattered);
+  EXPECT_EQ(volume->size(), 3000u);
+  EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-9);
+  EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-5);
+  // No sample lies within the sphere of a cell: it would be nearer to the centre than the corners are.
+  for (std::size_t c = 0; c < volume->cells.size(); c += 97) {
+    const auto corners = volume->cells[c];
+    const Vec3 o = volume->positions[corners[0]];
+    Matrix3 rows{{}, {}, {}};
+    Vec3 right;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 d = volume->positions[corners[k + 1]] - o;
+      (k == 0 ? rows.a : k == 1 ? rows.b : rows.c) = d;
+      right[k] = squared_norm(d) / 2;
+    }
+    const Vec3 center = rows.solve_transposed(right);
+    for (const Vec3& p : volume->positions) ASSERT_GE(norm(p - o - center), norm(center) * (1 - 1e-5) - 1e-7);
+  }
+}
+
+TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
+  GridData data = scattered_grid(500, linear_function), other = data;
+  std::reverse(other.blocks[0].points.begin(), other.blocks[0].points.end());
+  set_function(other.blocks[0], linear_function);
+  EXPECT_TRUE(same_but_for_blocks(*volume_of(data), *volume_of(other)));
+  // The same points twice are the same samples.
+  GridData twice = data;
+  twice.blocks[0].points.insert(twice.blocks[0].points.end(), data.blocks[0].points.begin(),
+                                data.blocks[0].points.end());
+  twice.blocks[0].point_arrays.clear();
+  set_function(twice.blocks[0], linear_function);
+  const auto one = volume_of(data), two = volume_of(twice);
+  EXPECT_EQ(two->facts.merged, 500u);
+  EXPECT_EQ(one->cells.corners, two->cells.corners);
+}
+
+TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
+  Progress progress;
+  const auto refused = [&](const GridData& data, Association a = Association::points) {
+    try {
+      assemble_volume(data, a, progress);
+    } catch (const DataError& e) {
+      return std::string(e.what()).find('\n') == std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused({}));
+  GridBlock line = lattice_block({5, 1, 1});
+  EXPECT_TRUE(refused(one_block(curvilinear_block(line, [](const Vec3& x) { return x; }), linear_function)));
+  GridData broken = tetrahedra_grid({3, 3, 3}, linear_function);
+  broken.blocks[0].cells.corners[5] = 1000;
+  EXPECT_TRUE(refused(broken));
+  GridData nowhere = bent_grid({3, 3, 3}, linear_function);
+  for (Vec3& p : nowhere.blocks[0].points) p.x = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(refused(nowhere));
+  GridData flat = bent_grid({3, 3, 3}, linear_function);
+  for (Vec3& p : flat.blocks[0].points) p.z = 0;
+  EXPECT_TRUE(refused(flat));
+  GridData hidden = bent_grid({3, 3, 3}, linear_function);
+  hidden.blocks[0].hidden_cells.assign(8, 1);
+  EXPECT_TRUE(refused(hidden));
+  GridData bare = bent_grid({3, 3, 3}, linear_function);
+  bare.blocks[0].point_arrays.clear();
+  EXPECT_TRUE(refused(bare));
+  GridData few = scattered_grid(8, linear_function);
+  few.blocks[0].points.resize(3);
+  few.blocks[0].point_arrays.clear();
+  set_function(few.blocks[0], linear_function);
+  EXPECT_TRUE(refused(few));
+  GridData plane = scattered_grid(50, linear_function);
+  for (Vec3& p : plane.blocks[0].points) p.z = 0.5 * p.x - p.y;
+  EXPECT_TRUE(refused(plane));
+  EXPECT_TRUE(refused(plane, Association::cells));
+}
+
+}  // namespace
+}  // namespace sansmesh::test
