@@ -8,6 +8,7 @@
 #include "sansmesh/volume/cell_blend.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/volume_locator.h"
 
 namespace sansmesh {
@@ -64,6 +65,12 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
                     "disagree, and the result is hardly better than linear interpolation there",
                     100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
+  // Cells do not fit together where blocks overlap, and samples in cells are corners of none: supports then.
+  if (!input.volume->lattice && (!input.volume->cell_sample.empty() || input.volume->facts.overlapped > 0)) {
+    std::vector<float> radii = support_radii(*input.volume, polynomials, 1);
+    return make_support_blend(std::move(input.volume), std::move(locator), std::move(polynomials), std::move(radii),
+                              {});
+  }
   auto stored =
       std::make_unique<StoredCornerPolynomials>(input.volume, std::move(polynomials), std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));

@@ -14,7 +14,7 @@ constexpr double kFlat = 1e-7;
 
 }  // namespace
 
-StarMetric star_metric(std::span<const Vec3> offsets, double fallback) {
+StarMetric star_metric(std::span<const Vec3> offsets, double fallback, std::size_t nearest) {
   double longest = 0;
   for (const Vec3& d : offsets) longest = std::max(longest, norm(d));
   StarMetric metric;
@@ -31,7 +31,7 @@ StarMetric star_metric(std::span<const Vec3> offsets, double fallback) {
   if (extent[1] < kFlat * extent[2]) extent[1] = extent[2];
   if (extent[0] < kFlat * extent[2]) extent[0] = std::min(extent[1], extent[2]);
   double farthest = 0;
-  for (const Vec3& d : offsets) {
+  for (const Vec3& d : nearest > 0 ? offsets.first(nearest) : offsets) {
     double r2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const double u = dot(d / longest, axes.axes[k]) / extent[k];
@@ -39,6 +39,7 @@ StarMetric star_metric(std::span<const Vec3> offsets, double fallback) {
     }
     farthest = std::max(farthest, r2);
   }
+  if (!(farthest > 0)) farthest = 1;
   const double scale = 1 / (longest * std::sqrt(farthest));
   for (std::size_t k = 0; k < 3; ++k) metric.rows[k] = Vec3f(axes.axes[k] * (scale / extent[k]));
   return metric;
@@ -51,8 +52,13 @@ std::vector<StarMetric> star_metrics(const SampledVolume& volume) {
     std::vector<Vec3> offsets;
     for (std::size_t i = first; i < last; ++i) {
       offsets.clear();
-      for (const std::uint32_t j : volume.stars[i]) offsets.push_back(volume.positions[j] - volume.positions[i]);
-      metrics[i] = star_metric(offsets, fallback > 0 ? fallback : 1);
+      const auto star = volume.stars[i];
+      for (const std::uint32_t j : star) offsets.push_back(volume.positions[j] - volume.positions[i]);
+      if (star.size() < 6)
+        for (const std::uint32_t j : star)
+          for (const std::uint32_t k : volume.stars[j])
+            if (k != i) offsets.push_back(volume.positions[k] - volume.positions[i]);
+      metrics[i] = star_metric(offsets, fallback > 0 ? fallback : 1, star.size());
     }
   });
   return metrics;

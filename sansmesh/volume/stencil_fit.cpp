@@ -10,6 +10,7 @@ namespace {
 
 constexpr auto kTerms = static_cast<std::size_t>(monomial_count(3, 4));
 constexpr double kMostAmplified = 16;    // variance of predictions, in variances of samples of weight 1
+constexpr double kMostOfPlane = 100;     // of planes: a constant would be no better
 constexpr double kSmooth = 0.05;         // of the variance is left over: there may be a step
 constexpr double kGain = 0.9;            // by which a degree has to be better than the one before
 constexpr double kLeastWeight = 1e-4;    // far samples still tell polynomials apart
@@ -104,7 +105,7 @@ void StencilFit::solve(std::size_t components, std::span<const Vec3> tests) {
           amplification_[t] += psi_[j] * psi_[j] / fit_.squared_norm(static_cast<int>(j));
       worst = std::max(worst, amplification_[t]);
     }
-    if (d > 0 && worst > kMostAmplified) break;
+    if (d > 0 && worst > (d == 1 ? kMostOfPlane : kMostAmplified)) break;
     for (; counted < fit_.size(); ++counted) {
       if (fit_.is_dropped(counted)) continue;
       const auto row = fit_.weighted_basis(counted);

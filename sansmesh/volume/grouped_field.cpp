@@ -1,0 +1,91 @@
+#include "sansmesh/volume/grouped_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/point_order.h"
+
+namespace sansmesh {
+namespace {
+
+// Below the number from which on the locator sorts.
+constexpr std::size_t kBlockPoints = 2000;
+
+}  // namespace
+
+struct GroupedField::Block {
+  std::vector<Vec3> x;
+  std::vector<std::uint32_t> at;
+  std::vector<VolumePlace> places;
+  std::vector<std::uint64_t> keys;
+  std::unique_ptr<Memory> memory;
+};
+
+void GroupedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+  const std::size_t n = x.size(), c = components_;
+  const auto fits = [n](std::size_t size, std::size_t each) { return size == 0 || size == n * each; };
+  if (!fits(wanted.values.size(), c) || !fits(wanted.gradients.size(), c) || !fits(wanted.inside.size(), 1) ||
+      !fits(wanted.degrees.size(), 1))
+    throw ArgumentError("VolumeField: the answers are not as many as the points");
+  const auto order = locality_order(x);
+  parallel_ranges(0, (n + kBlockPoints - 1) / kBlockPoints, 1, [&](std::size_t begin, std::size_t end) {
+    Block block;
+    block.memory = memory();
+    for (std::size_t b = begin; b < end; ++b)
+      evaluate_block(x, order, b * kBlockPoints, std::min(n, (b + 1) * kBlockPoints), wanted, block);
+  });
+}
+
+void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
+  if (found.size() != x.size()) throw ArgumentError("VolumeField: as many spacings as points are needed");
+  std::vector<VolumePlace> places(x.size());
+  locator_->locate(x, places);
+  parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, places[i]); });
+}
+
+void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
+                                  std::size_t last, const VolumeAnswers& wanted, Block& s) const {
+  const std::size_t m = last - first;
+  s.x.resize(m), s.at.resize(m), s.places.resize(m), s.keys.clear();
+  for (std::size_t i = 0; i < m; ++i) {
+    s.at[i] = order.empty() ? static_cast<std::uint32_t>(first + i) : order[first + i];
+    s.x[i] = x[s.at[i]];
+  }
+  locator_->locate(s.x, s.places);
+  for (std::size_t i = 0; i < m; ++i) {
+    if (!wanted.inside.empty()) wanted.inside[s.at[i]] = s.places[i].inside;
+    if (is_finite(s.x[i])) {
+      s.keys.push_back(static_cast<std::uint64_t>(s.places[i].cell) << 32 | i);
+      continue;
+    }
+    for (std::size_t k = 0; k < components_; ++k) {
+      if (!wanted.values.empty()) wanted.values[s.at[i] * components_ + k] = 0;
+      if (!wanted.gradients.empty()) wanted.gradients[s.at[i] * components_ + k] = {};
+    }
+    if (!wanted.degrees.empty()) wanted.degrees[s.at[i]] = 0;
+  }
+  if (wanted.values.empty() && wanted.gradients.empty() && wanted.degrees.empty()) return;
+  std::sort(s.keys.begin(), s.keys.end());
+  for (std::size_t i = 0; i < s.keys.size();) {
+    Group group{s.places[static_cast<std::uint32_t>(s.keys[i])], 0, {}, {}, {}, {}};
+    const std::uint64_t cell = s.keys[i] >> 32;
+    for (; i < s.keys.size() && s.keys[i] >> 32 == cell && group.size < kMostPoints; ++i, ++group.size) {
+      const auto p = static_cast<std::uint32_t>(s.keys[i]);
+      const VolumePlace& place = s.places[p];
+      group.places[group.size] = &place;
+      group.to[group.size] = s.at[p];
+      group.x[group.size] = s.x[p];
+      group.out[group.size] = {};
+      if (place.inside) continue;
+      Vec3 near;
+      for (std::size_t v = 0; v < place.corner_count; ++v) near += corner(place.corners[v]) * place.weights[v];
+      group.x[group.size] = near;
+      group.out[group.size] = s.x[p] - near;
+    }
+    answer(group, *s.memory, wanted);
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,45 @@
+// Which supports count where: ellipsoids around samples, found by a tree, that do not reach across gaps of the mesh.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/box_tree.h"
+#include "sansmesh/volume/star_metric.h"
+#include "sansmesh/volume/volume_locator.h"
+
+namespace sansmesh {
+
+class SupportIndex {
+ public:
+  SupportIndex() = default;
+  /// Supports ‖M_i (x − x_i)‖ < radii[i]. `metrics` are empty for a lattice. `volume` must outlive it.
+  SupportIndex(const SampledVolume& volume, std::span<const StarMetric> metrics, std::span<const float> radii);
+
+  /// What a thread keeps between queries, and their answers.
+  struct Memory {
+    std::vector<std::uint32_t> supports;  ///< ascending
+    std::uint32_t own = 0;                ///< a sample of the cell
+
+    std::vector<std::uint32_t> near, seen;
+    std::uint32_t query = 0;
+  };
+  /// Those whose boxes meet that of a cell; returns the middle of the cell. Only supports count whose sample is at most
+  /// kRings edges of the mesh away from the samples of the cell.
+  Vec3 of_cell(const VolumePlace& cell, Memory& memory) const;
+  /// Those whose boxes hold a sample, within as many edges of the mesh from it.
+  void of_sample(std::uint32_t sample, Memory& memory) const;
+
+  static constexpr int kRings = 4;
+
+ private:
+  void leave_connected(Memory& memory) const;
+
+  const SampledVolume* volume_ = nullptr;
+  BoxTree tree_;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,273 @@
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "support/any_threads.h"
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+double cubic_function(const Vec3& x) {
+  return 0.3 + x.x - 2 * x.y * x.z + x.x * x.x * x.y - 0.5 * x.z * x.z * x.z + x.x * x.y * x.z;
+}
+Vec3 cubic_gradient(const Vec3& x) {
+  return {1 + 2 * x.x * x.y + x.y * x.z, -2 * x.z + x.x * x.x + x.x * x.z, -2 * x.y - 1.5 * x.z * x.z + x.x * x.y};
+}
+double wave(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) + 0.3 * x.z; }
+
+struct Errors {
+  double mean = 0, most = 0;
+};
+Errors errors_of(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
+  std::vector<double> values(x.size());
+  field.evaluate(x, {values, {}, {}, {}});
+  Errors errors;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double e = std::abs(values[i] - f(x[i]));
+    errors.mean += e / static_cast<double>(x.size());
+    errors.most = std::max(errors.most, e);
+  }
+  return errors;
+}
+
+std::unique_ptr<VolumeField> detail_of(std::shared_ptr<const SampledVolume> volume, bool robust) {
+  Progress progress;
+  ReconstructionOptions options;
+  options.robust = robust;
+  return reconstruct_volume(std::move(volume), "f", options, progress);
+}
+
+TEST(MlsDetail, ReproducesLinearFunctionsOnEveryGrid) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto x = places_within(*volume, 500);
+    std::vector<double> values(x.size()), spacings(x.size());
+    std::vector<Vec3> gradients(x.size());
+    std::vector<std::uint8_t> inside(x.size()), degrees(x.size());
+    field->evaluate(x, {values, gradients, inside, degrees});
+    field->spacing(x, spacings);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_NEAR(values[i], linear_function(x[i]), 1e-5) << i;
+      ASSERT_NEAR(norm(gradients[i] - kLinearGradient), 0, 1e-3) << i;
+      ASSERT_EQ(inside[i], 1) << i;
+      ASSERT_GE(degrees[i], 1) << i;
+      ASSERT_GT(spacings[i], 0) << i;
+    }
+  }
+}
+
+TEST(MlsDetail, ReproducesCubicsAwayFromTheBoundary) {
+  for (const auto& [name, data] :
+       {std::pair{"lattice", lattice_grid({8, 8, 8}, cubic_function)},
+        std::pair{"stretched", stretched_grid({8, 8, 8}, cubic_function, 1.1)},
+        std::pair{"bent", bent_grid({8, 8, 8}, cubic_function)},
+        std::pair{"tetrahedra", tetrahedra_grid({8, 8, 8}, cubic_function)}}) {
+    SCOPED_TRACE(name);
+    const auto volume = volume_of(data);
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const Vec3 middle = volume->bounds().center();
+    std::vector<Vec3> x = places_within(*volume, 2000);
+    std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.2; });
+    ASSERT_GT(x.size(), 20u);
+    std::vector<double> values(x.size());
+    std::vector<Vec3> gradients(x.size());
+    std::vector<std::uint8_t> degrees(x.size());
+    field->evaluate(x, {values, gradients, {}, degrees});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_NEAR(values[i], cubic_function(x[i]), 2e-6) << i;
+      ASSERT_NEAR(norm(gradients[i] - cubic_gradient(x[i])), 0, 2e-4) << i;
+      ASSERT_EQ(degrees[i], 3) << i;
+    }
+  }
+}
+
+TEST(MlsDetail, IsNeverWorseThanLinearAndOnAverageThreeTimesBetter) {
+  for (const NamedGrid& grid : all_grids(wave)) {
+    SCOPED_TRACE(grid.name);
+    if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
+    const auto volume = volume_of(grid.data, grid.association);
+    const auto x = places_within(*volume, 5000);
+    const Errors linear = errors_of(*field_of(volume, ReconstructionMethod::linear), x, wave);
+    const Errors detail = errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, wave);
+    EXPECT_LE(detail.most, linear.most);
+    EXPECT_LE(3 * detail.mean, linear.mean);
+  }
+}
+
+TEST(MlsDetail, TakesTheSamplesWhereCellsFitTogether) {
+  const auto volume = volume_of(bent_grid({6, 7, 5}, wave, 1.2));
+  const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+  EXPECT_LT(errors_of(*field, volume->positions, wave).most, 1e-6);
+}
+
+TEST(MlsDetail, ErrorsFallWithTheFourthOrder) {
+  double before = 0;
+  for (const std::size_t n : {9u, 17u}) {
+    const auto volume = volume_of(bent_grid({n, n, n}, wave));
+    std::vector<Vec3> x = places_within(*volume, 20000);
+    const Vec3 middle = volume->bounds().center();
+    std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.3; });
+    const double mean = errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, wave).mean;
+    if (before > 0) EXPECT_GT(before / mean, 9);  // 2⁴ in the limit
+    before = mean;
+  }
+}
+
+TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
+  const auto check = [](const GridData& data, Association association) {
+    const auto volume = volume_of(data, association);
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto x = places_within(*volume, 300);
+    std::vector<double> unused(x.size());
+    std::vector<Vec3> gradients(x.size());
+    field->evaluate(x, {unused, gradients, {}, {}});
+    const double h = 1e-3;
+    std::vector<Vec3> around;
+    for (const Vec3& p : x)
+      for (std::size_t k = 0; k < 6; ++k) {
+        around.push_back(p);
+        around.back()[k / 2] += k % 2 == 0 ? h : -h;
+      }
+    std::vector<double> values(around.size());
+    field->evaluate(around, {values, {}, {}, {}});
+    std::size_t wrong = 0;  // differences reach over faces of cells, where gradients may jump a little
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double* v = values.data() + 6 * i;
+      const Vec3 d = Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h);
+      wrong += !(norm(d - gradients[i]) < 0.02);
+    }
+    EXPECT_LE(wrong, 6u);
+  };
+  check(bent_grid({6, 7, 5}, wave), Association::points);
+  check(mixed_grid({7, 4, 4}, wave), Association::points);
+  check(stretched_grid({7, 6, 5}, wave), Association::points);
+  check(two_level_amr(8, wave), Association::cells);
+}
+
+TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
+  const VolumeFunction step = [](const Vec3& x) { return x.x + 0.3 * x.y < 0.52 ? 1.0 : 5.0; };
+  for (const auto& [name, data] : {std::pair{"lattice", lattice_grid({14, 14, 14}, step)},
+                                   std::pair{"bent", bent_grid({14, 14, 14}, step)}}) {
+    SCOPED_TRACE(name);
+    const auto volume = volume_of(data);
+    const auto x = places_within(*volume, 20000);
+    const auto robust = detail_of(volume, true), plain = detail_of(volume, false);
+    std::vector<double> values(x.size());
+    robust->evaluate(x, {values, {}, {}, {}});
+    for (const double v : values) {
+      ASSERT_GE(v, 1 - 1e-4);
+      ASSERT_LE(v, 5 + 1e-4);
+    }
+    EXPECT_LT(errors_of(*robust, x, step).mean, 0.9 * errors_of(*plain, x, step).mean);
+    EXPECT_LT(errors_of(*robust, x, step).mean,
+              errors_of(*field_of(volume, ReconstructionMethod::linear), x, step).mean);
+  }
+}
+
+TEST(MlsDetail, HasNoCracksAcrossLevelsAndBordersOfBlocks) {
+  // Points on both sides of the border of the finer part, 1e-6 apart.
+  const auto amr = volume_of(two_level_amr(8, wave), Association::cells);
+  const auto field = field_of(amr, ReconstructionMethod::mls_detail);
+  std::vector<Vec3> pairs;
+  std::mt19937 random(3);
+  for (int i = 0; i < 500; ++i) {
+    const double y = 0.3 + 0.4 * (random() / 4294967296.0), z = 0.3 + 0.4 * (random() / 4294967296.0);
+    pairs.push_back({0.25 - 5e-7, y, z});
+    pairs.push_back({0.25 + 5e-7, y, z});
+  }
+  std::vector<double> values(pairs.size());
+  std::vector<Vec3> gradients(pairs.size());
+  field->evaluate(pairs, {values, gradients, {}, {}});
+  for (std::size_t i = 0; i < pairs.size(); i += 2) {
+    ASSERT_NEAR(values[i], values[i + 1], 1e-5);
+    ASSERT_NEAR(norm(gradients[i] - gradients[i + 1]), 0, 1e-2);
+  }
+}
+
+TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
+  GridData data = two_level_amr(12, wave);
+  SampledVolume volume = *volume_of(data, Association::cells);
+  std::vector<double> values;
+  for (const Vec3& x : volume.positions) values.push_back(wave(x));
+  volume.attributes.set("f", std::move(values));
+  const auto shared = std::make_shared<const SampledVolume>(std::move(volume));
+  const auto x = places_within(*shared, 5000);
+  const Errors linear = errors_of(*field_of(shared, ReconstructionMethod::linear), x, wave);
+  const Errors detail = errors_of(*field_of(shared, ReconstructionMethod::mls_detail), x, wave);
+  EXPECT_LE(detail.most, linear.most);
+  EXPECT_LE(3 * detail.mean, linear.mean);
+}
+
+TEST(MlsDetail, DoesNotReachAcrossGaps) {
+  // Two slabs a hundredth apart, of values 0 and 1, as cells: neither knows of the other.
+  const auto slab = [](double from, double to, double value) {
+    GridBlock block = curvilinear_block(lattice_block({6, 6, 3}, {0, 0, from}, {1, 1, to}), [](const Vec3& x) { return x; });
+    set_function(block, [value](const Vec3&) { return value; });
+    return block;
+  };
+  GridData data;
+  data.blocks = {slab(0, 0.1, 0), slab(0.11, 0.21, 1)};
+  for (const Association a : {Association::points, Association::cells}) {
+    const auto volume = volume_of(data, a);
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto x = places_within(*volume, 1000);
+    std::vector<double> values(x.size());
+    field->evaluate(x, {values, {}, {}, {}});
+    for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(values[i], x[i].z > 0.105 ? 1 : 0, 1e-6);
+  }
+}
+
+TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
+  const VolumeFunction rough = [](const Vec3& x) { return std::sin(40 * x.x) * std::sin(37 * x.y) * std::sin(43 * x.z); };
+  const auto volume = volume_of(tetrahedra_grid({8, 8, 8}, rough));
+  Progress progress;
+  ReconstructionReport report;
+  reconstruct_volume(volume, "f", {}, progress, &report);
+  EXPECT_EQ(report.notes.size(), 1u);
+  ReconstructionReport fine;
+  reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {}, progress, &fine);
+  EXPECT_TRUE(fine.notes.empty());
+  EXPECT_EQ(std::accumulate(fine.by_degree.begin(), fine.by_degree.end(), std::size_t{0}), 512u);
+}
+
+TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
+  const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
+  for (const NamedGrid& grid : all_grids(wave)) {
+    SCOPED_TRACE(grid.name);
+    const auto field = field_of(volume_of(grid.data, grid.association), ReconstructionMethod::mls_detail);
+    std::vector<double> values(x.size(), 7);
+    std::vector<Vec3> gradients(x.size());
+    std::vector<std::uint8_t> inside(x.size(), 9);
+    field->evaluate(x, {values, gradients, inside, {}});
+    for (std::size_t i = 0; i < x.size(); ++i)
+      EXPECT_TRUE(std::isfinite(values[i]) && is_finite(gradients[i])) << i;
+    EXPECT_EQ(values[0], 0);
+    EXPECT_EQ(values[1], 0);
+  }
+}
+
+TEST(MlsDetail, AnswersDependOnThePointAlone) {
+  for (const auto& volume : {volume_of(o_grid({17, 5, 6}, wave)), volume_of(two_level_amr(8, wave), Association::cells)}) {
+    const auto x = places_within(*volume, 3000);
+    std::vector<double> alone(x.size());
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    for (std::size_t i = 0; i < x.size(); i += 7) field->evaluate(std::span(x).subspan(i, 1), {std::span(alone).subspan(i, 1), {}, {}, {}});
+    const auto all = [&] {
+      std::vector<double> values(x.size());
+      field_of(volume, ReconstructionMethod::mls_detail)->evaluate(x, {values, {}, {}, {}});
+      return values;
+    };
+    expect_equal_for_any_threads(all);
+    const auto together = all();
+    for (std::size_t i = 0; i < x.size(); i += 7) ASSERT_EQ(together[i], alone[i]) << i;
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh::test
