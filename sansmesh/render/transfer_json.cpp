@@ -1,4 +1,5 @@
-// Transfer functions in files: JSON of ours, and ParaView's colour maps.
+#include "sansmesh/render/transfer_json.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/render/color_space.h"
-#include "sansmesh/render/transfer_function.h"
 
 namespace sansmesh {
 namespace {

@@ -1,4 +1,5 @@
-// Transfer functions by name, and one that follows from the data.
+#include "sansmesh/render/transfer_presets.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/render/color_space.h"
-#include "sansmesh/render/transfer_function.h"
 
 namespace sansmesh {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/render/transfer_presets.h"
 
 namespace sansmesh {
 namespace {
@@ -81,12 +82,12 @@ IsoSurface iso_surface_of(const std::string& text) {
   return iso;
 }
 
-CutPlane cut_plane_of(const std::string& text) {
+VolumeCut volume_cut_of(const std::string& text) {
   const auto fail = [&] {
     throw ArgumentError("a cut is written as x>1, y<2, -1<z<2 or NX,NY,NZ>OFFSET (what is taken away), not '" +
                         printable(text, 60) + "'");
   };
-  CutPlane cut;
+  VolumeCut cut;
   if (const auto parts = pieces_of(text, '>'); parts.size() == 2) {
     const auto n = direction_of(parts[0]);
     const auto offset = whole_number_text(parts[1]);
@@ -132,7 +133,7 @@ void VolumePictureOptions::validate() const {
     if (iso.color)
       for (std::size_t k = 0; k < 3; ++k) check_range("isos.color", static_cast<double>((*iso.color)[k]), 0, 1);
   }
-  for (const CutPlane& cut : cuts) {
+  for (const VolumeCut& cut : cuts) {
     if (!is_finite(cut.normal) || !(norm(cut.normal) > 0))
       throw ArgumentError("`cuts`: a normal must have a direction");
     if (!std::isfinite(cut.offset)) throw ArgumentError("`cuts`: offsets must be finite");

@@ -19,7 +19,7 @@ struct IsoSurface {
 };
 
 /// Takes away all x with offset < ⟨normal, x⟩ < offset + thickness: a half-space, or a slab.
-struct CutPlane {
+struct VolumeCut {
   Vec3 normal{1, 0, 0};  ///< of any length but 0; offset and thickness are measured along its unit vector
   double offset = 0;     ///< in the unit and the coordinates of the data
   double thickness = std::numeric_limits<double>::infinity();
@@ -28,7 +28,7 @@ struct CutPlane {
 /// "V", "V:COLOR", "V:COLOR:OPACITY" or "V::OPACITY", with COLOR as "#rrggbb". Throws ArgumentError.
 IsoSurface iso_surface_of(const std::string& text);
 /// What is taken away: "x>1.5", "y<0", "-1<z<2", or "NX,NY,NZ>OFFSET" for any direction. Throws ArgumentError.
-CutPlane cut_plane_of(const std::string& text);
+VolumeCut volume_cut_of(const std::string& text);
 
 /// As for meshes (`shadows`, `ground`, `occlusion_rays` mean nothing here), and:
 struct VolumePictureOptions : RenderOptions {
@@ -37,7 +37,7 @@ struct VolumePictureOptions : RenderOptions {
   std::string preset;            ///< a name of transfer_function_presets(); not beside `transfer`
   double opacity_scale = 1;      ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
   std::vector<IsoSurface> isos;  ///< of the field that gives the colours; at most 16
-  std::vector<CutPlane> cuts;    ///< at most 16
+  std::vector<VolumeCut> cuts;   ///< at most 16
   bool cut_faces = true;         ///< cut faces show their values, except such as the transfer function leaves clear
   bool shading = true;           ///< light on the gradients; without, colours are those of the transfer function
   /// Length of steps in local distances of samples, 0.05..4; between two samples the value is a cubic.

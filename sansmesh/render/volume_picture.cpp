@@ -15,6 +15,7 @@
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/sample_pattern.h"
 #include "sansmesh/render/surface_scene.h"
+#include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_cells.h"
 #include "sansmesh/render/volume_stretches.h"

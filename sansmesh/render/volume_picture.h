@@ -1,6 +1,7 @@
 // Pictures of volumes: whatever a field says between the samples, seen through.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_options.h"
 
 namespace sansmesh {

@@ -99,7 +99,7 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
     if (inside[k]) found[doubts[k].ray].push_back(doubts[k].piece);
 }
 
-void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const CutPlane> cuts,
+void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts,
                            std::vector<RayStretch>& stretches, std::vector<std::uint32_t>& first) const {
   stretches.clear();
   first.assign(1, 0);
@@ -113,7 +113,7 @@ void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const CutP
   std::vector<RayStretch> left;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     std::vector<RayStretch>& own = found[i];
-    for (const CutPlane& cut : cuts) {
+    for (const VolumeCut& cut : cuts) {
       const Vec3 n = normalized(cut.normal);
       const double along = dot(n, rays[i].direction) * frame_.size;
       const double from = dot(n, to_world(frame_, rays[i], 0)) - cut.offset;  // > 0: on the side that goes

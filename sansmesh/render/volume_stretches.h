@@ -36,7 +36,7 @@ class VolumeStretches {
   /// count; where they do not make sense (a ray along a face, through an edge that two triangles claim or none), the
   /// field is asked for the middle of each piece between two crossings whether it is inside. What cuts take away is
   /// left out.
-  void find(std::span<const VolumeRay> rays, std::span<const CutPlane> cuts, std::vector<RayStretch>& stretches,
+  void find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts, std::vector<RayStretch>& stretches,
             std::vector<std::uint32_t>& first) const;
 
  private:

@@ -4,10 +4,12 @@
 #include <cstring>
 #include <random>
 
+#include "render/analytic_volumes.h"
 #include "sansmesh/approximation/orthogonal_polynomials.h"
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/partition/local_fit.h"
 #include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/ball_segments.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
@@ -260,6 +262,19 @@ TEST(SameBits, RaysInBalls) {
     std::vector<BallSegment> answers(queries.size());
     segments.first(queries, answers);
     for (const BallSegment& s : answers) found.add(s.found), found.add(s.entry), found.add(s.exit), found.add(s.radius);
+  });
+}
+
+TEST(SameBits, BakedVolume) {
+  FormulaVolume field = ball_volume({0.3, 0.4, 0.45});
+  const std::vector<Vec3> x = places_near(sphere(500, 0.1), 0.3, 3);
+  expect_same_bits([&](Found& found) {
+    Progress progress;
+    const BakedVolume baked(field, {}, progress);
+    std::vector<double> values(x.size());
+    std::vector<Vec3> gradients(x.size());
+    baked.evaluate(x, {values, gradients, {}, {}});
+    found.add(values), found.add(gradients);
   });
 }
 

@@ -11,6 +11,8 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
+#include "sansmesh/render/transfer_json.h"
+#include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/transfer_table.h"
 #include "support/places.h"
 

@@ -273,20 +273,20 @@ TEST(VolumePicture, CutsTakeAwayAndShowValues) {
   VolumePictureOptions options = one_pixel(fog(0.3, 0.25, {1, 1, 1}));
   options.cut_faces = false;
   const Vec3 a{0, 0.5, 0.5}, b{1, 0.5, 0.5};
-  options.cuts = {cut_plane_of("x>0.6")};
+  options.cuts = {volume_cut_of("x>0.6")};
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.6), 1e-5);
-  options.cuts = {cut_plane_of("0.25<x<0.5"), cut_plane_of("x<0.1")};
+  options.cuts = {volume_cut_of("0.25<x<0.5"), volume_cut_of("x<0.1")};
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.65), 1e-5);
-  options.cuts = {cut_plane_of("1,1,0>1")};  // of distance 1 along the unit vector: x + y < √2
+  options.cuts = {volume_cut_of("1,1,0>1")};  // of distance 1 along the unit vector: x + y < √2
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * (std::sqrt(2.0) - 0.5)), 1e-5);
-  options.cuts = {cut_plane_of("x>-1")};
+  options.cuts = {volume_cut_of("x>-1")};
   EXPECT_EQ(along(subject, options, a, b)[3], 1);
   // The face has the colour of its value, and nothing shines through.
   TransferFunction gray = fog(0.3, 0.25);
   gray.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
   options.transfer = gray;
   options.cut_faces = true;
-  options.cuts = {cut_plane_of("x<0.75")};
+  options.cuts = {volume_cut_of("x<0.75")};
   const auto face = along(subject, options, a, b);
   EXPECT_EQ(face[3], 0);
   EXPECT_NEAR(face[1], linear_color(gray.color(0.75)).y, 1e-4);
@@ -390,7 +390,7 @@ TEST(VolumePicture, SameForAnyThreads) {
   const TriangleMesh boundary = box_surface({0, 0, 0}, {1, 1, 1});
   VolumePictureOptions options = blob_picture(72);
   options.samples = 2;
-  options.cuts = {cut_plane_of("x>0.62")};
+  options.cuts = {volume_cut_of("x>0.62")};
   test::expect_equal_for_any_threads([&] { return picture_of({&field, nullptr, &boundary, {}}, options).pixels; });
 }
 
@@ -452,7 +452,7 @@ TEST(VolumePicture, BadRequestsAreNamed) {
   for (const char* text : {"", "x", "1:red", "1:#12345", "1:#123456:2", "nan", "1:#123456:1:1"})
     EXPECT_THROW(iso_surface_of(text), ArgumentError) << text;
   for (const char* text : {"", "x", "w>1", "x>", "0,0,0>1", "2<x<1", "x>1>2", "1,2>3"})
-    EXPECT_THROW(cut_plane_of(text), ArgumentError) << text;
+    EXPECT_THROW(volume_cut_of(text), ArgumentError) << text;
   const IsoSurface iso = iso_surface_of("-2.5:#ff0080:0.5");
   EXPECT_EQ(iso.value, -2.5);
   EXPECT_EQ(iso.opacity, 0.5);

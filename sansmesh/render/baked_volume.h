@@ -1,0 +1,73 @@
+// A field sampled once, so that pictures of it take no time: a tree of bricks, as fine as the field needs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/field/volume_field.h"
+
+namespace sansmesh {
+
+struct BakeOptions {
+  /// Bricks are split where the error is larger: a share of the range of the values, 1e-6..1.
+  double tolerance = 0.004;
+  /// Bytes that nodes may take, 1 MB at least; what is left out then are the bricks of the smallest errors.
+  std::size_t memory = std::size_t{512} << 20;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// How near a baked field is to the field that it stands for.
+struct BakeReport {
+  double least = 0, most = 0;  ///< of the values in the volume
+  /// At 20,000 points spread evenly over the inside (fewer where the volume fills little of its box), which are others
+  /// than those that decided what was split: shares of the range.
+  double error_mean = 0, error_most = 0;
+  /// At the middles of all cells in the volume, which decided.
+  double cell_error_most = 0;
+  std::size_t bricks = 0, bytes = 0;
+  std::uint64_t evaluations = 0;  ///< of the field, so far
+  int levels = 0;                 ///< of bricks
+  /// Nothing is left to split: the tolerance holds, or cells are a quarter of the spacing, beyond which nothing is
+  /// known.
+  bool finished = false;
+};
+
+/// Bricks of 8³ cells with values and gradients at the 9³ nodes, each linear in between in all three directions; the
+/// tree splits bricks into eight. Where bricks of different size meet, nodes of the finer one that lie on the coarser
+/// one take what that says there: values and gradients are continuous, without a rule on how much neighbours differ.
+class BakedVolume : public VolumeField {
+ public:
+  /// `field` has one component; it must outlive refine(), not the baked volume. Throws ArgumentError for others, and
+  /// for bad options, DataError where it has no extent.
+  BakedVolume(const VolumeField& field, const BakeOptions& options, Progress& progress);
+  /// Without any refinement but `rounds` of it: for pictures while more is on its way.
+  BakedVolume(const VolumeField& field, const BakeOptions& options, int rounds, Progress& progress);
+  ~BakedVolume() override;
+  BakedVolume(const BakedVolume&) = delete;
+  BakedVolume& operator=(const BakedVolume&) = delete;
+
+  /// Splits all bricks whose errors are too large once, as far as the memory reaches, those of the largest errors
+  /// first. False: there was none. Not while others evaluate.
+  bool refine(Progress& progress);
+
+  const BakeReport& report() const;
+
+  Box3 bounds() const override;
+  std::size_t components() const override { return 1; }
+  /// About 30 ns a point and thread. `inside`: what most of the nodes around a point are, weighted by their distance.
+  /// `degrees` are 1.
+  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
+  /// That of the field where cells are finer, else the shortest edge of the cell around each of x.
+  void spacing(std::span<const Vec3> x, std::span<double> found) const override;
+  /// Exact bounds of the values of all bricks that a box touches.
+  void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sansmesh

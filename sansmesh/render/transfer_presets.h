@@ -1,0 +1,35 @@
+// Transfer functions by name, and one that follows from the data.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "sansmesh/render/transfer_function.h"
+#include "sansmesh/render/value_histogram.h"
+
+namespace sansmesh {
+
+/// Names of transfer_function_preset: "ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray".
+std::span<const std::string_view> transfer_function_presets();
+
+/// A preset for data with these values. Those of CT are given in Hounsfield units; where the values are others, the
+/// peaks of air and of the material next to it are taken for −1000 and 40. The others lie over the range of the data.
+/// Throws ArgumentError naming the presets there are.
+TransferFunction transfer_function_preset(std::string_view name, const ValueHistogram& values);
+
+struct SuggestedTransferFunction {
+  TransferFunction function;
+  std::string why;  ///< a line
+};
+
+/// Something sensible for data of any kind, from how often values are and how steep the field is where they are:
+/// - materials (CT of bodies and parts: a large peak at the low end, another peak apart from it): what lies below the
+///   valley between them is clear, the material of the second peak a veil, what is denser opaque;
+/// - otherwise the whole range: the rarer a value and the steeper the field at it, the more opaque. A value at the low
+///   end that a large share of the volume has is background and clear. A veil of fixed thickness: a ray across the
+///   volume loses about three quarters of its light.
+/// Colours diverge from 0 where values have both signs.
+SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& values);
+
+}  // namespace sansmesh
