@@ -11,6 +11,8 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/render/baked_volume.h"
+#include "sansmesh/render/transfer_json.h"
+#include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
 #include "sansmesh/volume/volume_boundary.h"
 #include "volume_input.h"
@@ -20,7 +22,7 @@ namespace {
 
 struct VolumeRenderArguments {
   VolumeInput input;
-  std::string output, transfer, opacity_by, background = "gradient";
+  std::string output, transfer, save_transfer, opacity_by, background = "gradient";
   std::vector<std::string> isos, cuts, meshes;
   PictureArguments picture;
   VolumePictureOptions options;
@@ -46,7 +48,7 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
     o.background_color = a.background == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
   }
   for (const std::string& text : a.isos) o.isos.push_back(iso_surface_of(text));
-  for (const std::string& text : a.cuts) o.cuts.push_back(cut_plane_of(text));
+  for (const std::string& text : a.cuts) o.cuts.push_back(volume_cut_of(text));
   o.shading = !a.no_shading;
   o.cut_faces = !a.no_cut_faces;
   o.color_bar = !a.no_bar;
@@ -66,6 +68,7 @@ std::shared_ptr<const VolumeField> scalar_field(OpenVolume& volume, const Volume
 void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   VolumePictureOptions options = chosen_options(a);
   check_writable(a.output, "image");
+  if (!a.save_transfer.empty()) check_writable(a.save_transfer, "text");
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();
@@ -122,8 +125,9 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
     console.say(fmt::format("baked into {}, off by {:.3g} % of the range on average, {:.3g} % at most",
                             counted(baked->report().bricks, "brick"), 100 * baked->report().error_mean,
                             100 * baked->report().error_most));
+  if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(report.transfer));
   Json json = {{"input", volume.json()},
-               {"transfer", Json::parse(transfer_function_json(report.transfer))},
+               {"colors", {{"lower", lower}, {"upper", upper}}},
                {"why", report.why},
                {"rays", report.rays},
                {"evaluations", report.evaluations},
@@ -151,6 +155,8 @@ Command add_volume_render(CommandLine& volume) {
   c.add_option("--preset", a.options.preset, "Colours and opacities: " + presets + " [from the values' histogram]")
       .type_name("NAME");
   c.add_option("--transfer", a.transfer, "The same from a file: JSON of ours or a colour map of ParaView")
+      .type_name("FILE");
+  c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
   c.add_option("--opacity", a.options.opacity_scale, "Multiplies the opacity; 0: iso-surfaces and cuts only [1]")
       .type_name("FACTOR");
