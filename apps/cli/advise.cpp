@@ -14,6 +14,7 @@
 #include "sansmesh/advise/traits.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "volume_input.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -114,19 +115,73 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   console.print_timings();
 }
 
+/// What suits a volume, and the commands.
+void run_volume_advise(const VolumeInput& input, Console& console) {
+  OpenVolume volume(input, console);
+  volume.dataset().array(volume.choice().array);
+  const VolumeTraits& t = volume.traits();
+  const ReconstructionChoice& suited = volume.suited();
+  const auto samples = volume.samples();
+  console.progress().finish();
+  const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
+  std::string files;
+  for (const std::string& file : input.files) files += (files.empty() ? "" : " ") + quoted(file);
+  const std::string array = " --array " + quoted(volume.choice().array);
+  const double middle = 0.5 * t.range + volume.dataset().array(volume.choice().array).least[0];
+
+  console.say(fmt::format("{}: {} of {} ({})", input.name(), counted(t.samples, "sample"), volume.array_name(),
+                          samples->facts.grid));
+  console.say(
+      fmt::format("  left out, a sample is missed by {} of the range by its neighbours' mean, {} by planes, {} by "
+                  "parabolas, {} by cubics",
+                  percent(t.left_out[0]), percent(t.left_out[1]), percent(t.left_out[2]), percent(t.left_out[3])));
+  console.say(
+      fmt::format("  noise at most {} of the range; steps at {} of the samples", percent(t.noise), percent(t.steps)));
+  console.say(fmt::format("{:<14}{}, since it is {}", "reconstruction", info_of(suited.method).name, suited.why));
+  const std::vector<std::pair<const char*, std::string>> commands{
+      {"values", fmt::format("sansmesh volume probe {}{} --points where.csv -o values.csv", files, array)},
+      {"grid", fmt::format("sansmesh volume resample {}{} -o resampled.vti", files, array)},
+      {"surface", fmt::format("sansmesh volume isosurface {}{} --value {:.4g} -o surface.ply", files, array, middle)},
+      {"picture", fmt::format("sansmesh volume render {}{} -o picture.png", files, array)}};
+  Json json = {{"input", volume.json()}, {"array", volume.choice().array}, {"samples", t.samples}};
+  json["left_out"] = t.left_out;
+  json["noise"] = t.noise;
+  json["steps"] = t.steps;
+  json["resolved"] = t.resolved();
+  json["method"] = info_of(suited.method).name;
+  json["why"] = suited.why;
+  json["commands"] = Json::array();
+  for (const auto& [aim, command] : commands) {
+    console.say(fmt::format("{:<14}$ {}", aim, command));
+    json["commands"].push_back({{"aim", aim}, {"command", command}});
+  }
+  console.say_json(json);
+  console.print_timings();
+}
+
 }  // namespace
 
 Command add_advise(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("advise", "Points → which method suits them, why, and the commands to run");
+  CommandLine& c =
+      app.add_subcommand("advise", "Points or a volume → which method suits them, why, and the commands to run");
   auto input = std::make_shared<CloudInput>();
-  add_cloud_input(c, *input, "Points, or a mesh or polygon soup");
-  c.footer(std::string(kReadable) +
-           "\n\nLooks at noise, density, sharp edges, borders, whether the surface is open, stray samples and normals. "
-           "Writes nothing."
-           "\n\nExamples:\n"
-           "  sansmesh advise scan.ply\n"
-           "  sansmesh advise scan.ply --json");
-  return {&c, [input, &app](Console& console) { run_advise(*input, app.subcommand("reconstruct"), console); }};
+  auto volume = std::make_shared<VolumeInput>();
+  add_cloud_input(c, *input, "Points, a mesh or polygon soup, or a volume; `data FILE` takes points for its samples");
+  c.add_option("--array", volume->array, "Of a volume: the array that is looked at [a scalar]").type_name("NAME");
+  add_raw_options(c, volume->read);
+  c.footer(
+      std::string(kReadable) + "\n" + kReadableVolumes +
+      "\n\nOf points: looks at noise, density, sharp edges, borders, whether the surface is open, stray samples and "
+      "normals. Of volumes: at grid, resolution, noise and steps. Writes nothing."
+      "\n\nExamples:\n"
+      "  sansmesh advise scan.ply\n"
+      "  sansmesh advise scan.ply --json\n"
+      "  sansmesh advise fire.vtu --array t");
+  return {&c, [input, volume, &app](Console& console) {
+            if (!names_volume(input->files)) return run_advise(*input, app.subcommand("reconstruct"), console);
+            volume->files = input->files;
+            run_volume_advise(*volume, console);
+          }};
 }
 
 }  // namespace sansmesh::cli

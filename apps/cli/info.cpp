@@ -213,21 +213,16 @@ void run_info(const CloudInput& input, Console& console) {
   console.print_timings();
 }
 
-/// `sansmesh info data FILE …` takes any file for samples of a volume; files that can be nothing else need no `data`.
-bool names_volume(std::vector<std::string>& files) {
-  const bool said = files.size() > 1 && files[0] == "data";
-  if (said) files.erase(files.begin());
-  return said || std::all_of(files.begin(), files.end(), is_volume_name);
-}
-
 }  // namespace
 
 Command add_info(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("info", "File → what is in it: points, box, spacing, noise, normals, faces; grid "
-                                              "and arrays of volumes");
+  CommandLine& c = app.add_subcommand("info",
+                                      "File → what is in it: points, box, spacing, noise, normals, faces; grid "
+                                      "and arrays of volumes");
   auto input = std::make_shared<CloudInput>();
   auto volume = std::make_shared<VolumeInput>();
-  add_cloud_input(c, *input, "Points, mesh, function (.smf) or volume; `data FILE` takes points for samples of a volume");
+  add_cloud_input(c, *input,
+                  "Points, mesh, function (.smf) or volume; `data FILE` takes points for samples of a volume");
   add_raw_options(c, volume->read);
   c.footer(std::string(kReadable) + "\n" + kReadableVolumes);
   return {&c, [input, volume](Console& console) {

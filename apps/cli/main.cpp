@@ -75,11 +75,11 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("sansmesh ") + SANSMESH_VERSION);
   app.require_subcommand(1);
   app.get_formatter()->column_width(28);
-  std::vector<Command> commands = {
-      add_reconstruct(line), add_normals(line),   add_evaluate(line), add_info(line),    add_render(line),
-      add_project(line),     add_curvature(line), add_advise(line),   add_fit(line),     add_mesh(line),
-      add_eval(line),        add_edit(line),      add_diagnose(line), add_section(line), add_compare(line),
-      add_measure(line),     add_csg(line)};
+  std::vector<Command> commands = {add_reconstruct(line), add_normals(line), add_evaluate(line),  add_info(line),
+                                   add_render(line),      add_project(line), add_curvature(line), add_advise(line),
+                                   add_fit(line),         add_mesh(line),    add_eval(line),      add_edit(line),
+                                   add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
+                                   add_csg(line)};
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (const Command& command : commands) add_common(*command.line, common);
   try {

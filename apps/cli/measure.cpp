@@ -132,7 +132,9 @@ void run_measure(const CloudInput& input, Console& console) {
 Command add_measure(CommandLine& app) {
   CommandLine& c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
   auto input = std::make_shared<CloudInput>();
-  c.add_option("input", input->files, "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (their mesh is measured); several meshes are one body")
+  c.add_option(
+       "input", input->files,
+       "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (their mesh is measured); several meshes are one body")
       .type_name("FILE")
       .required();
   c.footer(

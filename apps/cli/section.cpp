@@ -133,7 +133,8 @@ void run_section(const SectionArguments& a, Console& console) {
 Command add_section(CommandLine& app) {
   CommandLine& c = app.add_subcommand("section", "Mesh or function → the curves in which planes cut it");
   auto a = std::make_shared<SectionArguments>();
-  c.add_option("input", a->input.files, "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one")
+  c.add_option("input", a->input.files,
+               "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one")
       .type_name("FILE")
       .required();
   c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write").type_name("FILE");

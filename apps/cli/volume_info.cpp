@@ -76,8 +76,8 @@ void run_volume_info(const VolumeInput& input, Console& console) {
       fmt::format("{}, {}{}", f.grid, counted(f.points, "point"),
                   f.cells > 0 ? fmt::format(", {}", counted(f.cells, "cell")) : ""));
   if (f.blocks > 1 || f.levels > 1)
-    say(console, "blocks", fmt::format("{}{}", grouped(f.blocks),
-                                       f.levels > 1 ? fmt::format(" in {}", counted(f.levels, "level")) : ""));
+    say(console, "blocks",
+        fmt::format("{}{}", grouped(f.blocks), f.levels > 1 ? fmt::format(" in {}", counted(f.levels, "level")) : ""));
   say(console, "samples",
       fmt::format("{} (values of {})", grouped(samples->size()), samples->in_cells ? "cells" : "points"));
   say(console, "box",
@@ -91,8 +91,9 @@ void run_volume_info(const VolumeInput& input, Console& console) {
   const std::vector<std::string> lines = mended(f);
   for (const std::string& line : lines) say(console, "mended", line);
   if (!dataset.times().empty())
-    say(console, "times", fmt::format("{}, from {:.6g} to {:.6g}", counted(dataset.times().size(), "step"),
-                                      dataset.times().front(), dataset.times().back()));
+    say(console, "times",
+        fmt::format("{}, from {:.6g} to {:.6g}", counted(dataset.times().size(), "step"), dataset.times().front(),
+                    dataset.times().back()));
   Json arrays = Json::array();
   for (const DatasetArray& a : dataset.arrays()) describe_array(a, console, arrays);
 

@@ -29,9 +29,7 @@ std::string VolumeInput::name() const {
   return fmt::format("{} and {}", files[0], counted(files.size() - 1, "other file"));
 }
 
-Json VolumeInput::json() const {
-  return files.size() == 1 ? Json{{"file", files[0]}} : Json{{"files", files}};
-}
+Json VolumeInput::json() const { return files.size() == 1 ? Json{{"file", files[0]}} : Json{{"files", files}}; }
 
 void add_volume_files(CommandLine& c, VolumeInput& input) {
   c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").required();
@@ -50,7 +48,8 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
          const char *at = text.data(), *const end = at + text.size();
          for (std::size_t k = 0; k < 3; ++k) {
            const auto [next, error] = std::from_chars(at, end, dims[k]);
-           if (error != std::errc() || dims[k] == 0 || (k < 2 ? next == end || (*next != 'x' && *next != ',') : next != end))
+           if (error != std::errc() || dims[k] == 0 ||
+               (k < 2 ? next == end || (*next != 'x' && *next != ',') : next != end))
              throw ValueError(fmt::format("must be three numbers such as 256x256x128, not {}", text));
            at = next + 1;
          }
@@ -83,7 +82,8 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
       .numbers(3)
       .type_name("LENGTHS")
       .group("Raw files");
-  c.add_flag_callback("--big-endian", [raw] { raw().big_endian = true; }, "Raw values have their high byte first")
+  c.add_flag_callback(
+       "--big-endian", [raw] { raw().big_endian = true; }, "Raw values have their high byte first")
       .group("Raw files");
   c.add_option("--step", options.time_step, "Which of several steps in time, from 0 [0]").type_name("NUMBER");
 }
@@ -97,14 +97,16 @@ void add_volume_input(CommandLine& c, VolumeInput& input) {
        [&input](const std::string& name) {
          try {
            input.method.method = reconstruction_of_name(name);
+           input.chosen = true;
          } catch (const ArgumentError&) {
            throw ValueError(fmt::format("must be one of {}, not {}", method_names(), name));
          }
        },
-       fmt::format("Reconstruction: {} [{}]", method_names(), info_of(input.method.method).name))
+       fmt::format("Reconstruction: {} [from grid, resolution and noise]", method_names()))
       .type_name("NAME")
       .group("Reconstruction");
-  c.add_option("--degree", input.method.degree, "Highest degree of polynomials, 0..4 (mls, mls-detail), 1..5 (lagrange)")
+  c.add_option("--degree", input.method.degree,
+               "Highest degree of polynomials, 0..4 (mls, mls-detail), 1..5 (lagrange)")
       .type_name("DEGREE")
       .group("Reconstruction");
   c.add_option("--iterations", input.method.iterations, "Times that residuals are added (amls, mls-detail), 0..100")
@@ -149,12 +151,19 @@ std::shared_ptr<const SampledVolume> OpenVolume::samples() {
   return samples_;
 }
 
-std::shared_ptr<const VolumeField> OpenVolume::field() {
+std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) {
   samples();
   std::shared_ptr<const VolumeField> field;
   try {
     dataset_->default_array();  // there must be one
-    field = dataset_->field(choice_, input_.method, console_.progress(), &report_);
+    ReconstructionOptions options = input_.method;
+    if (!input_.chosen) {
+      const bool first = !traits_;
+      options.method = suited().method;
+      if (first)
+        console_.say(fmt::format("{}: {}, since it is {}", input_.name(), info_of(options.method).name, suited_.why));
+    }
+    field = dataset_->field(choice, options, console_.progress(), &report_);
   } catch (const DataError& error) {
     throw FileError(input_.name(), error.what());
   }
@@ -177,6 +186,24 @@ std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {
   }
 }
 
+const VolumeTraits& OpenVolume::traits() {
+  if (!traits_) {
+    const auto volume = samples();
+    try {
+      traits_ = measure_volume_traits(*volume, volume_values(*volume, choice_.array), console_.progress());
+    } catch (const DataError& error) {
+      throw FileError(input_.name(), error.what());
+    }
+    suited_ = choose_reconstruction(*volume, *traits_);
+  }
+  return *traits_;
+}
+
+const ReconstructionChoice& OpenVolume::suited() {
+  traits();
+  return suited_;
+}
+
 double OpenVolume::sample_value(std::size_t i) {
   const Attribute& a = *samples()->attributes.find(choice_.array);
   if (choice_.component) return a.number(i * a.components + *choice_.component);
@@ -191,12 +218,19 @@ Json OpenVolume::json() const {
   json["format"] = dataset_->format();
   json["array"] = choice_.array;
   json["method"] = info_of(report_.options.method).name;
+  if (traits_) json["why"] = suited_.why;
   if (samples_) {
     json["samples"] = samples_->size();
     json["grid"] = samples_->facts.grid;
   }
   json["notes"] = report_.notes;
   return json;
+}
+
+bool names_volume(std::vector<std::string>& files) {
+  const bool said = files.size() > 1 && files[0] == "data";
+  if (said) files.erase(files.begin());
+  return said || std::all_of(files.begin(), files.end(), is_volume_name);
 }
 
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {

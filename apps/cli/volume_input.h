@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "console.h"
 #include "json.h"
+#include "sansmesh/dataset/choose_reconstruction.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/io/read_volume.h"
@@ -20,6 +22,7 @@ struct VolumeInput {
   std::string array;               ///< as given to --array; empty: the dataset's own choice
   VolumeReadOptions read;
   ReconstructionOptions method;
+  bool chosen = false;  ///< the method was given
 
   /// "a.vtu", "a.vts and 2 other files"
   std::string name() const;
@@ -43,10 +46,15 @@ class OpenVolume {
   const ArrayChoice& choice() const { return choice_; }
   /// What to call it: the array with its component.
   std::string array_name() const;
+  /// Grid, resolution and noise, and what is chosen for them: measured at the first call.
+  const VolumeTraits& traits();
+  const ReconstructionChoice& suited();
   /// The samples of the array.
   std::shared_ptr<const SampledVolume> samples();
   /// The reconstruction; what there is to say about it goes to the console.
-  std::shared_ptr<const VolumeField> field();
+  std::shared_ptr<const VolumeField> field() { return field(choice_); }
+  /// The same of another array or component, with the method that was given or is chosen for the array.
+  std::shared_ptr<const VolumeField> field(const ArrayChoice& choice);
   /// {f = value} of the array. Throws ArgumentError where the array has several components and none was chosen.
   std::shared_ptr<const Isosurface> isosurface(double value);
   const ReconstructionReport& report() const { return report_; }
@@ -62,10 +70,16 @@ class OpenVolume {
   ArrayChoice choice_;
   ReconstructionReport report_;
   std::shared_ptr<const SampledVolume> samples_;
+  std::optional<VolumeTraits> traits_;
+  ReconstructionChoice suited_;
 };
 
 /// How raw files and those of several steps are read: --dims, --type, …
 void add_raw_options(CommandLine& command, VolumeReadOptions& options);
+
+/// Whether files that were given to a command of points are a volume: the word `data` before them says so (and is taken
+/// away), or that they can be nothing else.
+bool names_volume(std::vector<std::string>& files);
 
 /// A surface in a volume that is named FILE[ARRAY=VALUE].
 struct NamedIsosurface {

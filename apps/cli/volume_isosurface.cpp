@@ -41,8 +41,8 @@ void carry_arrays(const IsosurfaceArguments& a, OpenVolume& volume, TriangleMesh
   ReconstructionOptions linear;
   linear.method = ReconstructionMethod::linear;
   for (const std::string& name : wanted) {
-    const auto field = volume.dataset().field({volume.dataset().array(name).name, {}, false}, linear,
-                                              console.progress());
+    const auto field =
+        volume.dataset().field({volume.dataset().array(name).name, {}, false}, linear, console.progress());
     std::vector<double> values(x.size() * field->components());
     field->evaluate(x, {values, {}, {}, {}});
     mesh.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
@@ -78,8 +78,9 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
   console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(report.components, "component"),
                           report.closed ? ", closed" : ", with borders"));
-  console.say(report.volume ? fmt::format("area {:.6g}, volume {:.6g}", report.area, *report.volume)
-                            : fmt::format("area {:.6g} (--closed gives the volume of what is above the value)", report.area));
+  console.say(report.volume
+                  ? fmt::format("area {:.6g}, volume {:.6g}", report.area, *report.volume)
+                  : fmt::format("area {:.6g} (--closed gives the volume of what is above the value)", report.area));
   console.say_json({{"input", volume.json()},
                     {"value", value},
                     {"blocks", report.blocks},

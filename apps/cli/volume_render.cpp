@@ -58,11 +58,10 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   return o;
 }
 
-/// The field of one number that --array or --opacity-by means: vectors count by their magnitude.
-std::shared_ptr<const VolumeField> scalar_field(OpenVolume& volume, const VolumeInput& input, ArrayChoice choice,
-                                                Console& console) {
+/// What is shown of an array: of vectors that nobody chose a component of, their magnitude.
+ArrayChoice shown(OpenVolume& volume, ArrayChoice choice) {
   if (volume.dataset().array(choice.array).components > 1 && !choice.component) choice.magnitude = true;
-  return volume.dataset().field(choice, input.method, console.progress());
+  return choice;
 }
 
 void run_volume_render(const VolumeRenderArguments& a, Console& console) {
@@ -78,10 +77,9 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   VolumePictureReport report;
   std::unique_ptr<BakedVolume> baked, baked_opacity;
   try {
-    field = volume.field();
-    if (field->components() > 1) field = scalar_field(volume, a.input, volume.choice(), console);
-    if (!a.opacity_by.empty())
-      opacity = scalar_field(volume, a.input, volume.dataset().choose(a.opacity_by), console);
+    volume.dataset().default_array();  // there must be one
+    field = volume.field(shown(volume, volume.choice()));
+    if (!a.opacity_by.empty()) opacity = volume.field(shown(volume, volume.dataset().choose(a.opacity_by)));
     VolumeSubject subject;
     subject.field = field.get(), subject.opacity = opacity.get();
     if (a.interactive) {
@@ -171,7 +169,8 @@ Command add_volume_render(CommandLine& volume) {
   c.add_flag("--no-cut-faces", a.no_cut_faces, "Cut faces stay as clear as what is behind them");
   c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light");
   c.add_flag("--interactive", a.interactive, "Quick: from the field baked into bricks, whose error is reported");
-  c.add_option("--bake-error", a.bake_error, "Of --interactive: error above which bricks are split, share of the range [0.004]")
+  c.add_option("--bake-error", a.bake_error,
+               "Of --interactive: error above which bricks are split, share of the range [0.004]")
       .type_name("SHARE");
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group("Picture");
   c.add_flag("--axes", a.options.axes, "With the outline of the box and ticks").group("Picture");

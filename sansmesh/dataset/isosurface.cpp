@@ -290,8 +290,8 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
     blocks = iso_blocks(surface, cell, scale, progress);
   }
   if (scale > 1)
-    r.warnings.push_back(fmt::format("the surface is so large that blocks are {} times as wide as the samples are apart",
-                                     scale));
+    r.warnings.push_back(
+        fmt::format("the surface is so large that blocks are {} times as wide as the samples are apart", scale));
   r.cell = place.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
 
   MeshOptions meshing;

@@ -88,8 +88,8 @@ class Isosurface : public ScalarField {
 struct IsosurfaceOptions {
   /// Edge of the smallest blocks (length). Default: the local spacing of the samples.
   std::optional<double> cell;
-  std::optional<double> mesh_error;       ///< as in MeshOptions
-  std::optional<std::size_t> triangles;   ///< as in MeshOptions
+  std::optional<double> mesh_error;      ///< as in MeshOptions
+  std::optional<std::size_t> triangles;  ///< as in MeshOptions
   ComponentChoice components = {ComponentChoice::Kind::all, 1};
   bool closed = false;  ///< the boundary of {f > value}: closed by faces of the volume's boundary
   bool enhance = true;  ///< as in MeshOptions

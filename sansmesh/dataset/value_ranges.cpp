@@ -79,8 +79,8 @@ std::vector<ValueRanges::Item> ValueRanges::lattice_items(const SampledVolume& v
   const auto brick_at = [&](std::size_t b) {
     return std::array{b % bricks[0], b / bricks[0] % bricks[1], b / (bricks[0] * bricks[1])};
   };
-  const Box3 cube{{0, 0, 0}, {static_cast<double>(bricks[0]), static_cast<double>(bricks[1]),
-                              static_cast<double>(bricks[2])}};
+  const Box3 cube{{0, 0, 0},
+                  {static_cast<double>(bricks[0]), static_cast<double>(bricks[1]), static_cast<double>(bricks[2])}};
   const std::vector<std::uint32_t> order = along_curve(bricks[0] * bricks[1] * bricks[2], cube, [&](std::size_t b) {
     const auto at = brick_at(b);
     return Vec3{static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])};
@@ -222,8 +222,8 @@ std::vector<Vec3> ValueRanges::places_of(double value) const {
       if (static_cast<double>(node.least[lane]) > value || static_cast<double>(node.most[lane]) < value) continue;
       Vec3 center;
       for (std::size_t k = 0; k < 3; ++k)
-        center[k] = 0.5 * (static_cast<double>(node.boxes.lower[k][lane]) +
-                           static_cast<double>(node.boxes.upper[k][lane]));
+        center[k] =
+            0.5 * (static_cast<double>(node.boxes.lower[k][lane]) + static_cast<double>(node.boxes.upper[k][lane]));
       places.push_back(center);
     }
   return places;

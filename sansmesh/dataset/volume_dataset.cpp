@@ -82,7 +82,8 @@ const DatasetArray& VolumeDataset::array(const std::string& name) const {
   const DatasetArray* found = nullptr;
   for (const DatasetArray& a : arrays_)
     if (a.name == name && (!found || a.of == Association::points)) found = &a;
-  if (!found) throw ArgumentError(fmt::format("`array`: there is none named '{}'; there are {}", name, names_of(arrays_)));
+  if (!found)
+    throw ArgumentError(fmt::format("`array`: there is none named '{}'; there are {}", name, names_of(arrays_)));
   return *found;
 }
 

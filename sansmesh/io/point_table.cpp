@@ -57,7 +57,8 @@ std::vector<Vec3> from_table(const std::string& file, std::string_view bytes) {
   for (std::size_t number = 1; !text.at_end(); ++number) {
     const std::string_view line = text.line();
     const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos || std::string_view("#%!").find(line[begin]) != std::string_view::npos) continue;
+    if (begin == std::string_view::npos || std::string_view("#%!").find(line[begin]) != std::string_view::npos)
+      continue;
     const Row row = row_of(line, io::guess_separator(line));
     if (!row.all && points.empty() && !named) {
       const auto meaning = io::meaning_of_names(line);

@@ -23,8 +23,8 @@ constexpr const char* kKnown = ".vti .mhd .mha .nrrd";
 
 struct LatticeSteps {
   std::array<std::size_t, 3> size{};
-  Vec3 first;                      ///< position of the first point
-  std::array<double, 3> step{};    ///< 1 where there is one point
+  Vec3 first;                    ///< position of the first point
+  std::array<double, 3> step{};  ///< 1 where there is one point
 };
 
 LatticeSteps steps_of(const GridBlock& block) {
@@ -91,16 +91,15 @@ std::vector<std::string> to_vti(const GridBlock& block, const LatticeSteps& s) {
     parts.push_back(std::move(head));
     parts.push_back(std::move(bytes));
   }
-  xml +=
-      "      </PointData>\n      <CellData/>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n   _";
+  xml += "      </PointData>\n      <CellData/>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n   _";
   parts[0] = std::move(xml);
   parts.emplace_back("\n  </AppendedData>\n</VTKFile>\n");
   return parts;
 }
 
 std::string meta_header(const GridBlock& block, const LatticeSteps& s, const std::string& data) {
-  constexpr const char* names[] = {"MET_CHAR", "MET_UCHAR", "MET_SHORT",     "MET_USHORT",     "MET_INT",
-                                   "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT", "MET_DOUBLE"};
+  constexpr const char* names[] = {"MET_CHAR", "MET_UCHAR",     "MET_SHORT",      "MET_USHORT", "MET_INT",
+                                   "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT",  "MET_DOUBLE"};
   const Attribute& a = block.point_arrays[0];
   return fmt::format(
       "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"

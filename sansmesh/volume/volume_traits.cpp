@@ -23,7 +23,7 @@ constexpr double kStepMedians = 10, kStepShare = 0.05;
 
 struct Prediction {
   std::array<double, 4> error{};  ///< by degree
-  double spread = 0;              ///< by how much noise of the neighbours widens the error of degree 2: √(1 + leverage)
+  double spread = 0;  ///< by how much noise of the neighbours widens the error of degree 2: √(1 + leverage)
 };
 
 /// The neighbours of a sample ring by ring, without the sample itself.

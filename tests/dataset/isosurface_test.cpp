@@ -36,7 +36,8 @@ std::shared_ptr<const Isosurface> surface_in(GridData data, double value,
   const auto volume = dataset.volume("f", progress);
   const auto field = dataset.field({"f", {}, false}, options, progress);
   const auto& values = *volume->attributes.find<double>("f");
-  return std::make_shared<const Isosurface>(volume, field, [&](std::size_t i) { return values[i]; }, value);
+  return std::make_shared<const Isosurface>(
+      volume, field, [&](std::size_t i) { return values[i]; }, value);
 }
 
 TriangleMesh mesh_of(const Isosurface& surface, const IsosurfaceOptions& options, IsosurfaceReport& report) {
@@ -46,7 +47,8 @@ TriangleMesh mesh_of(const Isosurface& surface, const IsosurfaceOptions& options
 
 double largest_error(const TriangleMesh& mesh, double radius) {
   double error = 0;
-  for (const Vec3f& v : mesh.vertices) error = std::max(error, std::abs(norm(mesh.origin + Vec3(v) - kCenter) - radius));
+  for (const Vec3f& v : mesh.vertices)
+    error = std::max(error, std::abs(norm(mesh.origin + Vec3(v) - kCenter) - radius));
   return error;
 }
 
@@ -83,8 +85,8 @@ TEST(Isosurface, OfABallIsAClosedSphereOnEveryGrid) {
 TEST(Isosurface, EndsAtTheBoundaryOfTheVolume) {
   const auto height = [](const Vec3& x) { return 0.4 - x.z; };
   for (const bool tetrahedra : {false, true}) {
-    const auto surface =
-        surface_in(tetrahedra ? test::tetrahedra_grid({17, 17, 17}, height) : test::lattice_grid({17, 17, 17}, height), 0);
+    const auto surface = surface_in(
+        tetrahedra ? test::tetrahedra_grid({17, 17, 17}, height) : test::lattice_grid({17, 17, 17}, height), 0);
     IsosurfaceReport report;
     const TriangleMesh open = mesh_of(*surface, {}, report);
     EXPECT_FALSE(report.closed);
@@ -105,7 +107,9 @@ TEST(Isosurface, EndsAtTheBoundaryOfTheVolume) {
 TEST(Isosurface, InTheHoleOfAVolumeThereIsNone) {
   // A ring: the part of a lattice of hexahedra between two cylinders, cut by a plane through its axis.
   GridBlock ring = test::lattice_block({33, 5, 9}, {0, 0.5, 0}, {2 * std::numbers::pi, 1, 0.5});
-  ring = test::curvilinear_block(ring, [](const Vec3& x) { return Vec3{x.y * std::cos(x.x), x.y * std::sin(x.x), x.z}; });
+  ring = test::curvilinear_block(ring, [](const Vec3& x) {
+    return Vec3{x.y * std::cos(x.x), x.y * std::sin(x.x), x.z};
+  });
   const auto surface = surface_in(test::one_block(std::move(ring), [](const Vec3& x) { return x.y + 0.01; }), 0);
   IsosurfaceReport report;
   const TriangleMesh mesh = mesh_of(*surface, {}, report);
@@ -159,11 +163,13 @@ TEST(ValueRanges, HoldAllValuesOfTheCellsAround) {
     const auto& values = *volume->attributes.find<double>("f");
     const Box3 box = volume->bounds();
     const Placement place = placement_for(box.center(), box.diagonal());
-    const ValueRanges ranges(*volume, [&](std::size_t i) { return values[i]; }, place);
+    const ValueRanges ranges(
+        *volume, [&](std::size_t i) { return values[i]; }, place);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(0, 1);
     for (int trial = 0; trial < 200; ++trial) {
-      const Vec3 x = box.lower + Vec3{unit(random) * box.size().x, unit(random) * box.size().y, unit(random) * box.size().z};
+      const Vec3 x =
+          box.lower + Vec3{unit(random) * box.size().x, unit(random) * box.size().y, unit(random) * box.size().z};
       const double radius = 0.3 * unit(random) * unit(random);
       const ValueRange found = ranges.around(place.from_input(x), place.from_input(radius));
       for (std::size_t i = 0; i < volume->size(); ++i) {

@@ -47,7 +47,8 @@ TEST(Resample, KeepsLinearFunctionsAndTheirGradients) {
 }
 
 TEST(Resample, HasEqualStepsOrTheSizesAskedFor) {
-  const auto field = linear_field(test::one_block(test::lattice_block({5, 5, 5}, {0, 0, 0}, {4, 2, 1}), test::linear_function));
+  const auto field =
+      linear_field(test::one_block(test::lattice_block({5, 5, 5}, {0, 0, 0}, {4, 2, 1}), test::linear_function));
   Progress progress;
   ResampleOptions options;
   options.size = 41;

@@ -1,0 +1,46 @@
+#include "sansmesh/dataset/choose_reconstruction.h"
+
+#include <fmt/core.h>
+
+namespace sansmesh {
+namespace {
+
+/// On lattices of more samples polynomials about each take too long for what they gain.
+constexpr std::size_t kLargeLattice = 500'000;
+/// On other grids of more samples they take too much memory.
+constexpr std::size_t kLargeGrid = 20'000'000;
+
+}  // namespace
+
+ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits) {
+  const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
+  if (volume.lattice) {
+    if (!traits.resolved())
+      return {
+          ReconstructionMethod::cubic,
+          fmt::format("a lattice whose samples are noisy or too far apart for parabolas (left out they are missed by "
+                      "{} of the range, by planes {}): a cubic through each is smooth, and no other method is nearer",
+                      percent(traits.left_out[2]), percent(traits.left_out[1]))};
+    if (volume.size() > kLargeLattice)
+      return {ReconstructionMethod::cubic, "a large lattice: cubics through its samples are smooth and quick"};
+    return {ReconstructionMethod::mls_detail,
+            fmt::format("a lattice that resolves what it shows (a sample left out is missed by {} of the range): local "
+                        "polynomials gain most",
+                        percent(traits.left_out[2]))};
+  }
+  if (volume.size() > kLargeGrid)
+    return {ReconstructionMethod::amls, "a very large grid: precomputed coefficients take least memory"};
+  if (!traits.resolved())
+    return {
+        ReconstructionMethod::mls_detail,
+        fmt::format("samples are noisy or too far apart for parabolas (left out they are missed by {} of the range, "
+                    "by planes {}): little can be gained over the grid's own interpolation but smoothness",
+                    percent(traits.left_out[2]), percent(traits.left_out[1]))};
+  return {
+      ReconstructionMethod::mls_detail,
+      fmt::format("a grid that resolves what it shows (samples left out are missed by {} of the range, by planes {}): "
+                  "local polynomials gain most",
+                  percent(traits.left_out[2]), percent(traits.left_out[1]))};
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,22 @@
+// Which reconstruction suits a volume, from its grid, its resolution and its noise (METHODS §8).
+#pragma once
+
+#include <string>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/volume_traits.h"
+#include "sansmesh/volume/volume_values.h"
+
+namespace sansmesh {
+
+struct ReconstructionChoice {
+  ReconstructionMethod method = ReconstructionMethod::mls_detail;
+  std::string why;  ///< a sentence without an end
+};
+
+/// What is taken where nobody chose.
+ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits);
+
+}  // namespace sansmesh
