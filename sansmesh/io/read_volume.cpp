@@ -73,14 +73,21 @@ std::string known_volume_endings() {
   return known.substr(1) + ", and those of points";
 }
 
-/// The type that the root of an XML file of VTK's names; empty where it is none.
+/// The type that the root of an XML file of VTK's names; empty where it is none. Throws FileError for levels in
+/// versions of the format that VTK no longer reads, and may crash on.
 std::string vtk_xml_type(const Input& in) {
   if (in.bytes.substr(0, 4096).find("<VTKFile") == std::string_view::npos) return {};
   ReadReport ignored;
   const Input head{in.file, in.bytes.substr(in.bytes.find("<VTKFile"), 4096), ignored};
   io::XmlScanner xml(head);
   const auto tag = xml.next();
-  return tag ? std::string((*tag)["type"]) : std::string();
+  if (!tag) return {};
+  const std::string type((*tag)["type"]);
+  double version = 0;
+  io::TextScanner text((*tag)["version"]);
+  if ((type.ends_with("AMR") || type.ends_with("HierarchicalBoxDataSet")) && (!text.number(version) || version < 1.1))
+    in.fail("holds levels in a version of the format before 1.1, which is not supported: write it anew by ParaView");
+  return type;
 }
 
 VolumeFormat format_of_volume(const Input& in, const std::string& xml_type) {

@@ -35,6 +35,10 @@
 #include "sansmesh/io/vtk/vtk_blocks.h"
 #include "sansmesh/io/vtk_module.h"
 
+// Of the library below VTK's reader of Exodus, whose header needs more packages: what it prints about errors (0:
+// nothing).
+extern "C" int vtkexodusII_ex_opts(int options) __attribute__((weak));
+
 namespace sansmesh::io {
 namespace {
 
@@ -48,8 +52,8 @@ class CaptureWindow : public vtkOutputWindow {
   void DisplayErrorText(const char* text) override {
     if (error.empty()) error = message_of(text);
   }
-  void DisplayWarningText(const char* text) override { warnings.push_back(message_of(text)); }
-  void DisplayGenericWarningText(const char* text) override { warnings.push_back(message_of(text)); }
+  void DisplayWarningText(const char* text) override { warn(text); }
+  void DisplayGenericWarningText(const char* text) override { warn(text); }
   void DisplayDebugText(const char*) override {}
 
   std::string error;
@@ -59,10 +63,20 @@ class CaptureWindow : public vtkOutputWindow {
   CaptureWindow() = default;
 
  private:
+  /// Data that end early are no error to some readers.
+  void warn(const char* text) {
+    const std::string message = message_of(text);
+    if (message.find("Error") == std::string::npos && message.find("error") == std::string::npos)
+      warnings.push_back(message);
+    else if (error.empty())
+      error = message;
+  }
   /// "ERROR: In file.cxx, line 12\nvtkReader (0x12): what it is" → "what it is"
   static std::string message_of(const char* text) {
     std::string s = text ? text : "";
-    if (const std::size_t at = s.find("): "); at != std::string::npos) s = s.substr(at + 3);
+    const std::size_t place = s.find(": In "), end = s.find('\n');
+    if (place < end && end != std::string::npos) s = s.substr(end + 1);
+    if (const std::size_t at = s.find("): "); s.starts_with("vtk") && at != std::string::npos) s = s.substr(at + 3);
     std::string line;
     for (const char c : s) {
       if (c != '\n' && c != '\r')
@@ -145,6 +159,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       return reader;
     }
     case VtkFormat::exodus: {
+      if (vtkexodusII_ex_opts) vtkexodusII_ex_opts(0);
       const auto reader = vtkSmartPointer<vtkExodusIIReader>::New();
       if (!reader->CanReadFile(request.file.c_str()))
         throw std::runtime_error("is no Exodus file that can be read: truncated or damaged");
