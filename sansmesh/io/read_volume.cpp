@@ -8,6 +8,7 @@
 
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/io/netcdf_size.h"
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/io/vtk_module.h"
@@ -185,6 +186,7 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
       return by_vtk(io::VtkFormat::legacy);
     case VolumeFormat::exodus:
+      if (in.bytes.starts_with("CDF")) io::check_netcdf_size(in);
       if (in.bytes.starts_with("CDF") || in.bytes.starts_with("\x89HDF")) return by_vtk(io::VtkFormat::exodus);
       in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
     case VolumeFormat::ensight:

@@ -313,7 +313,7 @@ TEST(VtkVolumes, DamagedFilesAreErrors) {
     EXPECT_FALSE(volume_readable(
         folder.put("t.vtk", tets.substr(0, static_cast<std::size_t>(part * static_cast<double>(tets.size()))))));
   const std::string exodus = slurp(source_file("tests/data/two_hexes.ex2"));
-  for (std::size_t n = 4; n < 2200; n += 200)
+  for (std::size_t n = 4; n + 4 < exodus.size(); n += 40)
     EXPECT_FALSE(volume_readable(folder.put("e.ex2", exodus.substr(0, n)))) << n;
   expect_no_volume(folder.put("a.vtu", vtk_file("Table", "<Table></Table>\n")), "no volume");
   expect_no_volume(folder.put("a.vti", "not XML"), "ending says");
