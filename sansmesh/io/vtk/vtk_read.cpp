@@ -29,6 +29,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <mutex>
 #include <stdexcept>
 
@@ -197,8 +198,22 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       reader->DecomposePolyhedraOff();
       return reader;
     }
-    case VtkFormat::dicom:
-      break;
+    case VtkFormat::dicom: {
+      const auto reader = vtkSmartPointer<vtkDICOMImageReader>::New();
+      if (std::filesystem::is_directory(request.file)) {
+        // It would take any files that there are.
+        std::size_t slices = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(request.file))
+          slices += entry.is_regular_file() && reader->CanReadFile(entry.path().c_str()) != 0;
+        if (slices == 0) throw std::runtime_error("is a folder without DICOM slices");
+        reader->SetDirectoryName(request.file.c_str());
+      } else {
+        if (reader->CanReadFile(request.file.c_str()) == 0)
+          throw std::runtime_error("is no DICOM file that can be read");
+        reader->SetFileName(request.file.c_str());
+      }
+      return reader;
+    }
   }
   throw std::runtime_error("is of a format that the module does not know");
 }
@@ -245,6 +260,8 @@ void read_series(const VtkRequest& request, const Captured& captured, VtkSink& s
   if (!output) throw std::runtime_error("cannot be read: truncated or damaged");
   data.format = std::string(format_name(request.format)) + " " + kind_of(*output);
   add_blocks(*output, {}, sink, data);
+  if (request.format == VtkFormat::dicom)
+    data.notes.push_back("slices are stacked from the origin on: where the patient lay is not used");
   check();
 }
 
