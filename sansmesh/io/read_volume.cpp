@@ -8,6 +8,7 @@
 
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/io/netcdf_size.h"
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/io/vtk_module.h"
@@ -73,14 +74,21 @@ std::string known_volume_endings() {
   return known.substr(1) + ", and those of points";
 }
 
-/// The type that the root of an XML file of VTK's names; empty where it is none.
+/// The type that the root of an XML file of VTK's names; empty where it is none. Throws FileError for levels in
+/// versions of the format that VTK no longer reads, and may crash on.
 std::string vtk_xml_type(const Input& in) {
   if (in.bytes.substr(0, 4096).find("<VTKFile") == std::string_view::npos) return {};
   ReadReport ignored;
   const Input head{in.file, in.bytes.substr(in.bytes.find("<VTKFile"), 4096), ignored};
   io::XmlScanner xml(head);
   const auto tag = xml.next();
-  return tag ? std::string((*tag)["type"]) : std::string();
+  if (!tag) return {};
+  const std::string type((*tag)["type"]);
+  double version = 0;
+  io::TextScanner text((*tag)["version"]);
+  if ((type.ends_with("AMR") || type.ends_with("HierarchicalBoxDataSet")) && (!text.number(version) || version < 1.1))
+    in.fail("holds levels in a version of the format before 1.1, which is not supported: write it anew by ParaView");
+  return type;
 }
 
 VolumeFormat format_of_volume(const Input& in, const std::string& xml_type) {
@@ -178,6 +186,7 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
       return by_vtk(io::VtkFormat::legacy);
     case VolumeFormat::exodus:
+      if (in.bytes.starts_with("CDF")) io::check_netcdf_size(in);
       if (in.bytes.starts_with("CDF") || in.bytes.starts_with("\x89HDF")) return by_vtk(io::VtkFormat::exodus);
       in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
     case VolumeFormat::ensight:

@@ -29,11 +29,16 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <mutex>
 #include <stdexcept>
 
 #include "sansmesh/io/vtk/vtk_blocks.h"
 #include "sansmesh/io/vtk_module.h"
+
+// Of the library below VTK's reader of Exodus, whose header needs more packages: what it prints about errors (0:
+// nothing).
+extern "C" int vtkexodusII_ex_opts(int options) __attribute__((weak));
 
 namespace sansmesh::io {
 namespace {
@@ -48,8 +53,8 @@ class CaptureWindow : public vtkOutputWindow {
   void DisplayErrorText(const char* text) override {
     if (error.empty()) error = message_of(text);
   }
-  void DisplayWarningText(const char* text) override { warnings.push_back(message_of(text)); }
-  void DisplayGenericWarningText(const char* text) override { warnings.push_back(message_of(text)); }
+  void DisplayWarningText(const char* text) override { warn(text); }
+  void DisplayGenericWarningText(const char* text) override { warn(text); }
   void DisplayDebugText(const char*) override {}
 
   std::string error;
@@ -59,10 +64,20 @@ class CaptureWindow : public vtkOutputWindow {
   CaptureWindow() = default;
 
  private:
+  /// Data that end early are no error to some readers.
+  void warn(const char* text) {
+    const std::string message = message_of(text);
+    if (message.find("Error") == std::string::npos && message.find("error") == std::string::npos)
+      warnings.push_back(message);
+    else if (error.empty())
+      error = message;
+  }
   /// "ERROR: In file.cxx, line 12\nvtkReader (0x12): what it is" → "what it is"
   static std::string message_of(const char* text) {
     std::string s = text ? text : "";
-    if (const std::size_t at = s.find("): "); at != std::string::npos) s = s.substr(at + 3);
+    const std::size_t place = s.find(": In "), end = s.find('\n');
+    if (place < end && end != std::string::npos) s = s.substr(end + 1);
+    if (const std::size_t at = s.find("): "); s.starts_with("vtk") && at != std::string::npos) s = s.substr(at + 3);
     std::string line;
     for (const char c : s) {
       if (c != '\n' && c != '\r')
@@ -145,6 +160,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       return reader;
     }
     case VtkFormat::exodus: {
+      if (vtkexodusII_ex_opts) vtkexodusII_ex_opts(0);
       const auto reader = vtkSmartPointer<vtkExodusIIReader>::New();
       if (!reader->CanReadFile(request.file.c_str()))
         throw std::runtime_error("is no Exodus file that can be read: truncated or damaged");
@@ -182,8 +198,22 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       reader->DecomposePolyhedraOff();
       return reader;
     }
-    case VtkFormat::dicom:
-      break;
+    case VtkFormat::dicom: {
+      const auto reader = vtkSmartPointer<vtkDICOMImageReader>::New();
+      if (std::filesystem::is_directory(request.file)) {
+        // It would take any files that there are.
+        std::size_t slices = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(request.file))
+          slices += entry.is_regular_file() && reader->CanReadFile(entry.path().c_str()) != 0;
+        if (slices == 0) throw std::runtime_error("is a folder without DICOM slices");
+        reader->SetDirectoryName(request.file.c_str());
+      } else {
+        if (reader->CanReadFile(request.file.c_str()) == 0)
+          throw std::runtime_error("is no DICOM file that can be read");
+        reader->SetFileName(request.file.c_str());
+      }
+      return reader;
+    }
   }
   throw std::runtime_error("is of a format that the module does not know");
 }
@@ -230,6 +260,8 @@ void read_series(const VtkRequest& request, const Captured& captured, VtkSink& s
   if (!output) throw std::runtime_error("cannot be read: truncated or damaged");
   data.format = std::string(format_name(request.format)) + " " + kind_of(*output);
   add_blocks(*output, {}, sink, data);
+  if (request.format == VtkFormat::dicom)
+    data.notes.push_back("slices are stacked from the origin on: where the patient lay is not used");
   check();
 }
 
