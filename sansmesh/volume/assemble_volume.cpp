@@ -15,6 +15,7 @@
 #include "sansmesh/volume/cell_finder.h"
 #include "sansmesh/volume/cell_geometry.h"
 #include "sansmesh/volume/covered_cells.h"
+#include "sansmesh/volume/delaunay.h"
 #include "sansmesh/volume/gathered_cells.h"
 
 namespace sansmesh {
@@ -344,16 +345,23 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   const auto order = canonical_order(data);
   GatheredCells gathered = gather_cells(data, order, in_cells, volume.facts);
   progress.advance();
+  const bool scattered = gathered.cells.empty() &&
+                         std::any_of(data.blocks.begin(), data.blocks.end(),
+                                     [](const auto& b) { return b.kind == GridKind::scattered && !b.points.empty(); });
+  if (scattered && in_cells) throw DataError("scattered points have no cells");
+  std::vector<std::uint32_t> scattered_groups;
+  if (scattered) gathered = gather_scattered(data, order, volume.facts, scattered_groups);
+  volume.scattered = scattered;
   if (volume.facts.points == 0) throw DataError("there are no points");
   if (volume.facts.points == volume.facts.not_finite) throw DataError("no point has finite coordinates");
   if (gathered.cells.empty())
     throw DataError(volume.facts.hidden > 0 ? "all cells are hidden" : "there are no cells: all points lie on a line");
   volume.facts.hidden += remove_below_levels(data, gathered);
-  const auto first_there = join_coincident(gathered);
+  const auto first_there = scattered ? std::move(scattered_groups) : join_coincident(gathered);
   progress.advance();
   auto source = mend_cells(gathered, volume.facts);
   if (gathered.cells.empty()) throw DataError("no cell has any volume: all points lie in a plane or on a line");
-  remove_overlapped(gathered, source, volume.facts);
+  if (!scattered) remove_overlapped(gathered, source, volume.facts);
   progress.advance();
   if (in_cells)
     set_cell_samples(data, order, gathered, source, volume);

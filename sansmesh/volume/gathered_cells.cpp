@@ -12,10 +12,12 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_geometry.h"
+#include "sansmesh/volume/delaunay.h"
 
 namespace sansmesh {
 namespace {
@@ -334,6 +336,72 @@ GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>&
     BlockGatherer(block, b, data.blocks.size() > 1, centers, gathered, facts).run();
   }
   return gathered;
+}
+
+GatheredCells gather_scattered(const GridData& data, const std::vector<std::size_t>& order, VolumeFacts& facts,
+                               std::vector<std::uint32_t>& first) {
+  struct Place {
+    std::uint64_t code;
+    Vec3 x;
+    std::uint32_t row;
+    std::uint16_t block;
+  };
+  std::vector<Place> places;
+  Box3 box;
+  for (const std::size_t b : order) {
+    const GridBlock& block = data.blocks[b];
+    if (block.kind != GridKind::scattered) continue;
+    for (std::size_t i = 0; i < block.points.size(); ++i) {
+      if (!is_finite(block.points[i])) {
+        ++facts.not_finite;
+      } else if (!block.hidden_points.empty() && block.hidden_points[i]) {
+        ++facts.hidden;
+      } else {
+        places.push_back({0, block.points[i], static_cast<std::uint32_t>(i), static_cast<std::uint16_t>(b)});
+        box.extend(block.points[i]);
+      }
+    }
+  }
+  if (places.empty()) throw DataError(facts.hidden > 0 ? "all points are hidden" : "no point has finite coordinates");
+  const Vec3 size = box.size();
+  const double scale = 2097151 / std::max({size.x, size.y, size.z, std::numeric_limits<double>::min()});
+  parallel_for(0, places.size(), 8192, [&](std::size_t i) {
+    const Vec3 q = (places[i].x - box.lower) * scale;
+    places[i].code =
+        morton_code(static_cast<std::uint32_t>(q.x), static_cast<std::uint32_t>(q.y), static_cast<std::uint32_t>(q.z));
+  });
+  std::stable_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    if (a.code != b.code) return a.code < b.code;
+    return a.x.x != b.x.x ? a.x.x < b.x.x : a.x.y != b.x.y ? a.x.y < b.x.y : a.x.z < b.x.z;
+  });
+  GatheredCells g;
+  for (const Place& p : places) {
+    g.points.push_back(p.x);
+    g.point_row.push_back(p.row);
+    if (data.blocks.size() > 1) g.point_block.push_back(p.block);
+  }
+  places = {};
+  const double reach = 1e-9 * box.diagonal();
+  const BoxTree tree(g.points.size(), [&](std::size_t i) {
+    return Box3{g.points[i] - Vec3{reach, reach, reach}, g.points[i] + Vec3{reach, reach, reach}};
+  });
+  UnionFind sets(g.points.size());
+  std::vector<std::uint32_t> near, distinct;
+  for (std::size_t i = 0; i < g.points.size(); ++i) {
+    tree.containing(g.points[i], near);
+    for (const std::uint32_t j : near)
+      if (squared_norm(g.points[j] - g.points[i]) <= reach * reach) sets.join(static_cast<std::uint32_t>(i), j);
+  }
+  std::vector<Vec3> apart;
+  first.resize(g.points.size());
+  for (std::size_t i = 0; i < g.points.size(); ++i) {
+    first[i] = sets.find(static_cast<std::uint32_t>(i));
+    if (first[i] == i) apart.push_back(g.points[i]), distinct.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (distinct.size() == g.points.size()) first.clear();
+  g.cells = delaunay_tetrahedra(apart);
+  for (std::uint32_t& p : g.cells.corners) p = distinct[p];
+  return g;
 }
 
 std::vector<std::uint32_t> join_coincident(GatheredCells& g) {

@@ -35,6 +35,12 @@ std::vector<std::size_t> canonical_order(const GridData& data);
 GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>& order, bool centers,
                            VolumeFacts& facts);
 
+/// Scattered points, neighbours near each other in an order that depends on their places alone, with the cells of their
+/// Delaunay tetrahedralisation; `first` is what join_coincident returns (points nearer to each other than 1e-9 of the
+/// whole are one). Counts into facts: hidden, not_finite. Throws as delaunay_tetrahedra.
+GatheredCells gather_scattered(const GridData& data, const std::vector<std::size_t>& order, VolumeFacts& facts,
+                               std::vector<std::uint32_t>& first);
+
 /// Points at one place, to a hundredth of the shortest edge there and 1e-6 of the whole, become the first of them:
 /// renames the corners of cells. Returns for each point that first one; empty if there are none to join.
 std::vector<std::uint32_t> join_coincident(GatheredCells& gathered);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/volume/volume_boundary.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "support/any_threads.h"
@@ -264,6 +265,44 @@ TEST(AssembleVolume, PartsAreTold) {
   EXPECT_EQ(std::count(volume->part.begin(), volume->part.end(), 0u), 27);
 }
 
+TEST(AssembleVolume, ScatteredPointsFillTheirHull) {
+  const auto volume = volume_of(scattered_grid(3000, linear_function));
+  EXPECT_TRUE(volume->scattered);
+  EXPECT_EQ(volume->size(), 3000u);
+  EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-9);
+  EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-5);
+  // No sample lies within the sphere of a cell: it would be nearer to the centre than the corners are.
+  for (std::size_t c = 0; c < volume->cells.size(); c += 97) {
+    const auto corners = volume->cells[c];
+    const Vec3 o = volume->positions[corners[0]];
+    Matrix3 rows{{}, {}, {}};
+    Vec3 right;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 d = volume->positions[corners[k + 1]] - o;
+      (k == 0 ? rows.a : k == 1 ? rows.b : rows.c) = d;
+      right[k] = squared_norm(d) / 2;
+    }
+    const Vec3 center = rows.solve_transposed(right);
+    for (const Vec3& p : volume->positions) ASSERT_GE(norm(p - o - center), norm(center) * (1 - 1e-5) - 1e-7);
+  }
+}
+
+TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
+  GridData data = scattered_grid(500, linear_function), other = data;
+  std::reverse(other.blocks[0].points.begin(), other.blocks[0].points.end());
+  set_function(other.blocks[0], linear_function);
+  EXPECT_TRUE(same_but_for_blocks(*volume_of(data), *volume_of(other)));
+  // The same points twice are the same samples.
+  GridData twice = data;
+  twice.blocks[0].points.insert(twice.blocks[0].points.end(), data.blocks[0].points.begin(),
+                                data.blocks[0].points.end());
+  twice.blocks[0].point_arrays.clear();
+  set_function(twice.blocks[0], linear_function);
+  const auto one = volume_of(data), two = volume_of(twice);
+  EXPECT_EQ(two->facts.merged, 500u);
+  EXPECT_EQ(one->cells.corners, two->cells.corners);
+}
+
 TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   Progress progress;
   const auto refused = [&](const GridData& data, Association a = Association::points) {
@@ -292,6 +331,15 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   GridData bare = bent_grid({3, 3, 3}, linear_function);
   bare.blocks[0].point_arrays.clear();
   EXPECT_TRUE(refused(bare));
+  GridData few = scattered_grid(8, linear_function);
+  few.blocks[0].points.resize(3);
+  few.blocks[0].point_arrays.clear();
+  set_function(few.blocks[0], linear_function);
+  EXPECT_TRUE(refused(few));
+  GridData plane = scattered_grid(50, linear_function);
+  for (Vec3& p : plane.blocks[0].points) p.z = 0.5 * p.x - p.y;
+  EXPECT_TRUE(refused(plane));
+  EXPECT_TRUE(refused(plane, Association::cells));
 }
 
 }  // namespace

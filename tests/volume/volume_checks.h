@@ -36,6 +36,13 @@ inline std::vector<NamedGrid> all_grids(const VolumeFunction& f) {
   grids.emplace_back("two levels", two_level_amr(8, f));
   grids.emplace_back("overlapping", three_overlapping_blocks(6, f));
   std::vector<NamedGrid> all;
+  all.push_back({"scattered", scattered_grid(400, f)});
+  // Many points on common spheres.
+  GridBlock points = lattice_block({6, 6, 6});
+  GridBlock cospherical;
+  cospherical.kind = GridKind::scattered;
+  for (std::size_t i = 0; i < block_point_count(points); ++i) cospherical.points.push_back(block_point(points, i));
+  all.push_back({"scattered lattice", one_block(cospherical, f)});
   for (auto& [name, data] : grids)
     for (const Association a : {Association::points, Association::cells})
       all.push_back({name + (a == Association::cells ? ", cells" : ""), data, a});
