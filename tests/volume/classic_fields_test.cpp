@@ -88,7 +88,7 @@ TEST(ClassicFields, ReproduceStraightFunctions) {
 // Natural neighbours do so within the convex hull of the samples, away from its surface to the last digits.
 TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
   for (const GridData& data : {lattice_grid({6, 5, 7}, linear_function), stretched_grid({7, 6, 5}, linear_function),
-                               tetrahedra_grid({5, 4, 6}, linear_function)}) {
+                               tetrahedra_grid({5, 4, 6}, linear_function), scattered_grid(300, linear_function)}) {
     const auto volume = volume_of(data);
     const auto field = field_of(volume, Method::sibson);
     auto x = places_within(*volume, 400);
@@ -118,8 +118,7 @@ TEST(ClassicFields, InterpolateTheirSamples) {
     std::vector<Vec3> gradients(x.size());
     field.evaluate(x, {values, gradients, {}, {}});
     for (std::size_t i = 0; i < x.size(); ++i) {
-      // Supports of coarse samples among fine ones hold more samples than a system may have.
-      ASSERT_NEAR(values[i], f[i], volume.facts.blocks > 1 && method == Method::rbf ? 1e-3 : 1e-6) << i;
+      ASSERT_NEAR(values[i], f[i], 1e-6) << i;
       ASSERT_TRUE(is_finite(gradients[i])) << i;
     }
   });
@@ -153,8 +152,8 @@ TEST(ClassicFields, GradientsAreThoseOfTheValues) {
 }
 
 TEST(ClassicFields, AreContinuousAcrossFaces) {
-  for (const GridData& data :
-       {bent_grid({5, 4, 5}, smooth), mixed_grid({7, 4, 4}, smooth), o_grid({13, 4, 4}, smooth)}) {
+  for (const GridData& data : {bent_grid({5, 4, 5}, smooth), mixed_grid({7, 4, 4}, smooth), o_grid({13, 4, 4}, smooth),
+                               scattered_grid(200, smooth)}) {
     const auto volume = volume_of(data);
     std::vector<Vec3> x;  // pairs on both sides of the triangles of faces
     std::vector<std::array<std::uint8_t, 3>> triangles;
@@ -175,7 +174,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
       std::vector<std::uint8_t> inside(x.size());
       field_of(volume, method)->evaluate(x, {values, {}, inside, {}});
       for (std::size_t i = 0; i < x.size(); i += 2)
-        if (inside[i] && inside[i + 1]) ASSERT_NEAR(values[i], values[i + 1], 5e-6) << i;
+        if (inside[i] && inside[i + 1]) ASSERT_NEAR(values[i], values[i + 1], 2e-5) << i;
     }
   }
 }
@@ -214,7 +213,7 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
         volume_of(suits(method, *volume_of(o_grid({9, 4, 4}, smooth))) ? o_grid({17, 5, 6}, smooth)
                                                                        : lattice_grid({7, 6, 8}, smooth));
     const auto field = field_of(volume, method);
-    const auto x = places_within(*volume, 700);
+    const auto x = places_within(*volume, 300);
     const auto all = [&] {
       std::vector<double> values(x.size());
       std::vector<Vec3> gradients(x.size());
