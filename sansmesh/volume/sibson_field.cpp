@@ -9,6 +9,7 @@
 
 #include "sansmesh/approximation/sample_index.h"
 #include "sansmesh/volume/convex_cell.h"
+#include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/pointwise_field.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 
@@ -94,6 +95,7 @@ struct NaturalNeighbour {
 /// Interpolates; continuous, and continuously differentiable but at the samples, where the gradient is a mean of those
 /// around. Reproduces straight functions but in a thin layer along the convex hull of the samples (cells are cut off
 /// ten diagonals of the box away). Neighbours are those in space: what lies between them is not known to it.
+/// Samples in cells get company at the volume's surface (corner_volume.h).
 class SibsonField final : public WeightedField {
  public:
   SibsonField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values)
@@ -212,7 +214,8 @@ class SibsonField final : public WeightedField {
 }  // namespace detail
 
 std::unique_ptr<VolumeField> make_sibson_field(ReconstructionInput input) {
-  return std::make_unique<detail::SibsonField>(std::move(input.volume), std::move(input.values));
+  detail::CornerSamples all = detail::with_surface_samples(std::move(input.volume), std::move(input.values));
+  return std::make_unique<detail::SibsonField>(std::move(all.volume), std::move(all.values));
 }
 
 }  // namespace sansmesh

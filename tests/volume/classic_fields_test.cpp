@@ -267,6 +267,25 @@ TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
   }
 }
 
+// Up to the surface, beyond the outermost samples: nothing there is worse than twice what linear interpolation does.
+TEST(ClassicFields, SamplesInCellsReachTheSurface) {
+  for (const GridData& data :
+       {lattice_grid({8, 8, 8}, smooth), bent_grid({8, 8, 8}, smooth), two_level_amr(8, smooth)}) {
+    const auto volume = volume_of(data, Association::cells);
+    const auto x = places_within(*volume, 400);
+    const auto worst = [&](Method method) {
+      std::vector<double> values(x.size());
+      field_of(volume, method)->evaluate(x, {values, {}, {}, {}});
+      double most = 0;
+      for (std::size_t i = 0; i < x.size(); ++i) most = std::max(most, std::abs(values[i] - smooth(x[i])));
+      return most;
+    };
+    const double linear = worst(Method::linear);
+    for (const Method method : {Method::sibson, Method::mean_value, Method::bernstein, Method::rbf})
+      EXPECT_LT(worst(method), 2 * linear) << info_of(method).name;
+  }
+}
+
 // The error falls at least by these factors where samples are twice as dense: 2^order, less what is not yet asymptotic.
 TEST(ClassicFields, ErrorsFallAtTheirOrder) {
   const std::pair<Method, double> factors[] = {
