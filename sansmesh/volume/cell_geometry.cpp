@@ -90,6 +90,27 @@ double descend(std::span<const Vec3, 8> x, Vec3& u) {
   return best;
 }
 
+/// Newton's method from u: through the curved valleys of thin, warped cells, which descent follows in small steps only.
+/// Moves u to a place of the cube at the origin, if that is found.
+void polish(std::span<const Vec3, 8> x, Vec3& u, double& distance) {
+  std::array<double, 8> w;
+  std::array<Vec3, 8> d;
+  Vec3 v = u;
+  for (int step = 0; step < 12; ++step) {
+    cube_functions(v, w);
+    cube_derivatives(v, d);
+    Vec3 at, j[3];
+    for (std::size_t c = 0; c < 8; ++c) {
+      at += x[c] * w[c];
+      for (std::size_t k = 0; k < 3; ++k) j[k] += x[c] * d[c][k];
+    }
+    if (squared_norm(at) < distance && parameters_within(CellShape::hexahedron, v, 0))
+      u = v, distance = squared_norm(at);
+    v -= Matrix3{j[0], j[1], j[2]}.solve(at);
+    if (!is_finite(v) || !parameters_within(CellShape::hexahedron, v, -1)) return;
+  }
+}
+
 double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return dot(cross(b - a, c - a), d - a) / 6;
 }
@@ -243,6 +264,11 @@ Vec3 parameters_of(CellShape shape, std::span<const double> w) {
 }
 
 double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span<double> weights) {
+  const CellMap map(shape, corners);
+  if (Vec3 in; map.invert(in) && parameters_within(shape, in, 0)) {
+    shape_functions(shape, in, weights);
+    return squared_norm(map.at(in));
+  }
   const auto cube = cube_corners(shape);
   std::array<Vec3, 8> x;
   for (std::size_t c = 0; c < 8; ++c) x[c] = corners[cube[c]];
@@ -265,8 +291,10 @@ double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span
       second = {distance, u};
   }
   double best = descend(x, first.u);
+  polish(x, first.u, best);
   Vec3 u = first.u;
-  const double other = descend(x, second.u);
+  double other = descend(x, second.u);
+  polish(x, second.u, other);
   if (other < best) best = other, u = second.u;
   cube_functions(u, w);
   std::fill(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(corner_count(shape)), 0.0);

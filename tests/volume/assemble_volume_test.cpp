@@ -206,6 +206,24 @@ TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
   }
 }
 
+TEST(AssembleVolume, CellsThatTwoBlocksHaveCountOnce) {
+  // A layer of each block repeated in the other, as the pieces of parallel programs have it; and a block twice.
+  const auto box = [](double from, double to, std::size_t n) {
+    GridBlock block =
+        curvilinear_block(lattice_block({n, 4, 4}, {from, 0, 0}, {to, 1, 1}), [](const Vec3& x) { return x; });
+    set_function(block, linear_function);
+    return block;
+  };
+  GridData data;
+  data.blocks = {box(0, 1.25, 6), box(0.75, 2, 6), box(0.75, 2, 6)};
+  for (const Association a : {Association::points, Association::cells}) {
+    const auto volume = volume_of(data, a);
+    EXPECT_EQ(volume->cells.size(), 8 * 9u);
+    EXPECT_EQ(volume->size(), a == Association::cells ? 8 * 9u : 9 * 16u);
+    EXPECT_NEAR(volume_of_cells(*volume), 2, 1e-12);
+  }
+}
+
 TEST(AssembleVolume, ConformingBlocksAreOne) {
   const auto volume = volume_of(abutting_blocks(5, 5, linear_function));
   EXPECT_EQ(volume->size(), 9 * 25u);
