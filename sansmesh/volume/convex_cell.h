@@ -17,6 +17,13 @@ class ConvexCell {
   /// The box from lower to upper.
   void assign_box(const Vec3& lower, const Vec3& upper);
 
+  /// Becomes a copy of the other one, keeping its own memory for cuts.
+  void assign(const ConvexCell& other) {
+    vertices_ = other.vertices_;
+    loops_ = other.loops_;
+    faces_ = other.faces_;
+  }
+
   /// Keeps what lies on the side ⟨normal, x⟩ <= offset; the new face is labelled. Returns whether anything was cut off.
   /// What is left may be empty.
   bool cut(const Vec3& normal, double offset, std::uint32_t label);

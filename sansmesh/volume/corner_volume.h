@@ -20,4 +20,9 @@ struct CornerSamples {
 /// Straight functions are reproduced; values in the cells themselves are not interpolated.
 CornerSamples corner_samples(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
 
+/// The same where samples are corners. Of samples in cells a volume with more samples, at the corners of faces that
+/// have no cell of the same corners on their other side, with the values of corner_samples: then the hull of the
+/// samples holds the volume. Stars are not set.
+CornerSamples with_surface_samples(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
+
 }  // namespace sansmesh::detail

@@ -69,6 +69,8 @@ class RbfSystems {
   }
 
   const SampleSupports& supports() const { return supports_; }
+  /// Where the weight of a sample's system ends: all samples nearer belong to the system.
+  double blend_reach(std::uint32_t sample) const { return reach_.empty() ? kBlendReach : double{reach_[sample]}; }
 
   /// s_i at x and its gradients, for all components.
   void evaluate(std::uint32_t sample, const Vec3& x, double* values, Vec3* gradients) const {
@@ -194,13 +196,17 @@ class RbfSystems {
     }
     for (std::size_t i = 0; i < n; ++i) {
       if (near[i].size() > kMostNodes) {
-        const auto distance = [&](std::uint32_t s) {
-          return squared_norm(
-              supports_.local(static_cast<std::uint32_t>(i), volume_.position(s) - volume_.position(i)));
-        };
-        std::stable_sort(near[i].begin(), near[i].end(),
-                         [&](std::uint32_t a, std::uint32_t b) { return distance(a) < distance(b); });
+        const auto sample = static_cast<std::uint32_t>(i);
+        std::vector<std::pair<double, std::uint32_t>> by_distance;
+        for (const std::uint32_t s : near[i])
+          by_distance.emplace_back(
+              squared_norm(supports_.local(sample, volume_.position(s) - volume_.position(sample))), s);
+        std::sort(by_distance.begin(), by_distance.end());
         near[i].resize(kMostNodes);
+        for (std::size_t r = 0; r < kMostNodes; ++r) near[i][r] = by_distance[r].second;
+        reach_.resize(n, static_cast<float>(kBlendReach));
+        // A little less than where the first sample is that does not belong to the system.
+        reach_[i] = std::min(reach_[i], static_cast<float>(std::sqrt(by_distance[kMostNodes].first) * (1 - 1e-6)));
       }
       nodes_.entries.insert(nodes_.entries.end(), near[i].begin(), near[i].end());
       nodes_.first.push_back(nodes_.entries.size());
@@ -240,16 +246,17 @@ class RbfSystems {
   std::array<std::size_t, 3> kinds_{};
   std::vector<Stencil> stencils_;     // of uniform lattices
   Adjacency nodes_;                   // of all others
+  std::vector<float> reach_;          // of weights; empty where it is kBlendReach for all
   std::vector<double> coefficients_;  // of a system's nodes, then its tail; components beside each other
 };
 
 /// f(x) = Σ W_i(x) s_i(x) / Σ W_i(x): s_i interpolates the samples with t_i < R/√3 around sample i (SampleSupports: the
-/// distance follows the local spacing in each direction) by Wendland's functions C⁴ in that distance, three times as
-/// wide, and a straight function; W_i = (1 − t)⁴₊ (4t + 1), t = t_i / 1.05. Interpolates (up to 120 samples
-/// around one), reproduces straight functions, and has continuous derivatives. Gaps are filled as in shepard_field.cpp.
-/// Memory: on uniform lattices next to nothing beyond the samples, coefficients are found on the way; else about 12
-/// bytes for each of the 25 to 40 samples around each sample, and 8 more for each further component.
-/// `radius` R in spacings, 1..3; less than 1.05 √3 counts as that.
+/// distance follows the local spacing in each direction), at most the nearest 120, by Wendland's functions C⁴ in that
+/// distance, three times as wide, and a straight function; W_i = (1 − t)⁴₊ (4t + 1), t = t_i / 1.05, or less where the
+/// next sample is nearer. Interpolates, reproduces straight functions, and has continuous derivatives. Gaps are filled
+/// as in shepard_field.cpp. Memory: on uniform lattices next to nothing beyond the samples, coefficients are found on
+/// the way; else about 12 bytes for each of the 25 to 40 samples around each sample, and 8 more for each further
+/// component. `radius` R in spacings, 1..3; less than 1.05 √3 counts as that.
 class RbfField final : public PointwiseField {
  public:
   RbfField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, double reach, Progress& progress)
@@ -275,8 +282,9 @@ class RbfField final : public PointwiseField {
       slope += fall;
     };
     for (const auto& cover : covers) {
-      if (!(cover.squared < kBlendReach * kBlendReach)) continue;
-      const RadialValue w = weight(WeightFunction::kWendland, cover.squared, kBlendReach);
+      const double reach = systems_.blend_reach(cover.sample);
+      if (!(cover.squared < reach * reach)) continue;
+      const RadialValue w = weight(WeightFunction::kWendland, cover.squared, reach);
       systems_.evaluate(cover.sample, x, value.data(), gradient.data());
       add(w.value, cover.slope * w.slope);
     }

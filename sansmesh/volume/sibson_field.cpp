@@ -2,10 +2,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/approximation/sample_index.h"
 #include "sansmesh/volume/convex_cell.h"
+#include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/pointwise_field.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 
@@ -29,8 +33,23 @@ class NearestSample {
       positions[i] = {x.x, x.y, x.z};
     }
     index_ = SampleIndex<3>(positions);
+    // Of samples at one place the first stands for all: no plane lies between them.
+    std::vector<std::uint32_t> order(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return positions[a] != positions[b] ? positions[a] < positions[b] : a < b;
+    });
+    for (std::size_t k = 1; k < order.size(); ++k) {
+      if (positions[order[k]] != positions[order[k - 1]]) continue;
+      if (first_.empty()) {
+        first_.resize(order.size());
+        std::iota(first_.begin(), first_.end(), 0u);
+      }
+      first_[order[k]] = first_[order[k - 1]];
+    }
   }
 
+  /// Replaces `out` by the `count` nearest ones (of lattices those of a cell), the nearest first.
   void find(const Vec3& x, std::size_t count, std::vector<std::uint32_t>& out) const {
     out.clear();
     if (volume_.lattice) {
@@ -49,12 +68,16 @@ class NearestSample {
     }
     static thread_local std::vector<SampleIndex<3>::Hit> hits;
     index_.nearest({x.x, x.y, x.z}, count, hits);
-    for (const auto& hit : hits) out.push_back(hit.index);
+    for (const auto& hit : hits) {
+      const std::uint32_t sample = first_.empty() ? hit.index : first_[hit.index];
+      if (std::find(out.begin(), out.end(), sample) == out.end()) out.push_back(sample);
+    }
   }
 
  private:
   const SampledVolume& volume_;
   SampleIndex<3> index_;
+  std::vector<std::uint32_t> first_;  // of the samples at the place of each; empty where there is one everywhere
 };
 
 struct NaturalNeighbour {
@@ -72,6 +95,7 @@ struct NaturalNeighbour {
 /// Interpolates; continuous, and continuously differentiable but at the samples, where the gradient is a mean of those
 /// around. Reproduces straight functions but in a thin layer along the convex hull of the samples (cells are cut off
 /// ten diagonals of the box away). Neighbours are those in space: what lies between them is not known to it.
+/// Samples in cells get company at the volume's surface (corner_volume.h).
 class SibsonField final : public WeightedField {
  public:
   SibsonField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values)
@@ -104,16 +128,23 @@ class SibsonField final : public WeightedField {
   void around(const Vec3& x, bool slopes, std::vector<SampleWeight>& out) const {
     static thread_local ConvexCell cell, part;
     static thread_local std::vector<NaturalNeighbour> neighbours;
+    static thread_local std::vector<std::pair<double, const NaturalNeighbour*>> others;
     insert(x, cell, neighbours);
     out.clear();
     double sum = 0;
     Vec3 slope;
     for (const NaturalNeighbour& n : neighbours) {
-      part = cell;
-      for (const NaturalNeighbour& other : neighbours) {
-        if (other.sample == n.sample) continue;
-        const Vec3 across = other.offset - n.offset;
-        part.cut(across, dot(across, other.offset + n.offset) / 2, 0);
+      part.assign(cell);
+      // The nearest first: they leave little for the others to cut.
+      others.clear();
+      for (const NaturalNeighbour& other : neighbours)
+        if (other.sample != n.sample) others.push_back({squared_norm(other.offset - n.offset), &other});
+      std::sort(others.begin(), others.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first < b.first : a.second->sample < b.second->sample;
+      });
+      for (const auto& [squared, other] : others) {
+        const Vec3 across = other->offset - n.offset;
+        part.cut(across, dot(across, other->offset + n.offset) / 2, 0);
         if (part.empty()) break;
       }
       const double volume = std::max(part.volume(), 0.0);
@@ -183,7 +214,8 @@ class SibsonField final : public WeightedField {
 }  // namespace detail
 
 std::unique_ptr<VolumeField> make_sibson_field(ReconstructionInput input) {
-  return std::make_unique<detail::SibsonField>(std::move(input.volume), std::move(input.values));
+  detail::CornerSamples all = detail::with_surface_samples(std::move(input.volume), std::move(input.values));
+  return std::make_unique<detail::SibsonField>(std::move(all.volume), std::move(all.values));
 }
 
 }  // namespace sansmesh

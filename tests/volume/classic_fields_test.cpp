@@ -88,7 +88,7 @@ TEST(ClassicFields, ReproduceStraightFunctions) {
 // Natural neighbours do so within the convex hull of the samples, away from its surface to the last digits.
 TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
   for (const GridData& data : {lattice_grid({6, 5, 7}, linear_function), stretched_grid({7, 6, 5}, linear_function),
-                               tetrahedra_grid({5, 4, 6}, linear_function)}) {
+                               tetrahedra_grid({5, 4, 6}, linear_function), scattered_grid(300, linear_function)}) {
     const auto volume = volume_of(data);
     const auto field = field_of(volume, Method::sibson);
     auto x = places_within(*volume, 400);
@@ -108,7 +108,8 @@ TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
 TEST(ClassicFields, InterpolateTheirSamples) {
   for_each_field(smooth, all_of_them(), [](const SampledVolume& volume, const VolumeField& field, Method method) {
     const bool at_corners = method == Method::mean_value || method == Method::bernstein;
-    if (at_corners && !volume.cell_sample.empty()) return;  // theirs are means of those around
+    // Means of those around; and of samples on the faces of coarser cells these cells do not know.
+    if (at_corners && (!volume.cell_sample.empty() || volume.facts.blocks > 1)) return;
     std::vector<Vec3> x;
     std::vector<double> f;
     const Attribute& array = *volume.attributes.find("f");
@@ -151,8 +152,8 @@ TEST(ClassicFields, GradientsAreThoseOfTheValues) {
 }
 
 TEST(ClassicFields, AreContinuousAcrossFaces) {
-  for (const GridData& data :
-       {bent_grid({5, 4, 5}, smooth), mixed_grid({7, 4, 4}, smooth), o_grid({13, 4, 4}, smooth)}) {
+  for (const GridData& data : {bent_grid({5, 4, 5}, smooth), mixed_grid({7, 4, 4}, smooth), o_grid({13, 4, 4}, smooth),
+                               scattered_grid(200, smooth)}) {
     const auto volume = volume_of(data);
     std::vector<Vec3> x;  // pairs on both sides of the triangles of faces
     std::vector<std::array<std::uint8_t, 3>> triangles;
@@ -173,7 +174,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
       std::vector<std::uint8_t> inside(x.size());
       field_of(volume, method)->evaluate(x, {values, {}, inside, {}});
       for (std::size_t i = 0; i < x.size(); i += 2)
-        if (inside[i] && inside[i + 1]) ASSERT_NEAR(values[i], values[i + 1], 5e-6) << i;
+        if (inside[i] && inside[i + 1]) ASSERT_NEAR(values[i], values[i + 1], 2e-5) << i;
     }
   }
 }
@@ -212,7 +213,7 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
         volume_of(suits(method, *volume_of(o_grid({9, 4, 4}, smooth))) ? o_grid({17, 5, 6}, smooth)
                                                                        : lattice_grid({7, 6, 8}, smooth));
     const auto field = field_of(volume, method);
-    const auto x = places_within(*volume, 700);
+    const auto x = places_within(*volume, 300);
     const auto all = [&] {
       std::vector<double> values(x.size());
       std::vector<Vec3> gradients(x.size());
@@ -263,6 +264,25 @@ TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
         ASSERT_NEAR(norm(slopes[3 * i + 2] + gradients[i]), 0, 1e-7);
       }
     }
+  }
+}
+
+// Up to the surface, beyond the outermost samples: nothing there is worse than twice what linear interpolation does.
+TEST(ClassicFields, SamplesInCellsReachTheSurface) {
+  for (const GridData& data :
+       {lattice_grid({8, 8, 8}, smooth), bent_grid({8, 8, 8}, smooth), two_level_amr(8, smooth)}) {
+    const auto volume = volume_of(data, Association::cells);
+    const auto x = places_within(*volume, 400);
+    const auto worst = [&](Method method) {
+      std::vector<double> values(x.size());
+      field_of(volume, method)->evaluate(x, {values, {}, {}, {}});
+      double most = 0;
+      for (std::size_t i = 0; i < x.size(); ++i) most = std::max(most, std::abs(values[i] - smooth(x[i])));
+      return most;
+    };
+    const double linear = worst(Method::linear);
+    for (const Method method : {Method::sibson, Method::mean_value, Method::bernstein, Method::rbf})
+      EXPECT_LT(worst(method), 2 * linear) << info_of(method).name;
   }
 }
 
