@@ -223,7 +223,10 @@ TEST(MlsDetail, DoesNotReachAcrossGaps) {
 }
 
 TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
-  const VolumeFunction rough = [](const Vec3& x) { return std::sin(40 * x.x) * std::sin(37 * x.y) * std::sin(43 * x.z); };
+  const VolumeFunction rough = [](const Vec3& x) {
+    const double t = std::sin(12.9898 * x.x + 78.233 * x.y + 37.719 * x.z) * 43758.5453;
+    return t - std::floor(t);
+  };
   const auto volume = volume_of(tetrahedra_grid({8, 8, 8}, rough));
   Progress progress;
   ReconstructionReport report;
