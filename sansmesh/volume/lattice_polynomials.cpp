@@ -141,7 +141,7 @@ class LatticeFitter {
     double best = scores[0];
     for (int d = 1; d <= options_.fit.max_degree; ++d)
       if (scores[d] < 0.9 * best) degree = d, best = scores[d];
-    if (options_.fit.robust && best > 0.05 * static_cast<double>(c) && scores[0] > 0 &&
+    if (options_.fit.robust && best > 0.01 * static_cast<double>(c) && scores[0] > 0 &&
         append_split(x, y, z, sample, part))
       return;
     const auto terms = static_cast<std::size_t>(monomial_count(3, degree));

@@ -72,8 +72,12 @@ const std::vector<Entry>& entries() {
        make_bernstein_field},
 
       // mls
-      {{Method::mls, "mls", "", "", {}},  //
-       nullptr},
+      {{Method::mls,
+        "mls",
+        "moving least squares about each point, ellipsoidal weights",
+        "all",
+        {"degree", "radius"}},
+       make_mls_field},
 
       // mls-detail
       {{Method::mls_detail,
