@@ -52,8 +52,9 @@ bool HeaderFields::flag(std::initializer_list<std::string_view> names) const {
   return v == "true" || v == "1" || v == "t" || v == "yes";
 }
 
-std::string beside(const std::string& header, std::string_view name) {
-  return (std::filesystem::path(header).parent_path() / std::filesystem::path(name)).string();
+std::string beside(const Input& in, std::string_view name) {
+  if (name.size() > 1024) in.fail(fmt::format("names a file by {} characters", grouped(name.size())));
+  return (std::filesystem::path(in.file).parent_path() / std::filesystem::path(name)).string();
 }
 
 std::vector<std::string> files_of_pattern(const Input& in, const std::string& pattern) {
@@ -74,7 +75,7 @@ std::vector<std::string> files_of_pattern(const Input& in, const std::string& pa
   for (std::int64_t n = first; step > 0 ? n <= last : n >= last; n += step) {
     const std::string number =
         digits.starts_with('0') ? fmt::format("{:0{}d}", n, width) : fmt::format("{:{}d}", n, width);
-    files.push_back(beside(in.file, std::string(name.substr(0, percent)) + number + std::string(name.substr(d + 1))));
+    files.push_back(beside(in, std::string(name.substr(0, percent)) + number + std::string(name.substr(d + 1))));
   }
   return files;
 }

@@ -33,8 +33,8 @@ class HeaderFields {
   std::map<std::string, std::string, std::less<>> fields_;
 };
 
-/// A name in a header, relative to the folder of the header.
-std::string beside(const std::string& header, std::string_view name);
+/// A name in a header, relative to the folder of the header. Throws FileError where it has more than 1,024 characters.
+std::string beside(const Input& in, std::string_view name);
 
 /// The files that a pattern such as "slice%03d.raw 1 90 1" names. Throws FileError where it is not one.
 std::vector<std::string> files_of_pattern(const Input& in, const std::string& pattern);

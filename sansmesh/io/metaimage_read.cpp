@@ -95,14 +95,13 @@ std::vector<std::string> meta_files(const Input& in, const MetaHeader& header) {
   if (lower(header.data_file).starts_with("list")) {
     TextScanner text(header.body);
     while (!text.at_end()) {
-      if (const std::string_view name = trimmed_field(text.line()); !name.empty())
-        files.push_back(beside(in.file, name));
+      if (const std::string_view name = trimmed_field(text.line()); !name.empty()) files.push_back(beside(in, name));
     }
     if (files.empty()) in.fail("announces a list of data files, but has none");
     return files;
   }
   if (header.data_file.find('%') != std::string::npos) return files_of_pattern(in, header.data_file);
-  return {beside(in.file, header.data_file)};
+  return {beside(in, header.data_file)};
 }
 
 }  // namespace

@@ -63,6 +63,7 @@ class NetcdfHeader {
 }  // namespace
 
 void check_netcdf_size(const Input& in) {
+  if (in.bytes.size() < 4) in.fail("truncated: its NetCDF header does not end");
   NetcdfHeader header(in);
   const std::uint64_t records = header.count();
   const bool streaming = records == 0xffffffffu || records == ~std::uint64_t{0};

@@ -82,8 +82,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
   while (!text.at_end()) {
     const std::string_view line = text.line();
     if (list) {
-      if (const std::string_view name = nrrd_trimmed(line); !name.empty())
-        header.files.push_back(beside(in.file, name));
+      if (const std::string_view name = nrrd_trimmed(line); !name.empty()) header.files.push_back(beside(in, name));
       continue;
     }
     if (line.empty()) {
@@ -103,7 +102,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
       else if (value.find('%') != std::string_view::npos)
         header.files = files_of_pattern(in, std::string(value));
       else
-        header.files = {beside(in.file, value)};
+        header.files = {beside(in, value)};
     } else {
       header.fields.set(name, value);
     }

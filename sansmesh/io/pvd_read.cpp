@@ -18,7 +18,7 @@ std::vector<PvdEntry> read_pvd(const Input& in) {
       TextScanner s(text);
       if (!s.number(time)) in.fail("gives a time that is not a number");
     }
-    entries.push_back({time, beside(in.file, from_xml((*tag)["file"]))});
+    entries.push_back({time, beside(in, from_xml((*tag)["file"]))});
   }
   if (!ended) in.fail("truncated: it does not end");
   if (entries.empty()) in.fail("names no files");
