@@ -176,6 +176,21 @@ bool CellMap::invert(Vec3& u) const {
   return false;
 }
 
+bool is_folded(CellShape shape, std::span<const Vec3> corners) {
+  if (shape == CellShape::tetrahedron) return false;
+  const CellMap map(shape, corners);
+  for (int c = 0; c < 8; ++c) {
+    Vec3 u{static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)};
+    if (shape == CellShape::wedge && c % 4 == 3) continue;
+    if (shape == CellShape::pyramid) u.z *= 0.5;  // at the tip there is no volume
+    const auto d = map.derivatives(u);
+    // VTK's wedges are left-handed.
+    const double volume = dot(d[0], cross(d[1], d[2])) * (shape == CellShape::wedge ? -1 : 1);
+    if (!(volume > 0)) return true;
+  }
+  return false;
+}
+
 Vec3 clamped_parameters(CellShape shape, const Vec3& u) {
   const auto unit = [](double v) { return std::clamp(v, 0.0, 1.0); };
   if (shape == CellShape::hexahedron || shape == CellShape::pyramid) return {unit(u.x), unit(u.y), unit(u.z)};
@@ -272,30 +287,34 @@ double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span
   const auto cube = cube_corners(shape);
   std::array<Vec3, 8> x;
   for (std::size_t c = 0; c < 8; ++c) x[c] = corners[cube[c]];
-  // Starts: the two best of 27 places spread over the cell.
+  // From 27 places spread over the cell: Newton's method from all, as some may lead to places that are not in the cell,
+  // and descent from the two best.
   struct Start {
     double distance = std::numeric_limits<double>::max();
     Vec3 u;
   } first, second;
   std::array<double, 8> w;
+  Vec3 u;
+  double best = std::numeric_limits<double>::max();
   for (int i = 0; i < 27; ++i) {
-    const Vec3 u = Vec3{static_cast<double>(i % 3), static_cast<double>(i / 3 % 3), static_cast<double>(i / 9)} * 0.4 +
-                   Vec3{0.1, 0.1, 0.1};
-    cube_functions(u, w);
+    const int r = i % 3, t = i / 9, row = i / 3 % 3;
+    Vec3 start{0.1 + 0.4 * r, 0.1 + 0.4 * row, 0.1 + 0.4 * t};
+    cube_functions(start, w);
     Vec3 place;
     for (std::size_t c = 0; c < 8; ++c) place += x[c] * w[c];
-    const double distance = squared_norm(place);
+    double distance = squared_norm(place);
     if (distance < first.distance)
-      second = first, first = {distance, u};
+      second = first, first = {distance, start};
     else if (distance < second.distance)
-      second = {distance, u};
+      second = {distance, start};
+    polish(x, start, distance);
+    if (distance < best) best = distance, u = start;
   }
-  double best = descend(x, first.u);
-  polish(x, first.u, best);
-  Vec3 u = first.u;
-  double other = descend(x, second.u);
-  polish(x, second.u, other);
-  if (other < best) best = other, u = second.u;
+  for (Start* start : {&first, &second}) {
+    double distance = descend(x, start->u);
+    polish(x, start->u, distance);
+    if (distance < best) best = distance, u = start->u;
+  }
   cube_functions(u, w);
   std::fill(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(corner_count(shape)), 0.0);
   for (std::size_t c = 0; c < 8; ++c) weights[cube[c]] += w[c];
@@ -309,7 +328,8 @@ double nearest_on_face(std::span<const Vec3> ring, std::span<double> weights) {
   double least = std::numeric_limits<double>::max();
   Vec3 u;
   for (int i = 0; i < 9; ++i) {
-    const Vec3 start{0.1 + 0.4 * (i % 3), 0.1 + 0.4 * (i / 3), 0.5};
+    const int r = i % 3, row = i / 3;
+    const Vec3 start{0.1 + 0.4 * r, 0.1 + 0.4 * row, 0.5};
     cube_functions(start, w);
     Vec3 place;
     for (std::size_t k = 0; k < 8; ++k) place += x[k] * w[k];
