@@ -153,6 +153,11 @@ class SibsonField final : public WeightedField {
       sum += volume;
       slope += change;
     }
+    if (!(sum > 0)) {  // no volume that numbers can tell from zero
+      std::vector<std::uint32_t> near;
+      nearest_.find(x, 1, near);
+      return out.assign(1, {near[0], 1, {}});
+    }
     for (SampleWeight& w : out) {
       w.weight /= sum;
       w.slope = (w.slope - slope * w.weight) / sum;

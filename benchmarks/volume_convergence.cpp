@@ -1,0 +1,148 @@
+// How errors of reconstructions of volumes fall with the spacing: the test functions of METHODS §6.2 on the unit cube,
+// on a sequence of grids of 9, 17, 33 … points along an axis, at the samples and at random places between them. The
+// first says little about the second.
+//
+//   benchmark_volume_convergence [OPTION...]
+//
+//   --methods=A,B     all that there are by default; those that a grid does not suit are left out
+//   --grids=A,B       of lattice, stretched, layers (stretched and bent), tets; all by default
+//   --levels=N        grids of a sequence, 1..5; 3 by default
+//   --count=N         places between samples, and samples, at most; 20,000 by default
+//
+// Orders are the logarithms to base 2 of the ratios of one row's mean error to the next one's.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/reconstruction.h"
+#include "thesis_functions.h"
+#include "volume/volume_grids.h"
+
+namespace {
+
+using namespace sansmesh;
+using Function = double (*)(const Vec3&);
+constexpr Function kFunctions[] = {benchmark::f1, benchmark::f2, benchmark::f3};
+
+std::vector<std::string> split(std::string_view text) {
+  std::vector<std::string> parts;
+  while (true) {
+    const std::size_t end = std::min(text.find(','), text.size());
+    parts.emplace_back(text.substr(0, end));
+    if (end == text.size()) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+GridData grid_of(const std::string& name, std::size_t n, Function f) {
+  // The whole sequence is the same map of the cube: steps grow eightfold from one end to the other on every grid.
+  const double growth = std::pow(8, 1 / static_cast<double>(n - 2));
+  if (name == "lattice") return test::lattice_grid({n, n, n}, f);
+  if (name == "stretched") return test::stretched_grid({n, n, n}, f, growth);
+  if (name == "layers") return test::bent_grid({n, n, n}, f, growth);
+  if (name == "tets") return test::tetrahedra_grid({n, n, n}, f);
+  throw ArgumentError("unknown grid " + name);
+}
+
+struct Errors {
+  double mean = 0, most = 0;
+};
+
+Errors errors_at(const VolumeField& field, const std::vector<Vec3>& x, Function f) {
+  std::vector<double> values(x.size());
+  std::vector<std::uint8_t> inside(x.size());
+  field.evaluate(x, {values, {}, inside, {}});
+  Errors errors;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!inside[i]) continue;
+    const double error = std::abs(values[i] - f(x[i]));
+    errors.mean += error, ++count;
+    errors.most = std::max(errors.most, error);
+  }
+  errors.mean /= static_cast<double>(std::max<std::size_t>(count, 1));
+  return errors;
+}
+
+void converge(const std::string& grid, const std::string& method, int levels, std::size_t count) {
+  Progress progress;
+  ReconstructionOptions options;
+  options.method = reconstruction_of_name(method);
+  for (int f = 0; f < 3; ++f) {
+    double before = 0;
+    for (int level = 0; level < levels; ++level) {
+      const std::size_t n = (std::size_t{8} << level) + 1;
+      const auto volume = std::make_shared<const SampledVolume>(
+          assemble_volume(grid_of(grid, n, kFunctions[f]), Association::points, progress));
+      std::unique_ptr<VolumeField> field;
+      try {
+        field = reconstruct_volume(volume, "f", options, progress);
+      } catch (const ArgumentError&) {
+        return;
+      }
+      const Box3 box = volume->bounds();
+      std::mt19937 random(99);
+      const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+      std::vector<Vec3> between(count), samples;
+      for (Vec3& p : between)
+        for (std::size_t k = 0; k < 3; ++k) p[k] = box.lower[k] + uniform() * box.size()[k];
+      for (std::size_t i = 0; i < std::min(count, volume->size()); ++i)
+        samples.push_back(volume->position(volume->size() <= count ? i : random() % volume->size()));
+      const Errors at = errors_at(*field, samples, kFunctions[f]), off = errors_at(*field, between, kFunctions[f]);
+      fmt::print("{:<10} {:<11} f{} {:>4} {:>10.2e} {:>10.2e} {:>10.2e} {:>10.2e} {:>6}\n", grid, method, f + 1, n,
+                 at.mean, at.most, off.mean, off.most,
+                 level > 0 ? fmt::format("{:.2f}", std::log2(before / off.mean)) : "");
+      std::fflush(stdout);
+      before = off.mean;
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    std::vector<std::string> methods, grids{"lattice", "stretched", "layers", "tets"};
+    int levels = 3;
+    std::size_t count = 20000;
+    const auto number = [](std::string_view text, auto& value) {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (error != std::errc() || end != text.data() + text.size() || value < 1)
+        throw ArgumentError("not a number of at least 1: " + std::string(text));
+    };
+    for (int i = 1; i < argc; ++i) {
+      const std::string_view a = argv[i];
+      if (a.starts_with("--methods="))
+        methods = split(a.substr(10));
+      else if (a.starts_with("--grids="))
+        grids = split(a.substr(8));
+      else if (a.starts_with("--levels="))
+        number(a.substr(9), levels);
+      else if (a.starts_with("--count="))
+        number(a.substr(8), count);
+      else
+        throw ArgumentError("unknown option " + std::string(a));
+    }
+    if (methods.empty())
+      for (const ReconstructionInfo& info : reconstruction_methods()) methods.emplace_back(info.name);
+    fmt::print("{:<10} {:<11}    {:>4} {:>10} {:>10} {:>10} {:>10} {:>6}\n", "grid", "method", "n", "samples", "max",
+               "between", "max", "order");
+    for (const std::string& grid : grids)
+      for (const std::string& method : methods) converge(grid, method, std::min(levels, 5), count);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "benchmark_volume_convergence: {}\n", e.what());
+    return 1;
+  }
+  return 0;
+}
