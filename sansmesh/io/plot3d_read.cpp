@@ -283,20 +283,18 @@ std::string p3d_dims(const P3dLayout& l) {
                            : fmt::format("{} x {} x {} points", l.dims[0][0], l.dims[0][1], l.dims[0][2]);
 }
 
-/// That of the values of a grid. Files by some programs have more behind the numbers; sizes that are those of the grid
-/// tell their layout all the same.
+/// That of the values of a grid. Files by some programs have more behind the numbers; they can be told if they are laid
+/// out as the grid is.
 P3dLayout p3d_value_layout(const Input& in, const P3dFile& file, P3dContent content, std::string_view what,
                            const std::string& grid_file, const P3dLayout& grid) {
   if (file.layouts(content).empty()) {
-    const P3dLayout* longest = nullptr;
-    const std::vector<P3dLayout> all = file.layouts(content, false);
-    for (const P3dLayout& l : all) {
-      if (l.dims == grid.dims && (!longest || l.end > longest->end)) longest = &l;
-    }
-    if (longest) {
-      if (!longest->text)
-        in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(in.bytes.size() - longest->end)));
-      return *longest;
+    for (const P3dLayout& l : file.layouts(content, false)) {
+      if (l.dims != grid.dims || l.text != grid.text || l.marks != grid.marks || l.big != grid.big ||
+          l.real != grid.real || l.multi != grid.multi || l.flat != grid.flat)
+        continue;
+      if (!l.text)
+        in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(in.bytes.size() - l.end)));
+      return l;
     }
   }
   const P3dLayout l = p3d_layout(in, file, content, what);

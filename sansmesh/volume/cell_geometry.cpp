@@ -90,6 +90,27 @@ double descend(std::span<const Vec3, 8> x, Vec3& u) {
   return best;
 }
 
+/// Newton's method from u: through the curved valleys of thin, warped cells, which descent follows in small steps only.
+/// Moves u to a place of the cube at the origin, if that is found.
+void polish(std::span<const Vec3, 8> x, Vec3& u, double& distance) {
+  std::array<double, 8> w;
+  std::array<Vec3, 8> d;
+  Vec3 v = u;
+  for (int step = 0; step < 12; ++step) {
+    cube_functions(v, w);
+    cube_derivatives(v, d);
+    Vec3 at, j[3];
+    for (std::size_t c = 0; c < 8; ++c) {
+      at += x[c] * w[c];
+      for (std::size_t k = 0; k < 3; ++k) j[k] += x[c] * d[c][k];
+    }
+    if (squared_norm(at) < distance && parameters_within(CellShape::hexahedron, v, 0))
+      u = v, distance = squared_norm(at);
+    v -= Matrix3{j[0], j[1], j[2]}.solve(at);
+    if (!is_finite(v) || !parameters_within(CellShape::hexahedron, v, -1)) return;
+  }
+}
+
 double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return dot(cross(b - a, c - a), d - a) / 6;
 }
@@ -151,6 +172,21 @@ bool CellMap::invert(Vec3& u) const {
       u[k] = std::clamp(u[k], -kFar, 1 + kFar);
     }
     if (out && ++far == 3) return false;
+  }
+  return false;
+}
+
+bool is_folded(CellShape shape, std::span<const Vec3> corners) {
+  if (shape == CellShape::tetrahedron) return false;
+  const CellMap map(shape, corners);
+  for (int c = 0; c < 8; ++c) {
+    Vec3 u{static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)};
+    if (shape == CellShape::wedge && c % 4 == 3) continue;
+    if (shape == CellShape::pyramid) u.z *= 0.5;  // at the tip there is no volume
+    const auto d = map.derivatives(u);
+    // VTK's wedges are left-handed.
+    const double volume = dot(d[0], cross(d[1], d[2])) * (shape == CellShape::wedge ? -1 : 1);
+    if (!(volume > 0)) return true;
   }
   return false;
 }
@@ -243,31 +279,42 @@ Vec3 parameters_of(CellShape shape, std::span<const double> w) {
 }
 
 double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span<double> weights) {
+  const CellMap map(shape, corners);
+  if (Vec3 in; map.invert(in) && parameters_within(shape, in, 0)) {
+    shape_functions(shape, in, weights);
+    return squared_norm(map.at(in));
+  }
   const auto cube = cube_corners(shape);
   std::array<Vec3, 8> x;
   for (std::size_t c = 0; c < 8; ++c) x[c] = corners[cube[c]];
-  // Starts: the two best of 27 places spread over the cell.
+  // From 27 places spread over the cell: Newton's method from all, as some may lead to places that are not in the cell,
+  // and descent from the two best.
   struct Start {
     double distance = std::numeric_limits<double>::max();
     Vec3 u;
   } first, second;
   std::array<double, 8> w;
+  Vec3 u;
+  double best = std::numeric_limits<double>::max();
   for (int i = 0; i < 27; ++i) {
-    const Vec3 u = Vec3{static_cast<double>(i % 3), static_cast<double>(i / 3 % 3), static_cast<double>(i / 9)} * 0.4 +
-                   Vec3{0.1, 0.1, 0.1};
-    cube_functions(u, w);
+    Vec3 start = Vec3{static_cast<double>(i % 3), static_cast<double>(i / 3 % 3), static_cast<double>(i / 9)} * 0.4 +
+                 Vec3{0.1, 0.1, 0.1};
+    cube_functions(start, w);
     Vec3 place;
     for (std::size_t c = 0; c < 8; ++c) place += x[c] * w[c];
-    const double distance = squared_norm(place);
+    double distance = squared_norm(place);
     if (distance < first.distance)
-      second = first, first = {distance, u};
+      second = first, first = {distance, start};
     else if (distance < second.distance)
-      second = {distance, u};
+      second = {distance, start};
+    polish(x, start, distance);
+    if (distance < best) best = distance, u = start;
   }
-  double best = descend(x, first.u);
-  Vec3 u = first.u;
-  const double other = descend(x, second.u);
-  if (other < best) best = other, u = second.u;
+  for (Start* start : {&first, &second}) {
+    double distance = descend(x, start->u);
+    polish(x, start->u, distance);
+    if (distance < best) best = distance, u = start->u;
+  }
   cube_functions(u, w);
   std::fill(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(corner_count(shape)), 0.0);
   for (std::size_t c = 0; c < 8; ++c) weights[cube[c]] += w[c];

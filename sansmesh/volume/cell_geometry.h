@@ -32,6 +32,10 @@ class CellMap {
   std::array<Vec3, 8> a_;
 };
 
+/// Whether the map turns inside out somewhere in the cell, as far as its corners tell: then a place may have several
+/// parameters, and Newton's method may find those that are not in the cell.
+bool is_folded(CellShape shape, std::span<const Vec3> corners);
+
 /// The nearest parameters that belong to the cell.
 Vec3 clamped_parameters(CellShape shape, const Vec3& u);
 /// Whether u lies in the cell, by more than `margin`.

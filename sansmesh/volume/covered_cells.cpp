@@ -100,9 +100,9 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
   std::vector<double> size(n);
   std::vector<Vec3> middle(n);
   parallel_for(0, n, 4096, [&](std::size_t c) { size[c] = finder.mean_edge(c), middle[c] = finder.middle(c); });
-  const auto wins = [&](std::uint32_t a, std::size_t b) {
+  const auto wins = [&](std::size_t a, std::size_t b) {
     const auto key = [&](std::size_t c) { return std::tie(size[c], middle[c].x, middle[c].y, middle[c].z); };
-    return key(a) < key(b);
+    return key(a) < key(b) || (key(a) == key(b) && a < b);  // the same cell in two blocks
   };
   // Faces at which a block ends: a cell that one of them reaches into is only partly covered.
   std::vector<std::uint32_t> ends;

@@ -155,7 +155,7 @@ class BlockGatherer {
         usable_[i] = 0, ++facts_.not_finite;
       else if (!b_.hidden_points.empty() && b_.hidden_points[i])
         usable_[i] = 0, ++facts_.hidden;
-      add_point(usable_[i] ? p : Vec3{}, i, is_structured(b_) ? on_side(i) : true);
+      add_point(usable_[i] ? p : Vec3{}, i, !is_structured(b_) || many_ || on_side(i));
     }
     if (is_solid(b_))
       is_structured(b_) ? add_structured() : add_cells();

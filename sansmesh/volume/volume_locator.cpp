@@ -65,6 +65,7 @@ struct VolumeLocator::State {
   const SampledVolume& volume;
   double tolerance;
   BoxTree cells;
+  std::vector<std::uint8_t> folded;  ///< of each cell; empty if none is
 
   /// Faces without a cell on the other side, for points outside: found when the first one is asked for.
   struct Border {
@@ -82,6 +83,13 @@ struct VolumeLocator::State {
       for (const std::uint32_t p : volume.cells[c]) box.extend(volume.corner(p));
       return widened(box);
     });
+    folded.resize(volume.cells.size());
+    parallel_for(0, folded.size(), 4096, [this](std::size_t c) {
+      std::array<Vec3, 8> corners;
+      const std::size_t count = corners_of(c, volume.corner(volume.cells[c][0]), corners);
+      folded[c] = is_folded(volume.cells.shapes[c], std::span(corners).first(count));
+    });
+    if (std::find(folded.begin(), folded.end(), 1) == folded.end()) folded = {};
   }
 
   Box3 widened(Box3 box) const {
@@ -192,6 +200,8 @@ struct VolumeLocator::State {
         const Vec3 nearest = clamped_parameters(shape, u);
         if (squared_norm(nearest - u) < 0.25 && squared_norm(map.at(nearest)) <= tolerance * tolerance)
           touched = cell, touched_at = nearest;
+        else if (!folded.empty() && folded[cell])
+          failed = true;
       }
     }
     if (within != kNoCell || touched != kNoCell) {

@@ -50,9 +50,13 @@
 #include "sansmesh/surface/curvature.h"
 #include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface/lop.h"
+#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/surface_names.h"
+#include "volume/volume_grids.h"
 
 namespace sansmesh {
 namespace {
@@ -333,6 +337,25 @@ TEST(EveryRoom, ValuesAreApproximated) {
     ApproximateMlsSearch search;
     search.shapes = {2, 3}, search.max_iterations = 2, search.left_out = 20, search.max_samples = 1000;
     return found << choose_shape_and_iterations<2>(x, f, {}, search).errors;
+  });
+}
+
+TEST(EveryRoom, VolumesAreAsked) {
+  const GridData data = test::three_overlapping_blocks(8, test::linear_function);
+  test::expect_equal_for_any_threads([&] {
+    Findings found;
+    for (const Association a : {Association::points, Association::cells}) {
+      Progress progress;
+      const auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, a, progress));
+      ReconstructionOptions options;
+      options.method = ReconstructionMethod::linear;
+      const auto field = reconstruct_volume(volume, "f", options, progress);
+      const auto x = points_about(3000, 1);
+      std::vector<double> values(x.size());
+      field->evaluate(x, {values, {}, {}, {}});
+      found << values << volume->stars.entries << volume_boundary(*volume).triangles;
+    }
+    return found;
   });
 }
 

@@ -126,6 +126,54 @@ TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
   EXPECT_NEAR(volume_of_cells(*upright), 1, 1e-12);
 }
 
+TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
+  std::mt19937 random(11);
+  std::size_t kept = 0, missed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    GridBlock block;
+    block.kind = GridKind::unstructured;
+    const GridBlock cube = lattice_block({2, 2, 2});
+    for (std::size_t p = 0; p < 8; ++p) block.points.push_back(bend(block_point(cube, p)));
+    constexpr CellShape kShapes[] = {CellShape::tetrahedron, CellShape::pyramid, CellShape::wedge,
+                                     CellShape::hexahedron};
+    const CellShape shape = kShapes[i % 4];
+    std::vector<std::uint32_t> corners{0, 1, 3, 2, 4, 5, 7, 6};
+    if (i % 3 == 0) std::shuffle(corners.begin(), corners.end(), random);
+    corners.resize(corner_count(shape));
+    for (std::size_t k = random() % 4; k > 0; --k)
+      corners[random() % corners.size()] = corners[random() % corners.size()];
+    block.cells.add(shape, corners);
+    std::shared_ptr<const SampledVolume> volume;
+    try {
+      volume = volume_of(one_block(block, linear_function));
+    } catch (const DataError&) {
+      continue;  // nothing left
+    }
+    ++kept;
+    for (std::size_t c = 0; c < volume->cells.size(); ++c) {
+      const auto of_cell = volume->cells[c];
+      EXPECT_EQ(std::set<std::uint32_t>(of_cell.begin(), of_cell.end()).size(), of_cell.size());
+    }
+    EXPECT_GT(volume_of_cells(*volume), 0);
+    const auto x = places_within(*volume, 20);
+    std::vector<VolumePlace> places(x.size());
+    VolumeLocator(*volume).locate(x, places);
+    std::vector<double> values(x.size());
+    field_of(volume, ReconstructionMethod::linear)->evaluate(x, {values, {}, {}, {}});
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      // Cells whose corners are shuffled are folded over and over, and cover some places several times.
+      if (i % 3 == 0 && !places[k].inside) {
+        ++missed;
+        continue;
+      }
+      EXPECT_TRUE(places[k].inside) << i;
+      EXPECT_NEAR(values[k], linear_function(x[k]), 1e-6) << i;
+    }
+  }
+  EXPECT_GT(kept, 1000u);
+  EXPECT_LT(missed, 20u);  // of more than ten thousand
+}
+
 TEST(AssembleVolume, OrderOfBlocksDoesNotShow) {
   for (const auto& [name, data] : {std::pair{"overlapping", three_overlapping_blocks(6, linear_function)},
                                    std::pair{"amr", two_level_amr(8, linear_function)},
@@ -203,6 +251,24 @@ TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
       for (const std::uint32_t j : volume->stars[i]) reaches = reaches || volume->block[j] != volume->block[i];
       EXPECT_TRUE(reaches) << i;
     }
+  }
+}
+
+TEST(AssembleVolume, CellsThatTwoBlocksHaveCountOnce) {
+  // A layer of each block repeated in the other, as the pieces of parallel programs have it; and a block twice.
+  const auto box = [](double from, double to, std::size_t n) {
+    GridBlock block =
+        curvilinear_block(lattice_block({n, 4, 4}, {from, 0, 0}, {to, 1, 1}), [](const Vec3& x) { return x; });
+    set_function(block, linear_function);
+    return block;
+  };
+  GridData data;
+  data.blocks = {box(0, 1.25, 6), box(0.75, 2, 6), box(0.75, 2, 6)};
+  for (const Association a : {Association::points, Association::cells}) {
+    const auto volume = volume_of(data, a);
+    EXPECT_EQ(volume->cells.size(), 8 * 9u);
+    EXPECT_EQ(volume->size(), a == Association::cells ? 8 * 9u : 9 * 16u);
+    EXPECT_NEAR(volume_of_cells(*volume), 2, 1e-12);
   }
 }
 

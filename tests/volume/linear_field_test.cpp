@@ -48,6 +48,45 @@ TEST(LinearField, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
     }
 }
 
+TEST(LinearField, IsContinuousAcrossPlaneFaces) {
+  // Rough values: what is not continuous shows.
+  const auto rough = [](const Vec3& x) { return std::sin(1e4 * x.x) + std::cos(3e4 * x.y) * std::sin(2e4 * x.z); };
+  for (const auto& [name, data] :
+       {std::pair{"tetrahedra", tetrahedra_grid({5, 5, 5}, rough)}, std::pair{"mixed", mixed_grid({7, 4, 4}, rough)}})
+    for (const Association a : {Association::points, Association::cells}) {
+      SCOPED_TRACE(name);
+      const auto volume = volume_of(data, a);
+      const auto field = field_of(volume, ReconstructionMethod::linear);
+      std::vector<Vec3> x;
+      for (std::size_t c = 0; c < volume->cells.size(); c += 3)
+        for (const CellFace& face : cell_faces(volume->cells.shapes[c])) {
+          Vec3 middle, away;
+          for (std::size_t k = 0; k < face.count; ++k)
+            middle += volume->corner(volume->cells[c][face.corner[k]]) * ((k == 0 ? 1.5 : 1.0) / (face.count + 0.5));
+          for (const std::uint32_t p : volume->cells[c])
+            away += (middle - volume->corner(p)) / static_cast<double>(volume->cells[c].size());
+          x.push_back(middle + away * 1e-8);
+          x.push_back(middle - away * 1e-8);
+        }
+      std::vector<double> values(x.size());
+      field->evaluate(x, {values, {}, {}, {}});
+      for (std::size_t i = 0; i < x.size(); i += 2) ASSERT_NEAR(values[i], values[i + 1], 1e-5) << i;
+    }
+}
+
+TEST(LinearField, StaysWithinTheRangeOfSamplesAtCorners) {
+  const auto step = [](const Vec3& x) { return x.x + 0.3 * x.y > 0.6 ? 1.0 : 0.0; };
+  for (const NamedGrid& grid : all_grids(step)) {
+    if (grid.association == Association::cells) continue;
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data);
+    const auto x = places_within(*volume, 1000);
+    std::vector<double> values(x.size());
+    field_of(volume, ReconstructionMethod::linear)->evaluate(x, {values, {}, {}, {}});
+    for (const double v : values) ASSERT_TRUE(v >= -1e-9 && v <= 1 + 1e-9) << v;
+  }
+}
+
 TEST(LinearField, AnswersDependOnThePointAlone) {
   const auto volume = volume_of(o_grid({17, 5, 6}, linear_function));
   const auto field = field_of(volume, ReconstructionMethod::linear);

@@ -54,7 +54,7 @@ std::string words_of(std::size_t n, const std::string& noun) {
   for (std::size_t k = digits.size(); k > 3; k -= 3) digits.insert(k - 3, ",");
   if (n == 1) return digits + " " + noun;
   if (noun.ends_with("on")) return digits + " " + noun.substr(0, noun.size() - 2) + "a";  // polyhedron
-  if (noun.ends_with("x")) return digits + " " + noun.substr(0, noun.size() - 1) + "ces";
+  if (noun.ends_with("ex")) return digits + " " + noun.substr(0, noun.size() - 2) + "ices";
   return digits + " " + noun + "s";
 }
 
