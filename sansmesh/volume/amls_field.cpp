@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/support_index.h"
@@ -37,13 +38,13 @@ struct AmlsEntry {
   float phi, weight;
 };
 
-// φ_j at all samples x_i, and what the planes add there.
+// φ_j at all samples x_i, and what the local polynomials add there.
 class AmlsSystem {
  public:
-  AmlsSystem(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& planes,
+  AmlsSystem(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& local,
              std::span<const float> radii, const detail::SupportShape& shape)
-      : values_(values), n_(volume.size()), c_(values.components), slopes_(n_ * c_, 0.0) {
-    const SupportIndex index(volume, planes.metrics.view(), radii);
+      : values_(values), n_(volume.size()), c_(values.components), rises_(n_ * c_, 0.0) {
+    const SupportIndex index(volume, local.metrics.view(), radii);
     constexpr std::size_t kChunk = 1024;
     std::vector<std::vector<AmlsEntry>> parts((n_ + kChunk - 1) / kChunk);
     std::vector<std::uint32_t> counts(n_);
@@ -55,19 +56,14 @@ class AmlsSystem {
           const std::size_t before = parts[p].size();
           const Vec3 x = volume.position(i);
           for (const std::uint32_t j : found.supports) {
-            const Vec3 u = planes.metric(volume, j)(x - volume.position(j));
+            const Vec3 u = local.metric(volume, j)(x - volume.position(j));
             const double radius = static_cast<double>(radii[j]), t = squared_norm(u) / (radius * radius);
             if (!(t < 1)) continue;
             const double q = 1 - t, q2 = q * q, w = q2 * q2 * std::exp(-kFall * t);
             const double phi = w * (static_cast<double>(shape.l0) +
                                     t * (static_cast<double>(shape.l1) + t * static_cast<double>(shape.l2)));
             parts[p].push_back({j, static_cast<float>(phi), static_cast<float>(w)});
-            for (std::size_t m = 0; m < c_; ++m) {
-              const auto g = planes.of(j, m);
-              if (g.empty()) continue;
-              slopes_[i * c_ + m] += phi * (static_cast<double>(g[0]) * u.x + static_cast<double>(g[1]) * u.y +
-                                            static_cast<double>(g[2]) * u.z);
-            }
+            for (std::size_t m = 0; m < c_; ++m) rises_[i * c_ + m] += phi * local.rise(j, m, u);
           }
           counts[i] = static_cast<std::uint32_t>(parts[p].size() - before);
         }
@@ -78,12 +74,12 @@ class AmlsSystem {
     for (auto& part : parts) entries_.insert(entries_.end(), part.begin(), part.end()), part = {};
   }
 
-  /// Σ_j φ_j(x_i) numbers_j / D_i without the columns in `without`; the planes' share is added if asked for.
-  void apply(std::span<const double> numbers, bool planes, std::span<const std::uint8_t> without,
+  /// Σ_j φ_j(x_i) numbers_j / D_i without the columns in `without`; what the local polynomials add is added if asked for.
+  void apply(std::span<const double> numbers, bool rises, std::span<const std::uint8_t> without,
              std::span<double> result) const {
     parallel_for(0, n_, 1024, [&](std::size_t i) {
       double weight = 0, size = 0;
-      for (std::size_t m = 0; m < c_; ++m) result[i * c_ + m] = planes ? slopes_[i * c_ + m] : 0;
+      for (std::size_t m = 0; m < c_; ++m) result[i * c_ + m] = rises ? rises_[i * c_ + m] : 0;
       for (std::uint64_t e = first_[i]; e < first_[i + 1]; ++e) {
         const AmlsEntry& entry = entries_[e];
         if (!without.empty() && without[entry.column] != 0) continue;
@@ -96,7 +92,7 @@ class AmlsSystem {
     });
   }
 
-  /// g = Σ_{k <= n} (I − A)^k r with r the values less what the planes add. Calls after(k, g) after k = 0, 1, …
+  /// g = Σ_{k <= n} (I − A)^k r with r the values less what the local polynomials add. Calls after(k, g) after k = 0, 1, …
   /// iterations.
   template <class After>
   std::vector<double> iterate(int iterations, std::span<const std::uint8_t> without, const After& after) const {
@@ -118,7 +114,7 @@ class AmlsSystem {
  private:
   const VolumeValues& values_;
   std::size_t n_, c_;
-  std::vector<double> slopes_;
+  std::vector<double> rises_;
   std::vector<std::uint64_t> first_;
   std::vector<AmlsEntry> entries_;
 };
@@ -147,33 +143,12 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
   ReconstructionOptions& chosen = input.report.options;
   const int order = input.options.order.value_or(2);
   const detail::SupportShape shape = amls_shape(order);
-  // The gradients at samples.
-  LocalPolynomialOptions local;
-  local.fit.max_degree = 2;
-  local.fit.robust = false;
-  LocalPolynomials fits = fit_local_polynomials(volume, input.values, local, input.progress);
-  LocalPolynomials planes;
-  planes.components = fits.components;
-  planes.metrics = fits.metrics;
-  {
-    std::vector<std::uint8_t> degrees(fits.degrees.begin(), fits.degrees.end());
-    std::vector<std::uint64_t> first{0};
-    std::vector<float> coefficients;
-    for (std::size_t i = 0; i < degrees.size(); ++i) {
-      for (std::size_t m = 0; m < fits.components && degrees[i] > 0; ++m) {
-        const auto of = fits.of(i, m);
-        coefficients.insert(coefficients.end(), of.begin(), of.begin() + 3);
-      }
-      degrees[i] = std::min<std::uint8_t>(degrees[i], 1);
-      first.push_back(coefficients.size());
-    }
-    planes.trust = std::vector<float>(degrees.size(), 1.0f);
-    planes.degrees = std::move(degrees);
-    planes.first = std::move(first);
-    planes.coefficients = std::move(coefficients);
-  }
-  fits = {};
-  const std::vector<float> least = support_radii(volume, planes, 1);
+  // What is known at the samples besides their values: gradients and second derivatives.
+  LocalPolynomialOptions how;
+  how.fit.max_degree = 2;
+  how.fit.robust = false;
+  LocalPolynomials local = fit_polynomials(volume, input.values, how, input.progress);
+  const std::vector<float> least = support_radii(volume, local, 1);
   const auto radii_of = [&](double epsilon) {
     std::vector<float> radii = least;
     for (float& r : radii) r = std::max(r, static_cast<float>(std::sqrt(kDecay / epsilon)));
@@ -190,7 +165,7 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
     input.progress.begin("shape and iterations", shapes.size());
     for (const double e : shapes) {
       const std::vector<float> radii = radii_of(e);
-      const AmlsSystem system(volume, input.values, planes, radii, shape);
+      const AmlsSystem system(volume, input.values, local, radii, shape);
       const std::size_t c = system.components();
       std::vector<double> predicted(volume.size() * c);
       system.iterate(input.options.iterations.value_or(kMostIterations), without, [&](int k, std::span<const double> g) {
@@ -212,11 +187,11 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
 
   std::vector<float> radii = radii_of(epsilon);
   {
-    const AmlsSystem system(volume, input.values, planes, radii, shape);
-    planes.constants = system.iterate(iterations, {}, [](int, std::span<const double>) {});
+    const AmlsSystem system(volume, input.values, local, radii, shape);
+    local.constants = system.iterate(iterations, {}, [](int, std::span<const double>) {});
   }
   auto locator = std::make_shared<const VolumeLocator>(volume);
-  return make_support_blend(std::move(input.volume), std::move(locator), std::move(planes), std::move(radii), shape);
+  return make_support_blend(std::move(input.volume), std::move(locator), std::move(local), std::move(radii), shape);
 }
 
 }  // namespace sansmesh

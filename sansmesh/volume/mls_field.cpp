@@ -9,10 +9,10 @@
 #include "sansmesh/approximation/polynomial_order.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/grouped_field.h"
-#include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/mls_kernels.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/sample_stencil.h"
+#include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/support_index.h"
 

@@ -19,7 +19,7 @@ using MlsTag = hn::CappedTag<double, 8>;
 using MlsV = hn::Vec<MlsTag>;
 
 constexpr std::size_t kMostTerms = MonomialTable::kTerms;
-constexpr double kDropped = 2e-3, kMostVariance = 40, kMostOfPlane = 100;
+constexpr double kDropped = 2e-3, kMostVariance = 40, kMostOfPlane = 1e4;
 
 HWY_INLINE std::size_t Row(std::size_t j) { return j * (j + 1) / 2; }
 
