@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/volume/cell_blend.h"
+#include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/support_blend.h"
@@ -53,7 +54,7 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   local.fit.robust = input.options.robust.value_or(true);
   chosen.degree = local.fit.max_degree;
   chosen.robust = local.fit.robust;
-  LocalPolynomials polynomials = fit_local_polynomials(*input.volume, input.values, local, input.progress);
+  LocalPolynomials polynomials = fit_polynomials(*input.volume, input.values, local, input.progress);
   auto& by_degree = input.report.by_degree;
   by_degree.assign(LocalPolynomials::kMaxDegree + 1, 0);
   for (const std::uint8_t d : polynomials.degrees) ++by_degree[d];

@@ -24,15 +24,11 @@ struct AxisFit {
   double monomial[kPowers][kPowers]{};  ///< coefficients of ψ_a in powers of u
 };
 
-double axis_step(const std::vector<double>& axis, std::size_t i) {
-  return std::max(i > 0 ? axis[i] - axis[i - 1] : 0, i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0);
-}
-
 AxisFit axis_fit(const std::vector<double>& axis, std::size_t i, double width) {
   AxisFit fit;
   fit.taps = fit.powers = std::min(kTaps, axis.size());
   fit.first = std::min(i >= 2 ? i - 2 : 0, axis.size() - fit.taps);
-  const double step = axis_step(axis, i);
+  const double step = lattice_step(axis, i);
   for (std::size_t t = 0; t < fit.taps; ++t) {
     fit.u[t] = (axis[fit.first + t] - axis[i]) / step;
     fit.weight[t] = std::max(std::exp(-fit.u[t] * fit.u[t] / (width * width)), 1e-4);
@@ -257,7 +253,7 @@ class LatticeFitter {
         const auto& axis = lattice_.axes[k];
         const bool up = (corner >> k & 1) != 0 ? at[k] + 1 < axis.size() : at[k] == 0;
         const double step = up ? axis[at[k] + 1] - axis[at[k]] : axis[at[k] - 1] - axis[at[k]];
-        u[k] = 0.5 * step / axis_step(axis, at[k]);
+        u[k] = 0.5 * step / lattice_step(axis, at[k]);
       }
       tests_.push_back(u);
     }
@@ -283,13 +279,6 @@ class LatticeFitter {
 };
 
 }  // namespace
-
-StarMetric lattice_metric(const Lattice& lattice, std::size_t sample) {
-  const auto at = lattice.indices(sample);
-  StarMetric metric;
-  for (std::size_t k = 0; k < 3; ++k) metric.rows[k] = Vec3f(lattice.directions[k] / axis_step(lattice.axes[k], at[k]));
-  return metric;
-}
 
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress) {

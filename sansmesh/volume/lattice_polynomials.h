@@ -1,18 +1,12 @@
 // Polynomials about the samples of a lattice, axis by axis.
 #pragma once
 
-#include <cstdint>
-
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/volume/local_polynomials.h"
-#include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
-
-/// What star_metric is for samples of lattices: offsets along each axis in units of the longer of the two steps there.
-StarMetric lattice_metric(const Lattice& lattice, std::size_t sample);
 
 /// As fit_local_polynomials, for a lattice: `metrics` stay empty. Stencils are the (up to) five samples along each axis
 /// around the sample, 125 in all, at the ends of axes the last five. Since these are products of axes and so are the
@@ -21,5 +15,12 @@ StarMetric lattice_metric(const Lattice& lattice, std::size_t sample);
 /// h_ii is taken of equal steps, and that single outliers are not looked for.
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress);
+
+/// One or the other, as the volume has it.
+inline LocalPolynomials fit_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                        const LocalPolynomialOptions& options, Progress& progress) {
+  return volume.lattice ? fit_lattice_polynomials(volume, values, options, progress)
+                        : fit_local_polynomials(volume, values, options, progress);
+}
 
 }  // namespace sansmesh

@@ -6,7 +6,6 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
-#include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/stencil_fit.h"
 
@@ -65,14 +64,14 @@ class MeshFitter {
   std::vector<double> f_;
 };
 
-double value_at(std::span<const float> c, const Vec3& u) {
+double value_at(std::span<const float> c, const Vec3& u, double factor = 1) {
   const auto& order = PolynomialOrder<3>::get();
   std::array<double, monomial_count(3, LocalPolynomials::kMaxDegree)> monomial{1.0};
   double sum = 0;
   for (std::size_t j = 1; j <= c.size(); ++j) {
     const auto& step = order[static_cast<int>(j)];
     monomial[j] = u[static_cast<std::size_t>(step.variable)] * monomial[static_cast<std::size_t>(step.predecessor)];
-    sum += static_cast<double>(c[j - 1]) * monomial[j];
+    sum += static_cast<double>(c[j - 1]) * monomial[j] * (j > 3 ? factor : 1);
   }
   return sum;
 }
@@ -90,6 +89,10 @@ Adjacency cells_of_samples(const SampledVolume& volume) {
   for (std::size_t c = 0; c < volume.cell_sample.size(); ++c)
     result.entries[at[volume.cell_sample[c]]++] = static_cast<std::uint32_t>(c);
   return result;
+}
+
+double LocalPolynomials::rise(std::size_t sample, std::size_t component, const Vec3& u) const {
+  return value_at(of(sample, component), u, static_cast<double>(trust[sample]));
 }
 
 StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
@@ -129,7 +132,6 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
 
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress) {
-  if (volume.lattice) return fit_lattice_polynomials(volume, values, options, progress);
   std::vector<StarMetric> metrics = star_metrics(volume);
   const Adjacency cells = cells_of_samples(volume);
   return gather_polynomials<PolynomialPart>(

@@ -32,6 +32,8 @@ struct LocalPolynomials {
   SharedArray<float> trust;  ///< of a sample, 0..1: how far it is more than linear interpolation
 
   std::size_t size() const { return degrees.size(); }
+  /// p − constant at u; terms of degree 2 and more count by the factor `trust`.
+  double rise(std::size_t sample, std::size_t component, const Vec3& u) const;
   /// M of a sample; lattices have no `metrics`.
   StarMetric metric(const SampledVolume& volume, std::size_t sample) const;
   std::span<const float> of(std::size_t sample, std::size_t component) const {

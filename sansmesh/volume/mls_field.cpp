@@ -9,10 +9,10 @@
 #include "sansmesh/approximation/polynomial_order.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/grouped_field.h"
-#include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/mls_kernels.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/sample_stencil.h"
+#include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/support_index.h"
 
@@ -22,7 +22,10 @@ namespace {
 using detail::MlsSample;
 using detail::MlsTile;
 
-constexpr double kSamplesPerTerm = 2.5;
+constexpr double kSamplesPerTerm = 4, kWidest = 4;
+// Variance of a value in units of that of a weighted mean: from here on, at the boundary, linear interpolation takes
+// over, and beyond it is all.
+constexpr double kDoubtful = 30, kUseless = 120;
 
 // Radii of the samples' weights, in the local metrics: cells that a sample belongs to lie well inside, and each reaches
 // as many samples as a fit needs.
@@ -37,7 +40,16 @@ std::vector<float> mls_radii(const SampledVolume& volume, std::span<const StarMe
   if (volume.lattice) {
     // Steps are 1 in the local metric: so many are in a ball of this radius.
     const double radius = std::cbrt(enough / (4.0 / 3 * 3.14159265358979));
-    for (float& r : radii) r = std::max(r, static_cast<float>(radius));
+    parallel_for(0, radii.size(), 8192, [&](std::size_t i) {
+      // Half the ball is empty on each boundary.
+      const auto at = volume.lattice->indices(i);
+      double r = radius;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t last = volume.lattice->axes[k].size() - 1;
+        if (static_cast<double>(std::min(at[k], last - at[k])) < 1) r *= std::cbrt(2.0);
+      }
+      radii[i] = std::max(radii[i], static_cast<float>(std::min(r, kWidest)));
+    });
     return radii;
   }
   const auto count = static_cast<std::size_t>(std::ceil(enough));
@@ -48,10 +60,9 @@ std::vector<float> mls_radii(const SampledVolume& volume, std::span<const StarMe
       stencil.gather(static_cast<std::uint32_t>(i), metrics[i], 2 * count, 8 * count, SupportIndex::kRings);
       lengths.clear();
       for (const Vec3& u : stencil.local()) lengths.push_back(norm(u));
-      // Beyond three spacings there are only samples of other layers.
       const std::size_t at = std::min(count, lengths.size() - 1);
       std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(at), lengths.end());
-      radii[i] = std::max(radii[i], static_cast<float>(std::min(lengths[at] * 1.05, 3.0)));
+      radii[i] = std::max(radii[i], static_cast<float>(std::min(lengths[at] * 1.05, kWidest)));
     }
   });
   return radii;
@@ -120,11 +131,12 @@ class MlsField final : public GroupedField {
       sample.inverse_square = 1 / (static_cast<double>(radii_[i]) * static_cast<double>(radii_[i]));
     }
     const StarMetric frame = metric(own);
+    const bool linear = volume().cell_sample.empty();  // there is linear interpolation to fall back on
     for (std::size_t m = 0; m < c; ++m) {
       const double base = values_.values[own * c + m];
       for (std::size_t s = 0; s < lists.samples.size(); ++s)
         lists.samples[s].value = values_.values[lists.found.supports[s] * c + m] - base;
-      detail::solve_mls(lists.samples.data(), lists.samples.size(), frame, degree_, filled, gradient, tile);
+      detail::solve_mls(lists.samples.data(), lists.samples.size(), frame, degree_, filled, gradient, !linear, tile);
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t to = group.to[i] * c + m;
         double value = base;
@@ -133,7 +145,13 @@ class MlsField final : public GroupedField {
           value += tile.value[i];
           if (gradient) g = {tile.gradient[0][i], tile.gradient[1][i], tile.gradient[2][i]};
         }
-        if (!residuals_.empty()) add_residuals(*group.places[i], group.x[i], m, value, gradient ? &g : nullptr);
+        if (!residuals_.empty()) interpolate(residuals_, *group.places[i], group.x[i], m, 1, value, gradient ? &g : nullptr);
+        if (linear && (tile.variance[i] > kDoubtful || tile.degree[i] < 0)) {
+          const double share =
+              tile.degree[i] < 0 ? 0 : std::clamp((kUseless - tile.variance[i]) / (kUseless - kDoubtful), 0.0, 1.0);
+          value *= share, g *= share;
+          interpolate(values_.values, *group.places[i], group.x[i], m, 1 - share, value, gradient ? &g : nullptr);
+        }
         if (!wanted.values.empty()) wanted.values[to] = value;
         if (gradient) wanted.gradients[to] = g;
       }
@@ -143,13 +161,17 @@ class MlsField final : public GroupedField {
       wanted.degrees[group.to[i]] = static_cast<std::uint8_t>(std::max(tile.degree[i], 0.0));
   }
 
-  void add_residuals(const VolumePlace& place, const Vec3& x, std::size_t m, double& value, Vec3* gradient) const {
+  // Adds `share` times the linear interpolation of numbers of the samples.
+  void interpolate(std::span<const double> numbers, const VolumePlace& place, const Vec3& x, std::size_t m,
+                   double share, double& value, Vec3* gradient) const {
     const std::size_t c = components();
-    for (std::size_t v = 0; v < place.corner_count; ++v) value += place.weights[v] * residuals_[place.corners[v] * c + m];
+    for (std::size_t v = 0; v < place.corner_count; ++v)
+      value += share * place.weights[v] * numbers[place.corners[v] * c + m];
     if (gradient == nullptr) return;
     std::array<Vec3, 8> slopes;
     shape_gradients(volume(), place, x, slopes);
-    for (std::size_t v = 0; v < place.corner_count; ++v) *gradient += slopes[v] * residuals_[place.corners[v] * c + m];
+    for (std::size_t v = 0; v < place.corner_count; ++v)
+      *gradient += slopes[v] * (share * numbers[place.corners[v] * c + m]);
   }
 
   VolumeValues values_;

@@ -19,7 +19,7 @@ using MlsTag = hn::CappedTag<double, 8>;
 using MlsV = hn::Vec<MlsTag>;
 
 constexpr std::size_t kMostTerms = MonomialTable::kTerms;
-constexpr double kDropped = 2e-3, kMostVariance = 40, kMostOfPlane = 100;
+constexpr double kDropped = 2e-3, kMostVariance = 40, kMostOfPlane = 1e4;
 
 HWY_INLINE std::size_t Row(std::size_t j) { return j * (j + 1) / 2; }
 
@@ -53,7 +53,7 @@ HWY_INLINE void Monomials(MlsTag d, const MlsV* u, std::size_t terms, MlsV* m) {
 }
 
 void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
-              bool gradient, MlsTile& tile) {
+              bool gradient, bool fall_back, MlsTile& tile) {
   const MlsTag d;
   const std::size_t lanes = hn::Lanes(d);
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -108,10 +108,10 @@ void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& fra
       for (const std::size_t last = (g + 1) * (g + 2) * (g + 3) / 6; j < last; ++j)
         variance = hn::Add(variance, hn::Mul(hn::Mul(e[j], e[j]), inverse[j]));
       const double most = g < 2 ? kMostOfPlane : kMostVariance;
-      if (g > 0) open = hn::And(open, hn::Lt(hn::Mul(variance, sum), hn::Set(d, most)));
+      if (g > 0 && fall_back) open = hn::And(open, hn::Lt(hn::Mul(variance, sum), hn::Set(d, most)));
       chosen = hn::IfThenElse(open, hn::Set(d, static_cast<double>(g)), chosen);
     }
-    hn::Store(chosen, d, tile.degree + i);
+    hn::Store(chosen, d, tile.degree + i), hn::Store(hn::Mul(variance, sum), d, tile.variance + i);
     // Lᵀ c = D⁻¹ y with the rows of the degree alone.
     for (std::size_t j = terms; j-- > 0;) {
       const std::size_t g = j == 0 ? 0 : j < 4 ? 1 : j < 10 ? 2 : j < 20 ? 3 : 4;
@@ -166,8 +166,8 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh::detail {
 HWY_EXPORT(SolveMls);
 void solve_mls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
-               bool gradient, MlsTile& tile) {
-  HWY_DYNAMIC_DISPATCH(SolveMls)(samples, count, frame, degree, n, gradient, tile);
+               bool gradient, bool fall_back, MlsTile& tile) {
+  HWY_DYNAMIC_DISPATCH(SolveMls)(samples, count, frame, degree, n, gradient, fall_back, tile);
 }
 
 }  // namespace sansmesh::detail

@@ -88,8 +88,12 @@ const std::vector<Entry>& entries() {
        make_mls_detail_field},
 
       // amls
-      {{Method::amls, "amls", "", "", {}},  //
-       nullptr},
+      {{Method::amls,
+        "amls",
+        "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
+        "all",
+        {"iterations", "shape", "order"}},
+       make_amls_field},
   };
   return all;
 }

@@ -64,4 +64,15 @@ std::vector<StarMetric> star_metrics(const SampledVolume& volume) {
   return metrics;
 }
 
+double lattice_step(const std::vector<double>& axis, std::size_t i) {
+  return std::max(i > 0 ? axis[i] - axis[i - 1] : 0, i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0);
+}
+
+StarMetric lattice_metric(const Lattice& lattice, std::size_t sample) {
+  const auto at = lattice.indices(sample);
+  StarMetric metric;
+  for (std::size_t k = 0; k < 3; ++k) metric.rows[k] = Vec3f(lattice.directions[k] / lattice_step(lattice.axes[k], at[k]));
+  return metric;
+}
+
 }  // namespace sansmesh

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/volume/lattice_polynomials.h"
 
 namespace sansmesh {
 namespace {

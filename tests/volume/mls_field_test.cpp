@@ -1,0 +1,141 @@
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "support/any_threads.h"
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+double bump(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) + 0.3 * x.z; }
+double quadratic_function(const Vec3& x) { return 0.3 + x.x - 2 * x.y * x.z + x.x * x.x - 0.5 * x.z * x.z; }
+
+double mean_error(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
+  std::vector<double> values(x.size());
+  field.evaluate(x, {values, {}, {}, {}});
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += std::abs(values[i] - f(x[i]));
+  return sum / static_cast<double>(x.size());
+}
+
+TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
+  for (const NamedGrid& grid : all_grids(linear_function))
+    for (const auto method : {ReconstructionMethod::mls, ReconstructionMethod::amls}) {
+      SCOPED_TRACE(grid.name);
+      const auto volume = volume_of(grid.data, grid.association);
+      const auto field = field_of(volume, method);
+      const auto x = places_within(*volume, 300);
+      std::vector<double> values(x.size());
+      std::vector<Vec3> gradients(x.size());
+      field->evaluate(x, {values, gradients, {}, {}});
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_NEAR(values[i], linear_function(x[i]), 2e-5) << i;
+        ASSERT_NEAR(norm(gradients[i] - kLinearGradient), 0, 2e-3) << i;
+      }
+    }
+}
+
+TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
+  for (const auto& data : {bent_grid({8, 8, 8}, quadratic_function), tetrahedra_grid({8, 8, 8}, quadratic_function),
+                           lattice_grid({8, 8, 8}, quadratic_function)}) {
+    const auto volume = volume_of(data);
+    const auto field = field_of(volume, ReconstructionMethod::mls);
+    const Vec3 middle = volume->bounds().center();
+    std::vector<Vec3> x = places_within(*volume, 2000);
+    std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.2; });
+    std::vector<double> values(x.size());
+    std::vector<std::uint8_t> degrees(x.size());
+    field->evaluate(x, {values, {}, {}, degrees});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-9) << i;
+      ASSERT_EQ(degrees[i], 2) << i;
+    }
+  }
+}
+
+TEST(MlsField, IsBetterThanLinearOnAverage) {
+  for (const NamedGrid& grid : all_grids(bump)) {
+    if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    const auto x = places_within(*volume, 3000);
+    const double linear = mean_error(*field_of(volume, ReconstructionMethod::linear), x, bump);
+    EXPECT_LT(mean_error(*field_of(volume, ReconstructionMethod::mls), x, bump), 0.8 * linear);
+    EXPECT_LT(mean_error(*field_of(volume, ReconstructionMethod::amls), x, bump), linear);
+  }
+}
+
+TEST(MlsField, GradientsAreDerivativesOfTheValues) {
+  const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
+  for (const auto method : {ReconstructionMethod::mls, ReconstructionMethod::amls}) {
+    const auto field = field_of(volume, method);
+    const auto x = places_within(*volume, 300);
+    std::vector<double> unused(x.size());
+    std::vector<Vec3> gradients(x.size());
+    field->evaluate(x, {unused, gradients, {}, {}});
+    const double h = 1e-3;
+    std::vector<Vec3> around;
+    for (const Vec3& p : x)
+      for (std::size_t k = 0; k < 6; ++k) {
+        around.push_back(p);
+        around.back()[k / 2] += k % 2 == 0 ? h : -h;
+      }
+    std::vector<double> values(around.size());
+    field->evaluate(around, {values, {}, {}, {}});
+    std::size_t wrong = 0;  // mls near corners, where it goes over to linear interpolation
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double* v = values.data() + 6 * i;
+      wrong += !(norm(Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h) - gradients[i]) < 0.02);
+    }
+    EXPECT_LE(wrong, 10u);
+  }
+}
+
+TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
+  const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
+  double before = std::numeric_limits<double>::infinity();
+  for (const int n : {0, 3, 12}) {
+    Progress progress;
+    ReconstructionOptions options;
+    options.method = ReconstructionMethod::amls;
+    options.shape = 1.5, options.iterations = n;
+    const double error =
+        mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
+    EXPECT_LT(error, 0.5 * before);
+    before = error;
+  }
+}
+
+TEST(AmlsField, ChoosesWidthAndIterationsAndSaysSo) {
+  Progress progress;
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::amls;
+  ReconstructionReport report;
+  reconstruct_volume(volume_of(bent_grid({7, 7, 7}, bump)), "f", options, progress, &report);
+  ASSERT_TRUE(report.options.shape && report.options.iterations && report.options.order);
+  EXPECT_GT(*report.options.shape, 0);
+}
+
+TEST(MlsField, AnswersDependOnThePointAlone) {
+  const auto volume = volume_of(o_grid({13, 5, 6}, bump));
+  for (const auto method : {ReconstructionMethod::mls, ReconstructionMethod::amls}) {
+    const auto x = places_within(*volume, 1000);
+    const auto all = [&] {
+      std::vector<double> values(x.size());
+      field_of(volume, method)->evaluate(x, {values, {}, {}, {}});
+      return values;
+    };
+    expect_equal_for_any_threads(all);
+    const auto together = all();
+    const auto field = field_of(volume, method);
+    for (std::size_t i = 0; i < x.size(); i += 50) {
+      std::vector<double> alone(1);
+      field->evaluate(std::span(x).subspan(i, 1), {alone, {}, {}, {}});
+      ASSERT_EQ(together[i], alone[0]) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh::test
