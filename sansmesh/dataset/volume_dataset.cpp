@@ -134,9 +134,13 @@ std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choic
                                                         Progress& progress, ReconstructionReport* report) {
   std::shared_ptr<const VolumeField> field =
       reconstruct_volume(volume(choice.array, progress), choice.array, options, progress, report);
-  if (field->components() > 1 && (choice.component || choice.magnitude))
-    return std::make_shared<VolumeComponent>(std::move(field), choice.component);
-  return field;
+  if (field->components() == 1 || (!choice.component && !choice.magnitude)) return field;
+  struct OwnedComponent {
+    std::shared_ptr<const VolumeField> field;
+    VolumeComponent component{*field};
+  };
+  auto owned = std::make_shared<OwnedComponent>(OwnedComponent{field, VolumeComponent(*field, choice.component)});
+  return {owned, &owned->component};
 }
 
 std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text) {

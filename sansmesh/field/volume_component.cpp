@@ -1,40 +1,53 @@
 #include "sansmesh/field/volume_component.h"
 
 #include <cmath>
-#include <utility>
+#include <string>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/error.h"
 
 namespace sansmesh {
 
-VolumeComponent::VolumeComponent(std::shared_ptr<const VolumeField> field, std::optional<std::size_t> component)
-    : field_(std::move(field)), component_(component) {}
+VolumeComponent::VolumeComponent(const VolumeField& field, std::optional<std::size_t> component)
+    : field_(field), component_(component) {
+  const std::size_t count = field.components();
+  if (component && *component >= count)
+    throw ArgumentError("`component` must lie in 0.." + std::to_string(count - 1) + ", not " +
+                        std::to_string(*component));
+  if (count == 1) component_ = 0;
+}
 
 void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
-  const std::size_t n = field_->components();
-  std::vector<double> values(n * x.size());
-  std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : n * x.size());
-  field_->evaluate(x, {values, gradients, wanted.inside, wanted.degrees});
-  parallel_for(0, x.size(), 4096, [&](std::size_t i) {
-    const std::span<const double> v = std::span<const double>(values).subspan(i * n, n);
-    double value = 0;
+  const std::size_t count = field_.components();
+  if (count == 1) return field_.evaluate(x, wanted);
+  // The gradient of a length asks for the vector, too.
+  const bool want_values = !wanted.values.empty() || (!component_ && !wanted.gradients.empty());
+  std::vector<double> values(want_values ? count * x.size() : 0);
+  std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : count * x.size());
+  field_.evaluate(x, {values, gradients, wanted.inside, wanted.degrees});
+  for (std::size_t i = 0; i < x.size(); ++i) {
     if (component_) {
-      value = v[*component_];
-    } else {
-      for (const double c : v) value += c * c;
-      value = std::sqrt(value);
+      if (!wanted.values.empty()) wanted.values[i] = values[count * i + *component_];
+      if (!wanted.gradients.empty()) wanted.gradients[i] = gradients[count * i + *component_];
+      continue;
     }
-    if (!wanted.values.empty()) wanted.values[i] = value;
-    if (gradients.empty()) return;
-    Vec3& g = wanted.gradients[i];
-    g = {};
-    if (component_) {
-      g = gradients[i * n + *component_];
-    } else if (value > 0) {
-      for (std::size_t c = 0; c < n; ++c) g += gradients[i * n + c] * (v[c] / value);
-    }
-  });
+    if (!want_values) continue;
+    double sum = 0;
+    for (std::size_t k = 0; k < count; ++k) sum += values[count * i + k] * values[count * i + k];
+    const double length = std::sqrt(sum);
+    if (!wanted.values.empty()) wanted.values[i] = length;
+    if (wanted.gradients.empty()) continue;
+    Vec3 g;
+    if (length > 0)
+      for (std::size_t k = 0; k < count; ++k) g += gradients[count * i + k] * (values[count * i + k] / length);
+    wanted.gradients[i] = g;
+  }
+}
+
+void VolumeComponent::ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const {
+  // What a field says of ranges is of its first component.
+  if (component_ && *component_ == 0) return field_.ranges(boxes, found);
+  VolumeField::ranges(boxes, found);
 }
 
 }  // namespace sansmesh

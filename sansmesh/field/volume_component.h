@@ -1,27 +1,28 @@
-// One number of a quantity of several: a component, or how large a vector is.
+// Numbers of a quantity of several components: one of them, or the length of the vector.
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <optional>
-#include <span>
 
 #include "sansmesh/field/volume_field.h"
 
 namespace sansmesh {
 
+/// A field of one component made of one of several. Its gradients follow from those of the components; where a vector
+/// vanishes, its length has none and zero is the answer.
 class VolumeComponent : public VolumeField {
  public:
-  /// `component` below field->components(), or none: the Euclidean norm of all, whose gradient is zero where they are.
-  VolumeComponent(std::shared_ptr<const VolumeField> field, std::optional<std::size_t> component);
-
-  Box3 bounds() const override { return field_->bounds(); }
+  /// `field` must outlive it. `component` counts from 0; absent: the length of the vector, or, of a field of one
+  /// component, that. Throws ArgumentError for a component that there is not.
+  explicit VolumeComponent(const VolumeField& field, std::optional<std::size_t> component = std::nullopt);
+  Box3 bounds() const override { return field_.bounds(); }
   std::size_t components() const override { return 1; }
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
-  void spacing(std::span<const Vec3> x, std::span<double> found) const override { field_->spacing(x, found); }
+  void spacing(std::span<const Vec3> x, std::span<double> found) const override { field_.spacing(x, found); }
+  void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
 
  private:
-  std::shared_ptr<const VolumeField> field_;
+  const VolumeField& field_;
   std::optional<std::size_t> component_;
 };
 

@@ -76,14 +76,19 @@ Vec3f srgb_of_lab(const Vec3& lab) {
 
 Vec3f srgb_of_oklch(double lightness, double chroma, double hue) {
   const double angle = hue * std::numbers::pi / 180;
-  const double a = chroma * std::cos(angle), b = chroma * std::sin(angle);
   const auto cube = [](double v) { return v * v * v; };
-  const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b);
-  const double m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b);
-  const double s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
-  return shown({4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
-                -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
-                -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s});
+  constexpr double kLess = 0.98;
+  for (;; chroma *= kLess) {
+    const double a = chroma * std::cos(angle), b = chroma * std::sin(angle);
+    const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b);
+    const double m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b);
+    const double s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
+    const Vec3 light{4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+                     -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+                     -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
+    if (chroma < 1e-4 || (std::min({light.x, light.y, light.z}) >= 0 && std::max({light.x, light.y, light.z}) <= 1))
+      return shown(light);
+  }
 }
 
 Vec3f mix_diverging(const Vec3f& first, const Vec3f& second, double t) {

@@ -12,7 +12,8 @@ Vec3f srgb_color(const Vec3f& light);
 Vec3 lab_of_srgb(const Vec3f& srgb);
 Vec3f srgb_of_lab(const Vec3& lab);
 
-/// sRGB of a colour in Oklab [ottosson2020], given by lightness 0..1, colourfulness and hue (degrees); clamped to 0..1.
+/// sRGB of a colour in Oklab [ottosson2020], given by lightness 0..1, colourfulness (>= 0) and hue (degrees): as
+/// colourful as that, or as sRGB can show it.
 Vec3f srgb_of_oklch(double lightness, double chroma, double hue);
 
 /// Between two sRGB colours, t 0..1, with saturation falling to an almost white middle [moreland2009].

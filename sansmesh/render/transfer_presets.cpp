@@ -26,7 +26,7 @@ std::vector<ColorPoint> flow_colors(double lower, double upper) {
   std::vector<ColorPoint> colors;
   for (int i = 0; i < kKnots; ++i) {
     const double t = i / (kKnots - 1.0);
-    const double chroma = 0.07 + 0.11 * std::sin(3.1 * (0.1 + 0.8 * t)) - 0.04 * (1 - t);
+    const double chroma = 0.1 + 0.04 * t * t;  // what sRGB has at all of these hues
     colors.push_back({lower + t * (upper - lower), srgb_of_oklch(0.28 + 0.64 * t, chroma, 300 - 195 * t)});
   }
   return colors;

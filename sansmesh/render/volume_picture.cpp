@@ -13,6 +13,7 @@
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/mesh_scene.h"
 #include "sansmesh/render/painter.h"
+#include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/sample_pattern.h"
 #include "sansmesh/render/surface_scene.h"
 #include "sansmesh/render/transfer_presets.h"
@@ -55,6 +56,28 @@ Vec3f seen(const std::array<float, 4>& p) {
 
 float difference(const Vec3f& a, const Vec3f& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
+}
+
+/// What stands behind the volume: a picture of its own.
+Image behind(const VolumePictureOptions& options) {
+  Image image(options.width, options.height, Rgba{0, 0, 0, 0});
+  if (options.background == RenderOptions::Background::transparent) return image;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.width);
+      const float fy = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.height);
+      const Vec3f c = srgb_color(background_light(options, fx, fy));
+      image.at(x, y) = {c.x, c.y, c.z, 1};
+    }
+  return image;
+}
+
+/// Light and what it leaves of what is behind it, as a colour with straight alpha.
+Rgba in_front(const std::array<float, 4>& p, const Rgba& back) {
+  const Vec3f light = Vec3f{p[0], p[1], p[2]} + linear_color({back[0], back[1], back[2]}) * (p[3] * back[3]);
+  const float alpha = 1 - p[3] * (1 - back[3]);
+  const Vec3f c = alpha > 0 ? srgb_color(light / alpha) : Vec3f{};
+  return {c.x, c.y, c.z, std::max(0.0f, alpha)};
 }
 
 /// A surface with a caster whose coordinates begin elsewhere.
@@ -152,7 +175,7 @@ class VolumePicture::Work {
     return map;
   }
 
-  const VolumeSubject& subject() const { return subject_; }
+  const Box3& box() const { return box_; }
   const PictureFrame& frame() const { return frame_; }
   const ValueHistogram& histogram() const { return histogram_; }
 
@@ -170,7 +193,7 @@ class VolumePicture::Work {
     if (!subject_.field) throw ArgumentError("a picture needs a field");
     if (subject_.field->components() != 1 || (subject_.opacity && subject_.opacity->components() != 1))
       throw ArgumentError("pictures are made of fields of one component: take a component, or the length");
-    Box3 box;
+    Box3& box = box_;
     const TriangleMesh* mesh = subject_.boundary;
     if (mesh && !mesh->triangles.empty()) {
       for (const Vec3f& p : mesh->vertices) box.extend(mesh->origin + Vec3(p));
@@ -293,6 +316,7 @@ class VolumePicture::Work {
   }
 
   VolumeSubject subject_;
+  Box3 box_;                    // of the boundary
   std::vector<Vec3f> outline_;  // that frames the picture
   PictureFrame frame_;
   VolumeCells cells_;
@@ -324,27 +348,23 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   const Camera camera = work_->camera(options);
   VolumePictureReport own;
   const LightMap map = work_->light(camera, options, progress, &own, check_steps);
-  Image image(options.width, options.height);
+  Image image = behind(options);
+  const bool axes = options.axes;
+  if (axes) draw_box_edges(image, work_->box(), work_->frame(), camera);
+  const bool dither = options.background == RenderOptions::Background::gradient;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto& p = map.at(x, y);
-      const Vec3f light{p[0], p[1], p[2]};
       Rgba& color = image.at(x, y);
-      if (options.background == RenderOptions::Background::transparent) {
-        const float alpha = 1 - p[3];
-        const Vec3f c = alpha > 0 ? srgb_color(light / alpha) : Vec3f{};
-        color = {c.x, c.y, c.z, std::max(0.0f, alpha)};
-        continue;
-      }
-      const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.width);
-      const float fy = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.height);
-      const Vec3f c = srgb_color(light + background_light(options, fx, fy) * p[3]);
-      color = {c.x, c.y, c.z, 1};
-      if (options.background != RenderOptions::Background::gradient || p[3] == 0) continue;
+      if (p[3] < 1) color = in_front(p, color);
+      if (!dither || p[3] == 0) continue;
       // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
       const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
       for (float& v : color) v = from_byte(to_byte(v, threshold));
     }
+  if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
+  if (!options.title.empty()) draw_title(image, options.title);
+  if (options.color_bar) image = beside_value_bar(image, own.transfer, options.color_title);
   if (report) *report = own;
   return image;
 }

@@ -1,0 +1,41 @@
+// What stands around a picture of data: a scale of colours, the axes of its box, a title.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/render/camera.h"
+#include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/transfer_function.h"
+
+namespace sansmesh {
+
+/// Round values that cut an interval (lower < upper) into about `count` parts, ascending; 0 is exactly 0.
+std::vector<double> round_ticks(double lower, double upper, int count);
+/// A value as short as it is told apart from its neighbours `step` away, with a − of its own; an empty text for what is
+/// not finite.
+std::string tick_text(double value, double step);
+
+/// Dark on light, light on dark.
+Rgba ink_for(const Image& image);
+
+/// The picture with the colours of a transfer function over its range as a bar to its right, ticks and, where there is
+/// a title (what is shown, and its unit), that above. Wider by value_bar_width(); the last column of pixels goes on
+/// behind it. Pictures lower than 100 pixels stay as they are.
+Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title);
+/// Pixels that the bar adds to a picture of this height.
+int value_bar_width(int height, const TransferFunction& function, const std::string& title);
+
+/// The outline of a box in the world: the edges behind what is seen, to be drawn before it.
+void draw_box_edges(Image& image, const Box3& box, const PictureFrame& frame, const Camera& camera);
+/// Ticks with values along one edge of the outline in each direction, with the axis' name and `unit`.
+void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, const Camera& camera,
+                    const std::string& unit);
+
+/// In the upper left corner. Lines are separated by line breaks; text too wide is made smaller.
+void draw_title(Image& image, std::string_view title);
+
+}  // namespace sansmesh
