@@ -22,7 +22,7 @@ struct VolumeReadOptions {
 /// MetaImage
 /// (.mhd, .mha), NRRD (.nrrd, .nhdr), raw numbers (by `raw`, or by a name such as engine_256x256x128_uint8.raw), PLOT3D
 /// (its solution is found by its name: flowxyz.bin and flowq.bin, flow.xyz and flow.q), and files of points
-/// (read_points) are read by this library. The formats of VTK, Exodus, EnSight, CGNS, OpenFOAM, Nek5000 and folders of
+/// (read_points) are read by this library. The formats of VTK, Exodus, EnSight, CGNS, OpenFOAM and folders of
 /// DICOM slices need the module that `scripts/install-deps volume` and the target `sansmesh_vtk` make; the error says
 /// so where it is missing.
 ///
