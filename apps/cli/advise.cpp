@@ -137,7 +137,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
                   percent(t.left_out[0]), percent(t.left_out[1]), percent(t.left_out[2]), percent(t.left_out[3])));
   console.say(
       fmt::format("  noise at most {} of the range; steps at {} of the samples", percent(t.noise), percent(t.steps)));
-  console.say(fmt::format("{:<14}{}, since it is {}", "reconstruction", info_of(suited.method).name, suited.why));
+  console.say(fmt::format("{:<16}{}, since it is {}", "reconstruction", info_of(suited.method).name, suited.why));
   const std::vector<std::pair<const char*, std::string>> commands{
       {"values", fmt::format("sansmesh volume probe {}{} --points where.csv -o values.csv", files, array)},
       {"grid", fmt::format("sansmesh volume resample {}{} -o resampled.vti", files, array)},
@@ -152,7 +152,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   json["why"] = suited.why;
   json["commands"] = Json::array();
   for (const auto& [aim, command] : commands) {
-    console.say(fmt::format("{:<14}$ {}", aim, command));
+    console.say(fmt::format("{:<16}$ {}", aim, command));
     json["commands"].push_back({{"aim", aim}, {"command", command}});
   }
   console.say_json(json);
