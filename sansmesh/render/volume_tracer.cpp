@@ -134,7 +134,13 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
     std::size_t cell = volume_.cells->cell(world(walk, at));
     if (!clear_[cell]) {
       if (!walk.started) return true;
-      const double step = step_at(cell, at);
+      double step = step_at(cell, at);
+      // A long step must not lead over what is fine in the next cell.
+      const double way = volume_.cells->exit(cell, world(walk, at), walk.direction * volume_.frame.size);
+      if (way < step && at + way < walk.now.end) {
+        const double beyond = at + way + 1e-7;
+        step = std::min(step, way + step_at(volume_.cells->cell(world(walk, beyond)), beyond));
+      }
       walk.t = walk.now.end - at <= 1.01 * step ? walk.now.end : at + step;
       return true;
     }
