@@ -22,8 +22,9 @@ using detail::kBrickSize;
 
 constexpr int kRootsAlong = 2;  // the longest side
 constexpr int kMostLevels = 12;
-constexpr double kFinest = 0.25;  // of the spacing: cells as fine as this are not split
-constexpr double kCoarsest = 3;   // of the spacing: cells coarser than this could hide something, whatever their error
+constexpr double kFinest = 0.5;    // of the spacing: cells as fine as this are not split
+constexpr double kCoarsest = 3;    // of the spacing: cells coarser than this could hide something, whatever their error
+constexpr double kStubborn = 0.8;  // of its parent's error: that much left after a split is no curvature but a jump
 constexpr std::size_t kBrickBatch = 96;
 constexpr std::size_t kCheckPoints = 20000;
 constexpr std::size_t kNodesOfBrick = kBrickSize / 4;
@@ -59,6 +60,8 @@ struct BakedVolume::State {
     float least = 0, most = 0;  ///< of its nodes
     double error = 0;           ///< at the middles of its cells, those in the volume
     double spacing = 0;         ///< of the field
+    double parent_error = 0;
+    int stubborn = 0;  ///< generations in a row that splitting did not help
     Inside inside = Inside::none;
     std::vector<std::uint8_t> mask;  ///< of nodes, where `some`
   };
@@ -184,6 +187,7 @@ struct BakedVolume::State {
                 mean += 0.125 * static_cast<double>(out[4 * node_at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1))]);
               brick.error = std::max(brick.error, std::abs(mean - values[m]));
             }
+        brick.stubborn = brick.level > 0 && brick.error > kStubborn * brick.parent_error ? brick.stubborn + 1 : 0;
         double* own = spacings.data() + 9 * q;
         std::nth_element(own, own + 4, own + 9);
         brick.spacing = own[4];
@@ -201,7 +205,7 @@ struct BakedVolume::State {
   double urgency(const Brick& b) const {
     if (b.inside == Inside::none || b.level >= kMostLevels) return 0;
     const double cell = longest_cell(b);
-    if (cell <= kFinest * b.spacing) return 0;
+    if (cell <= kFinest * b.spacing || (b.stubborn > 1 && cell <= b.spacing)) return 0;
     const double wanted = b.error / (options.tolerance * range());
     // A brick that has no error yet but is coarse comes after all that are known to be wrong.
     const double coarse = cell > kCoarsest * b.spacing ? 1 + 1e-9 * cell / b.spacing : 0;
@@ -229,6 +233,7 @@ struct BakedVolume::State {
       for (int c = 0; c < 8; ++c) {
         Brick child;
         child.branch = children + c, child.level = parent.level + 1;
+        child.parent_error = parent.error, child.stubborn = parent.stubborn;
         child.at = {2 * parent.at[0] + (c & 1), 2 * parent.at[1] + (c >> 1 & 1), 2 * parent.at[2] + (c >> 2 & 1)};
         if (c == 0) {
           slots.push_back(b);

@@ -14,7 +14,7 @@ struct BakeOptions {
   /// Bricks are split where the error is larger: a share of the range of the values, 1e-6..1.
   double tolerance = 0.004;
   /// Bytes that nodes may take, 1 MB at least; what is left out then are the bricks of the smallest errors.
-  std::size_t memory = std::size_t{512} << 20;
+  std::size_t memory = std::size_t{128} << 20;
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
@@ -30,8 +30,8 @@ struct BakeReport {
   std::size_t bricks = 0, bytes = 0;
   std::uint64_t evaluations = 0;  ///< of the field, so far
   int levels = 0;                 ///< of bricks
-  /// Nothing is left to split: the tolerance holds, or cells are a quarter of the spacing, beyond which nothing is
-  /// known.
+  /// Nothing is left to split: the tolerance holds, or cells are half the spacing, beyond which nothing is known, or
+  /// as fine as it where splits did not help twice in a row (values that jump).
   bool finished = false;
 };
 

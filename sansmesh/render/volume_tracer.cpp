@@ -13,6 +13,8 @@ namespace {
 constexpr double kReferenceShare = 0.02;  // default reference length, of the diagonal
 constexpr int kMostPieces = 10;           // of a step, each with its own integral
 constexpr double kFlat = 1e-6;            // places of the table that are too near each other for a difference
+constexpr double kBent = 0.25;            // of the range: by how much a value may miss where a slope pointed
+constexpr double kShortest = 0.05;        // of a step that is halved
 constexpr int kRootRounds = 10;
 constexpr float kGrazing = 0.4f;
 constexpr double kFaceOpacity = 0.004;  // from which on a cut face is opaque
@@ -37,6 +39,7 @@ struct VolumeTracer::Sample {
   double t = 0, value = 0, slope = 0, other = 0, other_slope = 0;  // slopes per picture length
   Vec3 gradient;                                                   // that shades, per picture length
   bool inside = true, shaded = false;
+  bool again = false;  // nearer to the sample before, the value was going elsewhere
   Vec3f light{1, 1, 1}, gloss;
 };
 
@@ -48,6 +51,7 @@ struct VolumeTracer::Walk {
   RayStretch now;
   bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` holds
   double t = 0;
+  double retry = 0;  // a place before t that is to be seen first; 0: none
   Sample before;
   double surface = std::numeric_limits<double>::infinity();
   Vec3f surface_light;
@@ -91,6 +95,7 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
   const double reference = transfer.reference_length ? *transfer.reference_length / volume.frame.size : kReferenceShare;
   extinction_ = options.opacity_scale / reference;
   const auto [lower, upper] = transfer.range();
+  value_range_ = upper - lower, other_range_ = transfer.opacities.back().value - transfer.opacities.front().value;
   weak_ = 1.5 * (separate_ ? transfer.opacities.back().value - transfer.opacities.front().value : upper - lower);
   for (const IsoSurface& iso : options.isos)
     iso_colors_.push_back(linear_color(iso.color ? *iso.color : transfer.color(iso.value)));
@@ -134,7 +139,17 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
     std::size_t cell = volume_.cells->cell(world(walk, at));
     if (!clear_[cell]) {
       if (!walk.started) return true;
-      const double step = step_at(cell, at);
+      if (walk.retry > 0) {
+        walk.t = walk.retry, walk.retry = 0;
+        return true;
+      }
+      double step = step_at(cell, at);
+      // A long step must not lead over what is fine in the next cell.
+      const double way = volume_.cells->exit(cell, world(walk, at), walk.direction * volume_.frame.size);
+      if (way < step && at + way < walk.now.end) {
+        const double beyond = at + way + 1e-7;
+        step = std::min(step, way + step_at(volume_.cells->cell(world(walk, beyond)), beyond));
+      }
       walk.t = walk.now.end - at <= 1.01 * step ? walk.now.end : at + step;
       return true;
     }
@@ -156,6 +171,23 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
     walk.t = t;
     return true;
   }
+}
+
+/// Whether a step is too long for what the slopes at its ends say: flat cells at walls hide layers that are much
+/// thinner than samples are apart. Halving ends at a quarter of a pixel.
+bool VolumeTracer::too_far(const Walk& walk, const Sample& now) const {
+  const Sample& before = walk.before;
+  const double d = now.t - before.t;
+  if (d < 0.5 * static_cast<double>(footprint_) * now.t ||
+      d < kShortest * step_at(volume_.cells->cell(world(walk, before.t)), before.t))
+    return false;
+  const double rise = now.value - before.value;
+  const double bend = std::max(std::abs(before.slope * d - rise), std::abs(now.slope * d - rise));
+  if (bend > kBent * value_range_) return true;
+  if (!separate_) return false;
+  const double other = now.other - before.other;
+  return std::max(std::abs(before.other_slope * d - other), std::abs(now.other_slope * d - other)) >
+         kBent * other_range_;
 }
 
 /// Samples of all active walks at their places.
@@ -305,7 +337,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
   for (std::size_t i = 0; i < s.active.size(); ++i) {
     const Walk& walk = s.walks[s.active[i]];
     const Sample &a = walk.before, &b = s.samples[i];
-    if (!walk.started || !a.inside || !b.inside) continue;
+    if (!walk.started || b.again || !a.inside || !b.inside) continue;
     const double d = b.t - a.t;
     if (!(d > 0)) continue;
     const Cubic value(a.value, a.slope * d, b.value, b.slope * d);
@@ -452,12 +484,17 @@ std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<Tra
         now.other = s.others[i], now.other_slope = dot(now.gradient, walk.direction);
       }
       now.inside = s.inside.empty() || s.inside[i];
+      if (walk.started && too_far(walk, now)) {
+        now.again = true;
+        s.walks[s.active[i]].retry = 0.5 * (walk.before.t + now.t);
+      }
     }
     if (!options_.isos.empty()) count += find_roots(s);
     std::size_t root = 0;
     for (std::size_t i = 0; i < kept; ++i) {
       Walk& walk = s.walks[s.active[i]];
       Sample& now = s.samples[i];
+      if (now.again) continue;
       std::size_t last = root;
       while (last < s.roots.size() && s.roots[last].walk == i) ++last;
       if (walk.begun && walk.now.begins_at_cut && options_.cut_faces) cut_face(walk, now);

@@ -54,6 +54,7 @@ class VolumeTracer {
 
   bool next_place(Walk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
+  bool too_far(const Walk& walk, const Sample& now) const;
   std::size_t evaluate(Scratch& scratch) const;
   std::size_t find_roots(Scratch& scratch) const;
   void shade(const Walk& walk, Sample& sample, bool surface) const;
@@ -72,9 +73,10 @@ class VolumeTracer {
   TransferTable depths_;
   const VolumePictureOptions& options_;
   bool separate_ = false;
-  double extinction_ = 0;  // per picture length, of extinction 1 in reference lengths
-  double weak_ = 0;        // gradients (per picture length) that say as little about a surface as they say much
-  float footprint_ = 0;    // of a pixel at distance 1
+  double extinction_ = 0;                     // per picture length, of extinction 1 in reference lengths
+  double value_range_ = 0, other_range_ = 0;  // of the transfer function
+  double weak_ = 0;      // gradients (per picture length) that say as little about a surface as they say much
+  float footprint_ = 0;  // of a pixel at distance 1
   std::vector<std::uint8_t> clear_;  // of each cell
   std::vector<Vec3f> iso_colors_;
 };

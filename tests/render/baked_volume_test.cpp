@@ -29,7 +29,7 @@ FormulaVolume hill() {
   v.gradient = [=](const Vec3& x) {
     return parts(x).second + Vec3{0.6 * std::cos(3 * x.x) * x.y, 0.2 * std::sin(3 * x.x), 0};
   };
-  v.step = 1.0 / 60;
+  v.step = 1.0 / 90;
   return v;
 }
 

@@ -136,6 +136,26 @@ TEST(VolumePicture, ThinLayersAreNotMissedByLongSteps) {
   }
 }
 
+TEST(VolumePicture, LayersAtWallsAreFollowedWhereGradientsTellOfThem) {
+  // e^(−z / 0.004): an eighth of the spacing; values of a layer that ends at the wall.
+  constexpr double kThick = 0.004;
+  FormulaVolume field = constant_volume(0);
+  field.value = [](const Vec3& x) { return std::exp(-x.z / kThick); };
+  field.gradient = [](const Vec3& x) { return Vec3{0, 0, -std::exp(-x.z / kThick) / kThick}; };
+  const VolumeSubject subject{&field, nullptr, nullptr, {}};
+  TransferFunction f = fog(0, 0.004);
+  f.opacities = {{0, 0}, {1, 0.6}};
+  VolumePictureOptions options = one_pixel(f);
+  // ∫ −ln(1 − 0.6 e^(−z/h)) dz / h = Li₂(0.6), the dilogarithm.
+  double depth = 0;
+  for (int k = 200; k > 0; --k) depth += std::pow(0.6, k) / (static_cast<double>(k) * k);
+  for (const double where : {0.0, 0.013, 0.031}) {  // wherever the samples fall
+    const Vec3 a{0.5, 0.5 - where, 1}, b{0.5 + where, 0.5, 0};
+    const double length = norm(b - a);
+    EXPECT_NEAR(-std::log(along(subject, options, a, b)[3]), depth * length, 0.08 * depth) << where;
+  }
+}
+
 TEST(VolumePicture, FirstColourCoversTheSecond) {
   // Red in front, blue behind, both opaque: from the other side it is the other way round.
   const FormulaVolume field = linear_volume({1, 0, 0});
