@@ -25,7 +25,7 @@ struct StencilFitOptions {
 ///   variance of predictions, Σ ψ_j²/⟨ψ_j, ψ_j⟩: what samples do not determine is large there),
 /// - and the mean square of errors of leaving a sample out (weighted; e_i / (1 − h_ii), no fit anew) falls by a tenth.
 /// Where more than a hundredth of the variance stays unexplained and the values fall into two groups with a gap between them that is three times as wide as any other and a third
-/// of their range, a step between materials, only the group of the sample itself counts (robust). Then weights are
+/// of their range (or, whatever is explained, twenty times as wide), a step between materials, only the group of the sample itself counts (robust). Then weights are
 /// multiplied by ψ'(e²) = exp(−e² / (2 σ²)), e the residuals, σ = 6 times their median (over 0.6745), and the fit is
 /// repeated, while a residual exceeds 10 medians, three times at most.
 ///
@@ -42,7 +42,7 @@ class StencilFit {
   bool has_step(std::span<const double> f, std::size_t n, std::size_t components) {
     own_.assign(n, 1);
     split_ = false;
-    find_step(f, n, components);
+    find_step(f, n, components, kStep);
     return split_;
   }
 
@@ -60,7 +60,8 @@ class StencilFit {
 
  private:
   void take(std::span<const Vec3> u, std::span<const double> f, std::size_t components);
-  void find_step(std::span<const double> f, std::size_t n, std::size_t components);
+  static constexpr double kStep = 3, kTwoValues = 20;  // of the widest gap of values to the next
+  void find_step(std::span<const double> f, std::size_t n, std::size_t components, double ratio);
   void solve(std::size_t components, std::span<const Vec3> tests);
   bool doubt_outliers(std::size_t components);
 
