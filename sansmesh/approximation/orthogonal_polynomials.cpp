@@ -245,7 +245,8 @@ void OrthogonalFit<D>::monomial_coefficients(std::span<double> coefficients) con
 template <int D>
 void OrthogonalFit<D>::monomial_coefficients(std::span<const double> orthogonal, std::span<double> coefficients) const {
   const std::size_t n = orthogonal.size();
-  if (n > static_cast<std::size_t>(size_)) throw ArgumentError("approximation: there are no more than size() polynomials");
+  if (n > static_cast<std::size_t>(size_))
+    throw ArgumentError("approximation: there are no more than size() polynomials");
   if (coefficients.size() < n) throw ArgumentError("approximation: room for all monomial coefficients is needed");
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
   // Row j: ψ_j in monomials, entries 0 .. j, again a triangle.

@@ -74,7 +74,8 @@ class AmlsSystem {
     for (auto& part : parts) entries_.insert(entries_.end(), part.begin(), part.end()), part = {};
   }
 
-  /// Σ_j φ_j(x_i) numbers_j / D_i without the columns in `without`; what the local polynomials add is added if asked for.
+  /// Σ_j φ_j(x_i) numbers_j / D_i without the columns in `without`; what the local polynomials add is added if asked
+  /// for.
   void apply(std::span<const double> numbers, bool rises, std::span<const std::uint8_t> without,
              std::span<double> result) const {
     parallel_for(0, n_, 1024, [&](std::size_t i) {
@@ -92,8 +93,8 @@ class AmlsSystem {
     });
   }
 
-  /// g = Σ_{k <= n} (I − A)^k r with r the values less what the local polynomials add. Calls after(k, g) after k = 0, 1, …
-  /// iterations.
+  /// g = Σ_{k <= n} (I − A)^k r with r the values less what the local polynomials add. Calls after(k, g) after k = 0,
+  /// 1, … iterations.
   template <class After>
   std::vector<double> iterate(int iterations, std::span<const std::uint8_t> without, const After& after) const {
     std::vector<double> zero(n_ * c_, 0.0), product(n_ * c_), residual(n_ * c_);
@@ -168,18 +169,19 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
       const AmlsSystem system(volume, input.values, local, radii, shape);
       const std::size_t c = system.components();
       std::vector<double> predicted(volume.size() * c);
-      system.iterate(input.options.iterations.value_or(kMostIterations), without, [&](int k, std::span<const double> g) {
-        if (input.options.iterations && k != *input.options.iterations) return;
-        system.apply(g, true, without, predicted);
-        double sum = 0;
-        for (std::size_t i = 0; i < volume.size(); ++i)
-          for (std::size_t m = 0; m < c && without[i] != 0; ++m) {
-            const double miss = predicted[i * c + m] - input.values.values[i * c + m];
-            sum += miss * miss;
-          }
-        // Of nearly equal ones the one with the fewest iterations, the widest.
-        if (sum < 0.96 * best) best = sum, epsilon = e, iterations = k;
-      });
+      system.iterate(input.options.iterations.value_or(kMostIterations), without,
+                     [&](int k, std::span<const double> g) {
+                       if (input.options.iterations && k != *input.options.iterations) return;
+                       system.apply(g, true, without, predicted);
+                       double sum = 0;
+                       for (std::size_t i = 0; i < volume.size(); ++i)
+                         for (std::size_t m = 0; m < c && without[i] != 0; ++m) {
+                           const double miss = predicted[i * c + m] - input.values.values[i * c + m];
+                           sum += miss * miss;
+                         }
+                       // Of nearly equal ones the one with the fewest iterations, the widest.
+                       if (sum < 0.96 * best) best = sum, epsilon = e, iterations = k;
+                     });
       input.progress.advance();
     }
   }

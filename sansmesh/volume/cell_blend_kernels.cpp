@@ -94,7 +94,8 @@ void BlendWeightsT(CellShape shape, std::size_t n, CellTile& tile) {
     };
     switch (shape) {
       case CellShape::hexahedron: {
-        const auto axis = [&](int a, int b, int c, int e) HWY_ATTR { return Step(Plus(Plus(N(a), N(b)), Plus(N(c), N(e)))); };
+        const auto axis = [&](int a, int b, int c, int e)
+                              HWY_ATTR { return Step(Plus(Plus(N(a), N(b)), Plus(N(c), N(e)))); };
         const T a = axis(1, 2, 5, 6), b = axis(2, 3, 6, 7), c = axis(4, 5, 6, 7);
         const T a0 = OneMinus(a), b0 = OneMinus(b), c0 = OneMinus(c);
         const T ring[4] = {Times(a0, b0), Times(a, b0), Times(a, b), Times(a0, b)};

@@ -24,13 +24,13 @@ struct CellCorner {
 /// are less a base that the cell's corners share.
 struct CellTile {
   static constexpr std::size_t kTile = 64;
-  alignas(64) float weights[8][kTile];       ///< shape functions N of the corners
-  alignas(64) float slopes[8][3][kTile];     ///< and their gradients; only if gradients are wanted
-  alignas(64) float offsets[8][3][kTile];    ///< x − corner
-  alignas(64) float blend[8][kTile];         ///< out: S
+  alignas(64) float weights[8][kTile];     ///< shape functions N of the corners
+  alignas(64) float slopes[8][3][kTile];   ///< and their gradients; only if gradients are wanted
+  alignas(64) float offsets[8][3][kTile];  ///< x − corner
+  alignas(64) float blend[8][kTile];       ///< out: S
   alignas(64) float blend_slopes[8][3][kTile];
-  alignas(64) float value[kTile];            ///< out
-  alignas(64) float gradient[3][kTile];      ///< out
+  alignas(64) float value[kTile];        ///< out
+  alignas(64) float gradient[3][kTile];  ///< out
 };
 
 /// S of all corners, and ∇S if `gradient`, for the first n points. S are smooth steps of the shape functions, s(t) = t²

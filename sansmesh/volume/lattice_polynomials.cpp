@@ -19,9 +19,9 @@ struct AxisFit {
   std::size_t first = 0, taps = 0, powers = 0;  ///< powers: polynomials that the taps tell apart, at most kPowers
   double u[kTaps]{};                            ///< local coordinates of the taps
   double weight[kTaps]{};
-  double psi[kPowers][kTaps]{};                 ///< values at the taps
-  double row[kPowers][kTaps]{};                 ///< times the weights
-  double monomial[kPowers][kPowers]{};          ///< coefficients of ψ_a in powers of u
+  double psi[kPowers][kTaps]{};         ///< values at the taps
+  double row[kPowers][kTaps]{};         ///< times the weights
+  double monomial[kPowers][kPowers]{};  ///< coefficients of ψ_a in powers of u
 };
 
 AxisFit axis_fit(const std::vector<double>& axis, std::size_t i, double width) {
@@ -161,8 +161,7 @@ class LatticeFitter {
       slot = slot * kTaps + own[k];
     }
     auto& known = leverages_[slot];
-    if (!known)
-      known = std::make_unique<Leverage>(leverage_of(even_[0][own[0]], even_[1][own[1]], even_[2][own[2]]));
+    if (!known) known = std::make_unique<Leverage>(leverage_of(even_[0][own[0]], even_[1][own[1]], even_[2][own[2]]));
     return *known;
   }
 

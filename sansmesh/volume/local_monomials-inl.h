@@ -1,4 +1,5 @@
-// Values and gradients of polynomials in three variables, many points at a time. Included once for each instruction set.
+// Values and gradients of polynomials in three variables, many points at a time. Included once for each instruction
+// set.
 #if defined(SANSMESH_VOLUME_LOCAL_MONOMIALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_VOLUME_LOCAL_MONOMIALS_INL_H_
 #undef SANSMESH_VOLUME_LOCAL_MONOMIALS_INL_H_

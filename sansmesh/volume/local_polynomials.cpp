@@ -100,7 +100,7 @@ StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sam
 }
 
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
-                            std::span<const std::uint8_t> split) {
+                                    std::span<const std::uint8_t> split) {
   const std::size_t n = volume.size(), c = values.components;
   std::vector<float> trust(n, 1.0f);
   parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {

@@ -18,18 +18,18 @@
 
 namespace sansmesh {
 
-/// p_i(x) = constant_i + Σ_{m >= 1} c_im monomial_m(u), u = M_i (x − x_i), monomials in the order of PolynomialOrder<3>,
-/// degree 0..4. Plain arrays that are never changed, in memory or in a mapped file.
+/// p_i(x) = constant_i + Σ_{m >= 1} c_im monomial_m(u), u = M_i (x − x_i), monomials in the order of
+/// PolynomialOrder<3>, degree 0..4. Plain arrays that are never changed, in memory or in a mapped file.
 struct LocalPolynomials {
   static constexpr int kMaxDegree = 4;
   std::size_t components = 1;
-  SharedArray<StarMetric> metrics;     ///< empty for a lattice
-  SharedArray<double> constants;       ///< components a sample
-  SharedArray<std::uint8_t> degrees;   ///< of a sample, the same for all components
-  SharedArray<std::uint64_t> first;    ///< where in `coefficients` a sample begins; one more entry than samples
-  SharedArray<float> coefficients;     ///< without the constants; component after component
+  SharedArray<StarMetric> metrics;    ///< empty for a lattice
+  SharedArray<double> constants;      ///< components a sample
+  SharedArray<std::uint8_t> degrees;  ///< of a sample, the same for all components
+  SharedArray<std::uint64_t> first;   ///< where in `coefficients` a sample begins; one more entry than samples
+  SharedArray<float> coefficients;    ///< without the constants; component after component
 
-  SharedArray<float> trust;            ///< of a sample, 0..1: how far it is more than linear interpolation
+  SharedArray<float> trust;  ///< of a sample, 0..1: how far it is more than linear interpolation
 
   std::size_t size() const { return degrees.size(); }
   /// p − constant at u; terms of degree 2 and more count by the factor `trust`.
@@ -57,9 +57,9 @@ Adjacency cells_of_samples(const SampledVolume& volume);
 /// and the degree is chosen where there is something to judge it by. Runs in parallel.
 ///
 /// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
-/// interpolation there and b = half their difference, summed over the star, trust is 1 as long as Σ b² <= Σ a² / 2, else
-/// Σ a² / (½ Σ a² + Σ b²): a correction of linear interpolation of size a whose error is of size b is best taken by
-/// such a share. Under-resolved data so end up at linear interpolation.
+/// interpolation there and b = half their difference, summed over the star, trust is 1 as long as Σ b² <= Σ a² / 2,
+/// else Σ a² / (½ Σ a² + Σ b²): a correction of linear interpolation of size a whose error is of size b is best taken
+/// by such a share. Under-resolved data so end up at linear interpolation.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 

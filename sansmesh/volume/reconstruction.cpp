@@ -64,11 +64,7 @@ const std::vector<Entry>& entries() {
        nullptr},
 
       // mls
-      {{Method::mls,
-        "mls",
-        "moving least squares about each point, ellipsoidal weights",
-        "all",
-        {"degree", "radius"}},
+      {{Method::mls, "mls", "moving least squares about each point, ellipsoidal weights", "all", {"degree", "radius"}},
        make_mls_field},
 
       // mls-detail

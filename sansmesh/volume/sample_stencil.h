@@ -19,7 +19,8 @@ class SampleStencil {
 
   /// The sample, its star, the stars of these and so on, whole rings until there are at least `enough` or nothing more
   /// is connected, at most `max_rings` of them. Of the last ring only the nearest by the metric are taken where there
-  /// would be more than `most` (of equally near ones those of lower number). Nothing is reached across gaps of the mesh.
+  /// would be more than `most` (of equally near ones those of lower number). Nothing is reached across gaps of the
+  /// mesh.
   void gather(std::uint32_t sample, const StarMetric& metric, std::size_t enough, std::size_t most, int max_rings);
 
   /// Ring after ring; the first is the sample itself.

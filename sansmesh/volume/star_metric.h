@@ -22,16 +22,15 @@ struct StarMetric {
             rows[2].x * d.x + rows[2].y * d.y + rows[2].z * d.z};
   }
   /// Mᵀ u: what takes gradients by u to gradients by length.
-  Vec3 transposed(const Vec3& u) const {
-    return Vec3(rows[0]) * u.x + Vec3(rows[1]) * u.y + Vec3(rows[2]) * u.z;
-  }
+  Vec3 transposed(const Vec3& u) const { return Vec3(rows[0]) * u.x + Vec3(rows[1]) * u.y + Vec3(rows[2]) * u.z; }
 };
 
-/// The metric of neighbours at the given offsets, of which the first `nearest` set the scale (0: all): axes and ratios of extents are those of the offsets' second moments
-/// about the sample (about, not around their mean: stars at the boundary are one-sided), and the farthest of
-/// those that set the scale has norm 1. For an affine image of a cubic lattice all neighbours along edges have norm 1. Directions in which the star
-/// has no extent (a plane, a line) take the least extent that it has in another; without neighbours, or if all
-/// coincide, the metric is that of a ball of radius `fallback`, a length > 0.
+/// The metric of neighbours at the given offsets, of which the first `nearest` set the scale (0: all): axes and ratios
+/// of extents are those of the offsets' second moments about the sample (about, not around their mean: stars at the
+/// boundary are one-sided), and the farthest of those that set the scale has norm 1. For an affine image of a cubic
+/// lattice all neighbours along edges have norm 1. Directions in which the star has no extent (a plane, a line) take
+/// the least extent that it has in another; without neighbours, or if all coincide, the metric is that of a ball of
+/// radius `fallback`, a length > 0.
 StarMetric star_metric(std::span<const Vec3> offsets, double fallback, std::size_t nearest = 0);
 
 /// Those of all samples of a volume that is no lattice, from their stars; where these have fewer than six samples

@@ -132,8 +132,8 @@ std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVol
                                                 std::shared_ptr<const VolumeLocator> locator,
                                                 LocalPolynomials polynomials, std::vector<float> radii,
                                                 const detail::SupportShape& shape) {
-  return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials),
-                                        std::move(radii), shape);
+  return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
+                                        shape);
 }
 
 }  // namespace sansmesh

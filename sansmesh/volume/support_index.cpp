@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace sansmesh {
 namespace {
 
@@ -36,8 +35,7 @@ Vec3 SupportIndex::of_cell(const VolumePlace& cell, Memory& memory) const {
   for (std::size_t v = 0; v < cell.corner_count; ++v)
     box.extend(volume_->lattice ? volume_->lattice->position(cell.corners[v]) : volume_->corner(cell.corners[v]));
   // Cells at the ends of lattices of samples in cells go on for half a cell.
-  if (volume_->lattice && volume_->in_cells)
-    box = {box.lower - box.size() * 0.5, box.upper + box.size() * 0.5};
+  if (volume_->lattice && volume_->in_cells) box = {box.lower - box.size() * 0.5, box.upper + box.size() * 0.5};
   tree_.overlapping(box, memory.supports);
   std::sort(memory.supports.begin(), memory.supports.end());
   if (volume_->cell_sample.empty())

@@ -64,7 +64,8 @@ void SumSupportsT(const SupportTerm* terms, std::size_t count, const SupportShap
           const auto& rows = t.metric.rows;
           const auto back = [&](const SupportV& a, const SupportV& b, const SupportV& c) HWY_ATTR {
             const auto e = static_cast<std::size_t>(k);
-            return pn::MulAdd(a, hn::Set(d, rows[0][e]), pn::MulAdd(b, hn::Set(d, rows[1][e]), hn::Mul(c, hn::Set(d, rows[2][e]))));
+            return pn::MulAdd(a, hn::Set(d, rows[0][e]),
+                              pn::MulAdd(b, hn::Set(d, rows[1][e]), hn::Mul(c, hn::Set(d, rows[2][e]))));
           };
           const auto rise = hn::Mul(two, back(u, v, w));  // ∂(r²)/∂x_k
           ws[k] = pn::MulAdd(slope, rise, ws[k]);

@@ -27,11 +27,11 @@ struct SupportShape {
 /// Points and sums, a structure of arrays aligned for the widest vectors.
 struct SupportTile {
   static constexpr std::size_t kTile = 64;
-  alignas(64) float x[3][kTile];                ///< relative to the origin
-  alignas(64) float weight[kTile];              ///< Σ w
-  alignas(64) float size[kTile];                ///< Σ |φ|
-  alignas(64) float value[kTile];               ///< Σ φ p
-  alignas(64) float weight_slope[3][kTile];     ///< the gradients of these
+  alignas(64) float x[3][kTile];             ///< relative to the origin
+  alignas(64) float weight[kTile];           ///< Σ w
+  alignas(64) float size[kTile];             ///< Σ |φ|
+  alignas(64) float value[kTile];            ///< Σ φ p
+  alignas(64) float weight_slope[3][kTile];  ///< the gradients of these
   alignas(64) float size_slope[3][kTile];
   alignas(64) float value_slope[3][kTile];
 };

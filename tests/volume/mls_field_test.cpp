@@ -102,8 +102,7 @@ TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
     ReconstructionOptions options;
     options.method = ReconstructionMethod::amls;
     options.shape = 1.5, options.iterations = n;
-    const double error =
-        mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
+    const double error = mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
     EXPECT_LT(error, 0.5 * before);
     before = error;
   }
