@@ -93,18 +93,17 @@ class AmlsSystem {
     });
   }
 
-  /// g = Σ_{k <= n} (I − A)^k r with r the values less what the local polynomials add. Calls after(k, g) after k = 0,
-  /// 1, … iterations.
+  /// The values, then n times what the field misses at the samples added: g = f + Σ_{k < n} (I − A)^k r, r = f − A f −
+  /// what the local polynomials add. Calls after(k, g) after k = 0, 1, … iterations.
   template <class After>
   std::vector<double> iterate(int iterations, std::span<const std::uint8_t> without, const After& after) const {
-    std::vector<double> zero(n_ * c_, 0.0), product(n_ * c_), residual(n_ * c_);
-    apply(zero, true, {}, product);
+    std::vector<double> g = values_.values, product(n_ * c_), residual(n_ * c_);
+    apply(g, true, without, product);
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = values_.values[i] - product[i];
-    std::vector<double> g(residual.size(), 0.0);
     for (int k = 0;; ++k) {
-      for (std::size_t i = 0; i < g.size(); ++i) g[i] += residual[i];
       after(k, g);
       if (k == iterations) return g;
+      for (std::size_t i = 0; i < g.size(); ++i) g[i] += residual[i];
       apply(residual, false, without, product);
       for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= product[i];
     }

