@@ -74,7 +74,8 @@ class AmlsSystem {
     for (auto& part : parts) entries_.insert(entries_.end(), part.begin(), part.end()), part = {};
   }
 
-  /// Σ_j φ_j(x_i) numbers_j / D_i without the columns in `without`; what the local polynomials add is added if asked for.
+  /// Σ_j φ_j(x_i) numbers_j / D_i without the columns in `without`; what the local polynomials add is added if asked
+  /// for.
   void apply(std::span<const double> numbers, bool rises, std::span<const std::uint8_t> without,
              std::span<double> result) const {
     parallel_for(0, n_, 1024, [&](std::size_t i) {
@@ -92,18 +93,17 @@ class AmlsSystem {
     });
   }
 
-  /// g = Σ_{k <= n} (I − A)^k r with r the values less what the local polynomials add. Calls after(k, g) after k = 0, 1, …
-  /// iterations.
+  /// The values, then n times what the field misses at the samples added: g = f + Σ_{k < n} (I − A)^k r, r = f − A f −
+  /// what the local polynomials add. Calls after(k, g) after k = 0, 1, … iterations.
   template <class After>
   std::vector<double> iterate(int iterations, std::span<const std::uint8_t> without, const After& after) const {
-    std::vector<double> zero(n_ * c_, 0.0), product(n_ * c_), residual(n_ * c_);
-    apply(zero, true, {}, product);
+    std::vector<double> g = values_.values, product(n_ * c_), residual(n_ * c_);
+    apply(g, true, without, product);
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = values_.values[i] - product[i];
-    std::vector<double> g(residual.size(), 0.0);
     for (int k = 0;; ++k) {
-      for (std::size_t i = 0; i < g.size(); ++i) g[i] += residual[i];
       after(k, g);
       if (k == iterations) return g;
+      for (std::size_t i = 0; i < g.size(); ++i) g[i] += residual[i];
       apply(residual, false, without, product);
       for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= product[i];
     }
@@ -168,18 +168,19 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
       const AmlsSystem system(volume, input.values, local, radii, shape);
       const std::size_t c = system.components();
       std::vector<double> predicted(volume.size() * c);
-      system.iterate(input.options.iterations.value_or(kMostIterations), without, [&](int k, std::span<const double> g) {
-        if (input.options.iterations && k != *input.options.iterations) return;
-        system.apply(g, true, without, predicted);
-        double sum = 0;
-        for (std::size_t i = 0; i < volume.size(); ++i)
-          for (std::size_t m = 0; m < c && without[i] != 0; ++m) {
-            const double miss = predicted[i * c + m] - input.values.values[i * c + m];
-            sum += miss * miss;
-          }
-        // Of nearly equal ones the one with the fewest iterations, the widest.
-        if (sum < 0.96 * best) best = sum, epsilon = e, iterations = k;
-      });
+      system.iterate(input.options.iterations.value_or(kMostIterations), without,
+                     [&](int k, std::span<const double> g) {
+                       if (input.options.iterations && k != *input.options.iterations) return;
+                       system.apply(g, true, without, predicted);
+                       double sum = 0;
+                       for (std::size_t i = 0; i < volume.size(); ++i)
+                         for (std::size_t m = 0; m < c && without[i] != 0; ++m) {
+                           const double miss = predicted[i * c + m] - input.values.values[i * c + m];
+                           sum += miss * miss;
+                         }
+                       // Of nearly equal ones the one with the fewest iterations, the widest.
+                       if (sum < 0.96 * best) best = sum, epsilon = e, iterations = k;
+                     });
       input.progress.advance();
     }
   }

@@ -145,7 +145,8 @@ class MlsField final : public GroupedField {
           value += tile.value[i];
           if (gradient) g = {tile.gradient[0][i], tile.gradient[1][i], tile.gradient[2][i]};
         }
-        if (!residuals_.empty()) interpolate(residuals_, *group.places[i], group.x[i], m, 1, value, gradient ? &g : nullptr);
+        if (!residuals_.empty())
+          interpolate(residuals_, *group.places[i], group.x[i], m, 1, value, gradient ? &g : nullptr);
         if (linear && (tile.variance[i] > kDoubtful || tile.degree[i] < 0)) {
           const double share =
               tile.degree[i] < 0 ? 0 : std::clamp((kUseless - tile.variance[i]) / (kUseless - kDoubtful), 0.0, 1.0);

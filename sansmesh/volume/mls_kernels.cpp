@@ -139,7 +139,8 @@ void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& fra
         p = hn::Add(p, hn::Mul(solution[j], m[j])), share = hn::Add(share, hn::Mul(dual[j], m[j]));
       const auto miss = hn::Mul(share, hn::Sub(hn::Set(d, samples[s].value), p));
       // w = (1 − r²)⁴, ∂r²/∂x = −2 MᵀM d / radius²
-      const auto slope = hn::Mul(hn::Mul(hn::Mul(t.q, hn::Mul(t.q, t.q)), hn::Set(d, 8 * samples[s].inverse_square)), miss);
+      const auto slope =
+          hn::Mul(hn::Mul(hn::Mul(t.q, hn::Mul(t.q, t.q)), hn::Set(d, 8 * samples[s].inverse_square)), miss);
       MlsV in[3];
       const auto& rows = samples[s].metric.rows;
       for (std::size_t l = 0; l < 3; ++l) {

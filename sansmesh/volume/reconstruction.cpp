@@ -72,11 +72,7 @@ const std::vector<Entry>& entries() {
        make_bernstein_field},
 
       // mls
-      {{Method::mls,
-        "mls",
-        "moving least squares about each point, ellipsoidal weights",
-        "all",
-        {"degree", "radius"}},
+      {{Method::mls, "mls", "moving least squares about each point, ellipsoidal weights", "all", {"degree", "radius"}},
        make_mls_field},
 
       // mls-detail

@@ -71,7 +71,8 @@ double lattice_step(const std::vector<double>& axis, std::size_t i) {
 StarMetric lattice_metric(const Lattice& lattice, std::size_t sample) {
   const auto at = lattice.indices(sample);
   StarMetric metric;
-  for (std::size_t k = 0; k < 3; ++k) metric.rows[k] = Vec3f(lattice.directions[k] / lattice_step(lattice.axes[k], at[k]));
+  for (std::size_t k = 0; k < 3; ++k)
+    metric.rows[k] = Vec3f(lattice.directions[k] / lattice_step(lattice.axes[k], at[k]));
   return metric;
 }
 

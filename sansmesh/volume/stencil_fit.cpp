@@ -9,19 +9,20 @@ namespace sansmesh {
 namespace {
 
 constexpr auto kTerms = static_cast<std::size_t>(monomial_count(3, 4));
-constexpr double kMostAmplified = 16;    // variance of predictions, in variances of samples of weight 1
-constexpr double kMostOfPlane = 100;     // of planes: a constant would be no better
-constexpr double kSmooth = 0.01;         // of the variance is left over: there may be a step
-constexpr double kGain = 0.9;            // by which a degree has to be better than the one before
-constexpr double kLeastWeight = 1e-4;    // far samples still tell polynomials apart
-constexpr double kMostLeverage = 0.98;   // a sample that decides its own value predicts nothing
+constexpr double kMostAmplified = 16;   // variance of predictions, in variances of samples of weight 1
+constexpr double kMostOfPlane = 100;    // of planes: a constant would be no better
+constexpr double kSmooth = 0.01;        // of the variance is left over: there may be a step
+constexpr double kGain = 0.9;           // by which a degree has to be better than the one before
+constexpr double kLeastWeight = 1e-4;   // far samples still tell polynomials apart
+constexpr double kMostLeverage = 0.98;  // a sample that decides its own value predicts nothing
 
 }  // namespace
 
-void StencilFit::find_step(std::span<const double> f, std::size_t n, std::size_t components) {
+void StencilFit::find_step(std::span<const double> f, std::size_t n, std::size_t components, double ratio) {
   if (n < 12) return;
   for (std::size_t m = 0; m < components; ++m) {
-    sorted_.assign(f.begin() + static_cast<std::ptrdiff_t>(m * n), f.begin() + static_cast<std::ptrdiff_t>((m + 1) * n));
+    sorted_.assign(f.begin() + static_cast<std::ptrdiff_t>(m * n),
+                   f.begin() + static_cast<std::ptrdiff_t>((m + 1) * n));
     std::sort(sorted_.begin(), sorted_.end());
     double widest = 0, second = 0, middle = 0;
     for (std::size_t i = 1; i < n; ++i) {
@@ -32,7 +33,7 @@ void StencilFit::find_step(std::span<const double> f, std::size_t n, std::size_t
         second = std::max(second, gap);
       }
     }
-    if (!(widest > 3 * second && widest > (sorted_.back() - sorted_.front()) / 3)) continue;
+    if (!(widest > ratio * second && widest > (sorted_.back() - sorted_.front()) / 3)) continue;
     const bool above = f[m * n] > middle;
     for (std::size_t i = 0; i < n; ++i)
       if ((f[m * n + i] > middle) != above) own_[i] = 0;
@@ -47,11 +48,12 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
   split_ = false;
   take(u, f, components);
   solve(components, tests);
-  // Values that a polynomial follows have no steps, however steep they are.
-  if (options_.robust && unexplained_ > kSmooth * static_cast<double>(components)) {
-    find_step(f, n, components);
+  // Values that a polynomial follows have no steps, however steep they are, unless there are but two.
+  if (options_.robust) {
+    const bool smooth = unexplained_ <= kSmooth * static_cast<double>(components);
+    find_step(f, n, components, smooth ? kTwoValues : kStep);
     if (split_) take(u, f, components), solve(components, tests);
-    for (int again = 0; again < 3 && doubt_outliers(components); ++again) solve(components, tests);
+    for (int again = 0; again < 3 && !smooth && doubt_outliers(components); ++again) solve(components, tests);
   }
 
   const auto terms = static_cast<std::size_t>(monomial_count(3, degree_));

@@ -24,10 +24,11 @@ struct StencilFitOptions {
 /// - a unit of noise at the samples stays below four at all places where the polynomial is going to be used (the
 ///   variance of predictions, Σ ψ_j²/⟨ψ_j, ψ_j⟩: what samples do not determine is large there),
 /// - and the mean square of errors of leaving a sample out (weighted; e_i / (1 − h_ii), no fit anew) falls by a tenth.
-/// Where more than a hundredth of the variance stays unexplained and the values fall into two groups with a gap between them that is three times as wide as any other and a third
-/// of their range, a step between materials, only the group of the sample itself counts (robust). Then weights are
-/// multiplied by ψ'(e²) = exp(−e² / (2 σ²)), e the residuals, σ = 6 times their median (over 0.6745), and the fit is
-/// repeated, while a residual exceeds 10 medians, three times at most.
+/// Where more than a hundredth of the variance stays unexplained and the values fall into two groups with a gap between
+/// them that is three times as wide as any other and a third of their range (or, whatever is explained, twenty times as
+/// wide), a step between materials, only the group of the sample itself counts (robust). Then weights are multiplied by
+/// ψ'(e²) = exp(−e² / (2 σ²)), e the residuals, σ = 6 times their median (over 0.6745), and the fit is repeated, while
+/// a residual exceeds 10 medians, three times at most.
 ///
 /// One object a thread; its memory is reused.
 class StencilFit {
@@ -42,7 +43,7 @@ class StencilFit {
   bool has_step(std::span<const double> f, std::size_t n, std::size_t components) {
     own_.assign(n, 1);
     split_ = false;
-    find_step(f, n, components);
+    find_step(f, n, components, kStep);
     return split_;
   }
 
@@ -60,7 +61,8 @@ class StencilFit {
 
  private:
   void take(std::span<const Vec3> u, std::span<const double> f, std::size_t components);
-  void find_step(std::span<const double> f, std::size_t n, std::size_t components);
+  static constexpr double kStep = 3, kTwoValues = 20;  // of the widest gap of values to the next
+  void find_step(std::span<const double> f, std::size_t n, std::size_t components, double ratio);
   void solve(std::size_t components, std::span<const Vec3> tests);
   bool doubt_outliers(std::size_t components);
 

@@ -62,11 +62,10 @@ TEST(MlsDetail, ReproducesLinearFunctionsOnEveryGrid) {
 }
 
 TEST(MlsDetail, ReproducesCubicsAwayFromTheBoundary) {
-  for (const auto& [name, data] :
-       {std::pair{"lattice", lattice_grid({8, 8, 8}, cubic_function)},
-        std::pair{"stretched", stretched_grid({8, 8, 8}, cubic_function, 1.1)},
-        std::pair{"bent", bent_grid({8, 8, 8}, cubic_function)},
-        std::pair{"tetrahedra", tetrahedra_grid({8, 8, 8}, cubic_function)}}) {
+  for (const auto& [name, data] : {std::pair{"lattice", lattice_grid({8, 8, 8}, cubic_function)},
+                                   std::pair{"stretched", stretched_grid({8, 8, 8}, cubic_function, 1.1)},
+                                   std::pair{"bent", bent_grid({8, 8, 8}, cubic_function)},
+                                   std::pair{"tetrahedra", tetrahedra_grid({8, 8, 8}, cubic_function)}}) {
     SCOPED_TRACE(name);
     const auto volume = volume_of(data);
     const auto field = field_of(volume, ReconstructionMethod::mls_detail);
@@ -151,8 +150,8 @@ TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
 
 TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
   const VolumeFunction step = [](const Vec3& x) { return x.x + 0.3 * x.y < 0.52 ? 1.0 : 5.0; };
-  for (const auto& [name, data] : {std::pair{"lattice", lattice_grid({14, 14, 14}, step)},
-                                   std::pair{"bent", bent_grid({14, 14, 14}, step)}}) {
+  for (const auto& [name, data] :
+       {std::pair{"lattice", lattice_grid({14, 14, 14}, step)}, std::pair{"bent", bent_grid({14, 14, 14}, step)}}) {
     SCOPED_TRACE(name);
     const auto volume = volume_of(data);
     const auto x = places_within(*volume, 20000);
@@ -206,7 +205,8 @@ TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
 TEST(MlsDetail, DoesNotReachAcrossGaps) {
   // Two slabs a hundredth apart, of values 0 and 1, as cells: neither knows of the other.
   const auto slab = [](double from, double to, double value) {
-    GridBlock block = curvilinear_block(lattice_block({6, 6, 3}, {0, 0, from}, {1, 1, to}), [](const Vec3& x) { return x; });
+    GridBlock block =
+        curvilinear_block(lattice_block({6, 6, 3}, {0, 0, from}, {1, 1, to}), [](const Vec3& x) { return x; });
     set_function(block, [value](const Vec3&) { return value; });
     return block;
   };
@@ -248,19 +248,20 @@ TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> inside(x.size(), 9);
     field->evaluate(x, {values, gradients, inside, {}});
-    for (std::size_t i = 0; i < x.size(); ++i)
-      EXPECT_TRUE(std::isfinite(values[i]) && is_finite(gradients[i])) << i;
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(std::isfinite(values[i]) && is_finite(gradients[i])) << i;
     EXPECT_EQ(values[0], 0);
     EXPECT_EQ(values[1], 0);
   }
 }
 
 TEST(MlsDetail, AnswersDependOnThePointAlone) {
-  for (const auto& volume : {volume_of(o_grid({17, 5, 6}, wave)), volume_of(two_level_amr(8, wave), Association::cells)}) {
+  for (const auto& volume :
+       {volume_of(o_grid({17, 5, 6}, wave)), volume_of(two_level_amr(8, wave), Association::cells)}) {
     const auto x = places_within(*volume, 3000);
     std::vector<double> alone(x.size());
     const auto field = field_of(volume, ReconstructionMethod::mls_detail);
-    for (std::size_t i = 0; i < x.size(); i += 7) field->evaluate(std::span(x).subspan(i, 1), {std::span(alone).subspan(i, 1), {}, {}, {}});
+    for (std::size_t i = 0; i < x.size(); i += 7)
+      field->evaluate(std::span(x).subspan(i, 1), {std::span(alone).subspan(i, 1), {}, {}, {}});
     const auto all = [&] {
       std::vector<double> values(x.size());
       field_of(volume, ReconstructionMethod::mls_detail)->evaluate(x, {values, {}, {}, {}});
