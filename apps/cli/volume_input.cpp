@@ -157,12 +157,7 @@ std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) 
   try {
     dataset_->default_array();  // there must be one
     ReconstructionOptions options = input_.method;
-    if (!input_.chosen) {
-      const bool first = !traits_;
-      options.method = suited().method;
-      if (first)
-        console_.say(fmt::format("{}: {}, since it is {}", input_.name(), info_of(options.method).name, suited_.why));
-    }
+    if (!input_.chosen) options.method = suited().method;
     field = dataset_->field(choice, options, console_.progress(), &report_);
   } catch (const DataError& error) {
     throw FileError(input_.name(), error.what());
@@ -202,6 +197,12 @@ const VolumeTraits& OpenVolume::traits() {
 const ReconstructionChoice& OpenVolume::suited() {
   traits();
   return suited_;
+}
+
+void OpenVolume::say_method() const {
+  const std::string_view name = info_of(report_.options.method).name;
+  console_.say(traits_ ? fmt::format("{}: by {}, since it is {}", array_name(), name, suited_.why)
+                       : fmt::format("{}: by {}", array_name(), name));
 }
 
 double OpenVolume::sample_value(std::size_t i) {
