@@ -115,10 +115,22 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   console.print_timings();
 }
 
+/// What has to be said of a raw file again.
+std::string raw_words(const VolumeReadOptions& read) {
+  std::string words;
+  if (read.raw) {
+    const RawLayout& r = *read.raw;
+    words = fmt::format(" --dims {}x{}x{} --type {}", r.dims[0], r.dims[1], r.dims[2], name_of(r.type));
+    if (r.spacing != Vec3{1, 1, 1}) words += fmt::format(" --spacing {},{},{}", r.spacing.x, r.spacing.y, r.spacing.z);
+    if (r.big_endian) words += " --big-endian";
+  }
+  if (read.time_step > 0) words += fmt::format(" --step {}", read.time_step);
+  return words;
+}
+
 /// What suits a volume, and the commands.
 void run_volume_advise(const VolumeInput& input, Console& console) {
   OpenVolume volume(input, console);
-  volume.dataset().array(volume.choice().array);
   const VolumeTraits& t = volume.traits();
   const ReconstructionChoice& suited = volume.suited();
   const auto samples = volume.samples();
@@ -126,8 +138,22 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
   std::string files;
   for (const std::string& file : input.files) files += (files.empty() ? "" : " ") + quoted(file);
-  const std::string array = " --array " + quoted(volume.choice().array);
-  const double middle = 0.5 * t.range + volume.dataset().array(volume.choice().array).least[0];
+  files += raw_words(input.read);
+  // As it was given; of a vector its magnitude, which surfaces and pictures can be of.
+  const DatasetArray& of = volume.dataset().array(volume.choice().array);
+  const ArrayChoice& choice = volume.choice();
+  const bool vector = of.components > 1 && !choice.component;
+  const std::string array = " --array " + quoted(vector                ? of.name + ":magnitude"
+                                                 : input.array.empty() ? of.name
+                                                                       : input.array);
+  double middle = 0;
+  if (vector) {
+    for (std::size_t i = 0; i < samples->size(); ++i) middle += volume.sample_value(i);
+    middle /= static_cast<double>(samples->size());
+  } else {
+    const std::size_t c = choice.component.value_or(0);
+    middle = 0.5 * (of.least[c] + of.most[c]);
+  }
 
   console.say(fmt::format("{}: {} of {} ({})", input.name(), counted(t.samples, "sample"), volume.array_name(),
                           samples->facts.grid));
@@ -178,7 +204,12 @@ Command add_advise(CommandLine& app) {
       "  sansmesh advise scan.ply --json\n"
       "  sansmesh advise fire.vtu --array t");
   return {&c, [input, volume, &app](Console& console) {
-            if (!names_volume(input->files)) return run_advise(*input, app.subcommand("reconstruct"), console);
+            const bool named = names_volume(input->files);
+            if (!named && !volume->read.raw) {
+              require(volume->array.empty(),
+                      "--array is of volumes: `advise data FILE` takes points for samples of one");
+              return run_advise(*input, app.subcommand("reconstruct"), console);
+            }
             volume->files = input->files;
             run_volume_advise(*volume, console);
           }};

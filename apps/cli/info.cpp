@@ -226,7 +226,8 @@ Command add_info(CommandLine& app) {
   add_raw_options(c, volume->read);
   c.footer(std::string(kReadable) + "\n" + kReadableVolumes);
   return {&c, [input, volume](Console& console) {
-            if (!names_volume(input->files)) return run_info(*input, console);
+            const bool named = names_volume(input->files);
+            if (!named && !volume->read.raw) return run_info(*input, console);
             volume->files = input->files;
             run_volume_info(*volume, console);
           }};

@@ -109,7 +109,7 @@ void add_volume_input(CommandLine& c, VolumeInput& input) {
                "Highest degree of polynomials, 0..4 (mls, mls-detail), 1..5 (lagrange)")
       .type_name("DEGREE")
       .group("Reconstruction");
-  c.add_option("--iterations", input.method.iterations, "Times that residuals are added (amls, mls-detail), 0..100")
+  c.add_option("--iterations", input.method.iterations, "Times that residuals are added (amls), 0..100")
       .type_name("COUNT")
       .group("Reconstruction");
   c.add_option("--shape", input.method.shape, "ε of amls, 0.05..10: small is smooth")
@@ -122,7 +122,10 @@ void add_volume_input(CommandLine& c, VolumeInput& input) {
 }
 
 OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(input), console_(console) {
-  input.method.validate();
+  const ReconstructionOptions& m = input.method;
+  m.validate();
+  if (!input.chosen && (m.degree || m.iterations || m.shape || m.order || m.radius))
+    throw ArgumentError("--degree, --iterations, --shape, --order and --radius need --method");
   console.progress().begin("read");
   ReadReport read;
   GridData data = input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
@@ -158,20 +161,23 @@ std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) 
     dataset_->default_array();  // there must be one
     ReconstructionOptions options = input_.method;
     if (!input_.chosen) options.method = suited().method;
-    field = dataset_->field(choice, options, console_.progress(), &report_);
+    ReconstructionReport report;
+    field = dataset_->field(choice, options, console_.progress(), &report);
+    if (!fitted_) report_ = report;
+    fitted_ = true;
+    console_.warn(input_.name(), report.notes);
   } catch (const DataError& error) {
     throw FileError(input_.name(), error.what());
   }
-  console_.warn(input_.name(), report_.notes);
   return field;
 }
 
 std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {
-  const auto values = field();
   const DatasetArray& array = dataset_->array(choice_.array);
   if (array.components > 1 && !choice_.component && !choice_.magnitude)
     throw ArgumentError(fmt::format("`array`: {} has {} components: choose one ({}:0, {}:magnitude, …)", array.name,
                                     array.components, array.name, array.name));
+  const auto values = field();
   console_.progress().begin("find surface");
   try {
     return std::make_shared<const Isosurface>(
@@ -185,6 +191,7 @@ const VolumeTraits& OpenVolume::traits() {
   if (!traits_) {
     const auto volume = samples();
     try {
+      dataset_->default_array();  // there must be one
       traits_ = measure_volume_traits(*volume, volume_values(*volume, choice_.array), console_.progress());
     } catch (const DataError& error) {
       throw FileError(input_.name(), error.what());
@@ -218,7 +225,7 @@ Json OpenVolume::json() const {
   Json json = input_.json();
   json["format"] = dataset_->format();
   json["array"] = choice_.array;
-  json["method"] = info_of(report_.options.method).name;
+  if (fitted_) json["method"] = info_of(report_.options.method).name;
   if (traits_) json["why"] = suited_.why;
   if (samples_) {
     json["samples"] = samples_->size();

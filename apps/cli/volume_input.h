@@ -53,7 +53,7 @@ class OpenVolume {
   std::shared_ptr<const SampledVolume> samples();
   /// The reconstruction; what there is to say about it goes to the console.
   std::shared_ptr<const VolumeField> field() { return field(choice_); }
-  /// The same of another array or component, with the method that was given or is chosen for the array.
+  /// The same of another array or component, with the method of the first.
   std::shared_ptr<const VolumeField> field(const ArrayChoice& choice);
   /// {f = value} of the array. Throws ArgumentError where the array has several components and none was chosen.
   std::shared_ptr<const Isosurface> isosurface(double value);
@@ -71,6 +71,7 @@ class OpenVolume {
   std::unique_ptr<VolumeDataset> dataset_;
   ArrayChoice choice_;
   ReconstructionReport report_;
+  bool fitted_ = false;  ///< the report is of something
   std::shared_ptr<const SampledVolume> samples_;
   std::optional<VolumeTraits> traits_;
   ReconstructionChoice suited_;

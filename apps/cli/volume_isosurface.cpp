@@ -22,9 +22,9 @@ struct IsosurfaceArguments {
   IsosurfaceOptions options;
 };
 
-/// Every array of the surface's samples at the vertices, interpolated in the grid's own way.
-void carry_arrays(const IsosurfaceArguments& a, OpenVolume& volume, TriangleMesh& mesh, Console& console) {
-  if (a.carry == "none") return;
+/// The arrays of --carry. Throws ArgumentError for names of none.
+std::vector<std::string> carried(const IsosurfaceArguments& a, OpenVolume& volume) {
+  if (a.carry == "none") return {};
   std::vector<std::string> wanted;
   for (std::size_t begin = 0; a.carry != "all" && begin <= a.carry.size();) {
     const std::size_t end = std::min(a.carry.find(',', begin), a.carry.size());
@@ -35,14 +35,20 @@ void carry_arrays(const IsosurfaceArguments& a, OpenVolume& volume, TriangleMesh
   if (wanted.empty())
     for (const DatasetArray& array : volume.dataset().arrays())
       if (array.of == of && array.name != volume.choice().array) wanted.push_back(array.name);
+  for (const std::string& name : wanted) volume.dataset().array(name, "carry");
+  return wanted;
+}
+
+/// Other arrays at the vertices, interpolated in the grid's own way; whole numbers, which are labels, as they are.
+void carry_arrays(const std::vector<std::string>& wanted, OpenVolume& volume, TriangleMesh& mesh, Console& console) {
   std::vector<Vec3> x;
   x.reserve(mesh.vertices.size());
   for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
-  ReconstructionOptions linear;
-  linear.method = ReconstructionMethod::linear;
   for (const std::string& name : wanted) {
-    const auto field =
-        volume.dataset().field({volume.dataset().array(name).name, {}, false}, linear, console.progress());
+    ReconstructionOptions options;
+    options.method =
+        is_real(volume.dataset().array(name).type) ? ReconstructionMethod::linear : ReconstructionMethod::nearest;
+    const auto field = volume.dataset().field({name, {}, false}, options, console.progress());
     std::vector<double> values(x.size() * field->components());
     field->evaluate(x, {values, {}, {}, {}});
     mesh.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
@@ -57,6 +63,7 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
   const DatasetArray& array = volume.dataset().array(volume.choice().array);
   if (!a.value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
   const double value = a.value.value_or(array.components == 1 ? 0.5 * (array.least[0] + array.most[0]) : 0);
+  const std::vector<std::string> wanted = carried(a, volume);
   const auto surface = volume.isosurface(value);
   const auto samples = volume.samples();
   IsosurfaceReport report;
@@ -67,7 +74,7 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
     throw FileError(a.input.name(), error.what());
   }
   console.progress().begin("carry arrays");
-  carry_arrays(a, volume, mesh, console);
+  carry_arrays(wanted, volume, mesh, console);
   console.warn(a.input.name(), report.warnings);
   a.output.write(mesh, console.progress());
   console.progress().finish();

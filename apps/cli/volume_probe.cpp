@@ -69,6 +69,8 @@ void run_probe(const ProbeArguments& a, Console& console) {
   }
   const std::vector<Vec3> x =
       a.points.empty() ? std::vector<Vec3>{{a.at[0], a.at[1], a.at[2]}} : read_point_table(a.points);
+  require(!a.output.empty() || x.size() <= kPrintedProbes || console.options().json,
+          "so many points need a table to write: -o FILE.csv");
   OpenVolume volume(a.input, console);
   const auto field = volume.field();
   console.progress().begin("probe");

@@ -59,6 +59,19 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   return o;
 }
 
+/// The axes of the lattice are not those of space: its box does not tell where it ends.
+bool turned(const Lattice& lattice) {
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (c != k && lattice.directions[k][c] != 0) return true;
+  return false;
+}
+
+/// A vector as a whole was chosen.
+bool of_vector(OpenVolume& volume) {
+  return volume.dataset().array(volume.choice().array).components > 1 && !volume.choice().component;
+}
+
 /// What is shown of an array: of vectors that nobody chose a component of, their magnitude.
 ArrayChoice shown(OpenVolume& volume, ArrayChoice choice) {
   if (volume.dataset().array(choice.array).components > 1 && !choice.component) choice.magnitude = true;
@@ -69,6 +82,8 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   VolumePictureOptions options = chosen_options(a);
   check_writable(a.output, "image");
   if (!a.save_transfer.empty()) check_writable(a.save_transfer, "text");
+  require(a.interactive || a.bake_error == BakeOptions().tolerance, "--bake-error needs --interactive");
+  require(a.options.unit.empty() || a.options.axes, "--unit needs --axes");
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();
@@ -80,7 +95,8 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   try {
     volume.dataset().default_array();  // there must be one
     field = volume.field(shown(volume, volume.choice()));
-    if (!a.opacity_by.empty()) opacity = volume.field(shown(volume, volume.dataset().choose(a.opacity_by)));
+    if (!a.opacity_by.empty())
+      opacity = volume.field(shown(volume, volume.dataset().choose(a.opacity_by, "opacity_by")));
     VolumeSubject subject;
     subject.field = field.get(), subject.opacity = opacity.get();
     if (a.interactive) {
@@ -95,12 +111,13 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
       }
     }
     TriangleMesh boundary;
-    if (!samples->lattice) {
+    if (!samples->lattice || turned(*samples->lattice)) {
       boundary = volume_boundary(*samples);
       subject.boundary = &boundary;
     }
     for (const std::string& file : a.meshes) subject.surfaces.push_back(surface_in_volume(read_mesh(file), options));
-    if (options.color_title.empty()) options.color_title = volume.array_name();
+    if (options.color_title.empty())
+      options.color_title = volume.array_name() + (of_vector(volume) ? " (magnitude)" : "");
     const VolumePicture picture(std::move(subject), progress);
     const std::vector<ViewDirection> views = turntable(options.view, std::max(1, a.frames));
     for (std::size_t k = 0; k < views.size(); ++k) {
@@ -120,9 +137,10 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.size() == 1 ? files[0] : a.output, lower, upper,
                           report.why.empty() ? "" : "; " + report.why));
   if (baked)
-    console.say(fmt::format("baked into {}, off by {:.3g} % of the range on average, {:.3g} % at most",
-                            counted(baked->report().bricks, "brick"), 100 * baked->report().error_mean,
-                            100 * baked->report().error_most));
+    console.say(fmt::format(
+        "baked into {}, off by {:.3g} % of the range on average, {:.3g} % at the worst of the places checked{}",
+        counted(baked->report().bricks, "brick"), 100 * baked->report().error_mean, 100 * baked->report().error_most,
+        baked->report().finished ? "" : "; there was no memory for more"));
   if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(report.transfer));
   Json json = {{"input", volume.json()},
                {"colors", {{"lower", lower}, {"upper", upper}}},

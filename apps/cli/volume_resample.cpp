@@ -27,13 +27,15 @@ struct ResampleArguments {
 void run_resample(ResampleArguments& a, Console& console) {
   for (const double n : a.size)
     require(n >= 1 && n <= 65536 && n == static_cast<double>(static_cast<std::size_t>(n)),
-            "--size must be whole numbers");
+            "--size must be whole numbers from 1 to 65536");
   const auto whole = [&](std::size_t k) { return static_cast<std::size_t>(a.size[k]); };
   require(a.size.size() <= 1 || a.size.size() == 3, "--size is one number or three");
   if (a.size.size() == 1) a.options.size = whole(0);
   if (a.size.size() == 3) a.options.sizes = {whole(0), whole(1), whole(2)};
   if (a.nan) a.options.outside = std::numeric_limits<double>::quiet_NaN();
   a.options.validate();
+  require(!a.options.gradients || a.output.ends_with(".vti"),
+          "--gradients needs a format of several arrays: -o FILE.vti");
   check_volume_writable(a.output);
   OpenVolume volume(a.input, console);
   const auto field = volume.field();

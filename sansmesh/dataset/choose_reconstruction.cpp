@@ -29,7 +29,8 @@ ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const Vo
                         percent(traits.left_out[2]))};
   }
   if (volume.size() > kLargeGrid)
-    return {ReconstructionMethod::amls, "a very large grid: precomputed coefficients take least memory"};
+    return {ReconstructionMethod::linear,
+            "a very large grid: polynomials about its samples would take too much memory"};
   if (!traits.resolved())
     return {
         ReconstructionMethod::mls_detail,

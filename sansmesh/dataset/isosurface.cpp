@@ -114,6 +114,7 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
       value_(value),
       domain_(*volume_, place_),
       ranges_(*volume_, sample_value, place_) {
+  if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
   std::vector<Vec3> places = ranges_.places_of(value);
   if (places.empty()) {
     const ValueRange all = ranges_.around({}, 2);
@@ -253,6 +254,8 @@ void measure_iso(const TriangleMesh& mesh, IsosurfaceReport& r) {
 void IsosurfaceOptions::validate() const {
   if (cell && !(*cell > 0 && std::isfinite(*cell)))
     throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
+  if (closed && (mesh_error || triangles || !enhance))
+    throw ArgumentError("`mesh_error`, `triangles` and `enhance` are for surfaces that are not `closed`");
   MeshOptions mesh;
   mesh.mesh_error = mesh_error, mesh.triangles = triangles, mesh.enhance = enhance;
   mesh.validate();
@@ -291,7 +294,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   }
   if (scale > 1)
     r.warnings.push_back(
-        fmt::format("the surface is so large that blocks are {} times as wide as the samples are apart", scale));
+        fmt::format("the surface is so large that blocks are {} times as wide as they should be", scale));
   r.cell = place.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
 
   MeshOptions meshing;

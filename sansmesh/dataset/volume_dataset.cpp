@@ -78,27 +78,28 @@ const DatasetArray& VolumeDataset::default_array() const {
   return arrays_[default_];
 }
 
-const DatasetArray& VolumeDataset::array(const std::string& name) const {
+const DatasetArray& VolumeDataset::array(const std::string& name, const std::string& option) const {
   const DatasetArray* found = nullptr;
   for (const DatasetArray& a : arrays_)
     if (a.name == name && (!found || a.of == Association::points)) found = &a;
   if (!found)
-    throw ArgumentError(fmt::format("`array`: there is none named '{}'; there are {}", name, names_of(arrays_)));
+    throw ArgumentError(
+        fmt::format("`{}`: there is no array named '{}'; there are {}", option, name, names_of(arrays_)));
   return *found;
 }
 
-ArrayChoice VolumeDataset::choose(const std::string& text) const {
+ArrayChoice VolumeDataset::choose(const std::string& text, const std::string& option) const {
   const auto exists = [&](const std::string& name) {
     return std::any_of(arrays_.begin(), arrays_.end(), [&](const DatasetArray& a) { return a.name == name; });
   };
   const std::size_t colon = text.rfind(':');
   if (exists(text) || colon == std::string::npos || !exists(text.substr(0, colon)))
-    return {array(text).name, {}, false};
+    return {array(text, option).name, {}, false};
   ArrayChoice choice{text.substr(0, colon), {}, false};
   const std::size_t components = array(choice.array).components;
   const std::string word = text.substr(colon + 1);
   if (word == "magnitude") {
-    choice.magnitude = true;
+    choice.magnitude = components > 1;
     return choice;
   }
   std::size_t k = components;
@@ -109,7 +110,7 @@ ArrayChoice VolumeDataset::choose(const std::string& text) const {
     if (error != std::errc() || end != word.data() + word.size()) k = components;
   }
   if (k >= components)
-    throw ArgumentError(fmt::format("`array`: '{}' names no component: {} has {} (0 to {}, or magnitude)", text,
+    throw ArgumentError(fmt::format("`{}`: '{}' names no component: {} has {} (0 to {}, or magnitude)", option, text,
                                     choice.array, components, components - 1));
   choice.component = k;
   return choice;

@@ -45,9 +45,9 @@ class VolumeDataset {
   /// Throws DataError where there is no array at all.
   const DatasetArray& default_array() const;
   /// Of points, where there are two of that name. Throws ArgumentError naming those that there are.
-  const DatasetArray& array(const std::string& name) const;
-  /// Throws ArgumentError for names of no array and components that it has not.
-  ArrayChoice choose(const std::string& text) const;
+  const DatasetArray& array(const std::string& name, const std::string& option = "array") const;
+  /// Throws ArgumentError, which names `option`, for names of no array and components that it has not.
+  ArrayChoice choose(const std::string& text, const std::string& option = "array") const;
 
   /// Samples at points or in cells: assembled at the first call. Not safe from several threads. Throws DataError where
   /// nothing can be made of the blocks.

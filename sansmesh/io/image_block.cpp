@@ -13,6 +13,7 @@ namespace {
 
 /// Cosines of angles between axes that text of few digits may turn out of the perpendicular.
 constexpr double perpendicular = 1e-4;
+constexpr std::size_t most_on_axis = std::size_t{1} << 24;
 
 void complete_steps(const Input& in, const ImageLayout& layout, std::array<Vec3, 3>& step) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -42,6 +43,9 @@ GridBlock image_block(const Input& in, const ImageLayout& layout) {
   std::array<Vec3, 3> step = layout.steps;
   complete_steps(in, layout, step);
   if (!is_finite(layout.origin)) in.fail("its header gives an origin that is not a number");
+  // Axes are lists of numbers here: a garbled header must not ask for more of them than there can be.
+  for (const std::size_t n : layout.dims)
+    if (n > most_on_axis) in.fail(fmt::format("its header gives {} points along an axis", grouped(n)));
   GridBlock block;
   block.dims = layout.dims;
   const Vec3 n[3] = {normalized(step[0]), normalized(step[1]), normalized(step[2])};

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <vector>
 
@@ -123,9 +124,29 @@ std::vector<std::string> to_nrrd(const GridBlock& block, const LatticeSteps& s) 
       "NRRD0005\ntype: {}\ndimension: {}\nspace dimension: 3\nsizes:{} {} {} {}\nspace directions:{}{}\n"
       "kinds:{} domain domain domain\nendian: little\nencoding: raw\nspace origin: ({},{},{})\n\n",
       names[static_cast<std::size_t>(a.type())], several ? 4 : 3, several ? fmt::format(" {}", a.components) : "",
-      s.size[0], s.size[1], s.size[2], several ? " none" : "", directions, several ? " list" : "", s.first.x, s.first.y,
-      s.first.z);
+      s.size[0], s.size[1], s.size[2], several ? " none" : "", directions, several ? " vector" : "", s.first.x,
+      s.first.y, s.first.z);
   return {std::move(header), bytes_of(a)};
+}
+
+}  // namespace
+
+namespace {
+
+/// The file of the numbers beside a .mhd.
+std::filesystem::path raw_of(const std::string& file) { return std::filesystem::path(file).replace_extension(".raw"); }
+
+/// Numbers that belong to something else than the header that is replaced are nobody's to overwrite.
+void check_raw(const std::string& file) {
+  const std::filesystem::path raw = raw_of(file);
+  std::error_code ignored;
+  if (!std::filesystem::exists(raw, ignored)) return;
+  std::ifstream header(file);
+  for (std::string line; std::getline(header, line);)
+    if (line.starts_with("ElementDataFile") && line.ends_with(raw.filename().string())) return;
+  throw FileError(raw.string(), fmt::format("is there already and belongs to no {}: another name is needed, or .mha, "
+                                            "which holds header and numbers",
+                                            std::filesystem::path(file).filename().string()));
 }
 
 }  // namespace
@@ -136,6 +157,7 @@ void check_volume_writable(const std::string& file) {
     throw FileError(file, e.empty() ? fmt::format("has no ending that names a format for volumes; known: {}", kKnown)
                                     : fmt::format("no writer for volumes with the ending '.{}'; known: {}", e, kKnown));
   check_writable(file, "text");
+  if (e == "mhd") check_raw(file);
 }
 
 void write_volume(const std::string& file, const GridBlock& block) {
@@ -145,9 +167,15 @@ void write_volume(const std::string& file, const GridBlock& block) {
   if (e == "vti") return io::write_whole(file, to_vti(block, s));
   if (e == "nrrd") return io::write_whole(file, to_nrrd(block, s));
   if (e == "mha") return io::write_whole(file, {meta_header(block, s, "LOCAL"), bytes_of(block.point_arrays[0])});
-  const std::filesystem::path raw = std::filesystem::path(file).replace_extension(".raw");
+  const std::filesystem::path raw = raw_of(file);
   io::write_whole(raw.string(), {bytes_of(block.point_arrays[0])});
-  io::write_whole(file, {meta_header(block, s, raw.filename().string())});
+  try {
+    io::write_whole(file, {meta_header(block, s, raw.filename().string())});
+  } catch (const FileError&) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) std::filesystem::remove(raw, ignored);
+    throw;
+  }
 }
 
 }  // namespace sansmesh

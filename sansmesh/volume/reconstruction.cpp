@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 
@@ -106,6 +107,8 @@ void check_heeded(const ReconstructionOptions& options, const ReconstructionInfo
   for (const auto& [name, is_set] : set)
     if (is_set && std::find(info.options.begin(), info.options.end(), name) == info.options.end())
       throw ArgumentError(fmt::format("`{}` means nothing to the reconstruction {}", name, info.name));
+  const bool lagrange = info.method == ReconstructionMethod::lagrange;
+  if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : 4);
 }
 
 }  // namespace

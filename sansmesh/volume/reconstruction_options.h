@@ -29,7 +29,7 @@ enum class ReconstructionMethod : std::uint8_t {
 struct ReconstructionOptions {
   ReconstructionMethod method = ReconstructionMethod::mls_detail;
   std::optional<int> degree;      ///< mls, mls_detail: highest degree of polynomials, 0..4; lagrange: 1..5
-  std::optional<int> iterations;  ///< amls, mls_detail: times that residuals are added, 0..100
+  std::optional<int> iterations;  ///< amls: times that residuals are added, 0..100
   std::optional<double> shape;    ///< amls: ε, 0.05..10: small is smooth
   std::optional<int> order;       ///< amls: 2, 4 or 6
   std::optional<double> radius;   ///< mls, rbf, shepard: in spacings, 1..10
