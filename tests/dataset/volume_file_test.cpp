@@ -83,7 +83,7 @@ class VolumeFile : public ::testing::Test {
 };
 
 TEST_F(VolumeFile, AnswersTheSameToTheBitOnEveryGrid) {
-  for (const NamedGrid& grid : all_grids(wavy))
+  for (const test::NamedGrid& grid : all_grids(wavy))
     for (const Method method : {Method::mls_detail, Method::linear}) {
       SCOPED_TRACE(grid.name + " " + std::string(info_of(method).name));
       expect_same_field(only(grid.data, grid.association), by(method));
@@ -93,7 +93,7 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitOnEveryGrid) {
 TEST_F(VolumeFile, AnswersTheSameToTheBitByAmls) {
   ReconstructionOptions few = by(Method::amls);
   few.iterations = 2, few.order = 4;
-  for (const NamedGrid& grid : all_grids(wavy)) {
+  for (const test::NamedGrid& grid : all_grids(wavy)) {
     SCOPED_TRACE(grid.name);
     expect_same_field(only(grid.data, grid.association), few);
   }
