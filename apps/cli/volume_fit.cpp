@@ -33,10 +33,9 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   std::error_code unknown;
   const auto bytes = std::filesystem::file_size(a.output, unknown);
   const std::size_t samples = fitted.volume->size();
-  const std::string_view method = info_of(fitted.chosen.method).name;
   const std::vector<std::size_t> by_degree = fitted.coefficients.by_degree();
-  console.say(fmt::format("{}: {} by {} on {} ({})", a.input.name(), volume.array_name(), method,
-                          counted(samples, "sample"), fitted.volume->facts.grid));
+  volume.say_method();
+  console.say(fmt::format("{}: {} ({})", a.input.name(), counted(samples, "sample"), fitted.volume->facts.grid));
   if (!by_degree.empty())
     console.say(fmt::format("polynomials of degree 0 to {}: {}", by_degree.size() - 1, fmt::join(by_degree, ", ")));
   console.say(fmt::format("{}: {}, {:.3g} MB{}", a.output, counted(fitted.arrays.size(), "array"),

@@ -197,10 +197,7 @@ ReconstructionOptions OpenVolume::options_for(const std::string& array) {
     options.b = fitted->options.b, options.c = fitted->options.c;
     return options;
   }
-  const bool first = !traits_;
   options.method = suited().method;
-  if (first)
-    console_.say(fmt::format("{}: {}, since it is {}", input_.name(), info_of(options.method).name, suited_.why));
   return options;
 }
 
@@ -235,6 +232,12 @@ const VolumeTraits& OpenVolume::traits() {
 const ReconstructionChoice& OpenVolume::suited() {
   traits();
   return suited_;
+}
+
+void OpenVolume::say_method() const {
+  const std::string_view name = info_of(report_.options.method).name;
+  console_.say(traits_ ? fmt::format("{}: by {}, since it is {}", array_name(), name, suited_.why)
+                       : fmt::format("{}: by {}", array_name(), name));
 }
 
 double OpenVolume::sample_value(std::size_t i) {

@@ -60,6 +60,8 @@ class OpenVolume {
   FittedVolume fit(bool all);
   /// {f = value} of the array. Throws ArgumentError where the array has several components and none was chosen.
   std::shared_ptr<const Isosurface> isosurface(double value);
+  /// A line: by which method, and why if nobody chose it.
+  void say_method() const;
   const ReconstructionReport& report() const { return report_; }
   /// Value of sample i of the array as chosen (its magnitude, where a vector is asked for as a whole).
   double sample_value(std::size_t i);

@@ -72,9 +72,10 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
   a.output.write(mesh, console.progress());
   console.progress().finish();
 
-  console.say(fmt::format("{}: {} = {:.6g}{} by {} on {} ({})", a.input.name(), volume.array_name(), value,
-                          a.value ? "" : " (the middle of its range)", info_of(volume.report().options.method).name,
-                          counted(samples->size(), "sample"), samples->facts.grid));
+  volume.say_method();
+  console.say(fmt::format("{}: {} = {:.6g}{} on {} ({})", a.input.name(), volume.array_name(), value,
+                          a.value ? "" : " (the middle of its range)", counted(samples->size(), "sample"),
+                          samples->facts.grid));
   console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(report.components, "component"),
                           report.closed ? ", closed" : ", with borders"));

@@ -85,8 +85,8 @@ void run_probe(const ProbeArguments& a, Console& console) {
   console.progress().finish();
 
   const auto within = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), 1));
-  console.say(fmt::format("{}: {} of {} by {}, {} in the volume", a.input.name(), counted(n, "value"),
-                          volume.array_name(), info_of(volume.report().options.method).name, grouped(within)));
+  volume.say_method();
+  console.say(fmt::format("{}: {}, {} in the volume", a.input.name(), counted(n, "point"), grouped(within)));
   Json json = {{"input", volume.json()}, {"points", n}, {"inside", within}};
   if (n <= kPrintedProbes) {
     json["values"] = Json::array();

@@ -53,6 +53,7 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   o.cut_faces = !a.no_cut_faces;
   o.color_bar = !a.no_bar;
   o.steady = a.frames > 0;
+  if (a.interactive) o.samples = 1, o.step = 1.5, o.least_light = 0.01;
   if (!a.transfer.empty()) o.transfer = read_transfer_function(a.transfer);
   o.validate();
   return o;
@@ -113,9 +114,8 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   }
   progress.finish();
 
-  console.say(fmt::format("{}: {} by {} on {} ({})", a.input.name(), volume.array_name(),
-                          info_of(volume.report().options.method).name, counted(samples->size(), "sample"),
-                          samples->facts.grid));
+  volume.say_method();
+  console.say(fmt::format("{}: {} ({})", a.input.name(), counted(samples->size(), "sample"), samples->facts.grid));
   const auto [lower, upper] = report.transfer.range();
   console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.size() == 1 ? files[0] : a.output, lower, upper,
                           report.why.empty() ? "" : "; " + report.why));

@@ -45,9 +45,9 @@ void run_resample(ResampleArguments& a, Console& console) {
   const auto& inside = *block.point_arrays[block.point_arrays.size() - 1].as<std::uint8_t>();
   const auto within = std::count(inside.begin(), inside.end(), 1);
   const double share = static_cast<double>(within) / static_cast<double>(inside.size());
-  console.say(fmt::format("{}: {} × {} × {} values of {} by {}, {:.1f} % in the volume", a.output, block.axes[0].size(),
-                          block.axes[1].size(), block.axes[2].size(), volume.array_name(),
-                          info_of(volume.report().options.method).name, 100 * share));
+  volume.say_method();
+  console.say(fmt::format("{}: {} × {} × {} values, {:.1f} % in the volume", a.output, block.axes[0].size(),
+                          block.axes[1].size(), block.axes[2].size(), 100 * share));
   console.say_json({{"input", volume.json()},
                     {"output",
                      {{"file", a.output},

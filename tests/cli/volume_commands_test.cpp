@@ -1,0 +1,141 @@
+// The commands of volumes, on a ball in a small raw file and on points.
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numbers>
+
+#include "run_tool.h"
+
+namespace sansmesh::test {
+namespace {
+
+constexpr std::size_t kSize = 17;
+
+class VolumeTool : public ToolTest {
+ protected:
+  void SetUp() override {
+    ToolTest::SetUp();
+    // Larger towards the middle (8, 8, 8): {f > 2} is the ball of radius 5.
+    std::vector<float> values;
+    for (std::size_t k = 0; k < kSize; ++k)
+      for (std::size_t j = 0; j < kSize; ++j)
+        for (std::size_t i = 0; i < kSize; ++i) {
+          const auto d = [](std::size_t n) { return static_cast<double>(n) - 8; };
+          values.push_back(static_cast<float>(7 - std::sqrt(d(i) * d(i) + d(j) * d(j) + d(k) * d(k))));
+        }
+    std::string bytes(values.size() * sizeof(float), '\0');
+    std::memcpy(bytes.data(), values.data(), bytes.size());
+    std::ofstream(path("ball_17x17x17_float32.raw"), std::ios::binary) << bytes;
+    ball_ = path("ball_17x17x17_float32.raw");
+  }
+  std::string ball_;
+};
+
+TEST_F(VolumeTool, InfoTellsGridAndArrays) {
+  const auto json = json_of({"info", ball_});
+  EXPECT_EQ(json["samples"], kSize * kSize * kSize);
+  EXPECT_EQ(json["grid"], "uniform");
+  EXPECT_EQ(json["spacing"]["median"], 1);
+  EXPECT_EQ(json["arrays"][0]["upper"][0], 7);
+}
+
+TEST_F(VolumeTool, AdviseNamesAReconstructionAndWhy) {
+  const auto json = json_of({"advise", ball_});
+  EXPECT_FALSE(json["method"].get<std::string>().empty());
+  EXPECT_FALSE(json["why"].get<std::string>().empty());
+  EXPECT_EQ(json["commands"].size(), 4u);
+}
+
+TEST_F(VolumeTool, ProbeAnswersEveryRowInOrder) {
+  std::ofstream(path("where.csv")) << "x,y,z\n8,8,4\n100,0,0\n4.5,8,8\nnan,1,1\n";
+  const Outcome outcome =
+      run({"volume", "probe", ball_, "--points", path("where.csv"), "-o", path("out.csv"), "--method", "linear"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::istringstream rows(slurp(path("out.csv")));
+  std::string line;
+  std::getline(rows, line);
+  EXPECT_EQ(line, "x,y,z,value,value_dx,value_dy,value_dz,inside");
+  std::vector<std::vector<double>> table;
+  while (std::getline(rows, line)) {
+    std::istringstream fields(line);
+    std::string field;
+    table.emplace_back();
+    while (std::getline(fields, field, ',')) table.back().push_back(std::stod(field));
+    ASSERT_EQ(table.back().size(), 8u) << line;
+  }
+  ASSERT_EQ(table.size(), 4u);
+  EXPECT_NEAR(table[0][3], 3, 1e-6);
+  EXPECT_NEAR(table[2][3], 3.5, 1e-6);
+  EXPECT_NEAR(table[2][4], 1, 1e-5);
+  EXPECT_EQ(table[0][7], 1);
+  EXPECT_EQ(table[1][7], 0);
+  EXPECT_EQ(table[3][7], 0);
+}
+
+TEST_F(VolumeTool, IsosurfacesAreMeshesSolidsAndSections) {
+  const double volume = 4.0 / 3 * std::numbers::pi * 125;
+  const auto json = json_of({"volume", "isosurface", ball_, "--value", "2", "-o", path("ball.ply")});
+  EXPECT_EQ(json["output"]["closed"], true);
+  EXPECT_NEAR(json["volume"].get<double>(), volume, 0.02 * volume);
+  const auto cut = json_of({"section", ball_ + "[value=2]", "--plane", "z=8"});
+  EXPECT_NEAR(cut["planes"][0]["area"].get<double>(), std::numbers::pi * 25, 1);
+  const auto half =
+      json_of({"csg", "'" + ball_ + "[value=2]' & plane(z, offset=8)", "-o", path("half.ply"), "--cell", "0.7"});
+  EXPECT_NEAR(half["volume"].get<double>(), volume / 2, 0.02 * volume);
+}
+
+TEST_F(VolumeTool, ResamplesOntoOtherGridsAndReadsThemBack) {
+  for (const char* ending : {"mha", "nrrd"}) {
+    const std::string file = path(std::string("coarse.") + ending);
+    const auto json = json_of({"volume", "resample", ball_, "--size", "9", "--method", "linear", "-o", file});
+    EXPECT_EQ(json["output"]["inside"], 1);
+    const auto back = json_of({"volume", "probe", file, "--at", "8,8,4", "--method", "linear"});
+    EXPECT_NEAR(back["values"][0]["value"].get<double>(), 3, 1e-6) << ending;
+  }
+}
+
+TEST_F(VolumeTool, DrawsAPicture) {
+  const Outcome outcome = run({"volume", "render", ball_, "-o", path("ball.png"), "--width", "64", "--height", "48",
+                               "--iso", "2:#ff8800:0.5", "--cut", "x>8"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(slurp(path("ball.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(VolumeTool, PointsAreSamplesOfAVolumeWhereThatIsSaid) {
+  std::ofstream csv(path("samples.csv"));
+  csv << "x,y,z,t\n";
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 5; ++j)
+      for (int i = 0; i < 5; ++i)
+        csv << i + 0.01 * ((7 * j + 3 * k) % 5) << ',' << j + 0.01 * ((5 * i + k) % 7) << ',' << k << ',' << 2 * i - k
+            << '\n';
+  csv.close();
+  EXPECT_EQ(json_of({"info", "data", path("samples.csv")})["samples"], 125);
+  const auto json =
+      json_of({"volume", "probe", path("samples.csv"), "--array", "t", "--at", "2,2,2", "--method", "linear"});
+  EXPECT_NEAR(json["values"][0]["value"].get<double>(), 2, 0.1);
+}
+
+TEST_F(VolumeTool, SaysInOneLineWhatIsWrong) {
+  std::ofstream(path("short_17x17x17_float32.raw")) << "too short";
+  std::ofstream(path("empty.csv")) << "";
+  const std::string out = path("never.csv");
+  const std::vector<Failing> cases = {
+      {{"volume", "probe", ball_, "--at", "1,2,3", "--array", "nothing"}, 2, {"--array", "nothing", "value"}},
+      {{"volume", "probe", ball_}, 2, {"--points", "--at"}},
+      {{"volume", "probe", path("missing.mhd"), "--at", "0,0,0"}, 1, {"missing.mhd"}},
+      {{"volume", "probe", path("short_17x17x17_float32.raw"), "--at", "0,0,0"}, 1, {"short_17x17x17_float32.raw"}},
+      {{"volume", "probe", ball_, "--points", path("empty.csv"), "-o", out}, 1, {"empty.csv"}},
+      {{"volume", "probe", ball_, "--at", "0,0,0", "--method", "best"}, 2, {"--method", "mls-detail"}},
+      {{"volume", "isosurface", ball_, "--value", "70", "-o", path("never.ply")}, 1, {"70", "between"}},
+      {{"volume", "resample", ball_, "-o", path("never.xyz")}, 1, {".vti"}},
+      {{"volume", "resample", ball_, "-o", path("never.vti"), "--size", "1"}, 2, {"--size"}},
+      {{"volume", "render", ball_, "-o", path("never.png"), "--preset", "pretty"}, 2, {"pretty", "ct-bone"}},
+      {{"volume"}, 2, {"volume"}},
+      {{"section", ball_ + "[value=x]"}, 2, {"FILE[ARRAY=VALUE]"}},
+  };
+  expect_failures(cases);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
