@@ -27,6 +27,7 @@ Command add_measure(CommandLine& app);
 Command add_csg(CommandLine& app);
 /// The commands of `volume`.
 std::vector<Command> add_volume(CommandLine& app);
+Command add_volume_fit(CommandLine& volume);
 Command add_volume_probe(CommandLine& volume);
 Command add_volume_resample(CommandLine& volume);
 Command add_volume_isosurface(CommandLine& volume);

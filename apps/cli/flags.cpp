@@ -28,6 +28,7 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"range", "--color-range"},
                                   {"classes", "--class"},
                                   {"samples", "--antialiasing"},
+                                  {"time_step", "--step"},
                                   {"view.azimuth", "--azimuth"},
                                   {"view.elevation", "--elevation"}};
 

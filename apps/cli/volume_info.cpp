@@ -60,6 +60,31 @@ std::vector<std::string> mended(const VolumeFacts& f) {
   return lines;
 }
 
+/// The reconstruction that a fitted volume holds.
+void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
+  const ReconstructionOptions& o = fitted.chosen;
+  const std::string_view method = info_of(o.method).name;
+  std::string options;
+  const auto add = [&](const char* name, const auto& value) {
+    if (value) options += fmt::format("{}{} {}", options.empty() ? "" : ", ", name, *value);
+  };
+  add("degree at most", o.degree), add("radius", o.radius), add("shape", o.shape), add("order", o.order);
+  add("iterations", o.iterations);
+  say(console, "fitted",
+      fmt::format("{} by {}{}", printable(fitted.array, 80), method, options.empty() ? "" : " (" + options + ")"));
+  const std::vector<std::size_t> by_degree = fitted.coefficients.by_degree();
+  if (!by_degree.empty())
+    say(console, "polynomials", fmt::format("of degree 0 to {}: {}", by_degree.size() - 1, fmt::join(by_degree, ", ")));
+  json["reconstruction"] = {{"array", printable(fitted.array)},
+                            {"method", method},
+                            {"degree", o.degree},
+                            {"radius", o.radius},
+                            {"shape", o.shape},
+                            {"order", o.order},
+                            {"iterations", o.iterations},
+                            {"by_degree", by_degree}};
+}
+
 }  // namespace
 
 void run_volume_info(const VolumeInput& input, Console& console) {
@@ -119,6 +144,7 @@ void run_volume_info(const VolumeInput& input, Console& console) {
   json["not_finite"] = f.not_finite;
   json["layer"] = f.layer;
   json["arrays"] = std::move(arrays);
+  if (dataset.fitted()) describe_fitted(*dataset.fitted(), console, json);
   json["times"] = dataset.times();
   json["notes"] = dataset.notes();
   console.say_json(json);

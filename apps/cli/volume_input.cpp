@@ -11,6 +11,7 @@
 
 #include "command_line.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/dataset/volume_file.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -128,10 +129,17 @@ OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(inpu
     throw ArgumentError("--degree, --iterations, --shape, --order and --radius need --method");
   console.progress().begin("read");
   ReadReport read;
-  GridData data = input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
-                                          : read_volumes(input.files, input.read, &read);
-  console.warn(input.name(), data.notes);
-  dataset_ = std::make_unique<VolumeDataset>(std::move(data));
+  if (std::any_of(input.files.begin(), input.files.end(), is_volume_file)) {
+    if (input.files.size() > 1) throw FileError(input.name(), "a fitted volume (.smv) is whole: it is read on its own");
+    if (input.read.raw)
+      throw ArgumentError("`dims`, `type` and `spacing` are for raw files, not for fitted volumes (.smv)");
+    if (input.read.time_step > 0) throw ArgumentError("`time_step`: a fitted volume (.smv) holds a single step");
+    dataset_ = std::make_unique<VolumeDataset>(read_volume_file(input.files[0]));
+  } else {
+    dataset_ = std::make_unique<VolumeDataset>(input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
+                                                                       : read_volumes(input.files, input.read, &read));
+  }
+  console.warn(input.name(), dataset_->notes());
   if (!input.array.empty())
     choice_ = dataset_->choose(input.array);
   else if (!dataset_->arrays().empty())
@@ -159,10 +167,8 @@ std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) 
   std::shared_ptr<const VolumeField> field;
   try {
     dataset_->default_array();  // there must be one
-    ReconstructionOptions options = input_.method;
-    if (!input_.chosen) options.method = suited().method;
     ReconstructionReport report;
-    field = dataset_->field(choice, options, console_.progress(), &report);
+    field = dataset_->field(choice, options_for(choice.array), console_.progress(), &report);
     if (!fitted_) report_ = report;
     fitted_ = true;
     console_.warn(input_.name(), report.notes);
@@ -170,6 +176,36 @@ std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) 
     throw FileError(input_.name(), error.what());
   }
   return field;
+}
+
+FittedVolume OpenVolume::fit(bool all) {
+  if (choice_.component || choice_.magnitude)
+    throw ArgumentError(
+        fmt::format("`array`: all components are fitted together; choose one where the file is used ({}, not {})",
+                    choice_.array, input_.array));
+  samples();
+  FittedVolume fitted;
+  try {
+    dataset_->default_array();  // there must be one
+    fitted = dataset_->fit(choice_.array, options_for(choice_.array), all, console_.progress(), &report_);
+    fitted_ = true;
+  } catch (const DataError& error) {
+    throw FileError(input_.name(), error.what());
+  }
+  console_.warn(input_.name(), report_.notes);
+  return fitted;
+}
+
+ReconstructionOptions OpenVolume::options_for(const std::string& array) {
+  ReconstructionOptions options = input_.method;
+  if (input_.chosen) return options;
+  if (const FittedVolume* const fitted = dataset_->fitted(); fitted && fitted->array == array) {
+    options.method = fitted->options.method;
+    options.b = fitted->options.b, options.c = fitted->options.c;
+    return options;
+  }
+  options.method = suited().method;
+  return options;
 }
 
 std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {

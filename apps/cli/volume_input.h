@@ -55,6 +55,9 @@ class OpenVolume {
   std::shared_ptr<const VolumeField> field() { return field(choice_); }
   /// The same of another array or component, with the method of the first.
   std::shared_ptr<const VolumeField> field(const ArrayChoice& choice);
+  /// The same to be kept in a file, with all arrays or this alone. Throws ArgumentError where only a component of the
+  /// array was chosen.
+  FittedVolume fit(bool all);
   /// {f = value} of the array. Throws ArgumentError where the array has several components and none was chosen.
   std::shared_ptr<const Isosurface> isosurface(double value);
   /// A line: by which method, and why if nobody chose it.
@@ -66,6 +69,9 @@ class OpenVolume {
   Json json() const;
 
  private:
+  /// What was given; the method of a fitted volume, or the one that suits the data, where none was.
+  ReconstructionOptions options_for(const std::string& array);
+
   const VolumeInput& input_;
   Console& console_;
   std::unique_ptr<VolumeDataset> dataset_;
@@ -94,6 +100,8 @@ NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console);
 
 inline constexpr const char* kReadableVolumes =
     "Reads MetaImage, NRRD, raw, PLOT3D, points with attributes and, through VTK, .vti .vtr .vts .vtu .vtm .vthb\n"
-    ".vtk, Exodus, EnSight, CGNS and folders of DICOM slices. Several files are the blocks of one volume.";
+    ".vtk, Exodus, EnSight, CGNS and folders of DICOM slices; fitted volumes (.smv, made by volume fit). Several "
+    "files\n"
+    "are the blocks of one volume.";
 
 }  // namespace sansmesh::cli

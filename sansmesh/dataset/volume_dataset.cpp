@@ -59,7 +59,24 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
   return names;
 }
 
+/// Whether what is asked for is what a fitted volume holds; what is absent may be anything.
+bool is_held(const FittedVolume& fitted, const std::string& array, const ReconstructionOptions& asked) {
+  const ReconstructionOptions& held = fitted.chosen;
+  const auto same = [](const auto& wanted, const auto& there) { return !wanted || wanted == there; };
+  return array == fitted.array && asked.method == held.method && same(asked.degree, held.degree) &&
+         same(asked.iterations, held.iterations) && same(asked.shape, held.shape) && same(asked.order, held.order) &&
+         same(asked.radius, held.radius) && same(asked.robust, held.robust) && asked.b == held.b && asked.c == held.c;
+}
+
 }  // namespace
+
+VolumeDataset::VolumeDataset(FittedVolume fitted) : arrays_(fitted.arrays), fitted_(std::move(fitted)) {
+  data_.format = "fitted volume of " + fitted_->source;
+  data_.time = fitted_->time;
+  data_.notes = fitted_->notes;
+  volumes_[fitted_->volume->in_cells ? 1 : 0] = fitted_->volume;
+  while (arrays_.at(default_).name != fitted_->array) ++default_;
+}
 
 VolumeDataset::VolumeDataset(GridData data) : data_(std::move(data)) {
   for (const GridBlock& b : data_.blocks) {
@@ -83,8 +100,8 @@ const DatasetArray& VolumeDataset::array(const std::string& name, const std::str
   for (const DatasetArray& a : arrays_)
     if (a.name == name && (!found || a.of == Association::points)) found = &a;
   if (!found)
-    throw ArgumentError(
-        fmt::format("`{}`: there is no array named '{}'; there are {}", option, name, names_of(arrays_)));
+    throw ArgumentError(fmt::format("`{}`: there is no array named '{}'; {} {}", option, printable(name, 60),
+                                    fitted_ ? "this fitted volume holds" : "there are", names_of(arrays_)));
   return *found;
 }
 
@@ -123,6 +140,9 @@ std::shared_ptr<const SampledVolume> VolumeDataset::volume(const std::string& na
 std::shared_ptr<const SampledVolume> VolumeDataset::volume(Association of, Progress& progress) {
   auto& volume = volumes_[of == Association::points ? 0 : 1];
   if (volume) return volume;
+  if (fitted_)
+    throw DataError(of == Association::points ? "a fitted volume that holds no values of points"
+                                              : "a fitted volume that holds no values of cells");
   volume = std::make_shared<const SampledVolume>(assemble_volume(data_, of, progress));
   const bool done = std::all_of(arrays_.begin(), arrays_.end(), [&](const DatasetArray& a) {
     return volumes_[a.of == Association::points ? 0 : 1] != nullptr;
@@ -133,8 +153,9 @@ std::shared_ptr<const SampledVolume> VolumeDataset::volume(Association of, Progr
 
 std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choice, const ReconstructionOptions& options,
                                                         Progress& progress, ReconstructionReport* report) {
-  std::shared_ptr<const VolumeField> field =
-      reconstruct_volume(volume(choice.array, progress), choice.array, options, progress, report);
+  ReconstructionReport own;
+  ReconstructionCoefficients kept;
+  std::shared_ptr<const VolumeField> field = reconstruct(choice.array, options, progress, report ? *report : own, kept);
   if (field->components() == 1 || (!choice.component && !choice.magnitude)) return field;
   struct OwnedComponent {
     std::shared_ptr<const VolumeField> field;
@@ -142,6 +163,38 @@ std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choic
   };
   auto owned = std::make_shared<OwnedComponent>(OwnedComponent{field, VolumeComponent(*field, choice.component)});
   return {owned, &owned->component};
+}
+
+std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array, const ReconstructionOptions& options,
+                                                        Progress& progress, ReconstructionReport& report,
+                                                        ReconstructionCoefficients& kept) {
+  const auto samples = volume(array, progress);
+  if (!fitted_ || !is_held(*fitted_, array, options))
+    return reconstruct_volume(samples, array, options, progress, &report, &kept);
+  kept = fitted_->coefficients;
+  // What was chosen goes with coefficients; without any the method chooses again, of the same data.
+  return reconstruct_volume(samples, array, kept.empty() ? fitted_->options : fitted_->chosen, progress, &report,
+                            &kept);
+}
+
+FittedVolume VolumeDataset::fit(const std::string& array, const ReconstructionOptions& options, bool all,
+                                Progress& progress, ReconstructionReport* report) {
+  const DatasetArray chosen = this->array(array);
+  ReconstructionReport own;
+  ReconstructionReport& told = report ? *report : own;
+  FittedVolume result;
+  reconstruct(array, options, progress, told, result.coefficients);
+  result.volume = volume(array, progress);
+  result.array = array;
+  result.options = fitted_ && is_held(*fitted_, array, options) ? fitted_->options : options;
+  result.chosen = told.options;
+  for (const DatasetArray& a : arrays_)
+    if (all ? a.of == chosen.of && result.volume->attributes.find(a.name) : a.name == array && a.of == chosen.of)
+      result.arrays.push_back(a);
+  result.source = fitted_ ? fitted_->source : data_.format;
+  result.time = data_.time;
+  result.notes = data_.notes;
+  return result;
 }
 
 std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text) {

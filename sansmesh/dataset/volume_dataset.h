@@ -10,23 +10,13 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/number_type.h"
 #include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/dataset/fitted_volume.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 
 namespace sansmesh {
-
-/// An array of a dataset. One name may stand for two: one of points and one of cells.
-struct DatasetArray {
-  std::string name;
-  Association of = Association::points;
-  NumberType type = NumberType::f32;
-  std::size_t components = 1;
-  std::vector<double> least, most;  ///< of each component, over what is finite and not hidden; NaN: nothing is
-  std::size_t not_finite = 0;       ///< numbers
-};
 
 /// What of an array is meant by "NAME", "NAME:1", "NAME:y" or "NAME:magnitude".
 struct ArrayChoice {
@@ -38,11 +28,12 @@ struct ArrayChoice {
 class VolumeDataset {
  public:
   explicit VolumeDataset(GridData data);
+  /// Has the arrays that are kept; their order is the file's, the default is the one that was reconstructed.
+  explicit VolumeDataset(FittedVolume fitted);
 
   const std::vector<DatasetArray>& arrays() const { return arrays_; }
-  /// The first real array of one component that is not constant; else of one component, else of several, and then of
-  /// points rather than of cells.
-  /// Throws DataError where there is no array at all.
+  /// That of a fitted volume; else the first real array of one component that is not constant; else of one component,
+  /// else of several, and then of points rather than of cells. Throws DataError where there is no array at all.
   const DatasetArray& default_array() const;
   /// Of points, where there are two of that name. Throws ArgumentError naming those that there are.
   const DatasetArray& array(const std::string& name, const std::string& option = "array") const;
@@ -56,8 +47,17 @@ class VolumeDataset {
   std::shared_ptr<const SampledVolume> volume(const std::string& array, Progress& progress);
 
   /// The reconstruction of an array, of all its components or of what was chosen. Throws as reconstruct_volume.
+  /// Where that is the reconstruction that a fitted volume holds (the same method and array, and whatever is set the
+  /// same as what it was made with), nothing is fitted, and the field is the same to the bit.
   std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const ReconstructionOptions& options,
                                            Progress& progress, ReconstructionReport* report = nullptr);
+
+  /// Reconstructs an array with all its components, to be kept in a file: that array alone, or all that belong to the
+  /// same samples. Throws as reconstruct_volume.
+  FittedVolume fit(const std::string& array, const ReconstructionOptions& options, bool all, Progress& progress,
+                   ReconstructionReport* report = nullptr);
+  /// What it was made of, if that is a fitted volume.
+  const FittedVolume* fitted() const { return fitted_ ? &*fitted_ : nullptr; }
 
   const std::string& format() const { return data_.format; }
   const std::vector<std::string>& notes() const { return data_.notes; }
@@ -65,10 +65,16 @@ class VolumeDataset {
   const std::optional<double>& time() const { return data_.time; }
 
  private:
+  /// The reconstruction of all components; `kept` receives or gives its coefficients.
+  std::unique_ptr<VolumeField> reconstruct(const std::string& array, const ReconstructionOptions& options,
+                                           Progress& progress, ReconstructionReport& report,
+                                           ReconstructionCoefficients& kept);
+
   GridData data_;  ///< without blocks once nothing more can be made of them
   std::vector<DatasetArray> arrays_;
   std::size_t default_ = 0;
   std::array<std::shared_ptr<const SampledVolume>, 2> volumes_;
+  std::optional<FittedVolume> fitted_;
 };
 
 /// A surface in a volume, as it is named where a file is asked for: "data.vtu[Temp=300]", "data.vtu[V:magnitude=2]".

@@ -33,7 +33,8 @@ enum class VolumeFormat : std::uint8_t {
   ensight,
   cgns,
   openfoam,
-  dicom
+  dicom,
+  fitted
 };
 
 struct VolumeEnding {
@@ -54,6 +55,7 @@ constexpr VolumeEnding volume_endings[] = {
     {" foam ", VolumeFormat::openfoam},
     {" pvd ", VolumeFormat::pvd},
     {" dcm dicom ", VolumeFormat::dicom},
+    {" smv ", VolumeFormat::fitted},
 };
 constexpr const char* point_endings =
     " xyz csv txt asc pts tsv dat ply pcd vtp las obj off stl pwn xyzn npts xyzrgb conf coff noff cnoff ";
@@ -197,6 +199,8 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       return by_vtk(io::VtkFormat::openfoam);
     case VolumeFormat::dicom:
       return by_vtk(io::VtkFormat::dicom);
+    case VolumeFormat::fitted:
+      in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
     case VolumeFormat::unknown:
       break;
   }

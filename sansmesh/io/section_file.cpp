@@ -20,8 +20,11 @@ namespace sansmesh {
 namespace {
 
 /// Not text (0x89), and damaged by whatever changes the ends of lines.
-constexpr char kMagic[8] = {'\x89', 'S', 'M', 'F', '\r', '\n', '\x1a', '\n'};
-constexpr std::uint32_t kMajor = 1, kMinor = 2;
+std::array<char, 8> magic_of(const SectionFormat& format) {
+  const std::string_view s = format.letters;
+  return {'\x89', s[0], s[1], s[2], '\r', '\n', '\x1a', '\n'};
+}
+
 constexpr std::size_t kAlignment = 64, kMostSections = 256;
 
 struct Header {
@@ -67,12 +70,13 @@ bool is_name(std::string_view name) {
 
 }  // namespace
 
-void write_sections(const std::string& file, const std::vector<FileSection>& sections) {
+void write_sections(const std::string& file, const std::vector<FileSection>& sections, const SectionFormat& format) {
   if (sections.size() > kMostSections) throw ArgumentError("too many sections for one file");
   std::string head(aligned(sizeof(Header) + sections.size() * sizeof(Entry)), '\0');
   Header header{};
-  std::copy(std::begin(kMagic), std::end(kMagic), header.magic);
-  header.major = kMajor, header.minor = kMinor;
+  const auto magic = magic_of(format);
+  std::copy(magic.begin(), magic.end(), header.magic);
+  header.major = format.major, header.minor = format.minor;
   header.sections = static_cast<std::uint32_t>(sections.size());
   std::vector<Entry> table(sections.size());
   std::size_t at = head.size();
@@ -105,31 +109,34 @@ void write_sections(const std::string& file, const std::vector<FileSection>& sec
   io::write_parts(file, parts);
 }
 
-SectionFile::SectionFile(const std::string& file) : file_(file) {
+SectionFile::SectionFile(const std::string& file, const SectionFormat& format) : file_(file) {
   auto content = std::make_shared<const io::FileContent>(file);
-  open(content->bytes());
+  open(content->bytes(), format);
   owner_ = std::move(content);
 }
 
-SectionFile::SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes)
+SectionFile::SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes,
+                         const SectionFormat& format)
     : file_(name), owner_(std::move(owner)) {
   if (reinterpret_cast<std::uintptr_t>(bytes.data()) % 16 != 0)
     throw ArgumentError("the bytes of a file of sections must be aligned to 16");
-  open(bytes);
+  open(bytes, format);
 }
 
-void SectionFile::open(std::string_view bytes) {
+void SectionFile::open(std::string_view bytes, const SectionFormat& format) {
   const auto fail = [&](const std::string& cause) { throw FileError(file_, cause); };
 
   Header header;
-  if (bytes.size() < sizeof kMagic || std::memcmp(bytes.data(), kMagic, sizeof kMagic) != 0)
-    fail(bytes.size() >= sizeof kMagic && bytes.substr(1, 3) == "SMF" ? "damaged: the ends of lines in it were changed"
-                                                                      : "is not a function file (.smf)");
+  const auto magic = magic_of(format);
+  if (bytes.size() < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
+    fail(bytes.size() >= magic.size() && bytes.substr(1, 3) == format.letters
+             ? "damaged: the ends of lines in it were changed"
+             : fmt::format("is not a {}", format.words));
   if (bytes.size() < sizeof header) fail(fmt::format("truncated: it ends after {} bytes", bytes.size()));
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.major > kMajor)
+  if (header.major > format.major)
     fail(fmt::format("was written by a newer version of sansmesh (format {}.{}, this one reads up to {}.x)",
-                     header.major, header.minor, kMajor));
+                     header.major, header.minor, format.major));
   if (header.major == 0 || header.sections > kMostSections) fail("damaged: its header makes no sense");
   const std::size_t table_end = sizeof header + header.sections * sizeof(Entry);
   if (bytes.size() < table_end) fail("truncated: its table of contents is not complete");

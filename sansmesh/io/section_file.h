@@ -1,5 +1,5 @@
-// Named arrays in one file, as they lie in memory: the container of function files. docs/formats/smf.md describes the
-// bytes.
+// Named arrays in one file, as they lie in memory: the container of function and volume files. docs/formats/smf.md
+// describes the bytes.
 #pragma once
 
 #include <cstdint>
@@ -27,18 +27,30 @@ FileSection section_of(const std::string& name, std::span<const T> values) {
   return {name, sizeof(T), {reinterpret_cast<const char*>(values.data()), values.size_bytes()}};
 }
 
+/// A kind of such files.
+struct SectionFormat {
+  std::string_view letters;  ///< three of them, in the first bytes: "SMF"
+  std::string_view words;    ///< for messages: "function file (.smf)"
+  std::uint32_t major = 1;   ///< readers refuse files of a larger one
+  std::uint32_t minor = 0;
+};
+inline constexpr SectionFormat kFunctionSections{"SMF", "function file (.smf)", 1, 2};
+inline constexpr SectionFormat kVolumeSections{"SMV", "fitted volume (.smv)", 1, 0};
+
 /// Writes them atomically, each with a checksum, aligned to 64 bytes. Throws FileError.
-void write_sections(const std::string& file, const std::vector<FileSection>& sections);
+void write_sections(const std::string& file, const std::vector<FileSection>& sections,
+                    const SectionFormat& format = kFunctionSections);
 
 /// A file of sections, mapped into memory (unpacked if it is gzipped) and checked: every byte that is handed out
 /// belongs to a section whose checksum is right.
 class SectionFile {
  public:
   /// Throws FileError where the file is missing, not of this kind, of a newer version, truncated or damaged.
-  explicit SectionFile(const std::string& file);
+  explicit SectionFile(const std::string& file, const SectionFormat& format = kFunctionSections);
   /// The same of bytes in memory, aligned to 16, that stay as they are as long as `owner` lives; `name` is for
   /// messages.
-  SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes);
+  SectionFile(const std::string& name, std::shared_ptr<const void> owner, std::string_view bytes,
+              const SectionFormat& format = kFunctionSections);
 
   const std::string& file() const { return file_; }
   bool has(std::string_view name) const { return find(name) != nullptr; }
@@ -55,7 +67,7 @@ class SectionFile {
   std::string_view text(std::string_view name) const { return bytes_of(name, 1); }
 
  private:
-  void open(std::string_view bytes);
+  void open(std::string_view bytes, const SectionFormat& format);
   const FileSection* find(std::string_view name) const;
   std::string_view bytes_of(std::string_view name, std::size_t element_size) const;
 

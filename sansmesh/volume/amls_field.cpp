@@ -136,13 +136,10 @@ std::vector<std::uint8_t> held_out(const SampledVolume& volume) {
   return out;
 }
 
-}  // namespace
-
-std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
+// Local polynomials, the choice of shape and iterations where they were not chosen, and the iterated constants.
+ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const detail::SupportShape& shape,
+                                    double& epsilon, int& iterations) {
   const SampledVolume& volume = *input.volume;
-  ReconstructionOptions& chosen = input.report.options;
-  const int order = input.options.order.value_or(2);
-  const detail::SupportShape shape = amls_shape(order);
   // What is known at the samples besides their values: gradients and second derivatives.
   LocalPolynomialOptions how;
   how.fit.max_degree = 2;
@@ -155,8 +152,6 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
     return radii;
   };
 
-  double epsilon = input.options.shape.value_or(kDefaultShape);
-  int iterations = input.options.iterations.value_or(kDefaultIterations);
   if ((!input.options.shape || !input.options.iterations) && volume.size() <= kMostForChoice) {
     const std::vector<std::uint8_t> without = held_out(volume);
     double best = std::numeric_limits<double>::infinity();
@@ -184,15 +179,28 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
       input.progress.advance();
     }
   }
-  chosen.order = order, chosen.shape = epsilon, chosen.iterations = iterations;
 
   std::vector<float> radii = radii_of(epsilon);
   {
     const AmlsSystem system(volume, input.values, local, radii, shape);
     local.constants = system.iterate(iterations, {}, [](int, std::span<const double>) {});
   }
-  auto locator = std::make_shared<const VolumeLocator>(volume);
-  return make_support_blend(std::move(input.volume), std::move(locator), std::move(local), std::move(radii), shape);
+  return {std::move(local), std::move(radii)};
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
+  const int order = input.options.order.value_or(2);
+  const detail::SupportShape shape = amls_shape(order);
+  double epsilon = input.options.shape.value_or(kDefaultShape);
+  int iterations = input.options.iterations.value_or(kDefaultIterations);
+  ReconstructionCoefficients& fitted = input.coefficients;
+  if (fitted.empty()) fitted = fit_amls(input, shape, epsilon, iterations);
+  ReconstructionOptions& chosen = input.report.options;
+  chosen.order = order, chosen.shape = epsilon, chosen.iterations = iterations;
+  auto locator = std::make_shared<const VolumeLocator>(*input.volume);
+  return make_support_blend(std::move(input.volume), std::move(locator), fitted.polynomials, fitted.radii, shape);
 }
 
 }  // namespace sansmesh

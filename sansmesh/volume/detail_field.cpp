@@ -54,10 +54,14 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   local.fit.robust = input.options.robust.value_or(true);
   chosen.degree = local.fit.max_degree;
   chosen.robust = local.fit.robust;
-  LocalPolynomials polynomials = fit_polynomials(*input.volume, input.values, local, input.progress);
-  auto& by_degree = input.report.by_degree;
-  by_degree.assign(LocalPolynomials::kMaxDegree + 1, 0);
-  for (const std::uint8_t d : polynomials.degrees) ++by_degree[d];
+  ReconstructionCoefficients& fitted = input.coefficients;
+  if (fitted.empty()) {
+    fitted.polynomials = fit_polynomials(*input.volume, input.values, local, input.progress);
+    if (blends_supports(*input.volume, ReconstructionMethod::mls_detail))
+      fitted.radii = support_radii(*input.volume, fitted.polynomials, 1);
+  }
+  const LocalPolynomials& polynomials = fitted.polynomials;
+  input.report.by_degree = fitted.by_degree();
   const auto doubtful = static_cast<std::size_t>(
       std::count_if(polynomials.trust.begin(), polynomials.trust.end(), [](float t) { return t < 0.5f; }));
   if (4 * doubtful > polynomials.size())
@@ -66,14 +70,9 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
                     "disagree, and the result is hardly better than linear interpolation there",
                     100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
-  // Cells do not fit together where blocks overlap, and samples in cells are corners of none: supports then.
-  if (!input.volume->lattice && (!input.volume->cell_sample.empty() || input.volume->facts.overlapped > 0)) {
-    std::vector<float> radii = support_radii(*input.volume, polynomials, 1);
-    return make_support_blend(std::move(input.volume), std::move(locator), std::move(polynomials), std::move(radii),
-                              {});
-  }
-  auto stored =
-      std::make_unique<StoredCornerPolynomials>(input.volume, std::move(polynomials), std::move(input.values));
+  if (blends_supports(*input.volume, ReconstructionMethod::mls_detail))
+    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, {});
+  auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));
 }
 

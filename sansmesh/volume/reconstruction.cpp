@@ -138,7 +138,8 @@ ReconstructionMethod reconstruction_of_name(std::string_view name) {
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const ReconstructionOptions& options, Progress& progress,
-                                                ReconstructionReport* report) {
+                                                ReconstructionReport* report,
+                                                ReconstructionCoefficients* coefficients) {
   options.validate();
   const Entry& entry = entries()[static_cast<std::size_t>(options.method)];
   if (!entry.make) throw ArgumentError(fmt::format("there is no reconstruction {} here", entry.info.name));
@@ -151,7 +152,9 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   if (!values.filled.empty())
     told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
                                      values.filled.size(), volume->size()));
-  return entry.make({std::move(volume), std::move(values), options, progress, told});
+  ReconstructionCoefficients none;
+  return entry.make(
+      {std::move(volume), std::move(values), options, progress, told, coefficients ? *coefficients : none});
 }
 
 }  // namespace sansmesh

@@ -10,6 +10,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/field/volume_field.h"
+#include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/reconstruction_options.h"
 
 namespace sansmesh {
@@ -31,8 +32,13 @@ ReconstructionMethod reconstruction_of_name(std::string_view name);
 
 /// The field of one array (all its components). `volume` is shared. Throws ArgumentError for options out of range, that
 /// the method does not heed, or a grid that it cannot be used on (naming those that can), DataError as volume_values.
+///
+/// `coefficients`: those that are empty receive what the method has fitted, if anything. Others are taken in place of a
+/// fit, and must be those of the same volume and array, with the options that the report told then: the field is the
+/// same to the bit.
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const ReconstructionOptions& options, Progress& progress,
-                                                ReconstructionReport* report = nullptr);
+                                                ReconstructionReport* report = nullptr,
+                                                ReconstructionCoefficients* coefficients = nullptr);
 
 }  // namespace sansmesh

@@ -6,6 +6,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/field/volume_field.h"
+#include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_values.h"
 
@@ -19,6 +20,8 @@ struct ReconstructionInput {
   Progress& progress;
   /// `options` are those above until the method puts in what it has chosen; notes about values are there already.
   ReconstructionReport& report;
+  /// Methods that have some put them in here, or take those that are here already in place of a fit.
+  ReconstructionCoefficients& coefficients;
 };
 
 /// Each throws ArgumentError for grids that it cannot be used on.

@@ -20,12 +20,12 @@ constexpr float kNoSupport = 1e-20f;
 class SupportBlend final : public GroupedField {
  public:
   SupportBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
-               LocalPolynomials polynomials, std::vector<float> radii, const detail::SupportShape& shape)
+               LocalPolynomials polynomials, SharedArray<float> radii, const detail::SupportShape& shape)
       : GroupedField(std::move(volume), std::move(locator), polynomials.components),
         polynomials_(std::move(polynomials)),
         radii_(std::move(radii)),
         shape_(shape) {
-    index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_);
+    index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
   }
 
  private:
@@ -102,7 +102,7 @@ class SupportBlend final : public GroupedField {
   }
 
   LocalPolynomials polynomials_;
-  std::vector<float> radii_;
+  SharedArray<float> radii_;
   detail::SupportShape shape_;
   SupportIndex index_;
 };
@@ -130,7 +130,7 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
-                                                LocalPolynomials polynomials, std::vector<float> radii,
+                                                LocalPolynomials polynomials, SharedArray<float> radii,
                                                 const detail::SupportShape& shape) {
   return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
                                         shape);

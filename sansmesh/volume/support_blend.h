@@ -24,7 +24,7 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 /// volume: at its nearest place. trust of the polynomials: their terms of degree 2 and more count by that factor.
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
-                                                LocalPolynomials polynomials, std::vector<float> radii,
+                                                LocalPolynomials polynomials, SharedArray<float> radii,
                                                 const detail::SupportShape& shape);
 
 }  // namespace sansmesh

@@ -52,15 +52,17 @@ inline void mend_checksums(std::string& bytes) {
   put_number<std::uint64_t>(bytes, kChecksumAt, XXH3_64bits(covered.data(), covered.size()));
 }
 
-/// A file of these sections.
-inline std::string packed(const std::vector<RawSection>& sections) {
+/// A file of these sections, of the kind that the letters and the minor version are of.
+inline std::string packed(const std::vector<RawSection>& sections, std::string_view letters = "SMF",
+                          std::uint32_t minor = 2) {
   const auto pad = [](std::string& s) {
     s.resize((s.size() + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment);
   };
   std::string file(kHeaderBytes + sections.size() * kEntryBytes, '\0');
   std::memcpy(file.data(), "\x89SMF\r\n\x1a\n", 8);
+  std::memcpy(file.data() + 1, letters.data(), 3);
   put_number<std::uint32_t>(file, kMajorAt, 1);
-  put_number<std::uint32_t>(file, kMinorAt, 2);
+  put_number<std::uint32_t>(file, kMinorAt, minor);
   put_number<std::uint32_t>(file, kSectionsAt, static_cast<std::uint32_t>(sections.size()));
   pad(file);
   for (std::size_t i = 0; i < sections.size(); ++i) {

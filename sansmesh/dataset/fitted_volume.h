@@ -1,0 +1,41 @@
+// A volume with a reconstruction of one of its arrays that needs no fit any more: what files of fitted volumes hold.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/data/number_type.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/reconstruction_coefficients.h"
+#include "sansmesh/volume/reconstruction_options.h"
+
+namespace sansmesh {
+
+/// An array of a dataset. One name may stand for two: one of points and one of cells.
+struct DatasetArray {
+  std::string name;
+  Association of = Association::points;
+  NumberType type = NumberType::f32;
+  std::size_t components = 1;
+  std::vector<double> least, most;  ///< of each component, over what is finite and not hidden; NaN: nothing is
+  std::size_t not_finite = 0;       ///< numbers
+};
+
+struct FittedVolume {
+  std::shared_ptr<const SampledVolume> volume;
+  std::vector<DatasetArray> arrays;         ///< that are kept, each one of `volume` (which may have more)
+  std::string array;                        ///< the one that was reconstructed, one of them
+  ReconstructionOptions options;            ///< as they were asked for
+  ReconstructionOptions chosen;             ///< with what was chosen from the data
+  ReconstructionCoefficients coefficients;  ///< empty for methods that have none
+
+  std::string source;              ///< format of the file that it was made of: "VTK XML unstructured grid"
+  std::optional<double> time;      ///< of the step
+  std::vector<std::string> notes;  ///< what a user should know of that file
+};
+
+}  // namespace sansmesh

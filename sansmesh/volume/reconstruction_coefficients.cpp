@@ -1,0 +1,70 @@
+#include "sansmesh/volume/reconstruction_coefficients.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/volume/holds_for_all.h"
+
+namespace sansmesh {
+namespace {
+
+using detail::holds_for_all;
+
+bool is_metric(const StarMetric& metric) {
+  return std::all_of(metric.rows.begin(), metric.rows.end(), [](const Vec3f& row) {
+    const double square = squared_norm(Vec3(row));
+    return std::isfinite(square) && square > 0;
+  });
+}
+
+}  // namespace
+
+bool has_coefficients(ReconstructionMethod method) {
+  return method == ReconstructionMethod::mls_detail || method == ReconstructionMethod::amls;
+}
+
+bool blends_supports(const SampledVolume& volume, ReconstructionMethod method) {
+  if (method == ReconstructionMethod::amls) return true;
+  return method == ReconstructionMethod::mls_detail && !volume.lattice &&
+         (!volume.cell_sample.empty() || volume.facts.overlapped > 0);
+}
+
+std::vector<std::size_t> ReconstructionCoefficients::by_degree() const {
+  if (empty()) return {};
+  std::vector<std::size_t> count(LocalPolynomials::kMaxDegree + 1);
+  for (const std::uint8_t d : polynomials.degrees) ++count.at(d);
+  return count;
+}
+
+void ReconstructionCoefficients::check(const SampledVolume& volume, std::size_t components,
+                                       ReconstructionMethod method) const {
+  const LocalPolynomials& p = polynomials;
+  const std::size_t n = volume.size();
+  const auto require = [](bool right, const char* what) {
+    if (!right) throw DataError(what);
+  };
+  require(p.components == components && p.degrees.size() == n && p.first.size() == n + 1 && p.trust.size() == n &&
+              p.constants.size() == n * components && p.metrics.size() == (volume.lattice ? 0 : n) &&
+              radii.size() == (blends_supports(volume, method) ? n : 0),
+          "its coefficients do not fit its samples");
+  const auto fits = [&](std::size_t i) {
+    if (p.degrees[i] > LocalPolynomials::kMaxDegree) return false;
+    const auto terms = static_cast<std::size_t>(monomial_count(3, p.degrees[i]) - 1);
+    return p.first[i + 1] - p.first[i] == components * terms;
+  };
+  require(p.first[0] == 0 && p.first[n] == p.coefficients.size() && holds_for_all(n, fits),
+          "the degrees of its polynomials do not fit its coefficients");
+  require(holds_for_all(p.coefficients.size(), [&](std::size_t i) { return std::isfinite(p.coefficients[i]); }) &&
+              holds_for_all(p.constants.size(), [&](std::size_t i) { return std::isfinite(p.constants[i]); }),
+          "a coefficient is not finite");
+  require(holds_for_all(n, [&](std::size_t i) { return p.trust[i] >= 0 && p.trust[i] <= 1; }),
+          "how far its polynomials are trusted makes no sense");
+  require(holds_for_all(p.metrics.size(), [&](std::size_t i) { return is_metric(p.metrics[i]); }),
+          "a local metric makes no sense");
+  require(holds_for_all(radii.size(), [&](std::size_t i) { return radii[i] > 0 && std::isfinite(radii[i]); }),
+          "the radius of a support makes no sense");
+}
+
+}  // namespace sansmesh
