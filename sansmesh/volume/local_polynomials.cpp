@@ -64,6 +64,74 @@ class MeshFitter {
   std::vector<double> f_;
 };
 
+// How far samples go on behind an edge, in its lengths: in the star and in the ring after it. From kNear, or kFar, on
+// second differences over the edge are known; less than kNone is an edge through a layer, that stars on both sides end
+// at.
+constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
+// Corrections that are this large beside the differences of neighbours count as under-resolved.
+constexpr double kCoarse = 0.35;
+constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
+
+class EdgeSupport {
+ public:
+  explicit EdgeSupport(const SampledVolume& volume) : volume_(volume) {}
+
+  /// The sample whose edges are asked for, with its star.
+  void set(const Vec3& x, const StarMetric& metric, std::span<const std::uint32_t> star) {
+    x_ = x, metric_ = metric;
+    gather(star, behind_);
+  }
+
+  /// How doubtful a correction is in the middle of the edge of length u (local) to sample j: 0 where samples go on
+  /// behind one of its ends as far as the edge is long.
+  double doubt(std::uint32_t j, const Vec3& u) {
+    const double length = squared_norm(u);
+    if (!(length > 0)) return 0;
+    const Vec3 e = u / length;
+    Reach reach = reach_of(behind_, e * -1.0, 0);
+    if (reach.known() >= 1) return 0;
+    volume_.star(j, star_);
+    gather(star_, ahead_);
+    const Reach other = reach_of(ahead_, e, 1);
+    reach = {std::max(reach.first, other.first), std::max(reach.second, other.second)};
+    if (reach.second < kNone || reach.known() >= 1) return 0;
+    const double known = std::max(reach.known(), kLeastKnown);
+    return 1 / (known * known * known * known) - 1;
+  }
+
+ private:
+  struct Reach {
+    double first = 0, second = 0;
+    double known() const { return std::max(first / kNear, second / kFar); }
+  };
+  struct Rings {
+    std::vector<Vec3> first, second;
+  };
+
+  void gather(std::span<const std::uint32_t> star, Rings& rings) {
+    rings.first.clear(), rings.second.clear();
+    for (const std::uint32_t k : star) {
+      rings.first.push_back(metric_(volume_.position(k) - x_));
+      volume_.star(k, next_);
+      for (const std::uint32_t l : next_) rings.second.push_back(metric_(volume_.position(l) - x_));
+    }
+  }
+
+  static Reach reach_of(const Rings& rings, const Vec3& e, double end) {
+    Reach reach;
+    for (const Vec3& u : rings.first) reach.first = std::max(reach.first, dot(u, e) - end);
+    reach.second = reach.first;
+    for (const Vec3& u : rings.second) reach.second = std::max(reach.second, dot(u, e) - end);
+    return reach;
+  }
+
+  const SampledVolume& volume_;
+  Vec3 x_;
+  StarMetric metric_;
+  Rings behind_, ahead_;
+  std::vector<std::uint32_t> star_, next_;
+};
+
 double value_at(std::span<const float> c, const Vec3& u, double factor = 1) {
   const auto& order = PolynomialOrder<3>::get();
   std::array<double, monomial_count(3, LocalPolynomials::kMaxDegree)> monomial{1.0};
@@ -105,13 +173,16 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
   std::vector<float> trust(n, 1.0f);
   parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> star;
+    EdgeSupport support(volume);
     for (std::size_t i = begin; i < end; ++i) {
       volume.star(i, star);
-      double gain = 0, doubt = 0;
+      double gain = 0, doubt = 0, open = 0, varied = 0;
       const Vec3 x = volume.position(i);
       const StarMetric metric = p.metric(volume, i);
+      support.set(x, metric, star);
       for (const std::uint32_t j : star) {
         const Vec3 d = (volume.position(j) - x) * 0.5;
+        const double unknown = support.doubt(j, metric(d) * 2.0);
         for (std::size_t m = 0; m < c; ++m) {
           const double own = p.constants[i * c + m] + value_at(p.of(i, m), metric(d));
           const double other = p.constants[j * c + m] + value_at(p.of(j, m), p.metric(volume, j)(-d));
@@ -120,10 +191,15 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           // Across a step both sides go on as they are: that they disagree is no reason for doubt.
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
-          gain += a * a, doubt += b * b;
+          gain += a * a, doubt += kDisagreement * b * b, open += unknown * a * a;
+          varied += (fi - fj) * (fi - fj);
         }
       }
-      doubt -= 0.5 * gain;
+      // Large corrections from differences over short edges alone are not known to hold over long ones.
+      if (gain > 0) {
+        const double coarse = varied > 0 ? std::min(gain / (kCoarse * kCoarse * varied), 1.0) : 1;
+        doubt += coarse * coarse * coarse * open;
+      }
       if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
     }
   });

@@ -57,9 +57,11 @@ Adjacency cells_of_samples(const SampledVolume& volume);
 /// and the degree is chosen where there is something to judge it by. Runs in parallel.
 ///
 /// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
-/// interpolation there and b = half their difference, summed over the star, trust is 1 as long as Σ b² <= Σ a² / 2,
-/// else Σ a² / (½ Σ a² + Σ b²): a correction of linear interpolation of size a whose error is of size b is best taken
-/// by such a share. Under-resolved data so end up at linear interpolation.
+/// interpolation there and b = half their difference, summed over the star, trust is Σ a² / Σ (a² + 5/2 b² + g a²): a
+/// correction of linear interpolation of size a whose error is of size b is best taken by such a share. Under-resolved
+/// data so end up at linear interpolation. g > 0 where nothing but differences over much shorter edges tells of the
+/// second differences over an edge, and a is large beside the differences of neighbours
+/// (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 
