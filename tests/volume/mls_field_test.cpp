@@ -1,7 +1,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 
+#include "sansmesh/core/error.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 
@@ -96,6 +98,22 @@ TEST(MlsField, GradientsAreDerivativesOfTheValues) {
       wrong += !(norm(Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h) - gradients[i]) < 0.02);
     }
     EXPECT_LE(wrong, 10u);
+  }
+}
+
+TEST(MlsField, DegreesAboveFourAreRefused) {
+  Progress progress;
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::mls;
+  const auto volume = volume_of(bent_grid({4, 4, 4}, bump));
+  options.degree = 4;
+  EXPECT_NE(reconstruct_volume(volume, "f", options, progress), nullptr);
+  options.degree = 5;
+  try {
+    reconstruct_volume(volume, "f", options, progress);
+    ADD_FAILURE() << "degree 5 was taken";
+  } catch (const ArgumentError& e) {
+    EXPECT_NE(std::string(e.what()).find("`degree`"), std::string::npos) << e.what();
   }
 }
 
