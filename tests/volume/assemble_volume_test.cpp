@@ -214,6 +214,30 @@ TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
   }
 }
 
+// Ghosts of another process, or blanked: the coarse cells below are all that there is.
+TEST(AssembleVolume, HiddenFineCellsCoverNothing) {
+  const auto hide = [](GridData& data, std::size_t planes) {
+    data.blocks[1].hidden_cells.assign(512, 0);
+    for (std::size_t c = 0; c < 512; ++c) data.blocks[1].hidden_cells[c] = c % 8 < planes;
+  };
+  GridData data = two_level_amr(8, linear_function, false);
+  hide(data, 2);  // as thick as one coarse cell
+  const auto even = volume_of(data, Association::cells);
+  EXPECT_EQ(even->size(), 512u - 48 + 384);
+  EXPECT_NEAR(volume_of_cells(*even), 1, 1e-12);
+
+  hide(data, 1);  // half a coarse cell: these stay, and overlap
+  EXPECT_EQ(volume_of(data, Association::cells)->size(), 512u - 48 + 448);
+  EXPECT_NEAR(volume_by_chance(*volume_of(data, Association::cells)), 1, 1e-12);
+
+  data.blocks[1].hidden_cells.clear();
+  data.blocks[1].hidden_points.assign(729, 0);
+  data.blocks[1].hidden_points[0] = 1;  // takes one cell along
+  const auto points = volume_of(data, Association::cells);
+  EXPECT_EQ(points->size(), 512u - 63 + 511);
+  EXPECT_NEAR(volume_by_chance(*points), 1, 1e-12);
+}
+
 TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
   for (const Association a : {Association::points, Association::cells}) {
     const GridData data = three_overlapping_blocks(8, linear_function);
