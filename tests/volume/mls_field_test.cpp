@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -58,6 +59,26 @@ TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-9) << i;
       ASSERT_EQ(degrees[i], 2) << i;
+    }
+  }
+}
+
+// Straight across, of degree 2 along.
+TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
+  const auto along = [](const Vec3& x) { return 0.3 + x.x * x.x - 2 * x.x * x.y + 0.5 * x.z - x.y; };
+  for (const auto& layers : {std::array<std::size_t, 3>{9, 9, 2}, {2, 9, 9}, {9, 2, 9}}) {
+    const auto turned = [&](const Vec3& x) {
+      return layers[0] == 2 ? along({x.y, x.z, x.x}) : layers[1] == 2 ? along({x.z, x.x, x.y}) : along(x);
+    };
+    const auto volume = volume_of(lattice_grid(layers, turned));
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto x = places_within(*volume, 500);
+    std::vector<double> values(x.size());
+    std::vector<std::uint8_t> degrees(x.size());
+    field->evaluate(x, {values, {}, {}, degrees});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_NEAR(values[i], turned(x[i]), 1e-5) << i;
+      ASSERT_GE(degrees[i], 2) << i;
     }
   }
 }
