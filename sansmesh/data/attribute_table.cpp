@@ -230,7 +230,7 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
         for (std::size_t r = 0; r < group.size(); ++r)
           for (std::size_t c = 0; c < width; ++c) {
             const auto value = static_cast<double>(values[r * width + c]);
-            if (std::isnan(value)) continue;
+            if (std::isnan(value)) continue;  // unknown
             sum[group[r] * width + c] += weight[r] * value;
             known[group[r] * width + c] += weight[r];
           }

@@ -104,6 +104,7 @@ class MlsField final : public GroupedField {
   };
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
+  bool goes_on_straight() const override { return true; }
 
   StarMetric metric(std::size_t i) const {
     return volume().lattice ? lattice_metric(*volume().lattice, i) : metrics_[i];

@@ -45,6 +45,32 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
     }
 }
 
+// A quarter of a cell outside of the middles of the faces, and far away.
+TEST(MlsField, GoesOnStraightOutside) {
+  const auto slanted = [](const Vec3& x) { return x + Vec3{0.2 * x.y, 0, 0.1 * x.y}; };
+  const GridData bent = one_block(curvilinear_block(lattice_block({8, 8, 8}), slanted), linear_function);
+  for (const GridData& data : {lattice_grid({8, 8, 8}, linear_function), bent})
+    for (const auto method : {ReconstructionMethod::mls, ReconstructionMethod::amls}) {
+      const auto volume = volume_of(data);
+      const auto field = field_of(volume, method);
+      const Vec3 middle = volume->bounds().center();
+      std::vector<Vec3> x;
+      for (const double far : {0.5 / 7, 30.0})
+        for (const Vec3 side : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}})
+          x.push_back(volume->lattice ? middle + side * (0.5 + far / 2) : slanted(Vec3{0.5, 0.5, 0.5} + side * (0.5 + far / 2)));
+      std::vector<double> values(x.size());
+      std::vector<std::uint8_t> inside(x.size());
+      field->evaluate(x, {values, {}, inside, {}});
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_EQ(inside[i], 0) << i;
+        if (i < 4)
+          EXPECT_NEAR(values[i], linear_function(x[i]), 1e-4) << i;
+        else
+          EXPECT_LT(std::abs(values[i]), 6) << i;
+      }
+    }
+}
+
 TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
   for (const auto& data : {bent_grid({8, 8, 8}, quadratic_function), tetrahedra_grid({8, 8, 8}, quadratic_function),
                            lattice_grid({8, 8, 8}, quadratic_function)}) {
