@@ -234,7 +234,8 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
             sum[group[r] * width + c] += weight[r] * value;
             known[group[r] * width + c] += weight[r];
           }
-        for (std::size_t i = 0; i < out.size(); ++i) out[i] = known[i] > 0 ? static_cast<T>(sum[i] / known[i]) : unknown<T>();
+        for (std::size_t i = 0; i < out.size(); ++i)
+          out[i] = known[i] > 0 ? static_cast<T>(sum[i] / known[i]) : unknown<T>();
       } else {
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = values[heaviest[i / width] * width + i % width];
       }

@@ -57,7 +57,8 @@ TEST(MlsField, GoesOnStraightOutside) {
       std::vector<Vec3> x;
       for (const double far : {0.5 / 7, 30.0})
         for (const Vec3 side : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}})
-          x.push_back(volume->lattice ? middle + side * (0.5 + far / 2) : slanted(Vec3{0.5, 0.5, 0.5} + side * (0.5 + far / 2)));
+          x.push_back(volume->lattice ? middle + side * (0.5 + far / 2)
+                                      : slanted(Vec3{0.5, 0.5, 0.5} + side * (0.5 + far / 2)));
       std::vector<double> values(x.size());
       std::vector<std::uint8_t> inside(x.size());
       field->evaluate(x, {values, {}, inside, {}});
