@@ -1,6 +1,7 @@
 #include "sansmesh/data/attribute_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <type_traits>
@@ -213,12 +214,10 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
                                      std::size_t groups) const {
   AttributeTable result;
   if (arrays_.empty()) return result;
-  std::vector<double> total(groups, 0);
   std::vector<std::uint32_t> heaviest(groups, 0);
   std::vector<double> largest(groups, -1);
   for (std::size_t r = 0; r < group.size(); ++r) {
     const std::uint32_t g = group[r];
-    total[g] += weight[r];
     if (weight[r] > largest[g]) largest[g] = weight[r], heaviest[g] = static_cast<std::uint32_t>(r);
   }
   for (const Attribute& a : arrays_) {
@@ -227,12 +226,16 @@ AttributeTable AttributeTable::means(std::span<const std::uint32_t> group, std::
       using T = typename std::decay_t<decltype(values)>::value_type;
       std::vector<T> out(groups * width);
       if constexpr (std::is_floating_point_v<T>) {
-        std::vector<double> sum(groups * width, 0);
+        std::vector<double> sum(groups * width, 0), known(groups * width, 0);
         for (std::size_t r = 0; r < group.size(); ++r)
-          for (std::size_t c = 0; c < width; ++c)
-            sum[group[r] * width + c] += weight[r] * static_cast<double>(values[r * width + c]);
-        for (std::size_t g = 0; g < groups; ++g)
-          for (std::size_t c = 0; c < width; ++c) out[g * width + c] = static_cast<T>(sum[g * width + c] / total[g]);
+          for (std::size_t c = 0; c < width; ++c) {
+            const auto value = static_cast<double>(values[r * width + c]);
+            if (std::isnan(value)) continue;  // unknown
+            sum[group[r] * width + c] += weight[r] * value;
+            known[group[r] * width + c] += weight[r];
+          }
+        for (std::size_t i = 0; i < out.size(); ++i)
+          out[i] = known[i] > 0 ? static_cast<T>(sum[i] / known[i]) : unknown<T>();
       } else {
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = values[heaviest[i / width] * width + i % width];
       }

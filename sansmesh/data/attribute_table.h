@@ -100,7 +100,8 @@ class AttributeTable {
   /// Row i is Σ_j weights[k i + j] · row rows[k i + j] with j < k = `share`. Weights are ≥ 0 and sum to one for each i;
   /// where one is 0, its row does not matter.
   AttributeTable blended(std::size_t share, std::span<const std::uint32_t> rows, std::span<const double> weights) const;
-  /// Row g is the mean of the rows r with group[r] = g, weighted by weight[r] > 0. Every group below `groups` has rows.
+  /// Row g is the mean, weighted by weight[r] > 0, of the rows r with group[r] = g: each below `groups` has some. NaN
+  /// counts only where there is nothing else.
   AttributeTable means(std::span<const std::uint32_t> group, std::span<const double> weight, std::size_t groups) const;
 
   friend bool operator==(const AttributeTable&, const AttributeTable&) = default;

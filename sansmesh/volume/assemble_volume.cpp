@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -134,6 +135,78 @@ std::string grid_in_words(const GridData& data, const VolumeFacts& facts) {
   return fmt::format("{} {}{} blocks", data.blocks.size(), facts.overlapped > 0 ? "overlapping " : "", words);
 }
 
+/// What arrays of one name in several tables become.
+struct CommonArray {
+  std::size_t components = 1;
+  NumberType type = NumberType::f64;
+};
+
+template <class T>
+AttributeValues numbers_as(const Attribute& a) {
+  return std::visit([](const auto& v) -> AttributeValues { return std::vector<T>(v.begin(), v.end()); }, a.values);
+}
+
+/// The number of components that most rows have (of several the largest one), and a type that holds all numbers of
+/// these: where rows are unknown, a real one, which has a number for that.
+CommonArray common_array(const std::string& name, std::span<const AttributeTable* const> tables,
+                         std::span<const std::size_t> rows) {
+  std::map<std::size_t, std::size_t> rows_of_width;
+  for (std::size_t k = 0; k < tables.size(); ++k)
+    if (const Attribute* const a = tables[k]->find(name)) rows_of_width[a->components] += rows[k];
+  CommonArray common;
+  std::size_t most = 0;
+  for (const auto& [components, count] : rows_of_width)
+    if (count >= most) most = count, common.components = components;
+  std::set<NumberType> types;
+  bool everywhere = true, real = false, narrow = true;
+  for (const AttributeTable* const table : tables) {
+    const Attribute* const a = table->find(name);
+    if (!a || a->components != common.components) {
+      everywhere = false;
+      continue;
+    }
+    types.insert(a->type());
+    real = real || is_real(a->type());
+    narrow = narrow && (a->type() == NumberType::f32 || size_of(a->type()) <= 2);
+  }
+  if (types.size() == 1 && (everywhere || real))
+    common.type = *types.begin();
+  else if (everywhere && !real && !types.contains(NumberType::u64))
+    common.type = NumberType::i64;
+  else
+    common.type = narrow ? NumberType::f32 : NumberType::f64;
+  return common;
+}
+
+/// As join_rows, but no numbers are lost where blocks have an array with different types.
+AttributeTable join_unlike(std::vector<const AttributeTable*> tables, std::span<const std::size_t> rows) {
+  std::set<std::string> names;
+  for (const AttributeTable* const table : tables)
+    for (const Attribute& a : *table) names.insert(a.name);
+  const std::vector<const AttributeTable*> given = tables;
+  std::vector<AttributeTable> changed(tables.size());
+  const auto to_change = [&](std::size_t k) -> AttributeTable& {
+    if (tables[k] == given[k]) changed[k] = *given[k], tables[k] = &changed[k];
+    return changed[k];
+  };
+  for (const std::string& name : names) {
+    const CommonArray common = common_array(name, given, rows);
+    for (std::size_t k = 0; k < given.size(); ++k) {
+      const Attribute* const a = given[k]->find(name);
+      if (!a || (a->components == common.components && a->type() == common.type)) continue;
+      if (a->components != common.components)
+        to_change(k).erase(name);
+      else
+        to_change(k).set({name,
+                          common.type == NumberType::f64   ? numbers_as<double>(*a)
+                          : common.type == NumberType::f32 ? numbers_as<float>(*a)
+                                                           : numbers_as<std::int64_t>(*a),
+                          a->components});
+    }
+  }
+  return join_rows(tables, rows);
+}
+
 /// The arrays of some rows of all blocks: `blocks` (empty: the first) and `rows` of each wanted one.
 AttributeTable rows_of_blocks(const GridData& data, const std::vector<std::size_t>& order, bool of_cells,
                               std::span<const std::uint16_t> blocks, std::span<const std::uint32_t> rows) {
@@ -153,7 +226,7 @@ AttributeTable rows_of_blocks(const GridData& data, const std::vector<std::size_
     first[b] = total;
     total += counts.back();
   }
-  const AttributeTable joined = join_rows(tables, counts);
+  const AttributeTable joined = join_unlike(std::move(tables), counts);
   std::vector<std::uint32_t> taken(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) taken[i] = static_cast<std::uint32_t>(first[blocks[i]] + rows[i]);
   return joined.taken(taken);

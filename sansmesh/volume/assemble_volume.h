@@ -27,6 +27,9 @@ Association association_of(const GridData& data, const std::string& array);
 /// - where blocks overlap the finer one counts, judged by the local length of edges, of equally fine ones the one whose
 ///   cell's centre comes first in lexicographic order of its coordinates: never by the order of blocks. Samples and
 ///   cells of the others are left out there, and stars reach across;
+/// - arrays of one name and different types in several blocks get a type that holds all; where a block has not got an
+///   array, or with another number of components than most rows have it, values are unknown: NaN, integers become
+///   reals;
 /// - grids with one layer of points or with flat cells become a slab one spacing thick;
 /// - scattered points get the cells of their Delaunay tetrahedralisation.
 ///

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <tuple>
 
 #include "sansmesh/core/parallel.h"
@@ -14,13 +15,40 @@
 namespace sansmesh {
 namespace {
 
-bool lattice_holds(const GridBlock& b, const Vec3& x) {
+/// Whether a lattice holds x, and which cell of it.
+bool lattice_holds(const GridBlock& b, const Vec3& x, std::array<std::size_t, 3>& cell) {
   const Vec3 d = x - b.origin;
   for (std::size_t k = 0; k < 3; ++k) {
+    const auto& axis = b.axes[k];
     const double a = dot(b.directions[k], d);
-    if (!(a >= b.axes[k].front() && a <= b.axes[k].back())) return false;
+    if (!(a >= axis.front() && a <= axis.back())) return false;
+    const auto above = std::upper_bound(axis.begin() + 1, axis.end() - 1, a);
+    cell[k] = static_cast<std::size_t>(above - axis.begin()) - 1;
   }
   return true;
+}
+
+bool is_visible(const GridBlock& b, const std::array<std::size_t, 3>& cell) {
+  const std::size_t nx = b.axes[0].size(), ny = b.axes[1].size();
+  if (!b.hidden_cells.empty() && b.hidden_cells[cell[0] + (nx - 1) * (cell[1] + (ny - 1) * cell[2])] != 0) return false;
+  if (b.hidden_points.empty()) return true;
+  for (std::size_t c = 0; c < 8; ++c)
+    if (b.hidden_points[cell[0] + (c & 1) + nx * (cell[1] + (c >> 1 & 1) + ny * (cell[2] + (c >> 2)))] != 0)
+      return false;
+  return true;
+}
+
+/// The place in a cell at parameters in the unit cube, which are drawn into the shape.
+Vec3 place_in_cell(CellShape shape, std::span<const Vec3> corners, Vec3 u) {
+  if (shape == CellShape::tetrahedron)
+    u = u / std::max(1.0, 1.01 * (u.x + u.y + u.z));
+  else if (shape == CellShape::wedge)
+    u.x *= 1 - u.y;
+  std::array<double, 8> weights;
+  shape_functions(shape, u, weights);
+  Vec3 x;
+  for (std::size_t k = 0; k < corners.size(); ++k) x += corners[k] * weights[k];
+  return x;
 }
 
 Box3 lattice_box(const GridBlock& b) {
@@ -68,16 +96,30 @@ std::size_t remove_below_levels(const GridData& data, GatheredCells& g) {
       if (level == highest) continue;
       Vec3 middle;
       for (const std::uint32_t p : g.cells[c]) middle += g.points[p] / static_cast<double>(g.cells[c].size());
-      const auto covered = [&](const Vec3& x) {
+      bool all_visible = true;
+      const auto covered = [&](const Vec3& x, bool by_visible) {
         tree.containing(x, near);
         return std::any_of(near.begin(), near.end(), [&](std::uint32_t i) {
           const GridBlock& b = data.blocks[covering[i]];
-          return b.level > level && lattice_holds(b, x);
+          std::array<std::size_t, 3> cell;
+          if (b.level <= level || !lattice_holds(b, x, cell)) return false;
+          all_visible = all_visible && b.hidden_cells.empty() && b.hidden_points.empty();
+          return !by_visible || is_visible(b, cell);
         });
       };
-      gone[c] = covered(middle) && std::all_of(g.cells[c].begin(), g.cells[c].end(), [&](std::uint32_t p) {
-                  return covered(g.points[p] + (middle - g.points[p]) * 1e-3);
+      gone[c] = covered(middle, false) && std::all_of(g.cells[c].begin(), g.cells[c].end(), [&](std::uint32_t p) {
+                  return covered(g.points[p] + (middle - g.points[p]) * 1e-3, false);
                 });
+      if (!gone[c] || all_visible) continue;
+      // Ghosts and blanked cells cover nothing. All finer cells that a cell of twice or four times their size holds are
+      // looked at, each within.
+      std::array<Vec3, 8> corners;
+      const std::size_t count = g.cells[c].size();
+      for (std::size_t k = 0; k < count; ++k) corners[k] = g.points[g.cells[c][k]];
+      for (int i = 0; i < 64 && gone[c]; ++i) {
+        const Vec3 u{0.125 + 0.25 * (i % 4), 0.125 + 0.25 * (i / 4 % 4), 0.125 + 0.25 * (i / 16)};
+        gone[c] = covered(place_in_cell(g.cells.shapes[c], std::span(corners).first(count), u), true);
+      }
     }
   });
   const auto count = static_cast<std::size_t>(std::count(gone.begin(), gone.end(), 1));
@@ -137,19 +179,15 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
   std::vector<std::uint8_t> back(n, 0);
   parallel_ranges(0, n, 64, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> near;
-    std::array<double, 8> weights;
+    std::array<Vec3, 8> corners;
     for (std::size_t c = first; c < last; ++c) {
       if (!gone[c]) continue;
+      const std::size_t count = cells[c].size();
+      for (std::size_t k = 0; k < count; ++k) corners[k] = finder.corner(c, k);
       for (int i = 0; i < 27 && !back[c]; ++i) {
         constexpr double kAlong[] = {0.01, 0.5, 0.99};
-        Vec3 u{kAlong[i % 3], kAlong[i / 3 % 3], kAlong[i / 9]};
-        if (cells.shapes[c] == CellShape::tetrahedron)
-          u = u / std::max(1.0, 1.01 * (u.x + u.y + u.z));
-        else if (cells.shapes[c] == CellShape::wedge)
-          u.x *= 1 - u.y;
-        shape_functions(cells.shapes[c], u, weights);
-        Vec3 x;
-        for (std::size_t k = 0; k < cells[c].size(); ++k) x += finder.corner(c, k) * weights[k];
+        const Vec3 u{kAlong[i % 3], kAlong[i / 3 % 3], kAlong[i / 9]};
+        const Vec3 x = place_in_cell(cells.shapes[c], std::span(corners).first(count), u);
         back[c] = finder.smallest(
                       x, [&](std::uint32_t other) { return !gone[other]; }, near) == kNoCell;
       }

@@ -10,8 +10,8 @@
 
 namespace sansmesh {
 
-/// Takes out the cells that lie in lattices of finer levels (AMR), also where the file does not say that these cover
-/// them. Returns how many.
+/// Takes out the cells that lie in visible cells of lattices of finer levels (AMR), also where the file does not say
+/// that these cover them. Returns how many.
 std::size_t remove_below_levels(const GridData& data, GatheredCells& gathered);
 
 /// Which cells lie wholly in a block that is finer there, by the mean length of edges (of equally fine ones the one

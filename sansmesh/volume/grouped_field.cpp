@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -12,6 +13,7 @@ namespace {
 
 // Below the number from which on the locator sorts.
 constexpr std::size_t kBlockPoints = 2000;
+constexpr std::uint64_t kOutside = 1u << 31;
 
 }  // namespace
 
@@ -21,6 +23,10 @@ struct GroupedField::Block {
   std::vector<VolumePlace> places;
   std::vector<std::uint64_t> keys;
   std::unique_ptr<Memory> memory;
+  // Of a group outside.
+  std::vector<double> values;
+  std::vector<Vec3> gradients;
+  std::vector<std::uint8_t> degrees;
 };
 
 void GroupedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
@@ -57,7 +63,7 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
   for (std::size_t i = 0; i < m; ++i) {
     if (!wanted.inside.empty()) wanted.inside[s.at[i]] = s.places[i].inside;
     if (is_finite(s.x[i])) {
-      s.keys.push_back(static_cast<std::uint64_t>(s.places[i].cell) << 32 | i);
+      s.keys.push_back(static_cast<std::uint64_t>(s.places[i].cell) << 32 | (s.places[i].inside ? 0 : kOutside) | i);
       continue;
     }
     for (std::size_t k = 0; k < components_; ++k) {
@@ -69,10 +75,11 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
   if (wanted.values.empty() && wanted.gradients.empty() && wanted.degrees.empty()) return;
   std::sort(s.keys.begin(), s.keys.end());
   for (std::size_t i = 0; i < s.keys.size();) {
-    Group group{s.places[static_cast<std::uint32_t>(s.keys[i])], 0, {}, {}, {}, {}};
-    const std::uint64_t cell = s.keys[i] >> 32;
-    for (; i < s.keys.size() && s.keys[i] >> 32 == cell && group.size < kMostPoints; ++i, ++group.size) {
-      const auto p = static_cast<std::uint32_t>(s.keys[i]);
+    const auto number = [&] { return static_cast<std::size_t>(s.keys[i] & (kOutside - 1)); };
+    Group group{s.places[number()], 0, {}, {}, {}, {}};
+    const std::uint64_t side = s.keys[i] / kOutside;  // cell, inside or outside
+    for (; i < s.keys.size() && s.keys[i] / kOutside == side && group.size < kMostPoints; ++i, ++group.size) {
+      const std::size_t p = number();
       const VolumePlace& place = s.places[p];
       group.places[group.size] = &place;
       group.to[group.size] = s.at[p];
@@ -84,7 +91,27 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
       group.x[group.size] = near;
       group.out[group.size] = s.x[p] - near;
     }
-    answer(group, *s.memory, wanted);
+    if (side % 2 != 0 && goes_on_straight())
+      answer_outside(group, wanted, s);
+    else
+      answer(group, *s.memory, wanted);
+  }
+}
+
+void GroupedField::answer_outside(Group& group, const VolumeAnswers& wanted, Block& s) const {
+  const std::size_t n = group.size, c = components_;
+  const auto to = group.to;
+  std::iota(group.to.begin(), group.to.end(), 0u);
+  s.values.resize(n * c), s.gradients.resize(n * c), s.degrees.resize(wanted.degrees.empty() ? 0 : n);
+  answer(group, *s.memory, {s.values, s.gradients, {}, s.degrees});
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 beyond = held_outside(*volume_, *group.places[i], group.out[i]);
+    for (std::size_t k = 0; k < c; ++k) {
+      const Vec3& gradient = s.gradients[i * c + k];
+      if (!wanted.values.empty()) wanted.values[to[i] * c + k] = s.values[i * c + k] + dot(gradient, beyond);
+      if (!wanted.gradients.empty()) wanted.gradients[to[i] * c + k] = gradient;
+    }
+    if (!wanted.degrees.empty()) wanted.degrees[to[i]] = s.degrees[i];
   }
 }
 

@@ -45,6 +45,10 @@ class GroupedField : public VolumeField {
   /// Puts in values, gradients and degrees, what is wanted of them. An answer must not depend on the others.
   virtual void answer(const Group& group, Memory& memory, const VolumeAnswers& wanted) const = 0;
 
+  /// Whether values outside go on straight from the nearest places (held_outside), which answer() is asked for then.
+  /// Otherwise it heeds `out` itself.
+  virtual bool goes_on_straight() const { return false; }
+
   const SampledVolume& volume() const { return *volume_; }
   CellShape shape_of(std::size_t cell) const {
     return volume_->lattice ? CellShape::hexahedron : volume_->cells.shapes[cell];
@@ -54,6 +58,7 @@ class GroupedField : public VolumeField {
 
  private:
   struct Block;
+  void answer_outside(Group& group, const VolumeAnswers& wanted, Block& block) const;
   void evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
                       std::size_t last, const VolumeAnswers& wanted, Block& block) const;
 

@@ -1,11 +1,11 @@
 // Products of reconstructions along the axes of a lattice: the BC family, windowed sinc, Lagrange (METHODS §6.3).
 // Values of cells are at the cells' centres: half a step beyond the first and the last one belongs to the volume.
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
@@ -65,17 +65,29 @@ class LatticeField final : public PointwiseField {
     // What pictures ask for, a value and its gradient at many points, goes the shortest way.
     const Lattice& lattice = *volume().lattice;
     parallel_ranges(0, x.size(), kLatticeGrain, [&](std::size_t first, std::size_t last) {
-      const double slack = 1e-9 * bounds().diagonal();
+      const double slack = 1e-9 * bounds().diagonal();  // as the locator has it
+      std::vector<Vec3> outside;
+      std::vector<std::size_t> of;
       for (std::size_t i = first; i < last; ++i) {
-        Vec3 a = lattice.to_axes(x[i]), gradient;
-        wanted.values[i] = 0;
-        if (is_finite(x[i])) {
-          for (std::size_t k = 0; k < 3; ++k)
-            if (a[k] < lattice.lower[k] - slack || a[k] > lattice.upper[k] + slack)
-              a[k] = std::clamp(a[k], lattice.lower[k], lattice.upper[k]);
-          at_axes(a, &wanted.values[i], &gradient);
+        const Vec3 a = lattice.to_axes(x[i]);
+        bool inside = is_finite(x[i]);
+        for (std::size_t k = 0; k < 3; ++k)
+          inside = inside && a[k] >= lattice.lower[k] - slack && a[k] <= lattice.upper[k] + slack;
+        if (!inside) {
+          outside.push_back(x[i]), of.push_back(i);
+          continue;
         }
+        Vec3 gradient;
+        at_axes(a, &wanted.values[i], &gradient);
         if (!wanted.gradients.empty()) wanted.gradients[i] = gradient;
+      }
+      if (outside.empty()) return;
+      std::vector<double> values(outside.size());
+      std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : outside.size());
+      PointwiseField::evaluate(outside, {values, gradients, {}, {}});
+      for (std::size_t k = 0; k < outside.size(); ++k) {
+        wanted.values[of[k]] = values[k];
+        if (!gradients.empty()) wanted.gradients[of[k]] = gradients[k];
       }
     });
   }

@@ -283,9 +283,11 @@ class LatticeFitter {
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress) {
   LocalPolynomialOptions held = options;
-  // No more taps, no higher degree along an axis: the total degree would mislead.
-  for (const auto& axis : volume.lattice->axes)
-    held.fit.max_degree = std::min(held.fit.max_degree, static_cast<int>(std::min(axis.size(), kTaps)) - 1);
+  // Axes of few samples have few powers, which the products leave out by themselves: a slab of two layers is straight
+  // across and of any degree along. What no axis has is no degree.
+  std::size_t most = 0;
+  for (const auto& axis : volume.lattice->axes) most = std::max(most, std::min(axis.size(), kTaps));
+  held.fit.max_degree = std::min(held.fit.max_degree, static_cast<int>(most) - 1);
   return gather_polynomials<PolynomialPart>(
       volume, values, progress, [&] { return LatticeFitter(volume, values, held); },
       [](LatticeFitter& fitter, std::size_t i, PolynomialPart& part) { fitter.append(i, part); }, {});

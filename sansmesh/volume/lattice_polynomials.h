@@ -12,7 +12,8 @@ namespace sansmesh {
 /// around the sample, 125 in all, at the ends of axes the last five. Since these are products of axes and so are the
 /// weights, the orthogonal polynomials are products of those in one variable, which are set up once for each coordinate
 /// of an axis; a fit is three short passes over the stencil. Degrees, steps and trust are as for other grids, but that
-/// h_ii is taken of equal steps, and that single outliers are not looked for.
+/// h_ii is taken of equal steps, and that single outliers are not looked for. Along axes of fewer samples the powers
+/// end below their number: with two layers polynomials are straight across, whatever their (total) degree.
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/approximation/polynomial_order.h"
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/grouped_field.h"
 #include "sansmesh/volume/mls_kernels.h"
@@ -103,6 +104,7 @@ class MlsField final : public GroupedField {
   };
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
+  bool goes_on_straight() const override { return true; }
 
   StarMetric metric(std::size_t i) const {
     return volume().lattice ? lattice_metric(*volume().lattice, i) : metrics_[i];
@@ -187,6 +189,7 @@ class MlsField final : public GroupedField {
 
 std::unique_ptr<VolumeField> make_mls_field(ReconstructionInput input) {
   const int degree = input.options.degree.value_or(2);
+  check_range("degree", degree, 0, LocalPolynomials::kMaxDegree);
   input.report.options.degree = degree;
   std::vector<StarMetric> metrics;
   if (!input.volume->lattice) metrics = star_metrics(*input.volume);

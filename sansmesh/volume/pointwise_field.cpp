@@ -74,9 +74,7 @@ void PointwiseField::evaluate(std::span<const Vec3> x, const VolumeAnswers& want
             (volume_->lattice ? volume_->lattice->position(place.corners[c]) : volume_->corner(place.corners[c])) *
             place.weights[c];
       degree = answer(nearest, place, values, gradients);
-      Vec3 beyond = x[i] - nearest;
-      const double length = norm(beyond), most = local_spacing(*volume_, place) / 2;
-      if (length > most) beyond = std::isfinite(length) ? beyond * (most / length) : Vec3{};
+      const Vec3 beyond = held_outside(*volume_, place, x[i] - nearest);
       for (std::size_t c = 0; c < n; ++c) values[c] += dot(gradients[c], beyond);
     }
     if (!wanted.inside.empty()) wanted.inside[i] = inside;

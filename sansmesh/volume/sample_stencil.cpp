@@ -7,16 +7,16 @@ namespace sansmesh {
 
 void SampleStencil::gather(std::uint32_t sample, const StarMetric& metric, std::size_t enough, std::size_t most,
                            int max_rings) {
-  if (++query_ == 0) std::fill(seen_.begin(), seen_.end(), 0), query_ = 1;
+  seen_.clear();
   samples_.assign(1, sample);
-  seen_[sample] = query_;
+  seen_.insert(sample);
   const Vec3 center = volume_.positions[sample];
   std::size_t first = 0;
   for (rings_ = 0; rings_ < max_rings && samples_.size() < enough && first < samples_.size(); ++rings_) {
     const std::size_t last = samples_.size();
     for (std::size_t i = first; i < last; ++i)
       for (const std::uint32_t j : volume_.stars[samples_[i]])
-        if (seen_[j] != query_) seen_[j] = query_, samples_.push_back(j);
+        if (seen_.insert(j)) samples_.push_back(j);
     first = last;
     if (samples_.size() <= most) continue;
     ring_.clear();

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/volume/sample_set.h"
 #include "sansmesh/volume/star_metric.h"
 
 namespace sansmesh {
@@ -15,7 +17,7 @@ namespace sansmesh {
 /// Gathers samples ring by ring. One object a thread; its memory is reused. `volume` must outlive it and be no lattice.
 class SampleStencil {
  public:
-  explicit SampleStencil(const SampledVolume& volume) : volume_(volume), seen_(volume.size(), 0) {}
+  explicit SampleStencil(const SampledVolume& volume) : volume_(volume) {}
 
   /// The sample, its star, the stars of these and so on, whole rings until there are at least `enough` or nothing more
   /// is connected, at most `max_rings` of them. Of the last ring only the nearest by the metric are taken where there
@@ -31,8 +33,7 @@ class SampleStencil {
 
  private:
   const SampledVolume& volume_;
-  std::vector<std::uint32_t> seen_;  ///< the number of the query that met a sample last
-  std::uint32_t query_ = 0;
+  SampleSet seen_;
   std::vector<std::uint32_t> samples_;
   std::vector<Vec3> local_;
   std::vector<std::pair<double, std::uint32_t>> ring_;

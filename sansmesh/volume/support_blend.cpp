@@ -37,6 +37,7 @@ class SupportBlend final : public GroupedField {
   };
 
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
+  bool goes_on_straight() const override { return true; }
 
   void answer(const Group& group, Memory& memory, const VolumeAnswers& wanted) const override {
     static_assert(SupportTile::kTile == kMostPoints);

@@ -57,10 +57,9 @@ void SupportIndex::of_sample(std::uint32_t sample, Memory& memory) const {
 
 void SupportIndex::leave_connected(Memory& memory) const {
   if (volume_->lattice) return;
-  memory.seen.resize(volume_->size(), 0);
-  if (++memory.query == 0) std::fill(memory.seen.begin(), memory.seen.end(), 0), memory.query = 1;
-  const auto seen = [&](std::uint32_t i) { return memory.seen[i] == memory.query; };
-  for (const std::uint32_t i : memory.near) memory.seen[i] = memory.query;
+  memory.seen.clear();
+  const auto seen = [&](std::uint32_t i) { return memory.seen.contains(i); };
+  for (const std::uint32_t i : memory.near) memory.seen.insert(i);
   std::size_t first = 0;
   for (int ring = 0; ring < kRings; ++ring) {
     // Most often all are found after a ring or two.
@@ -68,7 +67,7 @@ void SupportIndex::leave_connected(Memory& memory) const {
     const std::size_t last = memory.near.size();
     for (std::size_t i = first; i < last; ++i)
       for (const std::uint32_t j : volume_->stars[memory.near[i]])
-        if (!seen(j)) memory.seen[j] = memory.query, memory.near.push_back(j);
+        if (memory.seen.insert(j)) memory.near.push_back(j);
     first = last;
   }
   std::erase_if(memory.supports, [&](std::uint32_t i) { return !seen(i); });

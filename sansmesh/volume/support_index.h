@@ -8,6 +8,7 @@
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/volume/box_tree.h"
+#include "sansmesh/volume/sample_set.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/volume_locator.h"
 
@@ -24,8 +25,8 @@ class SupportIndex {
     std::vector<std::uint32_t> supports;  ///< ascending
     std::uint32_t own = 0;                ///< a sample of the cell
 
-    std::vector<std::uint32_t> near, seen;
-    std::uint32_t query = 0;
+    std::vector<std::uint32_t> near;
+    SampleSet seen;
   };
   /// Those whose boxes meet that of a cell; returns the middle of the cell. Only supports count whose sample is at most
   /// kRings edges of the mesh away from the samples of the cell.

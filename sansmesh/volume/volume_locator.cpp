@@ -267,6 +267,12 @@ double local_spacing(const SampledVolume& volume, const VolumePlace& place) {
   return sum / static_cast<double>(edges.size());
 }
 
+Vec3 held_outside(const SampledVolume& volume, const VolumePlace& place, const Vec3& out) {
+  const double length = norm(out), most = local_spacing(volume, place) / 2;
+  if (length <= most) return out;
+  return std::isfinite(length) ? out * (most / length) : Vec3{};
+}
+
 void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& /*x*/,
                      std::span<Vec3, 8> gradients) {
   std::fill(gradients.begin(), gradients.end(), Vec3{});

@@ -33,6 +33,10 @@ void shape_gradients(const SampledVolume& volume, const VolumePlace& place, cons
 /// The mean length of the edges of the cell of a place.
 double local_spacing(const SampledVolume& volume, const VolumePlace& place);
 
+/// How far answers go on outside of the volume: from the nearest place of it, `place`, along `out` towards the point,
+/// by at most half of the local spacing. Zero where `out` overflows.
+Vec3 held_outside(const SampledVolume& volume, const VolumePlace& place, const Vec3& out);
+
 /// Built once, then asked from any thread. `volume` must outlive it.
 class VolumeLocator {
  public:

@@ -177,6 +177,17 @@ TEST(AttributeTable, IntegersOf64BitsLoseNothing) {
   EXPECT_EQ((*mean.find<std::int64_t>("id"))[0], large - 1);
 }
 
+TEST(AttributeTable, MeansLeaveOutWhatIsUnknown) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  AttributeTable table;
+  table.set("pair", std::vector<double>{1, nan, 4, 6, nan, nan}, 2);
+  const AttributeTable mean = table.means(std::vector<std::uint32_t>{0, 0, 1}, std::vector<double>{1, 2, 1}, 2);
+  const std::vector<double>& pair = *mean.find<double>("pair");
+  EXPECT_EQ(pair[0], 3);
+  EXPECT_EQ(pair[1], 6);
+  EXPECT_TRUE(std::isnan(pair[2]) && std::isnan(pair[3]));
+}
+
 /// Each part is what it was, with unknown numbers where it had none.
 TEST(AttributeTable, RowsOfSeveralTables) {
   const AttributeTable every = every_type(5), none;

@@ -214,6 +214,30 @@ TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
   }
 }
 
+// Ghosts of another process, or blanked: the coarse cells below are all that there is.
+TEST(AssembleVolume, HiddenFineCellsCoverNothing) {
+  const auto hide = [](GridData& data, std::size_t planes) {
+    data.blocks[1].hidden_cells.assign(512, 0);
+    for (std::size_t c = 0; c < 512; ++c) data.blocks[1].hidden_cells[c] = c % 8 < planes;
+  };
+  GridData data = two_level_amr(8, linear_function, false);
+  hide(data, 2);  // as thick as one coarse cell
+  const auto even = volume_of(data, Association::cells);
+  EXPECT_EQ(even->size(), 512u - 48 + 384);
+  EXPECT_NEAR(volume_of_cells(*even), 1, 1e-12);
+
+  hide(data, 1);  // half a coarse cell: these stay, and overlap
+  EXPECT_EQ(volume_of(data, Association::cells)->size(), 512u - 48 + 448);
+  EXPECT_NEAR(volume_by_chance(*volume_of(data, Association::cells)), 1, 1e-12);
+
+  data.blocks[1].hidden_cells.clear();
+  data.blocks[1].hidden_points.assign(729, 0);
+  data.blocks[1].hidden_points[0] = 1;  // takes one cell along
+  const auto points = volume_of(data, Association::cells);
+  EXPECT_EQ(points->size(), 512u - 63 + 511);
+  EXPECT_NEAR(volume_by_chance(*points), 1, 1e-12);
+}
+
 TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
   for (const Association a : {Association::points, Association::cells}) {
     const GridData data = three_overlapping_blocks(8, linear_function);
@@ -277,6 +301,70 @@ TEST(AssembleVolume, ConformingBlocksAreOne) {
   EXPECT_EQ(volume->size(), 9 * 25u);
   EXPECT_EQ(volume->facts.merged, 25u);
   EXPECT_EQ(volume->facts.overlapped, 0u);
+}
+
+template <class T>
+void set_rounded(GridBlock& block, const std::string& name, std::size_t components = 1) {
+  std::vector<T> values;
+  for (std::size_t i = 0; i < components * block_point_count(block); ++i)
+    values.push_back(static_cast<T>(40 + 10 * block_point(block, i / components).x));
+  block.point_arrays.set(name, std::move(values), components);
+}
+
+// Two blocks of 125 points each, that share 25.
+TEST(AssembleVolume, ArraysOfSeveralTypesKeepTheirNumbers) {
+  GridData data = abutting_blocks(5, 5, linear_function);
+  GridBlock &left = data.blocks[0], &right = data.blocks[1];
+  set_rounded<float>(left, "reals"), set_rounded<double>(right, "reals");
+  set_rounded<std::int32_t>(left, "mixed"), set_rounded<float>(right, "mixed");
+  set_rounded<std::uint8_t>(left, "short"), set_rounded<float>(right, "short");
+  set_rounded<std::int32_t>(left, "integers"), set_rounded<std::int64_t>(right, "integers");
+  set_rounded<std::int16_t>(left, "alike"), set_rounded<std::int16_t>(right, "alike");
+  for (int order = 0; order < 2; ++order) {
+    const auto volume = volume_of(data);
+    ASSERT_EQ(volume->size(), 225u);
+    const std::pair<std::string, NumberType> all[] = {{"reals", NumberType::f64},
+                                                      {"mixed", NumberType::f64},
+                                                      {"short", NumberType::f32},
+                                                      {"integers", NumberType::i64},
+                                                      {"alike", NumberType::i16}};
+    for (const auto& [name, type] : all) {
+      SCOPED_TRACE(name);
+      const Attribute& array = *volume->attributes.find(name);
+      EXPECT_EQ(array.type(), type);
+      for (std::size_t i = 0; i < 225; ++i) ASSERT_NEAR(array.number(i), 40 + 10 * volume->positions[i].x, 0.51) << i;
+    }
+    std::swap(data.blocks[0], data.blocks[1]);
+  }
+}
+
+TEST(AssembleVolume, WhatABlockHasNotIsUnknownThere) {
+  GridData data = abutting_blocks(5, 5, linear_function);
+  set_rounded<std::int32_t>(data.blocks[0], "integers"), set_rounded<float>(data.blocks[0], "reals");
+  // The array of the block with more points counts.
+  data.blocks.push_back(
+      curvilinear_block(lattice_block({6, 5, 5}, {2, 0, 0}, {3, 1, 1}), [](const Vec3& x) { return x; }));
+  set_function(data.blocks[2], linear_function);
+  set_rounded<double>(data.blocks[1], "wide", 3), set_rounded<double>(data.blocks[2], "wide", 2);
+  for (int order = 0; order < 2; ++order) {
+    const auto volume = volume_of(data);
+    const Attribute& wide = *volume->attributes.find("wide");
+    EXPECT_EQ(wide.components, 2u);
+    for (const std::string name : {"integers", "reals"}) {
+      const Attribute& array = *volume->attributes.find(name);
+      EXPECT_TRUE(is_real(array.type()));
+      for (std::size_t i = 0; i < volume->size(); ++i) {
+        // Where blocks meet, what the one knows counts.
+        const double x = volume->positions[i].x;
+        if (x < 1 + 1e-9)
+          ASSERT_NEAR(array.number(i), 40 + 10 * x, 1) << i;
+        else
+          ASSERT_TRUE(std::isnan(array.number(i))) << i;
+        ASSERT_EQ(std::isnan(wide.number(2 * i)), x < 2 - 1e-9) << i;
+      }
+    }
+    std::swap(data.blocks[0], data.blocks[2]);
+  }
 }
 
 TEST(AssembleVolume, SingleLayersBecomeSlabs) {

@@ -206,6 +206,40 @@ TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
   });
 }
 
+// Around the volume, near it and far away.
+TEST(ClassicFields, AnswersDoNotDependOnWhatIsAskedFor) {
+  std::vector<Method> all = all_of_them();
+  all.insert(all.end(), {Method::nearest, Method::linear, Method::mls, Method::mls_detail, Method::amls});
+  for (const GridData& data : {lattice_grid({6, 5, 7}, smooth), bent_grid({5, 5, 5}, smooth)})
+    for (const auto association : {Association::points, Association::cells}) {
+      const auto volume = volume_of(data, association);
+      const Box3 box = volume->bounds();
+      auto x = places_within(*volume, 50);
+      for (int i = 0; i < 125; ++i) {
+        constexpr double kAlong[] = {-3, -0.03, 0.4, 1.07, 2};
+        const Vec3 u{kAlong[i % 5], kAlong[i / 5 % 5], kAlong[i / 25]};
+        x.push_back(box.lower + Vec3{u.x * box.size().x, u.y * box.size().y, u.z * box.size().z});
+      }
+      for (const Method method : all) {
+        if (!suits(method, *volume)) continue;
+        SCOPED_TRACE(std::string(info_of(method).name));
+        const auto field = field_of(volume, method);
+        const std::size_t n = x.size();
+        std::vector<double> alone(n), with_gradients(n), with_all(n);
+        std::vector<Vec3> gradients(n), all_gradients(n);
+        std::vector<std::uint8_t> inside(n), degrees(n);
+        field->evaluate(x, {alone, {}, {}, {}});
+        field->evaluate(x, {with_gradients, gradients, {}, {}});
+        field->evaluate(x, {with_all, all_gradients, inside, degrees});
+        for (std::size_t i = 0; i < n; ++i) {
+          ASSERT_EQ(alone[i], with_gradients[i]) << i;
+          ASSERT_EQ(alone[i], with_all[i]) << i;
+          ASSERT_EQ(gradients[i], all_gradients[i]) << i;
+        }
+      }
+    }
+}
+
 TEST(ClassicFields, AnswersDependOnThePointAlone) {
   for (const Method method : all_of_them()) {
     SCOPED_TRACE(info_of(method).name);

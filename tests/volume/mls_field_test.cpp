@@ -1,7 +1,10 @@
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string>
 
+#include "sansmesh/core/error.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 
@@ -42,6 +45,33 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
     }
 }
 
+// A quarter of a cell outside of the middles of the faces, and far away.
+TEST(MlsField, GoesOnStraightOutside) {
+  const auto slanted = [](const Vec3& x) { return x + Vec3{0.2 * x.y, 0, 0.1 * x.y}; };
+  const GridData bent = one_block(curvilinear_block(lattice_block({8, 8, 8}), slanted), linear_function);
+  for (const GridData& data : {lattice_grid({8, 8, 8}, linear_function), bent})
+    for (const auto method : {ReconstructionMethod::mls, ReconstructionMethod::amls}) {
+      const auto volume = volume_of(data);
+      const auto field = field_of(volume, method);
+      const Vec3 middle = volume->bounds().center();
+      std::vector<Vec3> x;
+      for (const double far : {0.5 / 7, 30.0})
+        for (const Vec3 side : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}})
+          x.push_back(volume->lattice ? middle + side * (0.5 + far / 2)
+                                      : slanted(Vec3{0.5, 0.5, 0.5} + side * (0.5 + far / 2)));
+      std::vector<double> values(x.size());
+      std::vector<std::uint8_t> inside(x.size());
+      field->evaluate(x, {values, {}, inside, {}});
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_EQ(inside[i], 0) << i;
+        if (i < 4)
+          EXPECT_NEAR(values[i], linear_function(x[i]), 1e-4) << i;
+        else
+          EXPECT_LT(std::abs(values[i]), 6) << i;
+      }
+    }
+}
+
 TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
   for (const auto& data : {bent_grid({8, 8, 8}, quadratic_function), tetrahedra_grid({8, 8, 8}, quadratic_function),
                            lattice_grid({8, 8, 8}, quadratic_function)}) {
@@ -56,6 +86,26 @@ TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-9) << i;
       ASSERT_EQ(degrees[i], 2) << i;
+    }
+  }
+}
+
+// Straight across, of degree 2 along.
+TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
+  const auto along = [](const Vec3& x) { return 0.3 + x.x * x.x - 2 * x.x * x.y + 0.5 * x.z - x.y; };
+  for (const auto& layers : {std::array<std::size_t, 3>{9, 9, 2}, {2, 9, 9}, {9, 2, 9}}) {
+    const auto turned = [&](const Vec3& x) {
+      return layers[0] == 2 ? along({x.y, x.z, x.x}) : layers[1] == 2 ? along({x.z, x.x, x.y}) : along(x);
+    };
+    const auto volume = volume_of(lattice_grid(layers, turned));
+    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto x = places_within(*volume, 500);
+    std::vector<double> values(x.size());
+    std::vector<std::uint8_t> degrees(x.size());
+    field->evaluate(x, {values, {}, {}, degrees});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      ASSERT_NEAR(values[i], turned(x[i]), 1e-5) << i;
+      ASSERT_GE(degrees[i], 2) << i;
     }
   }
 }
@@ -96,6 +146,22 @@ TEST(MlsField, GradientsAreDerivativesOfTheValues) {
       wrong += !(norm(Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h) - gradients[i]) < 0.02);
     }
     EXPECT_LE(wrong, 10u);
+  }
+}
+
+TEST(MlsField, DegreesAboveFourAreRefused) {
+  Progress progress;
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::mls;
+  const auto volume = volume_of(bent_grid({4, 4, 4}, bump));
+  options.degree = 4;
+  EXPECT_NE(reconstruct_volume(volume, "f", options, progress), nullptr);
+  options.degree = 5;
+  try {
+    reconstruct_volume(volume, "f", options, progress);
+    ADD_FAILURE() << "degree 5 was taken";
+  } catch (const ArgumentError& e) {
+    EXPECT_NE(std::string(e.what()).find("`degree`"), std::string::npos) << e.what();
   }
 }
 
