@@ -1,5 +1,6 @@
 #include "sansmesh/render/transfer_function.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -88,6 +89,17 @@ TEST(ColorSpace, LabAndBack) {
   EXPECT_LT(norm(mix_hsv({1, 0, 0}, {0, 1, 0}, 0.5) - Vec3f{1, 1, 0}), 1e-5f);
   const Vec3f middle = mix_diverging({0.23f, 0.30f, 0.75f}, {0.70f, 0.016f, 0.15f}, 0.5);
   EXPECT_GT(std::min({middle.x, middle.y, middle.z}), 0.8f);  // the middle is light and grey
+}
+
+TEST(ColorSpace, ColoursOfHexadecimalDigits) {
+  for (int level = 0; level < 256; ++level) {
+    const std::string text = fmt::format("#{:02x}{:02X}00", level, 255 - level);
+    const auto color = color_of_hex(text);
+    ASSERT_TRUE(color) << text;
+    EXPECT_EQ(*color, (Vec3f{static_cast<float>(level) / 255, static_cast<float>(255 - level) / 255, 0})) << text;
+  }
+  for (const char* bad : {"", "#", "#12345", "#1234567", "1234567", "#12345g", "#+12345", "# 12345", "#0x1234"})
+    EXPECT_FALSE(color_of_hex(bad)) << bad;
 }
 
 TEST(TransferFunction, OwnJsonComesBackTheSame) {
