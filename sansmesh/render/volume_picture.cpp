@@ -126,7 +126,7 @@ class VolumePicture::Work {
         frame_(framed()),
         cells_(*subject_.field, subject_.opacity, progress),
         stretches_(*subject_.field, subject_.boundary, frame_),
-        histogram_(value_histogram(*subject_.field, kHistogramPoints)) {}
+        histogram_(histogram_of(*subject_.field)) {}
 
   Camera camera(const VolumePictureOptions& options) const {
     const double aspect = static_cast<double>(options.width) / options.height;
@@ -143,8 +143,7 @@ class VolumePicture::Work {
     if (!options.preset.empty()) return {transfer_function_preset(options.preset, histogram_), {}};
     SuggestedTransferFunction found = suggest_transfer_function(histogram_);
     if (subject_.opacity) {  // opacities by the other array's values
-      const SuggestedTransferFunction other =
-          suggest_transfer_function(value_histogram(*subject_.opacity, kHistogramPoints));
+      const SuggestedTransferFunction other = suggest_transfer_function(histogram_of(*subject_.opacity));
       found.function.opacities = other.function.opacities;
     }
     return found;
@@ -180,6 +179,15 @@ class VolumePicture::Work {
   const ValueHistogram& histogram() const { return histogram_; }
 
  private:
+  ValueHistogram histogram_of(const VolumeField& field) const {
+    const TriangleMesh* mesh = subject_.boundary;
+    if (!subject_.places.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.places);
+    std::vector<Vec3> vertices;
+    vertices.reserve(mesh->vertices.size());
+    for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));
+    return value_histogram(field, kHistogramPoints, vertices);
+  }
+
   TracedVolume traced() const {
     TracedVolume volume;
     volume.field = subject_.field, volume.opacity = subject_.opacity;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ struct VolumeSubject {
   const VolumeField* opacity = nullptr;    ///< opacities, where they come from another array; one component
   const TriangleMesh* boundary = nullptr;  ///< closed, turned outwards; null: `inside` of the field decides
   std::vector<PictureSurface> surfaces;    ///< opaque surfaces in the same picture
+  /// Known to be in the volume or on its boundary, such as its samples: where a volume fills so little of its box that
+  /// hardly a point of a lattice hits it, values are looked for there. Without, the vertices of the boundary are taken.
+  std::span<const Vec3> places = {};
 };
 
 /// How a picture came to be.

@@ -175,6 +175,31 @@ std::vector<double> scanned(double air, double body, double dense, std::uint32_t
   return values;
 }
 
+TEST(ValueHistogram, PlacesTellOfVolumesThatFillLittleOfTheirBox) {
+  const test::TwoSpecks specks({1, 0, 0});
+  EXPECT_THROW(value_histogram(specks.field, 1000), DataError);
+  std::vector<Vec3> places = specks.places();
+  places.push_back({std::nan(""), 0, 0});
+  const ValueHistogram h = value_histogram(specks.field, 1000, places);
+  EXPECT_DOUBLE_EQ(h.least, specks.centers[0].x - 0.5 * specks.radius);
+  EXPECT_DOUBLE_EQ(h.most, specks.centers[1].x + 0.5 * specks.radius);
+  // More places than points: some of all parts.
+  const ValueHistogram fewer = value_histogram(specks.field, 10, places);
+  EXPECT_LT(fewer.least, 0.2);
+  EXPECT_GT(fewer.most, 0.8);
+  // Where the lattice does, places change nothing.
+  const test::FormulaVolume full = test::linear_volume({1, 0, 0});
+  EXPECT_EQ(value_histogram(full, 1000, std::vector<Vec3>{{7, 0, 0}}).most, value_histogram(full, 1000).most);
+}
+
+TEST(ValueHistogram, LatticesGetFinerUntilTheVolumeIsFound) {
+  test::FormulaVolume field = test::linear_volume({1, 0, 0});
+  field.in = [](const Vec3& x) { return std::abs(x.x - 0.5) < 0.015; };  // between the points of the first lattice
+  const ValueHistogram h = value_histogram(field, 10 * 10 * 10);
+  EXPECT_GE(h.least, 0.485);
+  EXPECT_LE(h.most, 0.515);
+}
+
 TEST(SuggestTransferFunction, DropsAirAndShowsBone) {
   // In Hounsfield units, in those plus 1024, and in bytes.
   for (const auto& [air, body, dense] :

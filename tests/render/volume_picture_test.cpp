@@ -316,6 +316,30 @@ TEST(VolumePicture, CutsTakeAwayAndShowValues) {
   EXPECT_EQ(along(subject, options, a, b)[3], 1);
 }
 
+TEST(VolumePicture, VolumesThatFillLittleOfTheirBoxAreDrawn) {
+  const test::TwoSpecks specks({1, 0, 0});
+  const Vec3 r{specks.radius, specks.radius, specks.radius};
+  TriangleMesh boundary = test::octasphere(3);
+  const TriangleMesh ball = boundary;
+  for (Vec3f& v : boundary.vertices) v = Vec3f(specks.centers[0] + Vec3(v) * specks.radius);
+  for (std::array<std::uint32_t, 3> t : ball.triangles) {
+    for (std::uint32_t& v : t) v += static_cast<std::uint32_t>(ball.vertices.size());
+    boundary.triangles.push_back(t);
+  }
+  for (const Vec3f& v : ball.vertices) boundary.vertices.push_back(Vec3f(specks.centers[1] + Vec3(v) * specks.radius));
+  const std::vector<Vec3> places = specks.places();
+  Progress progress;
+  for (const bool given : {true, false}) {
+    VolumeSubject subject{&specks.field, nullptr, &boundary, {}};
+    if (given) subject.places = places;
+    const VolumePicture picture(subject, progress);
+    EXPECT_NEAR(picture.histogram().least, specks.centers[0].x, specks.radius) << given;
+    EXPECT_NEAR(picture.histogram().most, specks.centers[1].x, specks.radius) << given;
+    for (const Vec3& c : specks.centers)
+      EXPECT_NEAR(along(subject, one_pixel(fog(0.5, 2 * specks.radius)), c - r, c + r)[3], 0.5, 0.01) << given;
+  }
+}
+
 TEST(VolumePicture, ColoursAndOpacitiesMayComeFromTwoFields) {
   const FormulaVolume colors = linear_volume({0, 1, 0}), opacities = linear_volume({0, 0, 0.9});
   TransferFunction f = fog(0, 0.5);
