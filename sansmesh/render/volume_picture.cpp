@@ -126,7 +126,9 @@ class VolumePicture::Work {
         frame_(framed()),
         cells_(*subject_.field, subject_.opacity, progress),
         stretches_(*subject_.field, subject_.boundary, frame_),
-        histogram_(histogram_of(*subject_.field)) {}
+        histogram_(histogram_of(*subject_.field)) {
+    if (subject_.opacity) opacity_histogram_ = histogram_of(*subject_.opacity);
+  }
 
   Camera camera(const VolumePictureOptions& options) const {
     const double aspect = static_cast<double>(options.width) / options.height;
@@ -140,12 +142,12 @@ class VolumePicture::Work {
 
   SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
     if (options.transfer) return {*options.transfer, {}};
-    if (!options.preset.empty()) return {transfer_function_preset(options.preset, histogram_), {}};
-    SuggestedTransferFunction found = suggest_transfer_function(histogram_);
-    if (subject_.opacity) {  // opacities by the other array's values
-      const SuggestedTransferFunction other = suggest_transfer_function(histogram_of(*subject_.opacity));
-      found.function.opacities = other.function.opacities;
-    }
+    const auto of = [&](const ValueHistogram& values) {
+      return options.preset.empty() ? suggest_transfer_function(values)
+                                    : SuggestedTransferFunction{transfer_function_preset(options.preset, values), {}};
+    };
+    SuggestedTransferFunction found = of(histogram_);
+    if (opacity_histogram_) found.function.opacities = of(*opacity_histogram_).function.opacities;
     return found;
   }
 
@@ -330,6 +332,7 @@ class VolumePicture::Work {
   VolumeCells cells_;
   VolumeStretches stretches_;
   ValueHistogram histogram_;
+  std::optional<ValueHistogram> opacity_histogram_;
 };
 
 VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {

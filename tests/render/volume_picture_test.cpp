@@ -352,6 +352,23 @@ TEST(VolumePicture, ColoursAndOpacitiesMayComeFromTwoFields) {
   EXPECT_NEAR(p[0] / (1 - p[3]), linear_color(f.color(0.3)).x, 1e-3);
 }
 
+TEST(VolumePicture, PresetsTakeOpacitiesFromTheValuesOfTheOpacityField) {
+  const FormulaVolume colors = linear_volume({0, 1, 0}), opacities = linear_volume({0, 0, 1000}, 5000);
+  Progress progress;
+  for (const char* preset : {"gray", "flow", "mr", "ct-soft-tissue", ""}) {
+    VolumePictureOptions options = small_volume_picture(4);
+    options.preset = preset;
+    const auto used = [&](const VolumeSubject& subject) {
+      VolumePictureReport report;
+      render_volume(subject, options, progress, &report);
+      return report.transfer;
+    };
+    const TransferFunction both = used({&colors, &opacities, nullptr, {}});
+    EXPECT_EQ(both.colors, used({&colors, nullptr, nullptr, {}}).colors) << preset;
+    EXPECT_EQ(both.opacities, used({&opacities, nullptr, nullptr, {}}).opacities) << preset;
+  }
+}
+
 /// Blobs without any symmetry, in [0, 1]³.
 FormulaVolume blobs(bool turned) {
   FormulaVolume v;
