@@ -8,8 +8,10 @@
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/render/transfer_table.h"
 #include "sansmesh/render/volume_tracer.h"
+#include "sansmesh/volume/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
@@ -366,6 +368,35 @@ TEST(VolumePicture, PresetsTakeOpacitiesFromTheValuesOfTheOpacityField) {
     const TransferFunction both = used({&colors, &opacities, nullptr, {}});
     EXPECT_EQ(both.colors, used({&colors, nullptr, nullptr, {}}).colors) << preset;
     EXPECT_EQ(both.opacities, used({&opacities, nullptr, nullptr, {}}).opacities) << preset;
+  }
+}
+
+TEST(VolumePicture, ObliqueLatticesEndAtTheirBoundary) {
+  for (const bool mirrored : {false, true}) {
+    SampledVolume volume;
+    Lattice& lattice = volume.lattice.emplace();
+    Vec3 n = normalized(Vec3{1, -2, 0.7}), u, v;
+    tangent_frame(n, u, v);
+    lattice.directions = {u, mirrored ? -v : v, cross(u, v)};
+    lattice.origin = {0.3, 0.2, 5};
+    for (std::size_t k = 0; k < 3; ++k) lattice.axes[k] = {0, 0.5, 1}, lattice.upper[k] = 1;
+    FormulaVolume field = constant_volume(0.5);
+    field.in = [&lattice](const Vec3& x) { return Box3{{0, 0, 0}, {1, 1, 1}}.contains(lattice.to_axes(x)); };
+    field.box = {};
+    for (int c = 0; c < 8; ++c)
+      field.box.extend(lattice.from_axes({static_cast<double>(c & 1), c & 2 ? 1.0 : 0.0, c & 4 ? 1.0 : 0.0}));
+    const TriangleMesh boundary = volume_boundary(volume);
+    const VolumeSubject subject{&field, nullptr, &boundary, {}};
+    VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
+    options.step = 4;
+    const auto left = [&](const Vec3& a, const Vec3& b) {
+      return along(subject, options, lattice.from_axes(a), lattice.from_axes(b))[3];
+    };
+    for (const double near : {0.5, 0.01, 0.0005}) {  // the nearer to an edge, the shorter the way
+      EXPECT_NEAR(left({near, 0.3, -1}, {near, 0.3, 2}), std::pow(0.7, 4), 1e-5) << near;
+      EXPECT_EQ(left({-near, 0.3, -1}, {-near, 0.3, 2}), 1) << near;
+      EXPECT_NEAR(left({0, near, 0.4}, {near, 0, 0.4}), std::pow(0.7, 4 * near * std::sqrt(2.0)), 1e-5) << near;
+    }
   }
 }
 
