@@ -1,5 +1,7 @@
 #include "sansmesh/render/volume_picture.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,6 +11,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/mesh_scene.h"
@@ -170,6 +173,7 @@ class VolumePicture::Work {
     if (options.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
     if (report) {
       own.transfer = chosen.function, own.why = chosen.why;
+      own.notes = notes(options);
       own.rays = rays, own.evaluations = evaluations;
       *report = own;
     }
@@ -188,6 +192,24 @@ class VolumePicture::Work {
     vertices.reserve(mesh->vertices.size());
     for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));
     return value_histogram(field, kHistogramPoints, vertices);
+  }
+
+  std::vector<std::string> notes(const VolumePictureOptions& options) const {
+    std::vector<std::string> found;
+    for (const IsoSurface& iso : options.isos)
+      if (iso.value < histogram_.least || iso.value > histogram_.most)
+        found.push_back(
+            fmt::format("the iso-surface of {:g} may be empty: values found in the volume lie between {:g} and {:g}",
+                        iso.value, histogram_.least, histogram_.most));
+    for (const bool opacity : {false, true}) {
+      const auto* baked = dynamic_cast<const BakedVolume*>(opacity ? subject_.opacity : subject_.field);
+      if (!baked || baked->report().finished) continue;
+      found.push_back(fmt::format(
+          "the baked field{} is coarser than asked for: off by {:.3g} % of its range on average, {:.3g} % "
+          "at most at the points looked at",
+          opacity ? " of the opacities" : "", 100 * baked->report().error_mean, 100 * baked->report().error_most));
+    }
+    return found;
   }
 
   TracedVolume traced() const {

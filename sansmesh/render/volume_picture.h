@@ -51,6 +51,9 @@ struct VolumeSubject {
 struct VolumePictureReport {
   TransferFunction transfer;  ///< that was used
   std::string why;            ///< it was taken, if it was suggested
+  /// Lines on what may not be as wished: iso-surfaces of values that were not found in the volume, baked fields that
+  /// are not as fine as they should be. Mostly none.
+  std::vector<std::string> notes;
   std::uint64_t rays = 0, evaluations = 0;
   /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
   /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.

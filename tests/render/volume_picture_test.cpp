@@ -9,6 +9,7 @@
 #include "render/picture_levels.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/transfer_table.h"
 #include "sansmesh/render/volume_tracer.h"
 #include "sansmesh/volume/volume_boundary.h"
@@ -398,6 +399,33 @@ TEST(VolumePicture, ObliqueLatticesEndAtTheirBoundary) {
       EXPECT_NEAR(left({0, near, 0.4}, {near, 0, 0.4}), std::pow(0.7, 4 * near * std::sqrt(2.0)), 1e-5) << near;
     }
   }
+}
+
+TEST(VolumePicture, NotesSayWhatMayNotBeAsWished) {
+  const FormulaVolume field = linear_volume({0, 0, 1}, 3);
+  Progress progress;
+  VolumePictureOptions options = small_volume_picture(4);
+  const auto notes = [&](const VolumeSubject& subject) {
+    VolumePictureReport report;
+    render_volume(subject, options, progress, &report);
+    return report.notes;
+  };
+  options.isos = {{3.5, {}, 1}};
+  EXPECT_TRUE(notes({&field, nullptr, nullptr, {}}).empty());
+  options.isos.push_back({2, {}, 1});
+  options.isos.push_back({17, {}, 1});
+  const auto said = notes({&field, nullptr, nullptr, {}});
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_NE(said[0].find("iso-surface of 2 "), std::string::npos) << said[0];
+  EXPECT_NE(said[1].find("iso-surface of 17 "), std::string::npos) << said[1];
+  options.isos.clear();
+  FormulaVolume wavy = constant_volume(0);
+  wavy.value = [](const Vec3& x) { return std::sin(40 * x.x); };
+  wavy.gradient = [](const Vec3& x) { return Vec3{40 * std::cos(40 * x.x), 0, 0}; };
+  const BakedVolume flat(field, {}, progress), coarse(wavy, {}, 0, progress);
+  EXPECT_TRUE(notes({&flat, &flat, nullptr, {}}).empty());
+  EXPECT_EQ(notes({&coarse, &flat, nullptr, {}}).size(), 1u);
+  EXPECT_EQ(notes({&flat, &coarse, nullptr, {}}).size(), 1u);
 }
 
 /// Blobs without any symmetry, in [0, 1]³.
