@@ -12,6 +12,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/baked_kernels.h"
+#include "sansmesh/render/value_histogram.h"
 
 namespace sansmesh {
 namespace {
@@ -25,6 +26,8 @@ constexpr int kMostLevels = 12;
 constexpr double kFinest = 0.5;    // of the spacing: cells as fine as this are not split
 constexpr double kCoarsest = 3;    // of the spacing: cells coarser than this could hide something, whatever their error
 constexpr double kStubborn = 0.8;  // of its parent's error: that much left after a split is no curvature but a jump
+constexpr double kMissed = 1e9;    // urgency of bricks that hold places but no point found inside
+constexpr std::size_t kEnoughChecked = 50;  // of the points of the check one in so many inside is enough
 constexpr std::size_t kBrickBatch = 96;
 constexpr std::size_t kCheckPoints = 20000;
 constexpr std::size_t kNodesOfBrick = kBrickSize / 4;
@@ -61,7 +64,8 @@ struct BakedVolume::State {
     double error = 0;           ///< at the middles of its cells, those in the volume
     double spacing = 0;         ///< of the field
     double parent_error = 0;
-    int stubborn = 0;  ///< generations in a row that splitting did not help
+    double held = std::numeric_limits<double>::infinity();  ///< least spacing at the places in it, where `none`
+    int stubborn = 0;                                       ///< generations in a row that splitting did not help
     Inside inside = Inside::none;
     std::vector<std::uint8_t> mask;  ///< of nodes, where `some`
   };
@@ -75,6 +79,9 @@ struct BakedVolume::State {
   std::vector<std::int32_t> branches;
   std::vector<Brick> bricks;
   std::vector<float> nodes;
+  std::vector<std::size_t> pending;  ///< places whose bricks are not full
+  std::vector<Vec3> known;           ///< some of the places, with the field's values
+  std::vector<double> known_values;
   /// Nodes that took what a coarser brick says, with what they were before.
   std::vector<std::pair<std::size_t, std::array<float, 4>>> hanging;
 
@@ -94,6 +101,14 @@ struct BakedVolume::State {
       root[k] = size[k] / counts[k];
     }
     report.least = std::numeric_limits<double>::infinity(), report.most = -report.least;
+    for (std::size_t i = 0; i < options.places.size(); ++i)
+      if (is_finite(options.places[i])) pending.push_back(i);
+    known = some_places(options.places, kCheckPoints);
+    known_values.resize(known.size());
+    f.evaluate(known, {known_values, {}, {}, {}});
+    report.evaluations += known.size();
+    for (const double v : known_values)
+      report.least = std::min(report.least, v), report.most = std::max(report.most, v);
   }
 
   detail::BrickTree tree() const {
@@ -125,6 +140,32 @@ struct BakedVolume::State {
     std::vector<std::size_t> slots(roots.size());
     std::iota(slots.begin(), slots.end(), std::size_t{0});
     fill(roots, slots, progress);
+    hold_places(progress);
+  }
+
+  /// Tells bricks that seem to miss the volume how fine it is in them.
+  void hold_places(Progress& progress) {
+    progress.check();
+    const detail::BrickTree own = tree();
+    std::vector<std::int32_t> in(pending.size());
+    parallel_for(0, pending.size(), 4096,
+                 [&](std::size_t i) { in[i] = detail::brick_place(own, options.places[pending[i]]).brick; });
+    std::vector<std::int32_t> holders;
+    std::vector<Vec3> x;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < pending.size(); ++i) {
+      const Inside inside = bricks[static_cast<std::size_t>(in[i])].inside;
+      if (inside == Inside::all) continue;  // found, and so is all that it will be split into
+      if (inside == Inside::none) holders.push_back(in[i]), x.push_back(options.places[pending[i]]);
+      pending[left++] = pending[i];
+    }
+    pending.resize(left);
+    std::vector<double> spacings(x.size());
+    field->spacing(x, spacings);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      double& held = bricks[static_cast<std::size_t>(holders[i])].held;
+      held = std::min(held, spacings[i]);
+    }
   }
 
   /// Samples bricks and puts them where they belong.
@@ -203,8 +244,10 @@ struct BakedVolume::State {
 
   /// How much a brick should be split: more than 1 if it should.
   double urgency(const Brick& b) const {
-    if (b.inside == Inside::none || b.level >= kMostLevels) return 0;
+    if (b.level >= kMostLevels) return 0;
     const double cell = longest_cell(b);
+    // What is missed altogether comes first.
+    if (b.inside == Inside::none) return cell > b.held ? kMissed * cell / b.held : 0;
     if (cell <= kFinest * b.spacing || (b.stubborn > 1 && cell <= b.spacing)) return 0;
     const double wanted = b.error / (options.tolerance * range());
     // A brick that has no error yet but is coarse comes after all that are known to be wrong.
@@ -246,6 +289,7 @@ struct BakedVolume::State {
     }
     nodes.resize(bricks.size() * kBrickSize);
     fill(made, slots, progress);
+    hold_places(progress);
     return true;
   }
 
@@ -358,7 +402,7 @@ struct BakedVolume::State {
       report.levels = std::max(report.levels, b.level + 1);
       report.cell_error_most = std::max(report.cell_error_most, b.error / range());
       report.bytes += b.mask.size();
-      if (urgency(b) > 1) report.finished = false;
+      if (urgency(b) > 1 || (b.inside == Inside::none && longest_cell(b) > b.held)) report.finished = false;
     }
     std::vector<Vec3> x(kCheckPoints);
     const Vec3 size = box.size();
@@ -378,6 +422,15 @@ struct BakedVolume::State {
       const double e = std::abs(exact[i] - found[i]) / range();
       sum += e, most = std::max(most, e), ++count;
     }
+    if (count * kEnoughChecked < x.size()) {
+      found.resize(known.size());
+      baked.evaluate(known, {found, {}, {}, {}});
+      for (std::size_t i = 0; i < known.size(); ++i) {
+        const double e = std::abs(known_values[i] - found[i]) / range();
+        sum += e, most = std::max(most, e), ++count;
+      }
+    }
+    report.checked = count;
     report.error_mean = count > 0 ? sum / static_cast<double>(count) : 0;
     report.error_most = most;
   }

@@ -34,14 +34,10 @@ const TransferJson& transfer_list(const TransferJson& json, const char* key) {
   return *found;
 }
 
-/// Three levels of 0..255 as six hexadecimal digits.
-Vec3f hex_color(const std::string& text, const std::string& where) {
-  const bool good =
-      text.size() == 7 && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == text.npos;
-  if (!good) transfer_error(where + ": colours are written as \"#rrggbb\"");
-  const unsigned long bits = std::stoul(text.substr(1), nullptr, 16);
-  return {static_cast<float>(bits >> 16 & 255) / 255, static_cast<float>(bits >> 8 & 255) / 255,
-          static_cast<float>(bits & 255) / 255};
+Vec3f transfer_color(const std::string& text, const std::string& where) {
+  const auto color = color_of_hex(text);
+  if (!color) transfer_error(where + ": colours are written as \"#rrggbb\"");
+  return *color;
 }
 
 TransferFunction own_transfer_function(const TransferJson& json) {
@@ -72,7 +68,7 @@ TransferFunction own_transfer_function(const TransferJson& json) {
   for (const TransferJson& p : transfer_list(json, "colors")) {
     const std::string where = fmt::format("colour {}", ++at);
     if (p.is_array() && p.size() == 2 && p[1].is_string()) {
-      f.colors.push_back({transfer_number(p[0], where), hex_color(p[1].get<std::string>(), where)});
+      f.colors.push_back({transfer_number(p[0], where), transfer_color(p[1].get<std::string>(), where)});
     } else if (p.is_array() && p.size() == 4) {
       std::array<double, 4> n{};
       for (std::size_t k = 0; k < 4; ++k) n[k] = transfer_number(p[k], where);

@@ -8,6 +8,60 @@
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {
+namespace {
+
+constexpr std::size_t kEnough = 50;  // one point in so many inside is enough
+constexpr int kFiner = 2;            // times that the lattice gets twice as fine in each direction
+
+/// About so many points, in the middles of cubes that fill a box; flat boxes have one layer at least.
+std::vector<Vec3> lattice_points(const Box3& box, std::size_t points) {
+  const Vec3 size = box.size();
+  const double floor = 1e-3 * std::max({size.x, size.y, size.z});
+  const double edge = std::cbrt(std::max(size.x, floor) * std::max(size.y, floor) * std::max(size.z, floor) /
+                                static_cast<double>(points));
+  std::array<std::size_t, 3> n{};
+  for (std::size_t k = 0; k < 3; ++k) n[k] = std::max<std::size_t>(1, static_cast<std::size_t>(size[k] / edge));
+  std::vector<Vec3> x;
+  x.reserve(n[0] * n[1] * n[2]);
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i)
+        x.push_back(box.lower + Vec3{(static_cast<double>(i) + 0.5) / static_cast<double>(n[0]) * size.x,
+                                     (static_cast<double>(j) + 0.5) / static_cast<double>(n[1]) * size.y,
+                                     (static_cast<double>(k) + 0.5) / static_cast<double>(n[2]) * size.z});
+  return x;
+}
+
+struct FoundValues {
+  std::vector<double> values, slopes;  // lengths of gradients
+};
+
+/// Adds those of the points in the volume, or of all.
+void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, FoundValues& found) {
+  std::vector<double> values(x.size());
+  std::vector<Vec3> gradients(x.size());
+  std::vector<std::uint8_t> inside(all ? 0 : x.size());
+  field.evaluate(x, {values, gradients, inside, {}});
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!all && !inside[i]) continue;
+    found.values.push_back(values[i]);
+    found.slopes.push_back(norm(gradients[i]));
+  }
+}
+
+}  // namespace
+
+std::vector<Vec3> some_places(std::span<const Vec3> places, std::size_t most) {
+  std::vector<Vec3> x;
+  const std::size_t count = std::min(places.size(), most);
+  x.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    // Evenly over the list: number i ⋅ size / count, without the product.
+    const std::size_t at = places.size() / count * i + places.size() % count * i / count;
+    if (is_finite(places[at])) x.push_back(places[at]);
+  }
+  return x;
+}
 
 ValueHistogram value_histogram(std::span<const double> values, std::span<const double> gradients) {
   if (!gradients.empty() && gradients.size() != values.size())
@@ -40,38 +94,20 @@ ValueHistogram value_histogram(std::span<const double> values, std::span<const d
   return h;
 }
 
-ValueHistogram value_histogram(const VolumeField& field, std::size_t points) {
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> places) {
   if (field.components() != 1) throw ArgumentError("a histogram is of a field of one component");
   const Box3 box = field.bounds();
-  const Vec3 size = box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  if (box.empty() || !(longest > 0)) throw DataError("the volume has no extent");
-  // Cubes, of which flat boxes have one layer at least.
-  const double floor = 1e-3 * longest;
-  const double edge = std::cbrt(std::max(size.x, floor) * std::max(size.y, floor) * std::max(size.z, floor) /
-                                static_cast<double>(std::max<std::size_t>(points, 1)));
-  std::array<std::size_t, 3> n{};
-  for (std::size_t k = 0; k < 3; ++k) n[k] = std::max<std::size_t>(1, static_cast<std::size_t>(size[k] / edge));
-  std::vector<Vec3> x;
-  x.reserve(n[0] * n[1] * n[2]);
-  for (std::size_t k = 0; k < n[2]; ++k)
-    for (std::size_t j = 0; j < n[1]; ++j)
-      for (std::size_t i = 0; i < n[0]; ++i)
-        x.push_back(box.lower + Vec3{(static_cast<double>(i) + 0.5) / static_cast<double>(n[0]) * size.x,
-                                     (static_cast<double>(j) + 0.5) / static_cast<double>(n[1]) * size.y,
-                                     (static_cast<double>(k) + 0.5) / static_cast<double>(n[2]) * size.z});
-  std::vector<double> values(x.size());
-  std::vector<Vec3> gradients(x.size());
-  std::vector<std::uint8_t> inside(x.size());
-  field.evaluate(x, {values, gradients, inside, {}});
-  std::vector<double> kept, lengths;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!inside[i]) continue;
-    kept.push_back(values[i]);
-    lengths.push_back(norm(gradients[i]));
+  if (box.empty() || !(box.diagonal() > 0)) throw DataError("the volume has no extent");
+  points = std::max<std::size_t>(points, 1);
+  FoundValues found;
+  add_values(field, lattice_points(box, points), false, found);
+  if (found.values.size() * kEnough < points) {
+    add_values(field, some_places(places, points), true, found);
+    for (int finer = 0; found.values.empty() && finer < kFiner; ++finer)
+      add_values(field, lattice_points(box, points *= 8), false, found);
   }
-  if (kept.empty()) throw DataError("no point of the volume was found in its box");
-  return value_histogram(kept, lengths);
+  if (found.values.empty()) throw DataError("no point of the volume was found in its box");
+  return value_histogram(found.values, found.slopes);
 }
 
 }  // namespace sansmesh

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/vec.h"
 #include "sansmesh/field/volume_field.h"
 
 namespace sansmesh {
@@ -24,8 +25,15 @@ struct ValueHistogram {
 /// where no value is finite.
 ValueHistogram value_histogram(std::span<const double> values, std::span<const double> gradients = {});
 
-/// Of a field of one component, at about so many points of a lattice over its box, those inside of the volume. Throws
-/// DataError where none is.
-ValueHistogram value_histogram(const VolumeField& field, std::size_t points = 100000);
+/// At most so many of a list of places, evenly over the list; those that are not finite are left out.
+std::vector<Vec3> some_places(std::span<const Vec3> places, std::size_t most);
+
+/// Of a field of one component, at about so many points of a lattice over its box, those inside of the volume. Where
+/// fewer than one in 50 are (thin shells, parts that are far apart), as many of the `places` count, too, which the
+/// caller knows to lie in the volume or on its boundary (its samples, say; those that are not finite are left out), and
+/// are not asked for. Without places finer lattices are tried, up to 64 times as many points, until a point is inside.
+/// Throws DataError where none is.
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points = 100000,
+                               std::span<const Vec3> places = {});
 
 }  // namespace sansmesh

@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/render/color_space.h"
 #include "sansmesh/render/transfer_presets.h"
 
 namespace sansmesh {
@@ -15,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostSurfaces = 16;
 
-std::optional<double> whole_number_text(std::string_view text) {
+std::optional<double> number_in_text(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
@@ -45,7 +46,7 @@ std::optional<Vec3> direction_of(std::string_view text) {
   if (parts.size() != 3) return std::nullopt;
   Vec3 n;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto value = whole_number_text(parts[k]);
+    const auto value = number_in_text(parts[k]);
     if (!value) return std::nullopt;
     n[k] = *value;
   }
@@ -62,19 +63,15 @@ IsoSurface iso_surface_of(const std::string& text) {
   };
   const auto parts = pieces_of(text, ':');
   IsoSurface iso;
-  const auto value = whole_number_text(parts[0]);
+  const auto value = number_in_text(parts[0]);
   if (!value || parts.size() > 3) fail();
   iso.value = *value;
   if (parts.size() > 1 && !parts[1].empty()) {
-    const std::string_view c = parts[1];
-    if (c.size() != 7 || c[0] != '#' || c.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string_view::npos)
-      fail();
-    const unsigned long bits = std::stoul(std::string(c.substr(1)), nullptr, 16);
-    iso.color = Vec3f{static_cast<float>(bits >> 16 & 255) / 255, static_cast<float>(bits >> 8 & 255) / 255,
-                      static_cast<float>(bits & 255) / 255};
+    iso.color = color_of_hex(parts[1]);
+    if (!iso.color) fail();
   }
   if (parts.size() > 2) {
-    const auto opacity = whole_number_text(parts[2]);
+    const auto opacity = number_in_text(parts[2]);
     if (!opacity) fail();
     iso.opacity = *opacity;
     check_range("opacity of an iso-surface", iso.opacity, 0, 1);
@@ -90,7 +87,7 @@ VolumeCut volume_cut_of(const std::string& text) {
   VolumeCut cut;
   if (const auto parts = pieces_of(text, '>'); parts.size() == 2) {
     const auto n = direction_of(parts[0]);
-    const auto offset = whole_number_text(parts[1]);
+    const auto offset = number_in_text(parts[1]);
     if (!n || !offset) fail();
     cut.normal = *n, cut.offset = *offset;
     return cut;
@@ -98,14 +95,14 @@ VolumeCut volume_cut_of(const std::string& text) {
   const auto parts = pieces_of(text, '<');
   if (parts.size() == 2) {
     const auto n = direction_of(parts[0]);
-    const auto offset = whole_number_text(parts[1]);
+    const auto offset = number_in_text(parts[1]);
     if (!n || !offset) fail();
     cut.normal = -*n, cut.offset = -*offset;
     return cut;
   }
   if (parts.size() != 3) fail();
   const auto n = direction_of(parts[1]);
-  const auto low = whole_number_text(parts[0]), high = whole_number_text(parts[2]);
+  const auto low = number_in_text(parts[0]), high = number_in_text(parts[2]);
   if (!n || !low || !high || !(*high > *low)) fail();
   cut.normal = *n, cut.offset = *low, cut.thickness = *high - *low;
   return cut;

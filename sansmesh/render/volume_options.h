@@ -34,7 +34,9 @@ VolumeCut volume_cut_of(const std::string& text);
 struct VolumePictureOptions : RenderOptions {
   /// Colours and opacities; default: the preset, or what suggest_transfer_function says.
   std::optional<TransferFunction> transfer;
-  std::string preset;            ///< a name of transfer_function_presets(); not beside `transfer`
+  /// A name of transfer_function_presets(); not beside `transfer`. Its opacities lie over the values of the field that
+  /// gives the opacities.
+  std::string preset;
   double opacity_scale = 1;      ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
   std::vector<IsoSurface> isos;  ///< of the field that gives the colours; at most 16
   std::vector<VolumeCut> cuts;   ///< at most 16

@@ -1,5 +1,7 @@
 #include "sansmesh/render/volume_picture.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,6 +11,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/mesh_scene.h"
@@ -126,7 +129,9 @@ class VolumePicture::Work {
         frame_(framed()),
         cells_(*subject_.field, subject_.opacity, progress),
         stretches_(*subject_.field, subject_.boundary, frame_),
-        histogram_(value_histogram(*subject_.field, kHistogramPoints)) {}
+        histogram_(histogram_of(*subject_.field)) {
+    if (subject_.opacity) opacity_histogram_ = histogram_of(*subject_.opacity);
+  }
 
   Camera camera(const VolumePictureOptions& options) const {
     const double aspect = static_cast<double>(options.width) / options.height;
@@ -140,13 +145,12 @@ class VolumePicture::Work {
 
   SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
     if (options.transfer) return {*options.transfer, {}};
-    if (!options.preset.empty()) return {transfer_function_preset(options.preset, histogram_), {}};
-    SuggestedTransferFunction found = suggest_transfer_function(histogram_);
-    if (subject_.opacity) {  // opacities by the other array's values
-      const SuggestedTransferFunction other =
-          suggest_transfer_function(value_histogram(*subject_.opacity, kHistogramPoints));
-      found.function.opacities = other.function.opacities;
-    }
+    const auto of = [&](const ValueHistogram& values) {
+      return options.preset.empty() ? suggest_transfer_function(values)
+                                    : SuggestedTransferFunction{transfer_function_preset(options.preset, values), {}};
+    };
+    SuggestedTransferFunction found = of(histogram_);
+    if (opacity_histogram_) found.function.opacities = of(*opacity_histogram_).function.opacities;
     return found;
   }
 
@@ -169,6 +173,7 @@ class VolumePicture::Work {
     if (options.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
     if (report) {
       own.transfer = chosen.function, own.why = chosen.why;
+      own.notes = notes(options);
       own.rays = rays, own.evaluations = evaluations;
       *report = own;
     }
@@ -180,6 +185,33 @@ class VolumePicture::Work {
   const ValueHistogram& histogram() const { return histogram_; }
 
  private:
+  ValueHistogram histogram_of(const VolumeField& field) const {
+    const TriangleMesh* mesh = subject_.boundary;
+    if (!subject_.places.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.places);
+    std::vector<Vec3> vertices;
+    vertices.reserve(mesh->vertices.size());
+    for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));
+    return value_histogram(field, kHistogramPoints, vertices);
+  }
+
+  std::vector<std::string> notes(const VolumePictureOptions& options) const {
+    std::vector<std::string> found;
+    for (const IsoSurface& iso : options.isos)
+      if (iso.value < histogram_.least || iso.value > histogram_.most)
+        found.push_back(
+            fmt::format("the iso-surface of {:g} may be empty: values found in the volume lie between {:g} and {:g}",
+                        iso.value, histogram_.least, histogram_.most));
+    for (const bool opacity : {false, true}) {
+      const auto* baked = dynamic_cast<const BakedVolume*>(opacity ? subject_.opacity : subject_.field);
+      if (!baked || baked->report().finished) continue;
+      found.push_back(fmt::format(
+          "the baked field{} is coarser than asked for: off by {:.3g} % of its range on average, {:.3g} % "
+          "at most at the points looked at",
+          opacity ? " of the opacities" : "", 100 * baked->report().error_mean, 100 * baked->report().error_most));
+    }
+    return found;
+  }
+
   TracedVolume traced() const {
     TracedVolume volume;
     volume.field = subject_.field, volume.opacity = subject_.opacity;
@@ -322,6 +354,7 @@ class VolumePicture::Work {
   VolumeCells cells_;
   VolumeStretches stretches_;
   ValueHistogram histogram_;
+  std::optional<ValueHistogram> opacity_histogram_;
 };
 
 VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {

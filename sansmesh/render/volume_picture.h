@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,16 +35,25 @@ PictureSurface surface_in_volume(const SurfaceCaster& caster, const Vec3& origin
 
 /// What there is to see. All of it must outlive the picture.
 struct VolumeSubject {
-  const VolumeField* field = nullptr;      ///< colours, iso-surfaces and opacities; one component
-  const VolumeField* opacity = nullptr;    ///< opacities, where they come from another array; one component
-  const TriangleMesh* boundary = nullptr;  ///< closed, turned outwards; null: `inside` of the field decides
-  std::vector<PictureSurface> surfaces;    ///< opaque surfaces in the same picture
+  const VolumeField* field = nullptr;    ///< colours, iso-surfaces and opacities; one component
+  const VolumeField* opacity = nullptr;  ///< opacities, where they come from another array; one component
+  /// Closed, turned outwards. Null: `inside` of the field decides, in the box of the field, a step at a time. That is
+  /// exact only where the volume is that box: of all others, lattices included whose directions are not the axes, the
+  /// sides become ragged without a boundary (volume_boundary() has it).
+  const TriangleMesh* boundary = nullptr;
+  std::vector<PictureSurface> surfaces;  ///< opaque surfaces in the same picture
+  /// Known to be in the volume or on its boundary, such as its samples: where a volume fills so little of its box that
+  /// hardly a point of a lattice hits it, values are looked for there. Without, the vertices of the boundary are taken.
+  std::span<const Vec3> places = {};
 };
 
 /// How a picture came to be.
 struct VolumePictureReport {
   TransferFunction transfer;  ///< that was used
   std::string why;            ///< it was taken, if it was suggested
+  /// Lines on what may not be as wished: iso-surfaces of values that were not found in the volume, baked fields that
+  /// are not as fine as they should be. Mostly none.
+  std::vector<std::string> notes;
   std::uint64_t rays = 0, evaluations = 0;
   /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
   /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.

@@ -60,6 +60,29 @@ inline FormulaVolume ball_volume(const Vec3& center) {
   return v;
 }
 
+/// ⟨g, x⟩ in two small balls far apart, which fill a part in 10⁷ of their box: no point of any lattice but a very fine
+/// one lies in them.
+struct TwoSpecks {
+  FormulaVolume field;
+  std::array<Vec3, 2> centers{Vec3{0.1031, 0.1147, 0.1273}, Vec3{0.9117, 0.8853, 0.8719}};
+  double radius = 0.0023;
+
+  explicit TwoSpecks(const Vec3& g) : field(linear_volume(g)) {
+    field.in = [this](const Vec3& x) { return std::min(norm(x - centers[0]), norm(x - centers[1])) < radius; };
+    field.step = 0.2 * radius;
+  }
+  TwoSpecks(const TwoSpecks&) = delete;
+  TwoSpecks& operator=(const TwoSpecks&) = delete;
+
+  /// Spread over the insides of both.
+  std::vector<Vec3> places() const {
+    std::vector<Vec3> x;
+    for (const Vec3& c : centers)
+      for (int i = 0; i < 27; ++i) x.push_back(c + Vec3{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0} * (0.5 * radius));
+    return x;
+  }
+};
+
 /// The surface of a box, turned outwards.
 inline TriangleMesh box_surface(const Vec3& lower, const Vec3& upper) {
   TriangleMesh mesh;

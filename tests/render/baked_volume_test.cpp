@@ -219,6 +219,38 @@ TEST(BakedVolume, KnowsInsideAndAnswersEverywhere) {
   EXPECT_EQ(strange.inside[1], 0);
 }
 
+TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
+  test::TwoSpecks specks({0, 0, 0});
+  // A bend in each speck that only cells of a fraction of it can follow.
+  const auto nearest = [&specks](const Vec3& x) {
+    return specks.centers[norm(x - specks.centers[0]) < norm(x - specks.centers[1]) ? 0 : 1];
+  };
+  specks.field.value = [=](const Vec3& x) { return squared_norm(x - nearest(x)); };
+  specks.field.gradient = [=](const Vec3& x) { return (x - nearest(x)) * 2; };
+  const std::vector<Vec3> places = specks.places();
+  Progress progress;
+  const BakedVolume blind(specks.field, {}, progress);
+  BakeOptions options;
+  options.places = places, options.tolerance = 0.02;
+  const BakedVolume baked(specks.field, options, progress);
+  EXPECT_EQ(blind.report().checked, 0u);
+  EXPECT_EQ(baked.report().checked, places.size());
+  EXPECT_TRUE(baked.report().finished);
+  EXPECT_LE(baked.report().cell_error_most, options.tolerance);
+  EXPECT_LT(baked.report().error_most, 3 * options.tolerance);
+  const Answers exact(specks.field, places), found(baked, places), missed(blind, places);
+  double worst = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(missed.inside[i], 0);
+    if (norm(places[i] - nearest(places[i])) < 0.8 * specks.radius) EXPECT_EQ(found.inside[i], 1) << i;
+    worst = std::max(worst, std::abs(found.values[i] - exact.values[i]));
+  }
+  EXPECT_LT(worst, 3 * options.tolerance * (baked.report().most - baked.report().least));
+  // Where the memory ends before, that is said.
+  options.memory = std::size_t{1} << 20;
+  EXPECT_FALSE(BakedVolume(specks.field, options, progress).report().finished);
+}
+
 TEST(BakedVolume, SameForAnyThreads) {
   const FormulaVolume field = hill();
   const std::vector<Vec3> x = anywhere(5000, 9);

@@ -1,5 +1,6 @@
 #include "sansmesh/render/transfer_function.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -90,6 +91,17 @@ TEST(ColorSpace, LabAndBack) {
   EXPECT_GT(std::min({middle.x, middle.y, middle.z}), 0.8f);  // the middle is light and grey
 }
 
+TEST(ColorSpace, ColoursOfHexadecimalDigits) {
+  for (int level = 0; level < 256; ++level) {
+    const std::string text = fmt::format("#{:02x}{:02X}00", level, 255 - level);
+    const auto color = color_of_hex(text);
+    ASSERT_TRUE(color) << text;
+    EXPECT_EQ(*color, (Vec3f{static_cast<float>(level) / 255, static_cast<float>(255 - level) / 255, 0})) << text;
+  }
+  for (const char* bad : {"", "#", "#12345", "#1234567", "1234567", "#12345g", "#+12345", "# 12345", "#0x1234"})
+    EXPECT_FALSE(color_of_hex(bad)) << bad;
+}
+
 TEST(TransferFunction, OwnJsonComesBackTheSame) {
   const ValueHistogram h = value_histogram(test::linear_volume({1, 2, 0}, -1));
   for (const std::string_view name : transfer_function_presets()) {
@@ -161,6 +173,31 @@ std::vector<double> scanned(double air, double body, double dense, std::uint32_t
   for (int i = 0; i < 4000; ++i) values.push_back(dense + 3 * noise(random));
   for (int i = 0; i < 3000; ++i) values.push_back(air + (body - air) * i / 3000.0);
   return values;
+}
+
+TEST(ValueHistogram, PlacesTellOfVolumesThatFillLittleOfTheirBox) {
+  const test::TwoSpecks specks({1, 0, 0});
+  EXPECT_THROW(value_histogram(specks.field, 1000), DataError);
+  std::vector<Vec3> places = specks.places();
+  places.push_back({std::nan(""), 0, 0});
+  const ValueHistogram h = value_histogram(specks.field, 1000, places);
+  EXPECT_DOUBLE_EQ(h.least, specks.centers[0].x - 0.5 * specks.radius);
+  EXPECT_DOUBLE_EQ(h.most, specks.centers[1].x + 0.5 * specks.radius);
+  // More places than points: some of all parts.
+  const ValueHistogram fewer = value_histogram(specks.field, 10, places);
+  EXPECT_LT(fewer.least, 0.2);
+  EXPECT_GT(fewer.most, 0.8);
+  // Where the lattice does, places change nothing.
+  const test::FormulaVolume full = test::linear_volume({1, 0, 0});
+  EXPECT_EQ(value_histogram(full, 1000, std::vector<Vec3>{{7, 0, 0}}).most, value_histogram(full, 1000).most);
+}
+
+TEST(ValueHistogram, LatticesGetFinerUntilTheVolumeIsFound) {
+  test::FormulaVolume field = test::linear_volume({1, 0, 0});
+  field.in = [](const Vec3& x) { return std::abs(x.x - 0.5) < 0.015; };  // between the points of the first lattice
+  const ValueHistogram h = value_histogram(field, 10 * 10 * 10);
+  EXPECT_GE(h.least, 0.485);
+  EXPECT_LE(h.most, 0.515);
 }
 
 TEST(SuggestTransferFunction, DropsAirAndShowsBone) {

@@ -8,8 +8,11 @@
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/transfer_table.h"
 #include "sansmesh/render/volume_tracer.h"
+#include "sansmesh/volume/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
@@ -316,6 +319,30 @@ TEST(VolumePicture, CutsTakeAwayAndShowValues) {
   EXPECT_EQ(along(subject, options, a, b)[3], 1);
 }
 
+TEST(VolumePicture, VolumesThatFillLittleOfTheirBoxAreDrawn) {
+  const test::TwoSpecks specks({1, 0, 0});
+  const Vec3 r{specks.radius, specks.radius, specks.radius};
+  TriangleMesh boundary = test::octasphere(3);
+  const TriangleMesh ball = boundary;
+  for (Vec3f& v : boundary.vertices) v = Vec3f(specks.centers[0] + Vec3(v) * specks.radius);
+  for (std::array<std::uint32_t, 3> t : ball.triangles) {
+    for (std::uint32_t& v : t) v += static_cast<std::uint32_t>(ball.vertices.size());
+    boundary.triangles.push_back(t);
+  }
+  for (const Vec3f& v : ball.vertices) boundary.vertices.push_back(Vec3f(specks.centers[1] + Vec3(v) * specks.radius));
+  const std::vector<Vec3> places = specks.places();
+  Progress progress;
+  for (const bool given : {true, false}) {
+    VolumeSubject subject{&specks.field, nullptr, &boundary, {}};
+    if (given) subject.places = places;
+    const VolumePicture picture(subject, progress);
+    EXPECT_NEAR(picture.histogram().least, specks.centers[0].x, specks.radius) << given;
+    EXPECT_NEAR(picture.histogram().most, specks.centers[1].x, specks.radius) << given;
+    for (const Vec3& c : specks.centers)
+      EXPECT_NEAR(along(subject, one_pixel(fog(0.5, 2 * specks.radius)), c - r, c + r)[3], 0.5, 0.01) << given;
+  }
+}
+
 TEST(VolumePicture, ColoursAndOpacitiesMayComeFromTwoFields) {
   const FormulaVolume colors = linear_volume({0, 1, 0}), opacities = linear_volume({0, 0, 0.9});
   TransferFunction f = fog(0, 0.5);
@@ -326,6 +353,79 @@ TEST(VolumePicture, ColoursAndOpacitiesMayComeFromTwoFields) {
   const auto p = along(subject, options, {0.5, 0.3, 0}, {0.5, 0.3, 1});
   EXPECT_NEAR(p[3], std::exp(-(0.1 * std::log(0.1) + 0.9) / 0.9 / 0.5), 1e-5);
   EXPECT_NEAR(p[0] / (1 - p[3]), linear_color(f.color(0.3)).x, 1e-3);
+}
+
+TEST(VolumePicture, PresetsTakeOpacitiesFromTheValuesOfTheOpacityField) {
+  const FormulaVolume colors = linear_volume({0, 1, 0}), opacities = linear_volume({0, 0, 1000}, 5000);
+  Progress progress;
+  for (const char* preset : {"gray", "flow", "mr", "ct-soft-tissue", ""}) {
+    VolumePictureOptions options = small_volume_picture(4);
+    options.preset = preset;
+    const auto used = [&](const VolumeSubject& subject) {
+      VolumePictureReport report;
+      render_volume(subject, options, progress, &report);
+      return report.transfer;
+    };
+    const TransferFunction both = used({&colors, &opacities, nullptr, {}});
+    EXPECT_EQ(both.colors, used({&colors, nullptr, nullptr, {}}).colors) << preset;
+    EXPECT_EQ(both.opacities, used({&opacities, nullptr, nullptr, {}}).opacities) << preset;
+  }
+}
+
+TEST(VolumePicture, ObliqueLatticesEndAtTheirBoundary) {
+  for (const bool mirrored : {false, true}) {
+    SampledVolume volume;
+    Lattice& lattice = volume.lattice.emplace();
+    Vec3 n = normalized(Vec3{1, -2, 0.7}), u, v;
+    tangent_frame(n, u, v);
+    lattice.directions = {u, mirrored ? -v : v, cross(u, v)};
+    lattice.origin = {0.3, 0.2, 5};
+    for (std::size_t k = 0; k < 3; ++k) lattice.axes[k] = {0, 0.5, 1}, lattice.upper[k] = 1;
+    FormulaVolume field = constant_volume(0.5);
+    field.in = [&lattice](const Vec3& x) { return Box3{{0, 0, 0}, {1, 1, 1}}.contains(lattice.to_axes(x)); };
+    field.box = {};
+    for (int c = 0; c < 8; ++c)
+      field.box.extend(lattice.from_axes({static_cast<double>(c & 1), c & 2 ? 1.0 : 0.0, c & 4 ? 1.0 : 0.0}));
+    const TriangleMesh boundary = volume_boundary(volume);
+    const VolumeSubject subject{&field, nullptr, &boundary, {}};
+    VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
+    options.step = 4;
+    const auto left = [&](const Vec3& a, const Vec3& b) {
+      return along(subject, options, lattice.from_axes(a), lattice.from_axes(b))[3];
+    };
+    for (const double near : {0.5, 0.01, 0.0005}) {  // the nearer to an edge, the shorter the way
+      EXPECT_NEAR(left({near, 0.3, -1}, {near, 0.3, 2}), std::pow(0.7, 4), 1e-5) << near;
+      EXPECT_EQ(left({-near, 0.3, -1}, {-near, 0.3, 2}), 1) << near;
+      EXPECT_NEAR(left({0, near, 0.4}, {near, 0, 0.4}), std::pow(0.7, 4 * near * std::sqrt(2.0)), 1e-5) << near;
+    }
+  }
+}
+
+TEST(VolumePicture, NotesSayWhatMayNotBeAsWished) {
+  const FormulaVolume field = linear_volume({0, 0, 1}, 3);
+  Progress progress;
+  VolumePictureOptions options = small_volume_picture(4);
+  const auto notes = [&](const VolumeSubject& subject) {
+    VolumePictureReport report;
+    render_volume(subject, options, progress, &report);
+    return report.notes;
+  };
+  options.isos = {{3.5, {}, 1}};
+  EXPECT_TRUE(notes({&field, nullptr, nullptr, {}}).empty());
+  options.isos.push_back({2, {}, 1});
+  options.isos.push_back({17, {}, 1});
+  const auto said = notes({&field, nullptr, nullptr, {}});
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_NE(said[0].find("iso-surface of 2 "), std::string::npos) << said[0];
+  EXPECT_NE(said[1].find("iso-surface of 17 "), std::string::npos) << said[1];
+  options.isos.clear();
+  FormulaVolume wavy = constant_volume(0);
+  wavy.value = [](const Vec3& x) { return std::sin(40 * x.x); };
+  wavy.gradient = [](const Vec3& x) { return Vec3{40 * std::cos(40 * x.x), 0, 0}; };
+  const BakedVolume flat(field, {}, progress), coarse(wavy, {}, 0, progress);
+  EXPECT_TRUE(notes({&flat, &flat, nullptr, {}}).empty());
+  EXPECT_EQ(notes({&coarse, &flat, nullptr, {}}).size(), 1u);
+  EXPECT_EQ(notes({&flat, &coarse, nullptr, {}}).size(), 1u);
 }
 
 /// Blobs without any symmetry, in [0, 1]³.
