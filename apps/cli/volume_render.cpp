@@ -99,9 +99,11 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
       opacity = volume.field(shown(volume, volume.dataset().choose(a.opacity_by, "opacity_by")));
     VolumeSubject subject;
     subject.field = field.get(), subject.opacity = opacity.get();
+    subject.places = samples->positions;
     if (a.interactive) {
       BakeOptions bake;
       bake.tolerance = a.bake_error;
+      bake.places = samples->positions;
       progress.begin("bake");
       baked = std::make_unique<BakedVolume>(*field, bake, progress);
       subject.field = baked.get();
@@ -130,6 +132,7 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
     throw FileError(a.input.name(), error.what());
   }
   progress.finish();
+  console.warn(a.input.name(), report.notes);
 
   volume.say_method();
   console.say(fmt::format("{}: {} ({})", a.input.name(), counted(samples->size(), "sample"), samples->facts.grid));
@@ -147,12 +150,12 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
                {"why", report.why},
                {"rays", report.rays},
                {"evaluations", report.evaluations},
+               {"notes", report.notes},
                {"output", {{"files", files}, {"width", options.width}, {"height", options.height}}}};
   if (baked)
-    json["baked"] = {{"bricks", baked->report().bricks},
-                     {"bytes", baked->report().bytes},
-                     {"error_mean", baked->report().error_mean},
-                     {"error_most", baked->report().error_most}};
+    json["baked"] = {{"bricks", baked->report().bricks},         {"bytes", baked->report().bytes},
+                     {"finished", baked->report().finished},     {"checked", baked->report().checked},
+                     {"error_mean", baked->report().error_mean}, {"error_most", baked->report().error_most}};
   console.say_json(json);
   console.print_timings();
 }
