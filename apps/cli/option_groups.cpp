@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,21 @@ RenderOptions PictureArguments::chosen() const {
   if (!view.empty()) o.view = named_view(view);
   if (z_up) o.up = UpAxis::z;
   return o;
+}
+
+void set_background(RenderOptions& o, const std::string& word) {
+  using Background = RenderOptions::Background;
+  if (word == "transparent") o.background = Background::transparent;
+  if (word == "white" || word == "black") {
+    o.background = Background::solid;
+    o.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+  }
+}
+
+std::string frame_name(const std::string& output, int frame) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
+      .string();
 }
 
 void add_picture_options(CommandLine& c, PictureArguments& a) {

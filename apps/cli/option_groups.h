@@ -31,6 +31,10 @@ struct PictureArguments {
   /// Throws ArgumentError for a view that is not known.
   RenderOptions chosen() const;
 };
+/// gradient, white, black or transparent, as --background has it.
+void set_background(RenderOptions& options, const std::string& word);
+/// Of a turntable: NAME.png becomes NAME_007.png.
+std::string frame_name(const std::string& output, int frame);
 /// --width, --height, --view, --z-up
 void add_picture_options(CommandLine& command, PictureArguments& arguments);
 /// --preview FILE: also draws `what`.

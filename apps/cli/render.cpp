@@ -21,12 +21,7 @@ RenderOptions picture_options(const RenderArguments& a) {
   RenderOptions o = a.picture.chosen();
   o.smooth = !a.flat;
   o.shadows = !a.no_shadows;
-  using Background = RenderOptions::Background;
-  if (a.background == "transparent") o.background = Background::transparent;
-  if (a.background == "white" || a.background == "black") {
-    o.background = Background::solid;
-    o.background_color = a.background == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
-  }
+  set_background(o, a.background);
   return o;
 }
 

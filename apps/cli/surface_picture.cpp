@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include "render.h"
@@ -16,13 +15,6 @@
 
 namespace sansmesh::cli {
 namespace {
-
-/// NAME.png → NAME_007.png
-std::string frame_name(const std::string& output, int frame) {
-  const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
-      .string();
-}
 
 std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress) {
   if (a.color_by.empty()) return nullptr;

@@ -1,7 +1,6 @@
 // sansmesh volume render: a picture of a volume, seen through.
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,22 +30,10 @@ struct VolumeRenderArguments {
   double bake_error = BakeOptions().tolerance;
 };
 
-/// NAME.png → NAME_007.png
-std::string frame_of(const std::string& output, int frame) {
-  const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
-      .string();
-}
-
 VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   VolumePictureOptions o = a.options;
   static_cast<RenderOptions&>(o) = a.picture.chosen();
-  using Background = RenderOptions::Background;
-  if (a.background == "transparent") o.background = Background::transparent;
-  if (a.background == "white" || a.background == "black") {
-    o.background = Background::solid;
-    o.background_color = a.background == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
-  }
+  set_background(o, a.background);
   for (const std::string& text : a.isos) o.isos.push_back(iso_surface_of(text));
   for (const std::string& text : a.cuts) o.cuts.push_back(volume_cut_of(text));
   o.shading = !a.no_shading;
@@ -125,7 +112,7 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
     for (std::size_t k = 0; k < views.size(); ++k) {
       VolumePictureOptions frame = options;
       frame.view = views[k];
-      files.push_back(a.frames > 0 ? frame_of(a.output, static_cast<int>(k)) : a.output);
+      files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
       write_image(files.back(), picture.render(frame, progress, &report));
     }
   } catch (const DataError& error) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/data/cell_list.h"
+#include "sansmesh/data/sampled_volume.h"
 
 namespace sansmesh {
 
@@ -15,6 +16,8 @@ inline constexpr std::size_t kMostFaces = 6;  ///< of a cell
 
 /// The cells that each point is a corner of, ascending.
 Adjacency cells_of_points(const CellList& cells, std::size_t points);
+/// The cells that a sample is a corner of, or that it stands for, ascending.
+Adjacency cells_of_samples(const SampledVolume& volume);
 
 /// The points that share an edge with each point, ascending.
 Adjacency edge_neighbours(const CellList& cells, std::size_t points);

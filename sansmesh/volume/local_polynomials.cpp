@@ -146,19 +146,6 @@ double value_at(std::span<const float> c, const Vec3& u, double factor = 1) {
 
 }  // namespace
 
-Adjacency cells_of_samples(const SampledVolume& volume) {
-  if (volume.cell_sample.empty()) return cells_of_points(volume.cells, volume.size());
-  Adjacency result;
-  result.first.assign(volume.size() + 1, 0);
-  for (const std::uint32_t sample : volume.cell_sample) ++result.first[sample + 1];
-  for (std::size_t i = 0; i < volume.size(); ++i) result.first[i + 1] += result.first[i];
-  result.entries.resize(result.first.back());
-  std::vector<std::uint64_t> at(result.first.begin(), result.first.end() - 1);
-  for (std::size_t c = 0; c < volume.cell_sample.size(); ++c)
-    result.entries[at[volume.cell_sample[c]]++] = static_cast<std::uint32_t>(c);
-  return result;
-}
-
 double LocalPolynomials::rise(std::size_t sample, std::size_t component, const Vec3& u) const {
   return value_at(of(sample, component), u, static_cast<double>(trust[sample]));
 }

@@ -48,9 +48,6 @@ struct LocalPolynomialOptions {
   double share = 1;
 };
 
-/// The cells that a sample is a corner of, or that it stands for, ascending.
-Adjacency cells_of_samples(const SampledVolume& volume);
-
 /// Polynomials about all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md): stencils are
 /// as many whole rings of the mesh as hold twice the number of polynomials of the highest degree. Fits are about
 /// samples and blended, not about each point as in `mls`: that is a thousand times fewer systems, the result is smooth,

@@ -15,20 +15,6 @@ namespace {
 
 constexpr double kMostOfMedian = 3;  ///< slivers along the hull of scattered samples reach far across
 
-/// The cells whose corner, or of samples in cells whose sample, each sample is.
-Adjacency cells_of_samples(const SampledVolume& volume) {
-  if (volume.cell_sample.empty()) return cells_of_points(volume.cells, volume.size());
-  Adjacency cells;
-  std::vector<std::uint64_t> next(volume.size() + 1, 0);
-  for (const std::uint32_t s : volume.cell_sample) ++next[s + 1];
-  for (std::size_t i = 1; i < next.size(); ++i) next[i] += next[i - 1];
-  cells.first = next;
-  cells.entries.resize(volume.cell_sample.size());
-  for (std::size_t c = 0; c < volume.cell_sample.size(); ++c)
-    cells.entries[next[volume.cell_sample[c]]++] = static_cast<std::uint32_t>(c);
-  return cells;
-}
-
 }  // namespace
 
 double reach_of_radius(double radius) { return std::max(1.05, radius / std::numbers::sqrt3 * (1 + 1e-9)); }

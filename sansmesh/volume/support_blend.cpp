@@ -1,4 +1,5 @@
 #include "sansmesh/volume/support_blend.h"
+#include "sansmesh/volume/cell_adjacency.h"
 
 #include <algorithm>
 #include <array>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/approximation/orthogonal_polynomials.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -106,13 +107,6 @@ class Predictor {
   std::vector<double> weights_, f_, basis_;
 };
 
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
-
 double range_of(const VolumeValues& values) {
   double widest = 0;
   for (std::size_t c = 0; c < values.components; ++c) {
@@ -143,10 +137,10 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   std::vector<double> errors(count);
   for (std::size_t degree = 0; degree < 4; ++degree) {
     for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[degree] / t.range;
-    t.left_out[degree] = median_of(errors);
+    t.left_out[degree] = median(errors);
   }
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
-  t.noise = std::min(kToDeviation * median_of(errors), kToDeviation * t.left_out[3]);
+  t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
   std::size_t stepped = 0;
   for (const Prediction& p : predictions)
     stepped += p.error[2] > kStepMedians * t.left_out[2] * t.range && p.error[2] > kStepShare * t.range;
