@@ -32,6 +32,7 @@ Command add_volume_probe(CommandLine& volume);
 Command add_volume_resample(CommandLine& volume);
 Command add_volume_isosurface(CommandLine& volume);
 Command add_volume_render(CommandLine& volume);
+Command add_volume_surface(CommandLine& volume);
 
 /// Throws FileError early if no function file of that name can be written.
 void check_function_writable(const std::string& file);

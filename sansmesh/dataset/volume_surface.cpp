@@ -1,0 +1,371 @@
+#include "sansmesh/dataset/volume_surface.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/search/ball_tree.h"
+#include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface/layer_projection.h"
+#include "sansmesh/volume/sample_slopes.h"
+
+namespace sansmesh {
+namespace {
+
+/// Thickness of the layer: δ in ω = exp(−(d/δs)²), d the distance from the surface that value and slope tell, s the
+/// spacing. Samples of a Gaussian so wide add up to the same wherever they lie (Poisson's sum: to 10⁻⁴), thicker ones
+/// see more of the curvature of f.
+constexpr double kThickness = 1;
+/// Samples farther off do not count: ω is below 0.01.
+constexpr double kMostOff = 2.2;
+/// No layer is thicker than what belongs to this share of the median slope: plateaus near the value would count whole.
+constexpr double kLeastSlope = 0.05, kWeakSlope = 0.25;
+/// h over the spacing without noise; its growth with what noise moves an isosurface by, in spacings; and its end.
+constexpr double kWidth = 2, kWiden = 4, kMostWidth = 4;
+/// Radius of the balls of the domain over the spacing, and the distance of samples that have one, over the layer's
+/// thickness: along any line through the layer some ball is entered within half a spacing of the surface.
+constexpr double kReach = 1.25, kBallsOff = 1.3;
+constexpr double kSteepness = 0.35;    // β₂
+constexpr double kLeastBorder = 0.15;  // of the largest gradient (of all but one in a thousand samples)
+constexpr double kOutOfNoise = 4;      // times the median gradient
+/// Shares of the local maximum from which on a sample counts, and has a ball.
+constexpr double kCounts = 0.3, kOnRidge = 0.8;
+/// Edge of blocks over the spacing, and of the balls that must hold fine blocks over those of the domain.
+constexpr double kBlockEdge = 1.4, kBlockReach = 0.6;
+constexpr int kDeepestBlocks = 13;
+constexpr double kMeshError = 0.02;  // in spacings
+constexpr double kTolerance = 1e-3;  // of points that are spread, in spacings
+constexpr int kSteps = 12;
+
+/// A sample that counts.
+struct Chosen {
+  std::uint32_t sample;
+  float weight;
+  bool ball;
+  Vec3 gradient;
+};
+
+/// What every chunk of samples finds, one after another: the same for any number of threads.
+template <class Choose>
+std::vector<Chosen> choose_samples(std::size_t n, Progress& progress, const Choose& choose) {
+  constexpr std::size_t kChunk = 65536;
+  const std::size_t chunks = (n + kChunk - 1) / kChunk;
+  std::vector<std::vector<Chosen>> parts(chunks);
+  progress.begin("find the layer", chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    for (std::size_t i = c * kChunk; i < std::min((c + 1) * kChunk, n); ++i) choose(i, parts[c]);
+    progress.advance();
+  });
+  std::vector<Chosen> all;
+  for (std::vector<Chosen>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Median slope where neighbours of a sample lie on the other side of the value; 0 if nowhere.
+double slope_at(const SampleSlopes& slopes, std::span<const double> values, double value) {
+  constexpr std::size_t kMany = 200'000;
+  constexpr std::size_t kChunk = 65536;
+  const std::size_t n = values.size(), chunks = (n + kChunk - 1) / kChunk;
+  const std::size_t stride = 1 + n / (64 * kMany);
+  std::vector<std::vector<double>> parts(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    for (std::size_t i = c * kChunk; i < std::min((c + 1) * kChunk, n); i += stride)
+      if (std::abs(values[i] - value) < slopes.contrast(i)) parts[c].push_back(norm(slopes.gradient(i)));
+  });
+  std::vector<double> found;
+  for (const std::vector<double>& part : parts) found.insert(found.end(), part.begin(), part.end());
+  return median(found);
+}
+
+std::vector<Chosen> isovalue_layer(const SampleSlopes& slopes, std::span<const double> values, double noise,
+                                   const VolumeSurfaceOptions& o, VolumeSurfaceReport& r, Progress& progress) {
+  r.slope = slope_at(slopes, values, o.value);
+  r.noise_distance = r.slope > 0 ? noise / r.slope : 0;
+  r.beta = o.beta;
+  return choose_samples(values.size(), progress, [&](std::size_t i, std::vector<Chosen>& found) {
+    const double off = o.value - values[i];
+    const double spacing = slopes.spacing(i);
+    const double floor = kLeastSlope * r.slope * spacing + std::min(noise, kWeakSlope * r.slope * spacing);
+    // The gradient is hardly larger than the contrast over the spacing: most samples are done with here.
+    const double contrast = slopes.contrast(i);
+    if (std::abs(off) > kMostOff * kThickness * (o.beta ? *o.beta : std::max(2 * contrast, floor))) return;
+    const Vec3 gradient = slopes.gradient(i);
+    const double steep = norm(gradient);
+    if (!(steep > 0)) return;
+    const double beta = o.beta ? *o.beta : kThickness * std::max(steep * spacing, floor);
+    const double away = std::abs(off) / beta;
+    if (away > kMostOff) return;
+    // Plateaus: level sets near by are far apart there, each sample stands for little of their area.
+    const double area = r.slope > 0 ? std::min(1.0, steep / (kWeakSlope * r.slope)) : 1;
+    const double weight = std::exp(-away * away) * area * slopes.volume(i) / spacing;
+    found.push_back({static_cast<std::uint32_t>(i), static_cast<float>(weight), away < kBallsOff, gradient});
+  });
+}
+
+std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const SampleSlopes& slopes, std::size_t n,
+                                        const VolumeSurfaceOptions& o, VolumeSurfaceReport& r, Progress& progress) {
+  std::vector<float> steep(n);
+  progress.begin("gradients");
+  parallel_for(0, n, 4096, [&](std::size_t i) { steep[i] = static_cast<float>(norm(slopes.gradient(i))); });
+  progress.check();
+  std::vector<float> sorted = steep;
+  const auto high = sorted.begin() + static_cast<std::ptrdiff_t>((n - 1) - n / 1000);
+  std::nth_element(sorted.begin(), high, sorted.end());
+  const double largest = static_cast<double>(*high);
+  const double middle = static_cast<double>(median(sorted));
+  r.least_gradient =
+      o.least_gradient.value_or(std::max(kLeastBorder * largest, std::min(kOutOfNoise * middle, 0.5 * largest)));
+  const double beta = o.beta.value_or(kSteepness);
+  r.beta = beta;
+  std::vector<float> around;
+  if (o.local_maximum) around = largest_around(volume, steep);
+  return choose_samples(n, progress, [&](std::size_t i, std::vector<Chosen>& found) {
+    const double most = o.local_maximum ? static_cast<double>(around[i]) : largest;
+    if (!(most > 0) || most < r.least_gradient) return;
+    const double share = static_cast<double>(steep[i]) / most;
+    if (o.local_maximum && share < kCounts) return;
+    const double away = (share - 1) / beta;
+    if (std::abs(away) > kMostOff) return;
+    const Vec3 gradient = slopes.gradient(i);
+    if (!(squared_norm(gradient) > 0)) return;
+    const double weight = std::exp(-away * away) * slopes.volume(i) / slopes.spacing(i);
+    const bool ball = o.local_maximum ? share > kOnRidge : std::abs(away) < kBallsOff;
+    found.push_back({static_cast<std::uint32_t>(i), static_cast<float>(weight), ball, gradient});
+  });
+}
+
+/// On which side of the value the nearest sample of the layer is told by its own value.
+class LayerSide : public ScalarField {
+ public:
+  LayerSide(const LayerSamples& layer, Box3 bounds) : layer_(layer), tree_(layer.positions), bounds_(bounds) {}
+  Box3 bounds() const override { return bounds_; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
+    parallel_for(0, x.size(), 256, [&](std::size_t i) {
+      const auto found = tree_.nearest(Vec3f(x[i]));
+      const Vec3 n = found ? Vec3(layer_.normals[found->index]) : Vec3{0, 0, 1};
+      values[i] = found ? dot(x[i] - Vec3(layer_.positions[found->index]), n) : bounds_.diagonal();
+      if (!gradients.empty()) gradients[i] = n;
+    });
+  }
+
+ private:
+  const LayerSamples& layer_;
+  KdTree tree_;
+  Box3 bounds_;
+};
+
+}  // namespace
+
+struct VolumeSurface::State {
+  Placement place;
+  VolumeSurfaceOptions options;
+  VolumeSurfaceReport report;
+  LayerSamples layer;
+  std::optional<LayerProjection> projection;
+  std::optional<LayerSide> side;
+  std::optional<ProjectionField> field;
+  BallUnion balls;
+  std::vector<float> spacing;
+};
+
+void VolumeSurfaceOptions::validate() const {
+  if (kind == Kind::isovalue) {
+    if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
+    if (beta && !(std::isfinite(*beta) && *beta > 0)) throw ArgumentError("`beta` must be positive");
+    if (least_gradient) throw ArgumentError("`least_gradient` is for surfaces of high gradient");
+  } else {
+    if (beta) check_range("beta", *beta, 0.01, 1);
+    if (least_gradient && !(std::isfinite(*least_gradient) && *least_gradient > 0))
+      throw ArgumentError("`least_gradient` must be positive");
+  }
+  LayerOptions layer;
+  layer.smoothing = smoothing.value_or(layer.smoothing), layer.predictor = predictor, layer.corrector = corrector;
+  layer.validate();
+}
+
+VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
+                                  double noise, const VolumeSurfaceOptions& options, Progress& progress) {
+  options.validate();
+  auto state = std::make_unique<VolumeSurface::State>();
+  VolumeSurfaceReport& r = state->report;
+  const Box3 box = volume->bounds();
+  const Placement place = placement_for(box.center(), box.diagonal());
+  state->place = place, state->options = options;
+  r.noise = noise;
+
+  const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
+  progress.begin("slopes");
+  const SampleSlopes slopes(*volume, values);
+  const std::vector<Chosen> chosen =
+      iso ? isovalue_layer(slopes, values, noise, options, r, progress)
+          : high_gradient_layer(*volume, slopes, values.size(), options, r, progress);
+  if (std::none_of(chosen.begin(), chosen.end(), [](const Chosen& c) { return c.ball; })) {
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    throw DataError(iso ? fmt::format("has no sample near the value {:.6g}: values lie between {:.6g} and {:.6g}",
+                                      options.value, *least, *most)
+                        : fmt::format("has no border where the gradient is {:.6g} or more", r.least_gradient));
+  }
+  progress.begin("prepare projection");
+  std::vector<Vec3f> positions(chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    positions[i] = Vec3f(place.from_input(volume->position(chosen[i].sample)));
+  const KdTree tree(positions);
+  LayerSamples& layer = state->layer;
+  std::vector<float> spacing;
+  float heaviest = 0;
+  for (const Chosen& c : chosen) heaviest = std::max(heaviest, c.weight);
+  for (const std::uint32_t i : tree.order()) {
+    const Chosen& c = chosen[i];
+    const auto s = static_cast<float>(place.from_input(slopes.spacing(c.sample)));
+    layer.positions.push_back(positions[i]);
+    layer.normals.push_back(Vec3f(normalized(c.gradient * -1.0)));
+    layer.weights.push_back(c.weight / heaviest);
+    layer.spacing.push_back(s);
+    layer.reach.push_back(c.ball ? s * static_cast<float>(kReach) : 0);
+    if (c.ball) state->spacing.push_back(s);
+  }
+  spacing = state->spacing;
+  r.samples = chosen.size();
+  r.spacing = place.to_input(static_cast<double>(median(spacing)));
+  const double moved = r.spacing > 0 ? r.noise_distance / r.spacing : 0;
+  r.smoothing = options.smoothing.value_or(std::min(kWidth + kWiden * moved, kMostWidth));
+
+  LayerOptions projection;
+  projection.smoothing = r.smoothing;
+  projection.predictor = options.predictor, projection.corrector = options.corrector;
+  projection.alternating = options.alternating, projection.line_search = options.line_search;
+  projection.separate_sheets = options.separate_sheets;
+  state->projection.emplace(layer, projection);
+  state->balls = state->projection->balls();
+  if (iso) state->side.emplace(layer, state->projection->bounds());
+  state->field.emplace(*state->projection, iso ? &*state->side : nullptr);
+  progress.finish();
+  return VolumeSurface(std::move(state));
+}
+
+VolumeSurface::VolumeSurface(std::unique_ptr<State> state) : state_(std::move(state)) {}
+VolumeSurface::~VolumeSurface() = default;
+VolumeSurface::VolumeSurface(VolumeSurface&&) noexcept = default;
+VolumeSurface& VolumeSurface::operator=(VolumeSurface&&) noexcept = default;
+
+const Placement& VolumeSurface::place() const { return state_->place; }
+const Projection& VolumeSurface::projection() const { return *state_->projection; }
+const ScalarField& VolumeSurface::field() const { return *state_->field; }
+const BallUnion& VolumeSurface::balls() const { return state_->balls; }
+std::span<const float> VolumeSurface::spacing() const { return state_->spacing; }
+const VolumeSurfaceOptions& VolumeSurface::options() const { return state_->options; }
+const VolumeSurfaceReport& VolumeSurface::report() const { return state_->report; }
+
+BlockTree VolumeSurface::blocks() const {
+  const BallUnion& balls = state_->balls;
+  std::vector<float> radii = balls.radii;
+  for (float& r : radii) r *= static_cast<float>(kBlockReach);
+  const BallTree near(balls.centers, radii);
+  const Vec3 size = state_->projection->bounds().size();
+  const double edge = 1.02 * std::max({size.x, size.y, size.z});
+  BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
+  std::vector<std::size_t> level{0}, next;
+  for (int depth = 0; depth < kDeepestBlocks && !level.empty(); ++depth) {
+    std::vector<std::uint8_t> divided(level.size());
+    parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
+      std::vector<std::uint32_t> touched;
+      for (std::size_t i = first; i < last; ++i) {
+        const double half = tree.block_edge(level[i]) / 2;
+        const Vec3 center = tree.block_center(level[i]), h{half, half, half};
+        near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
+        float least = std::numeric_limits<float>::infinity();
+        for (const std::uint32_t t : touched) least = std::min(least, state_->spacing[t]);
+        divided[i] = !touched.empty() && 2 * half > kBlockEdge * static_cast<double>(least);
+      }
+    });
+    next.clear();
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (!divided[i]) continue;
+      const std::size_t first = tree.subdivide(level[i]);
+      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
+    }
+    level.swap(next);
+  }
+  return tree;
+}
+
+TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions& meshing, Progress& progress,
+                                 MeshReport* report) {
+  meshing.validate();
+  MeshReport local;
+  MeshReport& r = report ? *report : local;
+  r = {};
+  const Placement& place = surface.place();
+  MeshOptions own = meshing;
+  if (meshing.mesh_error) own.mesh_error = place.from_input(*meshing.mesh_error);
+  const double error = own.mesh_error.value_or(kMeshError * place.from_input(surface.report().spacing));
+  r.mesh_error = place.to_input(error);
+  progress.begin("find surface");
+  const BlockTree blocks = surface.blocks();
+  TriangleMesh mesh =
+      detail::cut_out(surface.field(), blocks, own, detail::meshing_options(own, error, false), progress, r);
+  if (mesh.triangles.empty()) throw DataError("has no such surface");
+  progress.begin("finish mesh");
+  detail::choose_components(mesh, meshing.components, {}, 0, r);
+  const MeshTopology topology = measure_topology(mesh);
+  r.components = static_cast<int>(topology.components);
+  r.open = !topology.closed();
+  move_to_input(mesh, place);
+  progress.finish();
+  return mesh;
+}
+
+PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<double> distance, Progress& progress) {
+  if (distance && !(std::isfinite(*distance) && *distance > 0)) throw ArgumentError("`distance` must be positive");
+  const Placement& place = surface.place();
+  const double spacing = place.from_input(surface.report().spacing);
+  const double apart = distance ? place.from_input(*distance) : spacing;
+  // Feet of each sample with a ball and, where points are to be dense, of places around it.
+  const int along = static_cast<int>(std::clamp(std::ceil(2 * spacing / apart), 1.0, 16.0));
+  progress.begin("project");
+  std::vector<Vec3> feet, normals;
+  const BallUnion& balls = surface.balls();
+  constexpr std::size_t kBatch = 65536;
+  std::vector<Vec3> x;
+  std::vector<FootPoint> found;
+  const auto flush = [&] {
+    progress.check();
+    found.resize(x.size());
+    project_to_fixed_point(surface.projection(), x, kTolerance * spacing, kSteps, found);
+    for (const FootPoint& f : found)
+      if (f.defined) feet.push_back(f.position), normals.push_back(f.normal);
+    x.clear();
+  };
+  for (std::size_t i = 0; i < balls.centers.size(); ++i) {
+    const Vec3 center(balls.centers[i]);
+    const double step = static_cast<double>(surface.spacing()[i]) / along;
+    for (int a = 0; a < along; ++a)
+      for (int b = 0; b < along; ++b)
+        for (int c = 0; c < along; ++c)
+          x.push_back(center + Vec3{a - 0.5 * (along - 1), b - 0.5 * (along - 1), c - 0.5 * (along - 1)} * step);
+    if (x.size() >= kBatch) flush();
+  }
+  flush();
+  if (feet.empty()) throw DataError("has no such surface");
+  PointSet points;
+  points.origin = place.origin;
+  for (const std::uint32_t i : poisson_discs(feet, apart)) {
+    points.positions.push_back(Vec3f(feet[i] * place.unit));
+    points.normals.push_back(Vec3f(normals[i]));
+  }
+  progress.finish();
+  return points;
+}
+
+}  // namespace sansmesh

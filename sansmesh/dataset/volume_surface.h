@@ -1,0 +1,107 @@
+// Surfaces of volumes without a mesh: moving least squares on voxels that weigh in by how near their value is to that
+// of an isosurface, or how steep the volume is there (METHODS §5.1).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/placement.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/ball_union.h"
+#include "sansmesh/field/projection.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+struct VolumeSurfaceOptions {
+  enum class Kind {
+    isovalue,      ///< ω₁ = exp(−((v − f_i)/β₁)²): where the quantity has a value
+    high_gradient  ///< ω₂ = exp(−((‖∇f_i‖/‖∇f‖_max − 1)/β₂)²): where it changes most, borders of materials
+  } kind = Kind::isovalue;
+  double value = 0;  ///< v (unit of the array; isovalue only)
+  /// β₁ (unit of the array, > 0) or β₂ (share, 0.01..1). Default of β₁: what the quantity changes by over a spacing
+  /// around each sample, so that the layer of samples that count is equally thick at steep and at flat places; of β₂:
+  /// 0.35.
+  std::optional<double> beta;
+  /// h of the corrector's weights, and half the radius of the predictor's, in spacings, 0.5..20. Default: 2, more with
+  /// noise.
+  std::optional<double> smoothing;
+  /// high_gradient: ‖∇f‖_max is the largest within two samples, so that faint borders count like strong ones; else the
+  /// largest of the volume, as in the source.
+  bool local_maximum = true;
+  /// high_gradient: least ‖∇f‖ of a border (unit of the array per length). Default: what stands out from noise, a
+  /// seventh of the largest at least.
+  std::optional<double> least_gradient;
+  bool predictor = true, corrector = true;  ///< as in LayerOptions, like what follows
+  bool alternating = false, line_search = false;
+  bool separate_sheets = true;
+
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct VolumeSurfaceReport {
+  std::size_t samples = 0;      ///< that count
+  double spacing = 0;           ///< of those, on the median (length)
+  double smoothing = 0;         ///< h over the spacing
+  double slope = 0;             ///< of the quantity at the surface, on the median (unit of the array per length)
+  double noise = 0;             ///< of the values (unit of the array)
+  double noise_distance = 0;    ///< what that moves an isosurface by (length)
+  double least_gradient = 0;    ///< high_gradient
+  std::optional<double> beta;   ///< where one holds everywhere
+};
+
+/// The surface as a projection, in coordinates of its own.
+class VolumeSurface {
+ public:
+  ~VolumeSurface();
+  VolumeSurface(VolumeSurface&&) noexcept;
+  VolumeSurface& operator=(VolumeSurface&&) noexcept;
+
+  const Placement& place() const;
+  const Projection& projection() const;
+  /// Signed distance to the foot, negative where the quantity is larger; where nothing is projected that side is told
+  /// by the nearest samples (isovalue only).
+  const ScalarField& field() const;
+  const BallUnion& balls() const;
+  /// Of the samples at the balls' centres.
+  std::span<const float> spacing() const;
+  const VolumeSurfaceOptions& options() const;
+  const VolumeSurfaceReport& report() const;
+
+  /// Blocks for polygonisation: as fine as the samples near the surface.
+  BlockTree blocks() const;
+
+ private:
+  friend VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume>, std::span<const double>, double,
+                                           const VolumeSurfaceOptions&, Progress&);
+  struct State;
+  explicit VolumeSurface(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// `values`: one a sample, finite; `noise`: their standard deviation, where it is known to be noise (unit of the array,
+/// >= 0). Throws ArgumentError for bad options, DataError where no sample is near such a surface, naming the range of
+/// the values.
+VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
+                                  double noise, const VolumeSurfaceOptions& options, Progress& progress);
+
+/// A mesh of it in the input's coordinates, closed where the surface is; vertex normals point to where the quantity is
+/// smaller. Of `meshing` the options of samples (trim, colours, confidence) mean nothing. Throws DataError where
+/// nothing is found.
+TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions& meshing, Progress& progress,
+                                 MeshReport* report = nullptr);
+
+/// Points spread evenly over it, so far apart (length; default: a spacing), with normals: splats, in the input's
+/// coordinates.
+PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<double> distance, Progress& progress);
+
+}  // namespace sansmesh

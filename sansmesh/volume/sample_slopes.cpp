@@ -1,0 +1,143 @@
+#include "sansmesh/volume/sample_slopes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/sample_gradients.h"
+#include "sansmesh/volume/volume_values.h"
+
+namespace sansmesh {
+namespace {
+
+/// Least spacing over the longest step of a lattice: rounder supports would hold no second slice.
+constexpr double kOfLongest = 0.6;
+
+using Indices = std::array<std::size_t, 3>;
+
+std::size_t before(std::size_t i) { return i > 0 ? i - 1 : 0; }
+std::size_t after(std::size_t i, std::size_t n) { return std::min(i + 1, n - 1); }
+
+/// Half the distance between the neighbours along each axis.
+std::array<double, 3> steps(const Lattice& l, const Indices& at) {
+  std::array<double, 3> s{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t low = before(at[a]), high = after(at[a], l.axes[a].size());
+    s[a] = (l.axes[a][high] - l.axes[a][low]) / static_cast<double>(high - low);
+  }
+  return s;
+}
+
+Vec3 lattice_gradient(const Lattice& l, std::span<const double> values, std::size_t sample) {
+  const Indices at = l.indices(sample);
+  const std::size_t nx = l.axes[0].size(), ny = l.axes[1].size();
+  // Three places along each axis, clamped at the ends, and how much they count.
+  std::array<Indices, 3> near{};
+  for (std::size_t a = 0; a < 3; ++a) near[a] = {before(at[a]), at[a], after(at[a], l.axes[a].size())};
+  constexpr std::array<double, 3> kMean{0.25, 0.5, 0.25};
+  Vec3 g;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double* const row = values.data() + (near[2][k] * ny + near[1][j]) * nx;
+      const double low = row[near[0][0]], middle = row[near[0][1]], high = row[near[0][2]];
+      const double mean = kMean[0] * low + kMean[1] * middle + kMean[2] * high;
+      g.x += kMean[j] * kMean[k] * (high - low);
+      if (j != 1) g.y += (j == 2 ? 1 : -1) * kMean[k] * mean;
+      if (k != 1) g.z += (k == 2 ? 1 : -1) * kMean[j] * mean;
+    }
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double span = l.axes[a][near[a][2]] - l.axes[a][near[a][0]];
+    g[a] /= span;
+  }
+  return l.directions[0] * g.x + l.directions[1] * g.y + l.directions[2] * g.z;
+}
+
+}  // namespace
+
+SampleSlopes::SampleSlopes(const SampledVolume& volume, std::span<const double> values)
+    : volume_(volume), values_(values) {
+  if (volume.lattice) return;
+  VolumeValues scalar;
+  scalar.values.assign(values.begin(), values.end());
+  gradients_ = detail::sample_gradients(volume, scalar);
+  spacing_.resize(volume.size());
+  parallel_for(0, volume.size(), 4096, [&](std::size_t i) {
+    double sum = 0;
+    for (const std::uint32_t s : volume.stars[i]) sum += norm(volume.positions[s] - volume.positions[i]);
+    const std::size_t n = volume.stars[i].size();
+    spacing_[i] = static_cast<float>(n > 0 && sum > 0 ? sum / static_cast<double>(n) : volume.facts.median_spacing);
+  });
+}
+
+Vec3 SampleSlopes::gradient(std::size_t sample) const {
+  return volume_.lattice ? lattice_gradient(*volume_.lattice, values_, sample) : gradients_[sample];
+}
+
+double SampleSlopes::spacing(std::size_t sample) const {
+  if (!volume_.lattice) return static_cast<double>(spacing_[sample]);
+  const auto s = steps(*volume_.lattice, volume_.lattice->indices(sample));
+  return std::max(std::cbrt(s[0] * s[1] * s[2]), kOfLongest * std::max({s[0], s[1], s[2]}));
+}
+
+double SampleSlopes::volume(std::size_t sample) const {
+  if (!volume_.lattice) {
+    const double s = spacing(sample);
+    return s * s * s;
+  }
+  const auto s = steps(*volume_.lattice, volume_.lattice->indices(sample));
+  return s[0] * s[1] * s[2];
+}
+
+double SampleSlopes::contrast(std::size_t sample) const {
+  const double v = values_[sample];
+  double most = 0;
+  if (!volume_.lattice) {
+    for (const std::uint32_t s : volume_.stars[sample]) most = std::max(most, std::abs(values_[s] - v));
+    return most;
+  }
+  const Lattice& l = *volume_.lattice;
+  const Indices at = l.indices(sample);
+  std::size_t stride = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (at[a] > 0) most = std::max(most, std::abs(values_[sample - stride] - v));
+    if (at[a] + 1 < l.axes[a].size()) most = std::max(most, std::abs(values_[sample + stride] - v));
+    stride *= l.axes[a].size();
+  }
+  return most;
+}
+
+std::vector<float> largest_around(const SampledVolume& volume, std::vector<float> values) {
+  std::vector<float> next(values.size());
+  if (!volume.lattice) {
+    for (int ring = 0; ring < 2; ++ring) {
+      parallel_for(0, values.size(), 4096, [&](std::size_t i) {
+        float most = values[i];
+        for (const std::uint32_t s : volume.stars[i]) most = std::max(most, values[s]);
+        next[i] = most;
+      });
+      values.swap(next);
+    }
+    return values;
+  }
+  std::size_t stride = 1;
+  for (const std::vector<double>& axis : volume.lattice->axes) {
+    const std::size_t n = axis.size();
+    parallel_for(0, values.size(), 16384, [&](std::size_t i) {
+      const std::size_t at = i / stride % n;
+      float most = values[i];
+      for (std::size_t k = 1; k <= 2; ++k) {
+        if (at >= k) most = std::max(most, values[i - k * stride]);
+        if (at + k < n) most = std::max(most, values[i + k * stride]);
+      }
+      next[i] = most;
+    });
+    values.swap(next);
+    stride *= n;
+  }
+  return values;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,41 @@
+// Gradient and spacing at the samples of a volume, told by the samples around: for whoever weighs samples, not places.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/sampled_volume.h"
+
+namespace sansmesh {
+
+class SampleSlopes {
+ public:
+  /// `values`: one a sample, finite. Both must outlive the object. On lattices nothing is computed before it is asked
+  /// for; elsewhere gradients are fitted to two rings of the stars.
+  SampleSlopes(const SampledVolume& volume, std::span<const double> values);
+
+  /// Of the samples at corners of cells or in cells (value per length). On lattices differences across two steps, of
+  /// means with weights 1, 2, 1 along the other axes, which take the edge off noise.
+  Vec3 gradient(std::size_t sample) const;
+  /// Distance to the samples around (length, > 0): on lattices the edge of the cube that a sample stands for, but no
+  /// less than 0.6 of the longest step; elsewhere the mean over the star.
+  double spacing(std::size_t sample) const;
+  /// What the sample stands for (length³).
+  double volume(std::size_t sample) const;
+  /// Largest difference to a sample of its star.
+  double contrast(std::size_t sample) const;
+
+ private:
+  const SampledVolume& volume_;
+  std::span<const double> values_;
+  std::vector<Vec3> gradients_;  ///< in input coordinates; empty for a lattice
+  std::vector<float> spacing_;   ///< empty for a lattice
+};
+
+/// Largest of the values of each sample and of those not more than two edges away (on lattices: two steps along each
+/// axis).
+std::vector<float> largest_around(const SampledVolume& volume, std::vector<float> values);
+
+}  // namespace sansmesh
