@@ -12,6 +12,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
@@ -44,6 +45,7 @@ constexpr double kCounts = 0.3, kOnRidge = 0.8;
 /// Edge of blocks over the spacing, and of the balls that must hold fine blocks over those of the domain.
 constexpr double kBlockEdge = 1.4, kBlockReach = 0.6;
 constexpr int kDeepestBlocks = 13;
+constexpr double kAround = 4;  // the cube of blocks beyond the layer, in spacings
 constexpr double kMeshError = 0.02;  // in spacings
 constexpr double kTolerance = 1e-3;  // of points that are spread, in spacings
 constexpr int kSteps = 12;
@@ -145,7 +147,7 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
   });
 }
 
-/// On which side of the value the nearest sample of the layer is told by its own value.
+/// On which side of the surface a place is, by the tangent plane of the nearest sample of the layer.
 class LayerSide : public ScalarField {
  public:
   LayerSide(const LayerSamples& layer, Box3 bounds) : layer_(layer), tree_(layer.positions), bounds_(bounds) {}
@@ -165,9 +167,43 @@ class LayerSide : public ScalarField {
   Box3 bounds_;
 };
 
+/// Where a surface can be: inside of the volume and, where borders of materials end within it, of the balls of the
+/// layer. Negative there, about the distance to where that ends.
+class LayerDomain : public ScalarField {
+ public:
+  /// What is passed must outlive it. `balls`: null for surfaces that end with the volume alone.
+  LayerDomain(const SampledVolume& volume, const Placement& place, const BallUnion* balls)
+      : volume_(volume, place), balls_(balls) {
+    if (balls) tree_ = KdTree(balls->centers);
+  }
+  Box3 bounds() const override { return volume_.bounds(); }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
+    volume_.evaluate(x, values, gradients);
+    if (!balls_) return;
+    parallel_for(0, x.size(), 256, [&](std::size_t i) {
+      const auto found = tree_.nearest(Vec3f(x[i]));
+      if (!found) return;
+      const Vec3 d = x[i] - Vec3(balls_->centers[found->index]);
+      const double outside = norm(d) - static_cast<double>(balls_->radii[found->index]);
+      if (outside <= values[i]) return;
+      values[i] = outside;
+      if (!gradients.empty()) gradients[i] = normalized(d);
+    });
+  }
+  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
+    detail::ranges_by_slope(*this, 1, x, radius, found);
+  }
+
+ private:
+  VolumeDomain volume_;
+  const BallUnion* balls_;
+  KdTree tree_;
+};
+
 }  // namespace
 
 struct VolumeSurface::State {
+  std::shared_ptr<const SampledVolume> volume;
   Placement place;
   VolumeSurfaceOptions options;
   VolumeSurfaceReport report;
@@ -201,7 +237,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   VolumeSurfaceReport& r = state->report;
   const Box3 box = volume->bounds();
   const Placement place = placement_for(box.center(), box.diagonal());
-  state->place = place, state->options = options;
+  state->volume = volume, state->place = place, state->options = options;
   r.noise = noise;
 
   const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
@@ -248,8 +284,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   projection.separate_sheets = options.separate_sheets;
   state->projection.emplace(layer, projection);
   state->balls = state->projection->balls();
-  if (iso) state->side.emplace(layer, state->projection->bounds());
-  state->field.emplace(*state->projection, iso ? &*state->side : nullptr);
+  state->side.emplace(layer, state->projection->bounds());
+  state->field.emplace(*state->projection, &*state->side);
   progress.finish();
   return VolumeSurface(std::move(state));
 }
@@ -259,6 +295,7 @@ VolumeSurface::~VolumeSurface() = default;
 VolumeSurface::VolumeSurface(VolumeSurface&&) noexcept = default;
 VolumeSurface& VolumeSurface::operator=(VolumeSurface&&) noexcept = default;
 
+const SampledVolume& VolumeSurface::volume() const { return *state_->volume; }
 const Placement& VolumeSurface::place() const { return state_->place; }
 const Projection& VolumeSurface::projection() const { return *state_->projection; }
 const ScalarField& VolumeSurface::field() const { return *state_->field; }
@@ -273,7 +310,8 @@ BlockTree VolumeSurface::blocks() const {
   for (float& r : radii) r *= static_cast<float>(kBlockReach);
   const BallTree near(balls.centers, radii);
   const Vec3 size = state_->projection->bounds().size();
-  const double edge = 1.02 * std::max({size.x, size.y, size.z});
+  // Nothing reaches the cube's faces, where it would be closed.
+  const double edge = std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
   BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
   std::vector<std::size_t> level{0}, next;
   for (int depth = 0; depth < kDeepestBlocks && !level.empty(); ++depth) {
@@ -313,8 +351,11 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   r.mesh_error = place.to_input(error);
   progress.begin("find surface");
   const BlockTree blocks = surface.blocks();
-  TriangleMesh mesh =
-      detail::cut_out(surface.field(), blocks, own, detail::meshing_options(own, error, false), progress, r);
+  PolygonizeOptions polygonize = detail::meshing_options(own, error, false);
+  const bool iso = surface.options().kind == VolumeSurfaceOptions::Kind::isovalue;
+  const LayerDomain domain(surface.volume(), place, iso ? nullptr : &surface.balls());
+  polygonize.domain = &domain;
+  TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");
   progress.begin("finish mesh");
   detail::choose_components(mesh, meshing.components, {}, 0, r);

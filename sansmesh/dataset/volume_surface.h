@@ -66,10 +66,11 @@ class VolumeSurface {
   VolumeSurface(VolumeSurface&&) noexcept;
   VolumeSurface& operator=(VolumeSurface&&) noexcept;
 
+  const SampledVolume& volume() const;
   const Placement& place() const;
   const Projection& projection() const;
-  /// Signed distance to the foot, negative where the quantity is larger; where nothing is projected that side is told
-  /// by the nearest samples (isovalue only).
+  /// Signed distance to the foot, negative where the quantity is larger; where nothing is projected the nearest sample of
+  /// the layer tells the side.
   const ScalarField& field() const;
   const BallUnion& balls() const;
   /// Of the samples at the balls' centres.

@@ -151,7 +151,7 @@ TEST(VolumeSurface, EndsWithTheVolume) {
     const Vec3 x = mesh.origin + Vec3(v);
     EXPECT_NEAR(x.z, 0.4 + 0.1 * x.x, 0.002);
   }
-  EXPECT_NEAR(measure_size(mesh).area, std::sqrt(1.01), 0.25);  // balls reach beyond the lattice's faces
+  EXPECT_NEAR(measure_size(mesh).area, std::sqrt(1.01), 0.01);
 }
 
 TEST(VolumeSurface, PointsLieOnItEvenly) {
