@@ -124,7 +124,7 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
     normals.emplace(prepare_samples(points, progress), BilateralOptions{});
     cast.normals = &*normals;
   }
-  const SurfaceCaster caster(surface.projection(), surface.balls(), cast);
+  const SurfaceCaster caster(surface.field(), surface.balls(), cast);
   std::vector<std::string> files;
   const std::vector<ViewDirection> views = turntable(look.view, std::max(1, a.frames));
   for (std::size_t k = 0; k < views.size(); ++k) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -37,6 +38,8 @@ constexpr double kWidth = 2, kWiden = 4, kMostWidth = 4;
 /// Radius of the balls of the domain over the spacing, and the distance of samples that have one, over the layer's
 /// thickness: along any line through the layer some ball is entered within half a spacing of the surface.
 constexpr double kReach = 1.25, kBallsOff = 1.3;
+/// Borders of materials end with the inner part of the balls: farther out feet may be undefined.
+constexpr double kInner = 0.8;
 constexpr double kSteepness = 0.35;    // β₂
 constexpr double kLeastBorder = 0.15;  // of the largest gradient (of all but one in a thousand samples)
 constexpr double kOutOfNoise = 4;      // times the median gradient
@@ -147,24 +150,77 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
   });
 }
 
-/// On which side of the surface a place is, by the tangent plane of the nearest sample of the layer.
+/// On which side of a surface places are that are too far away to be projected. Values are about distances, of the right
+/// sign; their gradients mean nothing.
 class LayerSide : public ScalarField {
  public:
-  LayerSide(const LayerSamples& layer, Box3 bounds) : layer_(layer), tree_(layer.positions), bounds_(bounds) {}
+  explicit LayerSide(Box3 bounds) : bounds_(bounds) {}
   Box3 bounds() const override { return bounds_; }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
     parallel_for(0, x.size(), 256, [&](std::size_t i) {
-      const auto found = tree_.nearest(Vec3f(x[i]));
-      const Vec3 n = found ? Vec3(layer_.normals[found->index]) : Vec3{0, 0, 1};
-      values[i] = found ? dot(x[i] - Vec3(layer_.positions[found->index]), n) : bounds_.diagonal();
-      if (!gradients.empty()) gradients[i] = n;
+      values[i] = side(x[i]);
+      if (!gradients.empty()) gradients[i] = {0, 0, 1};
     });
   }
 
  private:
+  virtual double side(const Vec3& x) const = 0;
+  Box3 bounds_;
+};
+
+/// Of isosurfaces: that of the nearest sample of the volume.
+class ValueSide final : public LayerSide {
+ public:
+  ValueSide(const SampledVolume& volume, std::span<const double> values, double value, const Placement& place,
+            Box3 bounds)
+      : LayerSide(bounds), volume_(volume), place_(place), far_(bounds.diagonal()), above_(values.size()) {
+    for (std::size_t i = 0; i < values.size(); ++i) above_[i] = values[i] > value;
+    if (volume.lattice) return;
+    std::vector<Vec3f> positions(volume.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = Vec3f(place.from_input(volume.positions[i]));
+    tree_ = KdTree(positions);
+  }
+
+ private:
+  double side(const Vec3& x) const override {
+    std::size_t nearest = 0;
+    if (volume_.lattice) {
+      const Lattice& l = *volume_.lattice;
+      const Vec3 a = l.to_axes(place_.to_input(x));
+      std::size_t stride = 1;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::vector<double>& axis = l.axes[k];
+        auto i = static_cast<std::size_t>(std::lower_bound(axis.begin(), axis.end(), a[k]) - axis.begin());
+        if (i == axis.size() || (i > 0 && a[k] - axis[i - 1] < axis[i] - a[k])) --i;
+        nearest += i * stride;
+        stride *= axis.size();
+      }
+    } else if (const auto found = tree_.nearest(Vec3f(x))) {
+      nearest = found->index;
+    }
+    return above_[nearest] ? -far_ : far_;
+  }
+
+  const SampledVolume& volume_;
+  Placement place_;
+  double far_;
+  std::vector<std::uint8_t> above_;
+  KdTree tree_;  ///< of samples that are not on a lattice
+};
+
+/// Of borders of materials: that of the tangent plane of the nearest sample of the layer.
+class PlaneSide final : public LayerSide {
+ public:
+  PlaneSide(const LayerSamples& layer, Box3 bounds) : LayerSide(bounds), layer_(layer), tree_(layer.positions) {}
+
+ private:
+  double side(const Vec3& x) const override {
+    const auto found = tree_.nearest(Vec3f(x));
+    return found ? dot(x - Vec3(layer_.positions[found->index]), Vec3(layer_.normals[found->index])) : 1;
+  }
+
   const LayerSamples& layer_;
   KdTree tree_;
-  Box3 bounds_;
 };
 
 /// Where a surface can be: inside of the volume and, where borders of materials end within it, of the balls of the
@@ -184,7 +240,7 @@ class LayerDomain : public ScalarField {
       const auto found = tree_.nearest(Vec3f(x[i]));
       if (!found) return;
       const Vec3 d = x[i] - Vec3(balls_->centers[found->index]);
-      const double outside = norm(d) - static_cast<double>(balls_->radii[found->index]);
+      const double outside = norm(d) - kInner * static_cast<double>(balls_->radii[found->index]);
       if (outside <= values[i]) return;
       values[i] = outside;
       if (!gradients.empty()) gradients[i] = normalized(d);
@@ -209,7 +265,7 @@ struct VolumeSurface::State {
   VolumeSurfaceReport report;
   LayerSamples layer;
   std::optional<LayerProjection> projection;
-  std::optional<LayerSide> side;
+  std::unique_ptr<const LayerSide> side;
   std::optional<ProjectionField> field;
   BallUnion balls;
   std::vector<float> spacing;
@@ -284,8 +340,12 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   projection.separate_sheets = options.separate_sheets;
   state->projection.emplace(layer, projection);
   state->balls = state->projection->balls();
-  state->side.emplace(layer, state->projection->bounds());
-  state->field.emplace(*state->projection, &*state->side);
+  const Box3 bounds = state->projection->bounds();
+  if (iso)
+    state->side = std::make_unique<ValueSide>(*volume, values, options.value, place, bounds);
+  else
+    state->side = std::make_unique<PlaneSide>(layer, bounds);
+  state->field.emplace(*state->projection, state->side.get());
   progress.finish();
   return VolumeSurface(std::move(state));
 }

@@ -69,8 +69,8 @@ class VolumeSurface {
   const SampledVolume& volume() const;
   const Placement& place() const;
   const Projection& projection() const;
-  /// Signed distance to the foot, negative where the quantity is larger; where nothing is projected the nearest sample of
-  /// the layer tells the side.
+  /// Signed distance to the foot, negative where the quantity is larger; where nothing is projected the nearest
+  /// sample tells the side.
   const ScalarField& field() const;
   const BallUnion& balls() const;
   /// Of the samples at the balls' centres.
