@@ -324,6 +324,7 @@ struct SlicePlan {
   double column_step = 0.5, row_step = 0.75;
   bool placed = true;
   int columns = 4;
+  std::string syntax = "1.2.840.10008.1.2.1";  ///< explicit little endian
 
   Vec3 place(int i, int j, double k) const {
     return origin + along_row * (column_step * i) + along_column * (row_step * j) + from_slice_to_slice * k;
@@ -353,7 +354,7 @@ std::string dicom_slice(const SlicePlan& plan, int k, double at, int name) {
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < plan.columns; ++i) pixels += whole(slice_number(i, j, k));
   const Vec3 p = plan.place(0, 0, at), &r = plan.along_row, &c = plan.along_column;
-  const std::string syntax = element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
+  const std::string syntax = element(2, 0x10, "UI", plan.syntax);
   const std::string lies = element(0x20, 0x32, "DS", numbers({p.x, p.y, p.z})) +
                            element(0x20, 0x37, "DS", numbers({r.x, r.y, r.z, c.x, c.y, c.z}));
   return std::string(128, '\0') + "DICM" + element(2, 0, "UL", raw(static_cast<std::uint32_t>(syntax.size()))) +
@@ -430,7 +431,7 @@ TEST(VtkVolumes, DicomSlicesMayBeUnevenOrShifted) {
   EXPECT_EQ(shifted.blocks[0].kind, GridKind::curvilinear);
 }
 
-TEST(VtkVolumes, DicomFoldersOfSeveralSeriesAreRefused) {
+TEST(VtkVolumes, DicomFoldersOfUnlikeOrDamagedSlicesAreRefused) {
   const Folder folder;
   put_slices(folder, {}, {0, 1, 2});
   const std::string twice = folder.put("ct/more.dcm", dicom_slice({}, 7, 1, 7));
@@ -441,6 +442,14 @@ TEST(VtkVolumes, DicomFoldersOfSeveralSeriesAreRefused) {
   wide.columns = 6;
   folder.put("ct/more.dcm", dicom_slice(wide, 7, 9, 7));
   expect_no_volume(folder / "ct", "different sizes or directions");
+  SlicePlan packed;
+  packed.syntax = "1.2.840.10008.1.2.4.50";
+  folder.put("ct/more.dcm", dicom_slice(packed, 7, 9, 7));
+  expect_no_volume(folder / "ct", "compressed");
+  SlicePlan large;
+  large.columns = 400;
+  folder.put("ct/more.dcm", dicom_slice(large, 7, 9, 7).substr(0, 1500));
+  expect_no_volume(folder / "ct", "");
   std::filesystem::remove(twice);
   VolumeReadOptions second;
   second.time_step = 1;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
@@ -29,6 +30,19 @@ struct Slice {
   int rows() const { return image->GetDimensions()[1]; }
 };
 
+/// VTK's reader takes the bytes behind the header for numbers, whatever they are and however many.
+void check_pixels(vtkDICOMImageReader& reader, const Slice& slice) {
+  const std::string name = std::filesystem::path(slice.file).filename().string();
+  const char* const syntax = reader.GetTransferSyntaxUID();
+  for (const char* packed : {"1.2.840.10008.1.2.4", "1.2.840.10008.1.2.5", "1.2.840.10008.1.2.1.99"})
+    if (syntax && std::string(syntax).find(packed) != std::string::npos)
+      throw std::runtime_error("holds compressed pixels, which are not read (" + name + ")");
+  const auto bits = static_cast<std::uintmax_t>(reader.GetBitsAllocated());
+  const std::uintmax_t size = static_cast<std::uintmax_t>(slice.columns()) * static_cast<std::uintmax_t>(slice.rows()) *
+                              static_cast<std::uintmax_t>(reader.GetNumberOfComponents()) * bits / 8;
+  if (std::filesystem::file_size(slice.file) < size) throw std::runtime_error("holds a truncated slice (" + name + ")");
+}
+
 Slice read_slice(const std::string& file) {
   const auto reader = vtkSmartPointer<vtkDICOMImageReader>::New();
   reader->SetFileName(file.c_str());
@@ -38,6 +52,7 @@ Slice read_slice(const std::string& file) {
   slice.image = reader->GetOutput();
   if (!slice.image || !slice.image->GetPointData()->GetScalars() || slice.image->GetDimensions()[2] != 1)
     throw std::runtime_error("holds a slice that cannot be read: " + std::filesystem::path(file).filename().string());
+  check_pixels(*reader, slice);
   const float* const p = reader->GetImagePositionPatient();
   const float* const o = reader->GetImageOrientationPatient();
   slice.position = {p[0], p[1], p[2]};
