@@ -10,6 +10,7 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_geometry.h"
@@ -20,23 +21,6 @@ namespace {
 
 constexpr double kStrict = 1e-10;  // in parameters: nearer to a face than this is on it
 
-/// The cell of an axis for a coordinate: the number of its lower end.
-std::size_t axis_cell(const std::vector<double>& axis, bool uniform, double a) {
-  const std::size_t last = axis.size() - 2;
-  if (!(a > axis[0])) return 0;
-  if (a >= axis[last]) return last;
-  std::size_t i;
-  if (uniform) {
-    const double step = (axis.back() - axis[0]) / static_cast<double>(axis.size() - 1);
-    i = std::min(static_cast<std::size_t>((a - axis[0]) / step), last);
-    while (i > 0 && axis[i] > a) --i;
-    while (i < last && axis[i + 1] <= a) ++i;
-  } else {
-    i = static_cast<std::size_t>(std::upper_bound(axis.begin(), axis.end(), a) - axis.begin()) - 1;
-  }
-  return i;
-}
-
 void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
   const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
   place.inside = is_finite(x);
@@ -45,7 +29,7 @@ void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, Volume
   for (std::size_t k = 0; k < 3; ++k) {
     place.inside = place.inside && a[k] >= l.lower[k] - tolerance && a[k] <= l.upper[k] + tolerance;
     const double c = std::clamp(a[k], l.lower[k], l.upper[k]);
-    cell[k] = axis_cell(l.axes[k], l.uniform, c);
+    cell[k] = interval_of(l.axes[k], l.uniform, c);
     const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
     u[k] = (c - from) / (to - from);
   }

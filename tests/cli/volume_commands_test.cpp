@@ -39,6 +39,16 @@ TEST_F(VolumeTool, InfoTellsGridAndArrays) {
   EXPECT_EQ(json["arrays"][0]["upper"][0], 7);
 }
 
+TEST_F(VolumeTool, InfoDescribesGridsWithoutValues) {
+  std::ofstream(path("bare.p3d")) << "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n";
+  const auto json = json_of({"info", path("bare.p3d")});
+  EXPECT_EQ(json["samples"], 8);
+  EXPECT_EQ(json["cells"], 1);
+  EXPECT_EQ(json["spacing"]["most"], 2);
+  EXPECT_TRUE(json["arrays"].empty());
+  EXPECT_EQ(json["notes"].size(), 1u);
+}
+
 TEST_F(VolumeTool, AdviseNamesAReconstructionAndWhy) {
   const auto json = json_of({"advise", ball_});
   EXPECT_FALSE(json["method"].get<std::string>().empty());
@@ -119,7 +129,9 @@ TEST_F(VolumeTool, PointsAreSamplesOfAVolumeWhereThatIsSaid) {
 TEST_F(VolumeTool, SaysInOneLineWhatIsWrong) {
   std::ofstream(path("short_17x17x17_float32.raw")) << "too short";
   std::ofstream(path("empty.csv")) << "";
-  const std::string out = path("never.csv");
+  std::ofstream(path("bare.p3d")) << "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n";
+  std::ofstream(path("few.csv")) << "x,y,z,t\n0,0,0,1\n1,0,0,1\n0,1,0,1\n0,0,1,1\n";
+  const std::string out = path("never.csv"), bare = path("bare.p3d");
   const std::vector<Failing> cases = {
       {{"volume", "probe", ball_, "--at", "1,2,3", "--array", "nothing"}, 2, {"--array", "nothing", "value"}},
       {{"volume", "probe", ball_}, 2, {"--points", "--at"}},
@@ -127,6 +139,15 @@ TEST_F(VolumeTool, SaysInOneLineWhatIsWrong) {
       {{"volume", "probe", path("short_17x17x17_float32.raw"), "--at", "0,0,0"}, 1, {"short_17x17x17_float32.raw"}},
       {{"volume", "probe", ball_, "--points", path("empty.csv"), "-o", out}, 1, {"empty.csv"}},
       {{"volume", "probe", ball_, "--at", "0,0,0", "--method", "best"}, 2, {"--method", "mls-detail"}},
+      {{"volume", "probe", bare, "--at", "0,0,0"}, 1, {"bare.p3d", "no arrays"}},
+      {{"volume", "probe", bare, "--at", "0,0,0", "--array", "f"}, 1, {"bare.p3d", "no arrays"}},
+      {{"volume", "isosurface", bare, "--value", "1", "-o", path("never.ply")}, 1, {"bare.p3d", "no arrays"}},
+      {{"volume", "render", bare, "-o", path("never.png")}, 1, {"bare.p3d", "no arrays"}},
+      {{"volume", "fit", bare, "-o", path("never.smv")}, 1, {"bare.p3d", "no arrays"}},
+      {{"advise", "data", bare}, 1, {"bare.p3d", "no arrays"}},
+      {{"info", ball_, "--step", "1"}, 2, {"--step", "no steps but one"}},
+      {{"info", bare, "--step", "7"}, 2, {"--step", "no steps but one"}},
+      {{"volume", "probe", path("few.csv"), "--step", "1", "--at", "0,0,0"}, 2, {"--step"}},
       {{"volume", "isosurface", ball_, "--value", "70", "-o", path("never.ply")}, 1, {"70", "between"}},
       {{"volume", "resample", ball_, "-o", path("never.xyz")}, 1, {".vti"}},
       {{"volume", "resample", ball_, "-o", path("never.vti"), "--size", "1"}, 2, {"--size"}},
