@@ -23,7 +23,8 @@ constexpr std::size_t kOneIn = 20;     // samples is left out
 constexpr std::size_t kWhole = 20000;  // samples up to which no patches are cut out
 constexpr std::size_t kPatches = 8, kPatchSamples = 2500;
 constexpr std::size_t kRimRings = 3;  // of a patch that nothing is tested in
-constexpr std::size_t kFewTests = 10;
+constexpr std::size_t kFewTests = 10, kManyTests = 50;
+constexpr double kClearly = 0.7;  // less, of the sum of squares, for amls alone to be taken
 constexpr double kCovered = 0.8;  // t of a support up to which a place counts as covered
 constexpr std::uint32_t kElsewhere = 0xffffffffu;
 
@@ -302,7 +303,7 @@ struct AmlsTrial::State {
   }
 };
 
-AmlsTrial::AmlsTrial(const SampledVolume& whole, const VolumeValues& values, std::span<const StarMetric> metrics,
+AmlsTrial::AmlsTrial(const SampledVolume& whole, const VolumeValues& values, const LocalPolynomials& fitted,
                      std::span<const float> least, const LocalPolynomialOptions& how, const AmlsShape& phi,
                      double widest, double narrowest, Progress& progress)
     : state_(std::make_unique<State>()) {
@@ -315,7 +316,7 @@ AmlsTrial::AmlsTrial(const SampledVolume& whole, const VolumeValues& values, std
   for (const std::uint32_t i : s.test.samples) {
     const auto of = values.of(i);
     s.known.values.insert(s.known.values.end(), of.begin(), of.end());
-    own_metrics.push_back(metrics[i]);
+    own_metrics.push_back(fitted.metric(whole, i));
   }
   if (s.test.tests.empty()) return;
   s.whole = &whole;
@@ -353,7 +354,7 @@ void AmlsTrial::run(double epsilon, const std::function<bool(int, std::span<cons
 
 bool AmlsTrial::is_better_with_planes(const AmlsChoice& choice) const {
   const State& s = *state_;
-  if (s.left_out.size() < kFewTests) return true;
+  if (s.left_out.size() < kManyTests) return true;
   const std::size_t c = s.known.components;
   const AmlsMatrix matrix = narrowed(s.reach, s.radii_of(choice.shape), c, s.phi);
   AmlsIteration iteration(matrix, s.known.values, c);
@@ -378,7 +379,7 @@ bool AmlsTrial::is_better_with_planes(const AmlsChoice& choice) const {
       alone += error * error, mixed += both * both;
     }
   }
-  return mixed < alone;
+  return !(alone < kClearly * mixed);
 }
 
 float amls_share(float trust) {

@@ -27,10 +27,10 @@ struct AmlsChoice {
 /// grow with the volume.
 class AmlsTrial {
  public:
-  /// metrics: of all samples, also of lattices. least: radii below which supports do not cover the cells of their
-  /// samples. local: what polynomials are fitted with. ε will lie between `widest` and `narrowest`. Samples that the
-  /// narrowest functions hardly reach are not asked. All but phi and the options must outlive it.
-  AmlsTrial(const SampledVolume& volume, const VolumeValues& values, std::span<const StarMetric> metrics,
+  /// fitted: has the metrics of all samples. least: radii below which supports do not cover the cells of their samples.
+  /// local: what polynomials are fitted with. ε will lie between `widest` and `narrowest`. Samples that the narrowest
+  /// functions hardly reach are not asked. All but phi and the options must outlive it.
+  AmlsTrial(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& fitted,
             std::span<const float> least, const LocalPolynomialOptions& local, const AmlsShape& phi, double widest,
             double narrowest, Progress& progress);
   ~AmlsTrial();
@@ -43,8 +43,8 @@ class AmlsTrial {
   /// samples left out, components each.
   void run(double epsilon, const std::function<bool(int n, std::span<const double> errors)>& go_on) const;
 
-  /// Whether samples left out are predicted better where planes through their neighbours have a share, 1 − amls_share,
-  /// than by amls alone: then data are too coarse for it, somewhere. Also where too few samples are left out to tell.
+  /// Unless samples left out are predicted clearly better by amls alone than where planes through their neighbours have
+  /// a share, 1 − amls_share: data are too coarse for it then, somewhere, or too few to tell.
   bool is_better_with_planes(const AmlsChoice& choice) const;
 
  private:

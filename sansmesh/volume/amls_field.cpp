@@ -26,12 +26,8 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   how.fit.robust = false;
   LocalPolynomials fitted = fit_polynomials(volume, input.values, how, input.progress);
   const std::vector<float> least = support_radii(volume, fitted, 1);
-  std::vector<StarMetric> of_lattice;
-  if (volume.lattice)
-    for (std::size_t i = 0; i < volume.size(); ++i) of_lattice.push_back(lattice_metric(*volume.lattice, i));
-  const std::span<const StarMetric> metrics = volume.lattice ? of_lattice : fitted.metrics.view();
   const auto& asked = input.options.shape;
-  const AmlsTrial trial(volume, input.values, metrics, least, how, phi, asked.value_or(std::begin(kAmlsShapes)[0]),
+  const AmlsTrial trial(volume, input.values, fitted, least, how, phi, asked.value_or(std::begin(kAmlsShapes)[0]),
                         asked.value_or(std::end(kAmlsShapes)[-1]), input.progress);
   choice = choose_amls(trial, asked, input.options.iterations, input.progress);
   std::vector<float> radii = least;

@@ -49,6 +49,7 @@ void SumAmlsT(const float* HWY_RESTRICT blocks, std::size_t count, std::size_t c
         const auto in = hn::Lt(t, one);
         if (hn::AllFalse(d, in)) continue;
         const auto q = hn::IfThenElseZero(in, hn::Sub(one, t));
+        const auto s = hn::IfThenElseZero(in, t);  // unused lanes are infinitely far
         const auto q3 = hn::Mul(hn::Mul(hn::Mul(q, q), q), pn::Exp(hn::Mul(t, hn::Set(d, -kFall))));
         const auto w0 = hn::Mul(q3, q);
         // dw/dt = −(2 (1 − t) + 4) (1 − t)³ e
@@ -56,10 +57,10 @@ void SumAmlsT(const float* HWY_RESTRICT blocks, std::size_t count, std::size_t c
         AmlsV phi = w0, phi_slope = slope;
         if (kLaguerre) {
           const auto l =
-              pn::MulAdd(t, pn::MulAdd(t, hn::Set(d, laguerre.l2), hn::Set(d, laguerre.l1)), hn::Set(d, laguerre.l0));
+              pn::MulAdd(s, pn::MulAdd(s, hn::Set(d, laguerre.l2), hn::Set(d, laguerre.l1)), hn::Set(d, laguerre.l0));
           phi = hn::Mul(w0, l);
           phi_slope =
-              pn::MulAdd(slope, l, hn::Mul(w0, pn::MulAdd(t, hn::Set(d, 2 * laguerre.l2), hn::Set(d, laguerre.l1))));
+              pn::MulAdd(slope, l, hn::Mul(w0, pn::MulAdd(s, hn::Set(d, 2 * laguerre.l2), hn::Set(d, laguerre.l1))));
         }
         const float* HWY_RESTRICT mine = blocks + b * stride + own + h;
         const auto term = [&](std::size_t r) HWY_ATTR { return hn::Load(d, mine + kWide * r); };
