@@ -195,7 +195,12 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
 
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress) {
-  std::vector<StarMetric> metrics = star_metrics(volume);
+  return fit_local_polynomials(volume, values, options, star_metrics(volume), progress);
+}
+
+LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                       const LocalPolynomialOptions& options, std::vector<StarMetric> metrics,
+                                       Progress& progress) {
   const Adjacency cells = cells_of_samples(volume);
   return gather_polynomials<PolynomialPart>(
       volume, values, progress, [&] { return MeshFitter(volume, cells, values, options); },

@@ -61,6 +61,10 @@ struct LocalPolynomialOptions {
 /// (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
+/// The same in metrics that are known already.
+LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                       const LocalPolynomialOptions& options, std::vector<StarMetric> metrics,
+                                       Progress& progress);
 
 /// A chunk of samples: what one thread appends, and what is put together in order.
 struct PolynomialPart {
