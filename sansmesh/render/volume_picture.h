@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/field/volume_field.h"
@@ -28,9 +29,9 @@ using PictureSurface = std::function<std::unique_ptr<PictureScene>(const Picture
 /// A mesh, or a cloud as discs or balls, in the coordinates of the volume. The mesh is copied. Throws DataError where
 /// there is nothing to draw.
 PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& options);
-/// A surface without a mesh; its coordinates are the volume's less `origin`. Caster and colours (which may be null)
-/// must outlive the pictures.
-PictureSurface surface_in_volume(const SurfaceCaster& caster, const Vec3& origin, const ColorField* colors,
+/// A surface without a mesh, whose coordinates lie at `place` in those of the volume. Caster and colours (which may be
+/// null) must outlive the pictures.
+PictureSurface surface_in_volume(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
                                  const SurfaceRenderOptions& options);
 
 /// What there is to see. All of it must outlive the picture.

@@ -18,6 +18,8 @@ struct VolumeTraits {
   /// Median error of predicting a sample from its neighbours, for each degree. It falls with the degree where samples
   /// are dense enough for what they show, and stays where there is noise, or structure between two samples.
   std::array<double, 4> left_out{};
+  /// Root mean square of the same errors: what a few samples next to edges are missed by counts here.
+  std::array<double, 4> left_out_rms{};
   double noise = 0;  ///< standard deviation of noise, if what no degree predicts is that: an upper bound
   /// Share of the samples next to steps: that are off by more than ten times the median, and a twentieth of the range.
   double steps = 0;
