@@ -26,8 +26,10 @@ void require(bool ok, const char* message);
 struct PictureArguments {
   RenderOptions options;
   std::string view;
+  std::optional<double> azimuth, elevation;
   bool z_up = false;
 
+  bool has_view() const { return !view.empty() || azimuth || elevation; }
   /// Throws ArgumentError for a view that is not known.
   RenderOptions chosen() const;
 };

@@ -60,7 +60,8 @@ bool turned(const Lattice& lattice) {
 
 /// A vector as a whole was chosen.
 bool of_vector(OpenVolume& volume) {
-  return volume.dataset().array(volume.choice().array).components > 1 && !volume.choice().component;
+  const ArrayChoice& choice = volume.choice();
+  return volume.dataset().array(choice.array).components > 1 && !choice.component && !choice.magnitude;
 }
 
 /// What is shown of an array: of vectors that nobody chose a component of, their magnitude.
@@ -147,6 +148,9 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
       boundary = volume_boundary(*samples);
       subject.boundary = &boundary;
     }
+    subject.image = samples->lattice.has_value();
+    if (!a.picture.has_view())
+      if (const auto view = view_of_layer(samples->bounds(), options.up)) options.view = *view;
     subject.surfaces = surfaces_of(a, options, seen, console);
     if (options.color_title.empty())
       options.color_title = volume.array_name() + (of_vector(volume) ? " (magnitude)" : "");
@@ -227,7 +231,10 @@ Command add_volume_render(CommandLine& volume) {
                "Of --interactive: error above which bricks are split, share of the range [0.004]")
       .type_name("SHARE");
   c.add_option_function(
-       "--focus", [&a](const std::vector<double>& x) { a.options.focus = Vec3{x[0], x[1], x[2]}; },
+       "--focus",
+       [&a](const std::vector<double>& x) {
+         a.options.focus = Vec3{x[0], x[1], x[2]};
+       },
        "Place in the middle of the picture [that of the volume]")
       .numbers(3)
       .type_name("X,Y,Z")

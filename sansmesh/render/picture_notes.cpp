@@ -142,11 +142,13 @@ int value_bar_width(int height, const TransferFunction& function, const std::str
 }
 
 Image beside_value_bar(const Image& picture, const TransferFunction& function, const std::string& title,
-                       std::span<const double> marks) {
+                       std::span<const double> marks, const Image* paper) {
   if (picture.height < kLowestWithBar || picture.width < 1) return picture;
   Image image(picture.width + value_bar_width(picture.height, function, title), picture.height);
+  const Image& behind = paper && paper->width > 0 && paper->height == picture.height ? *paper : picture;
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) image.at(x, y) = picture.at(std::min(x, picture.width - 1), y);
+    for (int x = 0; x < image.width; ++x)
+      image.at(x, y) = x < picture.width ? picture.at(x, y) : behind.at(behind.width - 1, y);
   const BarLayout bar(picture.height, function, title);
   const Rgba ink = ink_for(image);
   const double left = picture.width + bar.gap * 0.5, right = left + bar.thick;

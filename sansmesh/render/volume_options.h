@@ -49,7 +49,8 @@ struct VolumePictureOptions : RenderOptions {
   bool skip_empty = true;  ///< leaps over what is clear
   /// The view does not zoom with the direction: frames of a turntable fit together.
   bool steady = false;
-  /// What lies in the middle of the picture, in the coordinates of the data; default: the middle of the volume's outline.
+  /// What lies in the middle of the picture, in the coordinates of the data; default: the middle of the volume's
+  /// outline.
   std::optional<Vec3> focus;
   double zoom = 1;  ///< so many times as large as what shows all of the volume, 0.01..1000: the eye stays where it is
 

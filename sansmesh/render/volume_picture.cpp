@@ -150,7 +150,8 @@ class VolumePicture::Work {
       for (const Vec3f& p : outline_) reach = std::max(reach, static_cast<double>(norm(p)));
     const Vec3f middle;
     const std::span<const Vec3f> points = options.steady ? std::span(&middle, 1) : std::span<const Vec3f>(outline_);
-    Camera camera = frame_camera(points, options.view, options.up, options.field_of_view, aspect, kPictureMargin, reach);
+    Camera camera =
+        frame_camera(points, options.view, options.up, options.field_of_view, aspect, kPictureMargin, reach);
     if (options.focus) turn_to(camera, frame_.to_picture(*options.focus));
     camera.half_width /= static_cast<float>(options.zoom);
     camera.half_height /= static_cast<float>(options.zoom);
@@ -160,7 +161,7 @@ class VolumePicture::Work {
   SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
     if (options.transfer) return {*options.transfer, {}};
     const auto of = [&](const ValueHistogram& values) {
-      return options.preset.empty() ? suggest_transfer_function(values)
+      return options.preset.empty() ? suggest_transfer_function(values, subject_.image)
                                     : SuggestedTransferFunction{transfer_function_preset(options.preset, values), {}};
     };
     SuggestedTransferFunction found = of(histogram_);
@@ -414,7 +415,8 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   if (options.color_bar) {
     std::vector<double> marks;
     for (const IsoSurface& iso : options.isos) marks.push_back(iso.value);
-    image = beside_value_bar(image, own.transfer, options.color_title, marks);
+    const Image paper = behind(options);
+    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper);
   }
   if (report) *report = own;
   return image;

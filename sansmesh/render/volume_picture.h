@@ -46,6 +46,8 @@ struct VolumeSubject {
   /// Known to be in the volume or on its boundary, such as its samples: where a volume fills so little of its box that
   /// hardly a point of a lattice hits it, values are looked for there. Without, the vertices of the boundary are taken.
   std::span<const Vec3> places = {};
+  /// Values may be those of an image (CT, MR): materials are looked for where the transfer function is to be suggested.
+  bool image = true;
 };
 
 /// How a picture came to be.

@@ -26,6 +26,8 @@ struct VolumeTraits {
 
   /// Parabolas predict samples better than planes do: there is something to gain over linear interpolation.
   bool resolved() const { return left_out[2] < 0.8 * left_out[1] || left_out[1] < 1e-6; }
+  /// They also do at the few samples that are predicted worst, which are those at edges.
+  bool edges_resolved() const { return left_out_rms[2] < 0.5 * left_out_rms[1] || left_out_rms[1] < 1e-6; }
 };
 
 /// Deterministic, about a second at most. `values` are of the volume.

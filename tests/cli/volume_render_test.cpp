@@ -51,8 +51,8 @@ class VolumeRenderTool : public ToolTest {
 
   /// From the front, on white, one line of options more.
   PngPicture picture(const std::vector<std::string>& more, const std::string& name = "picture.png") {
-    std::vector<std::string> arguments = {"volume", "render",   ball_, "-o",       path(name), "--width",      "160",
-                                          "--height", "120", "--view", "front", "--background", "white"};
+    std::vector<std::string> arguments = {"volume",   "render", ball_,    "-o",    path(name),     "--width", "160",
+                                          "--height", "120",    "--view", "front", "--background", "white"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -114,26 +114,25 @@ TEST_F(VolumeRenderTool, PlainPictureShowsTheBallAndItsColourBar) {
 
 TEST_F(VolumeRenderTool, EveryOptionShows) {
   const PngPicture plain = picture({"--no-bar"});
-  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-           {"--preset", "ct-bone"},
-           {"--preset", "ct-soft-tissue"},
-           {"--preset", "mr"},
-           {"--preset", "flow"},
-           {"--preset", "diverging"},
-           {"--preset", "gray"},
-           {"--opacity", "4"},
-           {"--no-shading"},
-           {"--cut", "1,1,0>12"},
-           {"--cut", "z>8", "--no-cut-faces"},
-           {"--axes"},
-           {"--title", "a ball"},
-           {"--zoom", "2"},
-           {"--focus", "12,8,8"},
-           {"--azimuth", "30"},
-           {"--elevation", "50"},
-           {"--z-up"},
-           {"--background", "black"},
-           {"--method", "nearest"}}) {
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{"--preset", "ct-bone"},
+                                                                                    {"--preset", "ct-soft-tissue"},
+                                                                                    {"--preset", "mr"},
+                                                                                    {"--preset", "flow"},
+                                                                                    {"--preset", "diverging"},
+                                                                                    {"--preset", "gray"},
+                                                                                    {"--opacity", "4"},
+                                                                                    {"--no-shading"},
+                                                                                    {"--cut", "1,1,0>12"},
+                                                                                    {"--cut", "z>8", "--no-cut-faces"},
+                                                                                    {"--axes"},
+                                                                                    {"--title", "a ball"},
+                                                                                    {"--zoom", "2"},
+                                                                                    {"--focus", "12,8,8"},
+                                                                                    {"--azimuth", "30"},
+                                                                                    {"--elevation", "50"},
+                                                                                    {"--z-up"},
+                                                                                    {"--background", "black"},
+                                                                                    {"--method", "nearest"}}) {
     auto options = more;
     options.emplace_back("--no-bar");
     // From the front a ball looks the same from above: what turns the view is seen by the surfaces of a corner.
@@ -141,8 +140,9 @@ TEST_F(VolumeRenderTool, EveryOptionShows) {
       const std::vector<std::string> corner = {"--no-bar", "--cut", "x>8", "--cut", "y>8", "--iso", "2"};
       options.insert(options.end(), corner.begin() + 1, corner.end());
       const auto turned = [&](const std::vector<std::string>& view) {
-        std::vector<std::string> all = {"volume", "render", ball_, "-o", path("turned.png"), "--width", "160",
-                                        "--height", "120", "--background", "white"};
+        std::vector<std::string> all = {"volume",  "render", ball_,      "-o",  path("turned.png"),
+                                        "--width", "160",    "--height", "120", "--background",
+                                        "white"};
         all.insert(all.end(), corner.begin(), corner.end());
         all.insert(all.end(), view.begin(), view.end());
         const Outcome outcome = run(all);
@@ -173,8 +173,9 @@ TEST_F(VolumeRenderTool, TransferFunctionsAreWrittenAndReadBack) {
   const PngPicture first = picture({"--save-transfer", path("f.json")});
   EXPECT_EQ(differing(first, picture({"--transfer", path("f.json")}), 0), 0);
   // A colour map of ParaView: blue inside, red outside, opaque.
-  write("map.json",
-        R"([{"Name": "ours", "RGBPoints": [-7, 1, 0, 0, 7, 0, 0, 1], "Points": [-7, 0, 0.5, 0, 1, 0, 0.5, 0, 2, 1, 0.5, 0, 7, 1, 0.5, 0]}])");
+  write(
+      "map.json",
+      R"([{"Name": "ours", "RGBPoints": [-7, 1, 0, 0, 7, 0, 0, 1], "Points": [-7, 0, 0.5, 0, 1, 0, 0.5, 0, 2, 1, 0.5, 0, 7, 1, 0.5, 0]}])");
   const PngPicture map = picture({"--transfer", path("map.json"), "--no-bar", "--no-shading"});
   EXPECT_GT(count_if(map, [](const auto& p) { return p[2] > 80 && p[2] > p[1] + 60; }), 1000u);
 }
@@ -188,8 +189,7 @@ TEST_F(VolumeRenderTool, OtherThingsMayStandInThePicture) {
   std::string cloud =
       "ply\nformat ascii 1.0\nelement vertex 25\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
       "red\nproperty uchar green\nproperty uchar blue\nend_header\n";
-  for (int i = 0; i < 25; ++i)
-    cloud += std::to_string(6 + i % 5) + " " + std::to_string(6 + i / 5) + " 15 0 0 255\n";
+  for (int i = 0; i < 25; ++i) cloud += std::to_string(6 + i % 5) + " " + std::to_string(6 + i / 5) + " 15 0 0 255\n";
   write("cloud.ply", cloud);
   for (const char* file : {"square.ply", "cloud.ply"}) {
     const PngPicture p = picture({"--no-bar", "--mesh", path(file), "--iso", "2:#ff8800"});
@@ -209,9 +209,10 @@ TEST_F(VolumeRenderTool, OpacityMayComeFromAnotherArray) {
   write("two.csv", csv);
   write("f.json", R"({"version": 1, "colors": [[0, "#0000ff"], [2.4, "#0000ff"], [2.6, "#ff8800"], [5, "#ff8800"]],
                       "opacities": [[0, 0], [3, 0], [3.2, 0.99], [5, 0.99]]})");
-  const Outcome outcome = run({"volume", "render", path("two.csv"), "--array", "t", "--opacity-by", "p", "--transfer",
-                               path("f.json"), "-o", path("two.png"), "--width", "160", "--height", "120", "--view",
-                               "front", "--background", "white", "--no-bar", "--no-shading"});
+  const Outcome outcome = run(
+      {"volume",       "render",       path("two.csv"), "--array",  "t",           "--opacity-by", "p",   "--transfer",
+       path("f.json"), "-o",           path("two.png"), "--width",  "160",         "--height",     "120", "--view",
+       "front",        "--background", "white",         "--no-bar", "--no-shading"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const PngPicture p = read_png(path("two.png"));
   // The colour changes from left to right, what is seen from top (there p is large) to bottom.
@@ -227,15 +228,16 @@ TEST_F(VolumeRenderTool, QuickPicturesTellTheirErrorAndTendToTheOthers) {
   EXPECT_LT(json["baked"]["error_mean"].get<double>(), 0.002);
   EXPECT_LE(json["baked"]["error_mean"].get<double>(), json["baked"]["error_most"].get<double>());
   EXPECT_LT(differing(picture({}), read_png(path("quick.png")), 8), 0.02);
-  const auto coarse = json_of({"volume", "render", ball_, "-o", path("coarse.png"), "--width", "160", "--height",
-                               "120", "--interactive", "--bake-error", "0.2"});
+  const auto coarse = json_of({"volume", "render", ball_, "-o", path("coarse.png"), "--width", "160", "--height", "120",
+                               "--interactive", "--bake-error", "0.2"});
   EXPECT_LE(coarse["baked"]["bricks"], json["baked"]["bricks"]);
 }
 
 TEST_F(VolumeRenderTool, TurntablesGoRoundAndKeepTheirSize) {
-  const auto json =
-      json_of({"volume", "render", ball_, "-o", path("turn.png"), "--width", "160", "--height", "120", "--frames", "4",
-               "--background", "white", "--cut", "x>8", "--iso", "2:#ff8800", "--opacity", "0", "--no-cut-faces"});
+  const auto json = json_of({"volume",  "render",       ball_,       "-o",    path("turn.png"),
+                             "--width", "160",          "--height",  "120",   "--frames",
+                             "4",       "--background", "white",     "--cut", "x>8",
+                             "--iso",   "2:#ff8800",    "--opacity", "0",     "--no-cut-faces"});
   ASSERT_EQ(json["output"]["files"].size(), 4u);
   std::vector<std::size_t> shown;
   for (const auto& file : json["output"]["files"]) {

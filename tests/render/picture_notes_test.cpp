@@ -110,6 +110,16 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
   }
 }
 
+TEST(PictureNotes, BarStandsOnPaperWhateverReachesTheRim) {
+  TransferFunction f;
+  f.colors = {{-1, {0.2f, 0.1f, 0.5f}}, {3, {0.9f, 0.8f, 0.1f}}};
+  f.opacities = {{-1, 0}, {3, 1}};
+  const Image red(100, 300, Rgba{1, 0, 0, 1}), paper(100, 300, kPaper);
+  const Image image = beside_value_bar(red, f, "", {}, &paper);
+  EXPECT_EQ(image.at(99, 290), (Rgba{1, 0, 0, 1}));
+  for (int x = 100; x < image.width; ++x) EXPECT_EQ(image.at(x, 290), kPaper);
+}
+
 TEST(PictureNotes, BarOfOneValueSaysIt) {
   TransferFunction f;
   f.colors = {{3, {0.2f, 0.1f, 0.5f}}}, f.opacities = {{3, 0.5}};
