@@ -25,8 +25,8 @@ Rgba ink_for(const Image& image);
 
 /// The picture with the colours of a transfer function over its range as a bar to its right, ticks and, where there is
 /// a title (what is shown, and its unit), that above; lines across the bar at `marks`, as far as they lie in its range.
-/// Wider by value_bar_width(); behind it the last column of `paper` goes on, a picture of the same height (null: that of
-/// the picture itself). Pictures lower than 100 pixels stay as they are.
+/// Wider by value_bar_width(); behind it the last column of `paper` goes on, a picture of the same height (null: that
+/// of the picture itself). Pictures lower than 100 pixels stay as they are.
 Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title,
                        std::span<const double> marks = {}, const Image* paper = nullptr);
 /// Pixels that the bar adds to a picture of this height.

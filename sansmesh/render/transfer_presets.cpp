@@ -107,8 +107,8 @@ TransferFunction in_hounsfield(std::string_view name, const ValueHistogram& h, s
   return f;
 }
 
-/// Opacity at the peak of a veil over these values that keeps back what a veil is to, however steep its surface is: the
-/// steeper, the thinner it is.
+/// Opacity at the peak of a veil over these values that keeps back about what a veil is to, however steep its surface
+/// is: the steeper, the thinner it is.
 double veil_opacity(const ValueHistogram& h, double lower, double upper) {
   double slope = 0, share = 0;
   for (std::size_t b = 0; b < ValueHistogram::kBins; ++b)

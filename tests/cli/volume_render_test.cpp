@@ -4,6 +4,9 @@
 #include <functional>
 #include <numbers>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "ball_volume.h"
 #include "run_tool.h"
@@ -154,8 +157,14 @@ TEST_F(VolumeRenderTool, EveryOptionShows) {
     }
     EXPECT_GT(differing(plain, picture(options)), 0.002) << more[0] << ' ' << (more.size() > 1 ? more[1] : "");
   }
-  const PngPicture axes = picture({"--no-bar", "--axes"}), unit = picture({"--no-bar", "--axes", "--unit", "mm"});
-  EXPECT_GT(count_if(unit, is_ink), count_if(axes, is_ink) + 5);
+  const auto large = [&](std::vector<std::string> more, const std::string& name) {
+    more.insert(more.begin(),
+                {"volume", "render", ball_, "-o", path(name), "--width", "320", "--height", "240", "--axes"});
+    const Outcome outcome = run(more);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return read_png(path(name));
+  };
+  EXPECT_GT(differing(large({}, "axes.png"), large({"--unit", "mm"}, "unit.png")), 0);
 }
 
 TEST_F(VolumeRenderTool, CloseUpsShowThePlaceAskedFor) {
@@ -181,22 +190,30 @@ TEST_F(VolumeRenderTool, TransferFunctionsAreWrittenAndReadBack) {
 }
 
 TEST_F(VolumeRenderTool, OtherThingsMayStandInThePicture) {
-  // A mesh of triangles and one of points: a blue square before the ball, in front.
+  // A blue square before the ball, as a mesh; and a blue ball as samples, without one.
   write("square.ply",
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
         "red\nproperty uchar green\nproperty uchar blue\nelement face 2\nproperty list uchar int vertex_indices\n"
         "end_header\n6 6 15 0 0 255\n10 6 15 0 0 255\n10 10 15 0 0 255\n6 10 15 0 0 255\n3 0 1 2\n3 0 2 3\n");
-  std::string cloud =
-      "ply\nformat ascii 1.0\nelement vertex 25\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
-      "red\nproperty uchar green\nproperty uchar blue\nend_header\n";
-  for (int i = 0; i < 25; ++i) cloud += std::to_string(6 + i % 5) + " " + std::to_string(6 + i / 5) + " 15 0 0 255\n";
+  constexpr int kPoints = 400;
+  std::string cloud = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(kPoints) +
+                      "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar "
+                      "green\nproperty uchar blue\nend_header\n";
+  for (int i = 0; i < kPoints; ++i) {  // on a ball of radius 2
+    const double z = 1 - (2 * i + 1.0) / kPoints, r = std::sqrt(1 - z * z), turn = 2.399963 * i;
+    cloud += std::to_string(8 + 2 * r * std::cos(turn)) + " " + std::to_string(8 + 2 * r * std::sin(turn)) + " " +
+             std::to_string(14 + 2 * z) + " 0 0 255\n";
+  }
   write("cloud.ply", cloud);
-  for (const char* file : {"square.ply", "cloud.ply"}) {
-    const PngPicture p = picture({"--no-bar", "--mesh", path(file), "--iso", "2:#ff8800"});
+  for (const auto& [option, file] : {std::pair{"--mesh", "square.ply"}, {"--points", "cloud.ply"}}) {
+    const PngPicture p = picture({"--no-bar", option, path(file), "--iso", "2:#ff8800"});
     EXPECT_GT(count_if(p, is_blue), 300u) << file;
     EXPECT_TRUE(is_blue(p.at(kWide / 2, kHigh / 2))) << file;
     EXPECT_GT(count_if(p, is_orange), 300u) << file;
   }
+  expect_failures(
+      {{{"volume", "render", ball_, "-o", path("never.png"), "--mesh", path("cloud.ply")}, 1, {"cloud.ply"}},
+       {{"volume", "render", ball_, "-o", path("never.png"), "--points", path("none.ply")}, 1, {"none.ply"}}});
 }
 
 TEST_F(VolumeRenderTool, OpacityMayComeFromAnotherArray) {
