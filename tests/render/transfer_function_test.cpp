@@ -239,12 +239,13 @@ TEST(SuggestTransferFunction, ShowsRareValuesOfTheWholeRange) {
 }
 
 TEST(SuggestTransferFunction, VeilsAreAboutAsStrongHoweverSteepSurfacesAre) {
-  // Air and a body of 100, whose surface rises by 100 over `thick`: half of a sixth of the values lie in it.
+  // Air and a body of 100 with denser parts, whose surface, a sixth of the values, rises by 100 over `thick`.
   for (const double thick : {1.0, 3.0}) {
     std::vector<double> values, slopes;
     for (int i = 0; i < 60000; ++i) {
       const double t = i % 6 == 0 ? (i % 997) / 997.0 : 0;
-      values.push_back(i % 6 == 0 ? 100 * t : i % 2 == 0 ? 100 + (i % 7) * 0.5 : (i % 5) * 0.5);
+      const double body = i % 50 == 4 ? 130 : 100 + (i % 7) * 0.5;
+      values.push_back(i % 6 == 0 ? 100 * t : i % 2 == 0 ? body : (i % 5) * 0.5);
       slopes.push_back(i % 6 == 0 ? 100 / thick : 0);
     }
     ValueHistogram h = value_histogram(values, slopes);
