@@ -138,6 +138,9 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   for (std::size_t degree = 0; degree < 4; ++degree) {
     for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[degree] / t.range;
     t.left_out[degree] = median(errors);
+    double sum = 0;
+    for (const double e : errors) sum += e * e;
+    t.left_out_rms[degree] = std::sqrt(sum / static_cast<double>(count));
   }
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);
