@@ -12,7 +12,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr int kMostRings = 6;
+constexpr int kStencilRings = 6;
 constexpr double kEnough = 2, kMost = 4;  // samples of a stencil, in numbers of polynomials
 
 // The polynomial about sample after sample of a mesh.
@@ -25,7 +25,7 @@ class MeshFitter {
   void append(std::uint32_t i, const StarMetric& metric, PolynomialPart& part) {
     const auto basis = static_cast<double>(monomial_count(3, options_.fit.max_degree));
     stencil_.gather(i, metric, static_cast<std::size_t>(kEnough * basis), static_cast<std::size_t>(kMost * basis),
-                    kMostRings);
+                    kStencilRings);
     const auto samples = stencil_.samples();
     const std::size_t n = samples.size(), c = values_.components;
     f_.resize(n * c);
@@ -68,8 +68,9 @@ class MeshFitter {
 // second differences over the edge are known; less than kNone is an edge through a layer, that stars on both sides end
 // at.
 constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
-// Corrections that are this large beside the differences of neighbours count as under-resolved.
-constexpr double kCoarse = 0.35;
+// Corrections that are this large beside the differences of neighbours count as under-resolved: so much of them is
+// doubtful on any edge, and more where the edge is not known.
+constexpr double kCoarse = 0.35, kUnresolved = 3;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 class EdgeSupport {
@@ -150,6 +151,10 @@ double LocalPolynomials::rise(std::size_t sample, std::size_t component, const V
   return value_at(of(sample, component), u, static_cast<double>(trust[sample]));
 }
 
+double LocalPolynomials::full_rise(std::size_t sample, std::size_t component, const Vec3& u) const {
+  return value_at(of(sample, component), u);
+}
+
 StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
   return volume.lattice ? lattice_metric(*volume.lattice, sample) : metrics[sample];
 }
@@ -182,10 +187,10 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           varied += (fi - fj) * (fi - fj);
         }
       }
-      // Large corrections from differences over short edges alone are not known to hold over long ones.
+      // Large corrections are doubtful, those from differences over short edges alone most of all.
       if (gain > 0) {
         const double coarse = varied > 0 ? std::min(gain / (kCoarse * kCoarse * varied), 1.0) : 1;
-        doubt += coarse * coarse * coarse * open;
+        doubt += coarse * coarse * coarse * (open + kUnresolved * gain);
       }
       if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
     }

@@ -34,6 +34,8 @@ struct LocalPolynomials {
   std::size_t size() const { return degrees.size(); }
   /// p − constant at u; terms of degree 2 and more count by the factor `trust`.
   double rise(std::size_t sample, std::size_t component, const Vec3& u) const;
+  /// The same whatever the trust.
+  double full_rise(std::size_t sample, std::size_t component, const Vec3& u) const;
   /// M of a sample; lattices have no `metrics`.
   StarMetric metric(const SampledVolume& volume, std::size_t sample) const;
   std::span<const float> of(std::size_t sample, std::size_t component) const {
@@ -56,8 +58,8 @@ struct LocalPolynomialOptions {
 /// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
 /// interpolation there and b = half their difference, summed over the star, trust is Σ a² / Σ (a² + 5/2 b² + g a²): a
 /// correction of linear interpolation of size a whose error is of size b is best taken by such a share. Under-resolved
-/// data so end up at linear interpolation. g > 0 where nothing but differences over much shorter edges tells of the
-/// second differences over an edge, and a is large beside the differences of neighbours
+/// data so end up at linear interpolation. g > 0 where a is large beside the differences of neighbours, more so where
+/// nothing but differences over much shorter edges tells of the second differences over an edge
 /// (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
