@@ -68,9 +68,8 @@ class MeshFitter {
 // second differences over the edge are known; less than kNone is an edge through a layer, that stars on both sides end
 // at.
 constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
-// Corrections that are this large beside the differences of neighbours count as under-resolved: so much of them is
-// doubtful on any edge, and more where the edge is not known.
-constexpr double kCoarse = 0.35, kUnresolved = 3;
+// Corrections that are this large beside the differences of neighbours count as under-resolved.
+constexpr double kCoarse = 0.35;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 class EdgeSupport {
@@ -187,10 +186,10 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           varied += (fi - fj) * (fi - fj);
         }
       }
-      // Large corrections are doubtful, those from differences over short edges alone most of all.
+      // Large corrections from differences over short edges alone are not known to hold over long ones.
       if (gain > 0) {
         const double coarse = varied > 0 ? std::min(gain / (kCoarse * kCoarse * varied), 1.0) : 1;
-        doubt += coarse * coarse * coarse * (open + kUnresolved * gain);
+        doubt += coarse * coarse * coarse * open;
       }
       if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
     }

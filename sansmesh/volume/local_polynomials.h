@@ -58,8 +58,8 @@ struct LocalPolynomialOptions {
 /// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
 /// interpolation there and b = half their difference, summed over the star, trust is Σ a² / Σ (a² + 5/2 b² + g a²): a
 /// correction of linear interpolation of size a whose error is of size b is best taken by such a share. Under-resolved
-/// data so end up at linear interpolation. g > 0 where a is large beside the differences of neighbours, more so where
-/// nothing but differences over much shorter edges tells of the second differences over an edge
+/// data so end up at linear interpolation. g > 0 where nothing but differences over much shorter edges tells of the
+/// second differences over an edge, and a is large beside the differences of neighbours
 /// (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
