@@ -12,7 +12,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr int kMostRings = 6;
+constexpr int kStencilRings = 6;
 constexpr double kEnough = 2, kMost = 4;  // samples of a stencil, in numbers of polynomials
 
 // The polynomial about sample after sample of a mesh.
@@ -25,7 +25,7 @@ class MeshFitter {
   void append(std::uint32_t i, const StarMetric& metric, PolynomialPart& part) {
     const auto basis = static_cast<double>(monomial_count(3, options_.fit.max_degree));
     stencil_.gather(i, metric, static_cast<std::size_t>(kEnough * basis), static_cast<std::size_t>(kMost * basis),
-                    kMostRings);
+                    kStencilRings);
     const auto samples = stencil_.samples();
     const std::size_t n = samples.size(), c = values_.components;
     f_.resize(n * c);
@@ -148,6 +148,10 @@ double value_at(std::span<const float> c, const Vec3& u, double factor = 1) {
 
 double LocalPolynomials::rise(std::size_t sample, std::size_t component, const Vec3& u) const {
   return value_at(of(sample, component), u, static_cast<double>(trust[sample]));
+}
+
+double LocalPolynomials::full_rise(std::size_t sample, std::size_t component, const Vec3& u) const {
+  return value_at(of(sample, component), u);
 }
 
 StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
