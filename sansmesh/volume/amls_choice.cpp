@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/support_index.h"
 
@@ -23,8 +22,7 @@ constexpr std::size_t kOneIn = 20;     // samples is left out
 constexpr std::size_t kWhole = 20000;  // samples up to which no patches are cut out
 constexpr std::size_t kPatches = 8, kPatchSamples = 2500;
 constexpr std::size_t kRimRings = 3;  // of a patch that nothing is tested in
-constexpr std::size_t kFewTests = 10, kManyTests = 50;
-constexpr double kClearly = 0.7;  // less, of the sum of squares, for amls alone to be taken
+constexpr std::size_t kFewTests = 10;
 constexpr double kCovered = 0.8;  // t of a support up to which a place counts as covered
 constexpr std::uint32_t kElsewhere = 0xffffffffu;
 
@@ -255,33 +253,6 @@ AmlsMatrix narrowed(const AmlsReach& reach, std::span<const float> radii, std::s
   return matrix;
 }
 
-// The plane through the neighbours of a place that are known, by least squares with weights 1 / ‖u‖², at the place.
-double plane_at(const TestVolume& test, const VolumeValues& values, std::span<const std::uint32_t> around,
-                const Vec3& x, const StarMetric& metric, std::size_t component) {
-  struct Neighbour {
-    Vec3 u;
-    double f, weight;
-  };
-  std::vector<Neighbour> all;
-  Vec3 middle;
-  double sum = 0, mean = 0;
-  for (const std::uint32_t j : around) {
-    const Vec3 u = metric(test.volume.positions[j] - x);
-    const double f = values.values[j * values.components + component], w = 1 / (squared_norm(u) + 1e-6);
-    all.push_back({u, f, w});
-    middle += u * w, mean += f * w, sum += w;
-  }
-  middle = middle / sum, mean /= sum;
-  Matrix3 matrix{{1e-3 * sum, 0, 0}, {0, 1e-3 * sum, 0}, {0, 0, 1e-3 * sum}};
-  Vec3 right;
-  for (const Neighbour& n : all) {
-    const Vec3 d = n.u - middle;
-    matrix.a += d * (n.weight * d.x), matrix.b += d * (n.weight * d.y), matrix.c += d * (n.weight * d.z);
-    right += d * (n.weight * (n.f - mean));
-  }
-  return mean - dot(matrix.solve(right), middle);
-}
-
 }  // namespace
 
 struct AmlsTrial::State {
@@ -290,8 +261,6 @@ struct AmlsTrial::State {
   TestVolume test;
   VolumeValues known;
   AmlsReach reach;
-  LocalPolynomials fitted;
-  const SampledVolume* whole = nullptr;
   std::vector<std::uint32_t> left_out;
 
   std::vector<float> radii_of(double epsilon) const {
@@ -319,9 +288,8 @@ AmlsTrial::AmlsTrial(const SampledVolume& whole, const VolumeValues& values, con
     own_metrics.push_back(fitted.metric(whole, i));
   }
   if (s.test.tests.empty()) return;
-  s.whole = &whole;
-  s.fitted = fit_local_polynomials(s.test.volume, s.known, how, std::move(own_metrics), progress);
-  const LocalPolynomials local = trusted(s.fitted);
+  const LocalPolynomials local =
+      trusted(fit_local_polynomials(s.test.volume, s.known, how, std::move(own_metrics), progress));
   s.reach = reach_of(whole, s.test, local, s.radii_of(widest));
   const std::vector<float> least_radii = s.radii_of(narrowest);
   std::erase_if(s.test.tests, [&](std::uint32_t i) {
@@ -350,36 +318,6 @@ void AmlsTrial::run(double epsilon, const std::function<bool(int, std::span<cons
       for (std::size_t m = 0; m < c; ++m) errors[t * c + m] = iteration.residuals()[s.test.tests[t] * c + m];
     if (!go_on(n, errors)) return;
   }
-}
-
-bool AmlsTrial::is_better_with_planes(const AmlsChoice& choice) const {
-  const State& s = *state_;
-  if (s.left_out.size() < kManyTests) return true;
-  const std::size_t c = s.known.components;
-  const AmlsMatrix matrix = narrowed(s.reach, s.radii_of(choice.shape), c, s.phi);
-  AmlsIteration iteration(matrix, s.known.values, c);
-  for (int k = 0; k < choice.iterations; ++k) iteration.advance();
-  LocalPolynomials reached = s.fitted;
-  std::vector<double> constants = s.known.values;
-  for (std::size_t i = 0; i < constants.size(); ++i) constants[i] -= iteration.residuals()[i];
-  reached.constants = std::move(constants);
-  const std::vector<std::uint8_t> unsplit(s.test.samples.size());
-  const std::vector<float> trust = polynomial_trust(s.test.volume, s.known, reached, unsplit);
-  double alone = 0, mixed = 0;
-  for (const std::uint32_t i : s.test.tests) {
-    const auto around = s.test.known_around(*s.whole, i);
-    double share = 0;
-    for (const std::uint32_t j : around) share += static_cast<double>(amls_share(trust[j]));
-    share /= static_cast<double>(around.size());
-    for (std::size_t m = 0; m < c; ++m) {
-      const double error = iteration.residuals()[i * c + m];
-      const double plane = s.known.values[i * c + m] -
-                           plane_at(s.test, s.known, around, s.test.volume.positions[i], s.fitted.metrics[i], m);
-      const double both = share * error + (1 - share) * plane;
-      alone += error * error, mixed += both * both;
-    }
-  }
-  return !(alone < kClearly * mixed);
 }
 
 float amls_share(float trust) {

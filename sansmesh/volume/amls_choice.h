@@ -43,10 +43,6 @@ class AmlsTrial {
   /// samples left out, components each.
   void run(double epsilon, const std::function<bool(int n, std::span<const double> errors)>& go_on) const;
 
-  /// Unless samples left out are predicted clearly better by amls alone than where planes through their neighbours have
-  /// a share, 1 − amls_share: data are too coarse for it then, somewhere, or too few to tell.
-  bool is_better_with_planes(const AmlsChoice& choice) const;
-
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -40,7 +40,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   local.constants = iteration.coefficients();
   // How far what the samples become, with the polynomials about them, agrees between neighbours.
   std::vector<float> trust(volume.size(), 1.0f);
-  if (has_linear_share(volume) && trial.is_better_with_planes(choice)) {
+  if (has_linear_share(volume)) {
     std::vector<double> reached = input.values.values;
     for (std::size_t i = 0; i < reached.size(); ++i) reached[i] -= iteration.residuals()[i];
     fitted.constants = std::move(reached);
