@@ -29,9 +29,11 @@ using detail::MlsSample;
 using detail::MlsTile;
 
 constexpr double kSamplesPerTerm = 4, kWidest = 4;
-// Variance of a value in units of that of a weighted mean: from here on, at the boundary, linear interpolation takes
-// over, and beyond it is all.
-constexpr double kDoubtful = 10, kUseless = 40;
+// Variance of a value in units of that of a weighted mean. With samples all around it is kAllAround, of the weights (1
+// − r²)⁴ by degree. From kDoubtful times that on, at boundaries, linear interpolation takes over, and from kUseless on
+// it is all.
+constexpr double kAllAround[] = {3.3, 3.3, 3.3, 3.3, 7.3};  // of planes, 1, as much as of parabolas: they hold on
+constexpr double kDoubtful = 1.5, kUseless = 6;
 
 // Radii of the samples' weights, in the local metrics: cells that a sample belongs to lie well inside, and each reaches
 // as many samples as a fit needs.
@@ -154,8 +156,10 @@ class MlsField final : public GroupedField {
   }
 
   // Of M f where noise at the samples would be of that variance.
-  static double steady_share(double variance) {
-    return variance < 0 ? 0 : std::clamp((kUseless - variance) / (kUseless - kDoubtful), 0.0, 1.0);
+  double steady_share(double variance) const {
+    if (variance < 0) return 0;
+    const double v = variance / kAllAround[degree_];
+    return std::clamp((kUseless - v) / (kUseless - kDoubtful), 0.0, 1.0);
   }
 
   void find_residuals(Progress& progress) {
