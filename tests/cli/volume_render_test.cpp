@@ -54,8 +54,10 @@ class VolumeRenderTool : public ToolTest {
 
   /// From the front, on white, one line of options more.
   PngPicture picture(const std::vector<std::string>& more, const std::string& name = "picture.png") {
-    std::vector<std::string> arguments = {"volume",   "render", ball_,    "-o",    path(name),     "--width", "160",
-                                          "--height", "120",    "--view", "front", "--background", "white"};
+    std::vector<std::string> arguments = {"volume", "render",   ball_, "-o",     path(name), "--width",
+                                          "160",    "--height", "120", "--view", "front"};
+    if (std::find(more.begin(), more.end(), "--background") == more.end())
+      arguments.insert(arguments.end(), {"--background", "white"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
