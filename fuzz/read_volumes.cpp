@@ -1,5 +1,5 @@
-// Whatever bytes the header of an image or a PLOT3D file holds, reading it ends with blocks whose arrays fit together,
-// or with an error of one printable line. The first byte chooses the format.
+// Whatever bytes the header of an image, a PLOT3D or a Nek5000 file holds, reading it ends with blocks whose arrays fit
+// together, or with an error of one printable line. The first byte chooses the format.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -29,8 +29,12 @@ void check(const GridData& data) {
     const bool lattice = b.kind == GridKind::lattice;
     const std::size_t n = lattice ? b.axes[0].size() * b.axes[1].size() * b.axes[2].size() : b.points.size();
     require(n > 0, "no points");
-    require(lattice || n == b.dims[0] * b.dims[1] * b.dims[2], "other points than its size says");
+    require(lattice || b.kind == GridKind::unstructured || n == b.dims[0] * b.dims[1] * b.dims[2],
+            "other points than its size says");
     require(b.hidden_points.empty() || b.hidden_points.size() == n, "hidden ones of other points");
+    for (const std::uint32_t p : b.cells.corners) require(p < n, "a cell of points that are not there");
+    for (const auto& ring : b.flat_cells)
+      for (const std::uint32_t p : ring) require(p < n, "a flat cell of points that are not there");
     for (const auto& axis : b.axes)
       require(std::is_sorted(axis.begin(), axis.end(), std::less_equal<>()), "an axis that does not increase");
     for (const Attribute& a : b.point_arrays)
@@ -50,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ReadReport report;
   const io::Input in{name, {bytes.get(), size - 1}, report};
   try {
-    switch (data[0] % 4) {
+    switch (data[0] % 8) {
       case 0:
         check(io::read_metaimage(in, 0));
         break;
@@ -59,6 +63,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       case 2:
         check(io::read_plot3d(in, {}));
+        break;
+      case 4:
+        check(io::read_nek_field(in));
         break;
       default:
         io::check_netcdf_size(in);

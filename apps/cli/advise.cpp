@@ -171,6 +171,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
       {"picture", fmt::format("sansmesh volume render {}{} -o picture.png", files, array)}};
   Json json = {{"input", volume.json()}, {"array", volume.choice().array}, {"samples", t.samples}};
   json["left_out"] = t.left_out;
+  json["left_out_rms"] = t.left_out_rms;
   json["noise"] = t.noise;
   json["steps"] = t.steps;
   json["resolved"] = t.resolved();

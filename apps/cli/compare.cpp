@@ -13,9 +13,9 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/measure/color_bar.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/render/picture_notes.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {
@@ -104,8 +104,21 @@ bool is_coarse(const TriangleMesh& mesh, double diagonal) {
   return !mesh.triangles.empty() && edges / (3 * static_cast<double>(mesh.triangles.size())) > kCoarse * diagonal;
 }
 
-/// Numbers of a scale may be this wide.
-constexpr double kWidestNumber = 1.234e-100;
+/// The colours of a map as a scale: those of distance_color from −range, or 0, to range.
+TransferFunction scale_of(double range, bool both_sides) {
+  constexpr int kSteps = 16;
+  TransferFunction scale;
+  for (int k = both_sides ? -kSteps : 0; k <= kSteps; ++k) {
+    const double value = range * k / kSteps;
+    const auto [r, g, b] = distance_color(static_cast<float>(value), range);
+    scale.colors.push_back({value, {from_byte(r), from_byte(g), from_byte(b)}});
+  }
+  scale.opacities = {{scale.colors.front().value, 1}, {scale.colors.back().value, 1}};
+  return scale;
+}
+
+/// Numbers of a scale may be as wide as those of this range.
+constexpr double kWidestRange = 1.2e-100;
 /// Pixels that are left for the surface beside the scale, at least.
 constexpr int kLeastPicture = 100;
 
@@ -117,7 +130,7 @@ void check_arguments(const CompareArguments& a) {
   if (a.preview.empty()) return;
   check_writable(a.preview, "image");
   const int width = a.picture.options.width, height = a.picture.options.height;
-  const int scale = color_bar_width(height, {.range = kWidestNumber});
+  const int scale = value_bar_width(height, scale_of(kWidestRange, true), {});
   if (scale > 0 && width < scale + kLeastPicture)
     throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its scale, or more",
                                     width, height, scale + kLeastPicture));
@@ -150,9 +163,11 @@ void write_map(const CompareArguments& a, const TriangleMesh& mesh, const Distan
                Progress& progress) {
   Image image;
   if (!a.preview.empty()) {
-    const ColorBar bar{.range = map.statistics.range, .both_sides = map.has_sides, .tolerance = a.options.tolerance};
-    picture.width -= color_bar_width(picture.height, bar);
-    image = beside_color_bar(render_mesh(mesh, picture, progress), bar);
+    const TransferFunction scale = scale_of(map.statistics.range, map.has_sides);
+    std::vector<double> marks;
+    if (a.options.tolerance) marks = {-*a.options.tolerance, *a.options.tolerance};
+    picture.width -= value_bar_width(picture.height, scale, {});
+    image = beside_value_bar(render_mesh(mesh, picture, progress), scale, {}, marks);
   }
   if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
   if (!a.output.empty()) {

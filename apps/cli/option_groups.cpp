@@ -32,6 +32,8 @@ void require(bool ok, const char* message) {
 
 RenderOptions PictureArguments::chosen() const {
   RenderOptions o = options;
+  if (azimuth) o.view.azimuth = *azimuth;
+  if (elevation) o.view.elevation = *elevation;
   if (!view.empty()) o.view = named_view(view);
   if (z_up) o.up = UpAxis::z;
   return o;
@@ -56,6 +58,10 @@ void add_picture_options(CommandLine& c, PictureArguments& a) {
   c.add_option("--width", a.options.width, "Pixels, 1..16384 [1280]").type_name("PIXELS").group("Picture");
   c.add_option("--height", a.options.height, "Pixels, 1..16384 [960]").type_name("PIXELS").group("Picture");
   c.add_option("--view", a.view, "front, back, left, right, top, bottom or iso").type_name("NAME").group("Picture");
+  c.add_option("--azimuth", a.azimuth, "Degrees around the up axis; 0: the front [35]")
+      .type_name("DEGREES")
+      .group("Picture");
+  c.add_option("--elevation", a.elevation, "Degrees above the horizon [20]").type_name("DEGREES").group("Picture");
   c.add_flag("--z-up", a.z_up, "The z axis points up, not y").group("Picture");
 }
 

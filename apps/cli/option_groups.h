@@ -26,8 +26,10 @@ void require(bool ok, const char* message);
 struct PictureArguments {
   RenderOptions options;
   std::string view;
+  std::optional<double> azimuth, elevation;
   bool z_up = false;
 
+  bool has_view() const { return !view.empty() || azimuth || elevation; }
   /// Throws ArgumentError for a view that is not known.
   RenderOptions chosen() const;
 };
@@ -35,7 +37,7 @@ struct PictureArguments {
 void set_background(RenderOptions& options, const std::string& word);
 /// Of a turntable: NAME.png becomes NAME_007.png.
 std::string frame_name(const std::string& output, int frame);
-/// --width, --height, --view, --z-up
+/// --width, --height, --view, --azimuth, --elevation, --z-up
 void add_picture_options(CommandLine& command, PictureArguments& arguments);
 /// --preview FILE: also draws `what`.
 void add_preview_option(CommandLine& command, std::string& file, const std::string& what);

@@ -97,10 +97,6 @@ Command add_render(CommandLine& app) {
   add_cloud_input(c, a.input, "Mesh, points or function (.smf)");
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
-  c.add_option("--azimuth", o.view.azimuth, "Degrees around the up axis; 0: the front [35]")
-      .type_name("DEGREES")
-      .group("Picture");
-  c.add_option("--elevation", o.view.elevation, "Degrees above the horizon [20]").type_name("DEGREES").group("Picture");
   c.add_option("--background", a.background, "gradient, white, black or transparent [gradient]")
       .type_name("CHOICE")
       .one_of({"gradient", "white", "black", "transparent"})

@@ -88,7 +88,9 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
 }  // namespace
 
 void run_volume_info(const VolumeInput& input, Console& console) {
-  OpenVolume volume(input, console);
+  VolumeInput any = input;
+  any.may_be_bare = true;
+  OpenVolume volume(any, console);
   const auto samples = volume.samples();
   const VolumeFacts& f = samples->facts;
   const Box3 box = samples->bounds();

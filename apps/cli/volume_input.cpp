@@ -139,6 +139,11 @@ OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(inpu
     dataset_ = std::make_unique<VolumeDataset>(input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
                                                                        : read_volumes(input.files, input.read, &read));
   }
+  if (dataset_->arrays().empty() && !input.may_be_bare) {
+    std::string cause = "holds no arrays: there is nothing to reconstruct";
+    for (const std::string& note : dataset_->notes()) cause += "; " + note;
+    throw FileError(input.name(), cause);
+  }
   console.warn(input.name(), dataset_->notes());
   if (!input.array.empty())
     choice_ = dataset_->choose(input.array);

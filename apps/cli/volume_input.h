@@ -22,7 +22,8 @@ struct VolumeInput {
   std::string array;               ///< as given to --array; empty: the dataset's own choice
   VolumeReadOptions read;
   ReconstructionOptions method;
-  bool chosen = false;  ///< the method was given
+  bool chosen = false;       ///< the method was given
+  bool may_be_bare = false;  ///< grids without any arrays are no error
 
   /// "a.vtu", "a.vts and 2 other files"
   std::string name() const;
@@ -99,9 +100,8 @@ struct NamedIsosurface {
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console);
 
 inline constexpr const char* kReadableVolumes =
-    "Reads MetaImage, NRRD, raw, PLOT3D, points with attributes and, through VTK, .vti .vtr .vts .vtu .vtm .vthb\n"
-    ".vtk, Exodus, EnSight, CGNS and folders of DICOM slices; fitted volumes (.smv, made by volume fit). Several "
-    "files\n"
-    "are the blocks of one volume.";
+    "Reads MetaImage, NRRD, raw, PLOT3D, Nek5000, points with attributes and, through VTK, .vti .vtr .vts .vtu .vtm\n"
+    ".vthb .vtk, Exodus, EnSight, CGNS and folders of DICOM slices; fitted volumes (.smv, made by volume fit).\n"
+    "Several files are the blocks of one volume.";
 
 }  // namespace sansmesh::cli

@@ -3,13 +3,17 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/baked_volume.h"
+#include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
@@ -22,7 +26,7 @@ namespace {
 struct VolumeRenderArguments {
   VolumeInput input;
   std::string output, transfer, save_transfer, opacity_by, background = "gradient";
-  std::vector<std::string> isos, cuts, meshes;
+  std::vector<std::string> isos, cuts, meshes, clouds;
   PictureArguments picture;
   VolumePictureOptions options;
   int frames = 0;
@@ -56,13 +60,52 @@ bool turned(const Lattice& lattice) {
 
 /// A vector as a whole was chosen.
 bool of_vector(OpenVolume& volume) {
-  return volume.dataset().array(volume.choice().array).components > 1 && !volume.choice().component;
+  const ArrayChoice& choice = volume.choice();
+  return volume.dataset().array(choice.array).components > 1 && !choice.component && !choice.magnitude;
 }
 
 /// What is shown of an array: of vectors that nobody chose a component of, their magnitude.
 ArrayChoice shown(OpenVolume& volume, ArrayChoice choice) {
   if (volume.dataset().array(choice.array).components > 1 && !choice.component) choice.magnitude = true;
   return choice;
+}
+
+/// Samples of a surface, or a function, that is seen without a mesh.
+struct SeenSurface {
+  SurfaceModel model;
+  SurfaceCaster caster;
+
+  explicit SeenSurface(SurfaceModel made, Progress& progress) : model(std::move(made)), caster(cast(model, progress)) {}
+  static SurfaceCaster cast(const SurfaceModel& model, Progress& progress) {
+    return model.projection() ? SurfaceCaster(*model.projection(), model.balls(), {})
+                              : SurfaceCaster(model.field(progress), model.balls(), {});
+  }
+};
+
+/// The surfaces that stand in the volume; what they need is kept in `seen`.
+std::vector<PictureSurface> surfaces_of(const VolumeRenderArguments& a, const RenderOptions& options,
+                                        std::vector<std::unique_ptr<SeenSurface>>& seen, Console& console) {
+  std::vector<PictureSurface> surfaces;
+  Progress& progress = console.progress();
+  for (const std::string& file : a.meshes) try {
+      surfaces.push_back(surface_in_volume(read_mesh(file), options));
+    } catch (const DataError& error) {
+      throw FileError(file, error.what());
+    }
+  SurfaceRenderOptions surface;
+  static_cast<RenderOptions&>(surface) = options;
+  for (const std::string& file : a.clouds) try {
+      seen.push_back(std::make_unique<SeenSurface>(
+          is_function_file(file) ? make_surface_model(read_function(file))
+                                 : make_surface_model(read_points(file), SurfaceOptions{}, progress),
+          progress));
+      const SeenSurface& s = *seen.back();
+      console.warn(file, s.model.warnings());
+      surfaces.push_back(surface_in_volume(s.caster, s.model.place(), s.model.colors(), surface));
+    } catch (const DataError& error) {
+      throw FileError(file, error.what());
+    }
+  return surfaces;
 }
 
 void run_volume_render(const VolumeRenderArguments& a, Console& console) {
@@ -75,6 +118,7 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();
   const auto samples = volume.samples();
+  std::vector<std::unique_ptr<SeenSurface>> seen;
   std::shared_ptr<const VolumeField> field, opacity;
   std::vector<std::string> files;
   VolumePictureReport report;
@@ -104,7 +148,10 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
       boundary = volume_boundary(*samples);
       subject.boundary = &boundary;
     }
-    for (const std::string& file : a.meshes) subject.surfaces.push_back(surface_in_volume(read_mesh(file), options));
+    subject.image = samples->lattice.has_value();
+    if (!a.picture.has_view())
+      if (const auto view = view_of_layer(samples->bounds(), options.up)) options.view = *view;
+    subject.surfaces = surfaces_of(a, options, seen, console);
     if (options.color_title.empty())
       options.color_title = volume.array_name() + (of_vector(volume) ? " (magnitude)" : "");
     const VolumePicture picture(std::move(subject), progress);
@@ -174,13 +221,31 @@ Command add_volume_render(CommandLine& volume) {
       .type_name("PLACE")
       .repeated();
   c.add_option("--mesh", a.meshes, "Mesh in the same picture; may be repeated").type_name("FILE").repeated();
+  c.add_option("--points", a.clouds, "Samples of a surface, or a function (.smf), in the same picture without a mesh")
+      .type_name("FILE")
+      .repeated();
   c.add_flag("--no-cut-faces", a.no_cut_faces, "Cut faces stay as clear as what is behind them");
   c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light");
   c.add_flag("--interactive", a.interactive, "Quick: from the field baked into bricks, whose error is reported");
   c.add_option("--bake-error", a.bake_error,
                "Of --interactive: error above which bricks are split, share of the range [0.004]")
       .type_name("SHARE");
+  c.add_option_function(
+       "--focus",
+       [&a](const std::vector<double>& x) {
+         a.options.focus = Vec3{x[0], x[1], x[2]};
+       },
+       "Place in the middle of the picture [that of the volume]")
+      .numbers(3)
+      .type_name("X,Y,Z")
+      .group("Picture");
+  c.add_option("--zoom", a.options.zoom, "So many times as large as what shows everything, 0.01..1000 [1]")
+      .type_name("FACTOR")
+      .group("Picture");
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group("Picture");
+  c.add_option("--label", a.options.color_title, "Of the colour bar: what is shown, and its unit [the array's name]")
+      .type_name("TEXT")
+      .group("Picture");
   c.add_flag("--axes", a.options.axes, "With the outline of the box and ticks").group("Picture");
   c.add_option("--unit", a.options.unit, "Of lengths, at the axes").type_name("UNIT").group("Picture");
   c.add_option("--title", a.options.title, "Above the picture").type_name("TEXT").group("Picture");

@@ -21,6 +21,12 @@ ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const Vo
           fmt::format("a lattice whose samples are noisy or too far apart for parabolas (left out they are missed by "
                       "{} of the range, by planes {}): a cubic through each is smooth, and no other method is nearer",
                       percent(traits.left_out[2]), percent(traits.left_out[1]))};
+    if (!traits.edges_resolved())
+      return {
+          ReconstructionMethod::cubic,
+          fmt::format("a lattice with edges that are too fine for parabolas (left out, samples are missed by {} of "
+                      "the range, root mean square, by planes {}): a cubic through each is smooth, and nearer there",
+                      percent(traits.left_out_rms[2]), percent(traits.left_out_rms[1]))};
     if (volume.size() > kLargeLattice)
       return {ReconstructionMethod::cubic, "a large lattice: cubics through its samples are smooth and quick"};
     return {ReconstructionMethod::mls_detail,
@@ -34,8 +40,8 @@ ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const Vo
   if (!traits.resolved())
     return {
         ReconstructionMethod::mls_detail,
-        fmt::format("samples are noisy or too far apart for parabolas (left out they are missed by {} of the range, "
-                    "by planes {}): little can be gained over the grid's own interpolation but smoothness",
+        fmt::format("a grid whose samples are noisy or too far apart for parabolas (left out they are missed by {} of "
+                    "the range, by planes {}): little can be gained over its own interpolation but smoothness",
                     percent(traits.left_out[2]), percent(traits.left_out[1]))};
   return {
       ReconstructionMethod::mls_detail,

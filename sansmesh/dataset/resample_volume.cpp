@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kUsualSize = 128, kMostSize = 4096, kMostAxis = 65536;
 /// Points asked for at a time.
 constexpr std::size_t kBatch = std::size_t{1} << 19;
+/// Points along an edge of a brick.
+constexpr std::size_t kTogether = 12;
 
 std::array<std::size_t, 3> sizes_of(const Vec3& extent, const ResampleOptions& options) {
   if (options.sizes) return *options.sizes;
@@ -61,26 +63,36 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
   std::vector<std::uint8_t> inside(points);
 
   progress.begin("resample", points);
-  // Bricks of a few layers, so that what is asked for together lies together.
-  const std::size_t rows = std::max<std::size_t>(1, kBatch / n[0]);
-  const std::size_t all_rows = n[1] * n[2];
+  // In bricks: what is asked for together lies together in all three directions.
+  std::array<std::size_t, 3> bricks;
+  for (std::size_t k = 0; k < 3; ++k) bricks[k] = (n[k] + kTogether - 1) / kTogether;
+  const std::size_t all = bricks[0] * bricks[1] * bricks[2];
   std::vector<Vec3> x, g;
   std::vector<double> v;
-  for (std::size_t first = 0; first < all_rows; first += rows) {
-    const std::size_t last = std::min(first + rows, all_rows), count = (last - first) * n[0], at = first * n[0];
-    x.resize(count), v.resize(count * c), g.resize(options.gradients ? count * c : 0);
-    parallel_for(first, last, 16, [&](std::size_t row) {
-      for (std::size_t i = 0; i < n[0]; ++i)
-        x[(row - first) * n[0] + i] = {block.axes[0][i], block.axes[1][row % n[1]], block.axes[2][row / n[1]]};
-    });
-    field.evaluate(x, {v, g, std::span(inside).subspan(at, count), {}});
+  std::vector<std::uint8_t> in;
+  std::vector<std::size_t> to;
+  for (std::size_t brick = 0; brick < all;) {
+    x.clear(), to.clear();
+    for (; brick < all && x.size() < kBatch; ++brick) {
+      const std::array<std::size_t, 3> first{brick % bricks[0] * kTogether, brick / bricks[0] % bricks[1] * kTogether,
+                                             brick / bricks[0] / bricks[1] * kTogether};
+      for (std::size_t l = first[2]; l < std::min(n[2], first[2] + kTogether); ++l)
+        for (std::size_t j = first[1]; j < std::min(n[1], first[1] + kTogether); ++j)
+          for (std::size_t i = first[0]; i < std::min(n[0], first[0] + kTogether); ++i) {
+            x.push_back({block.axes[0][i], block.axes[1][j], block.axes[2][l]});
+            to.push_back(i + n[0] * (j + n[1] * l));
+          }
+    }
+    const std::size_t count = x.size();
+    v.resize(count * c), g.resize(options.gradients ? count * c : 0), in.resize(count);
+    field.evaluate(x, {v, g, in, {}});
     parallel_for(0, count, 4096, [&](std::size_t i) {
-      const bool in = inside[at + i] != 0;
+      inside[to[i]] = in[i];
       for (std::size_t k = 0; k < c; ++k) {
-        values[(at + i) * c + k] = static_cast<float>(in ? v[i * c + k] : options.outside);
+        values[to[i] * c + k] = static_cast<float>(in[i] != 0 ? v[i * c + k] : options.outside);
         if (g.empty()) continue;
         for (std::size_t d = 0; d < 3; ++d)
-          gradients[3 * ((at + i) * c + k) + d] = static_cast<float>(in ? g[i * c + k][d] : options.outside);
+          gradients[3 * (to[i] * c + k) + d] = static_cast<float>(in[i] != 0 ? g[i * c + k][d] : options.outside);
       }
     });
     progress.advance(count);

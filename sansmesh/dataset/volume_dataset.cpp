@@ -99,6 +99,9 @@ const DatasetArray& VolumeDataset::array(const std::string& name, const std::str
   const DatasetArray* found = nullptr;
   for (const DatasetArray& a : arrays_)
     if (a.name == name && (!found || a.of == Association::points)) found = &a;
+  if (arrays_.empty())
+    throw ArgumentError(
+        fmt::format("`{}`: there is no array named '{}': the data holds none", option, printable(name, 60)));
   if (!found)
     throw ArgumentError(fmt::format("`{}`: there is no array named '{}'; {} {}", option, printable(name, 60),
                                     fitted_ ? "this fitted volume holds" : "there are", names_of(arrays_)));

@@ -7,6 +7,7 @@
 #include "sansmesh/io/inflate.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh::io {
@@ -120,7 +121,7 @@ GridData read_metaimage(const Input& in, std::size_t step) {
     points = checked_product(in, {points, static_cast<std::uint64_t>(s)});
   }
   const std::uint64_t steps = axes == 4 ? static_cast<std::uint64_t>((*sizes)[3]) : 1;
-  if (step >= steps) throw ArgumentError(fmt::format("`time_step` is {}, but {} has {} steps", step, in.file, steps));
+  check_time_step(in.file, step, steps);
   const auto channels = fields.whole({"elementnumberofchannels"}).value_or(1);
   if (channels < 1 || channels > 1024) in.fail("its header gives an impossible number of channels");
   const std::string* const type_name = fields.find({"elementtype"});

@@ -8,6 +8,7 @@
 #include "sansmesh/io/inflate.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh::io {
@@ -285,7 +286,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   for (const std::size_t s : axes.sizes) count = checked_product(in, {count, s});
   checked_product(in, {count, 8});
   const std::size_t steps = axes.time ? axes.sizes[*axes.time] : 1;
-  if (step >= steps) throw ArgumentError(fmt::format("`time_step` is {}, but {} has {} steps", step, in.file, steps));
+  check_time_step(in.file, step, steps);
 
   const std::string* const encoding_text = fields.find({"encoding"});
   const std::string encoding = encoding_text ? lower(*encoding_text) : "raw";

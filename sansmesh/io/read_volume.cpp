@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "sansmesh/io/adf_size.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/netcdf_size.h"
 #include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/io/vtk_module.h"
 #include "sansmesh/io/vtk_xml.h"
@@ -34,6 +36,8 @@ enum class VolumeFormat : std::uint8_t {
   cgns,
   openfoam,
   dicom,
+  nek_field,
+  nek_series,
   fitted
 };
 
@@ -55,6 +59,7 @@ constexpr VolumeEnding volume_endings[] = {
     {" foam ", VolumeFormat::openfoam},
     {" pvd ", VolumeFormat::pvd},
     {" dcm dicom ", VolumeFormat::dicom},
+    {" nek5000 nek3d nek2d ", VolumeFormat::nek_series},
     {" smv ", VolumeFormat::fitted},
 };
 constexpr const char* point_endings =
@@ -66,6 +71,7 @@ VolumeFormat format_of_ending(const std::string& name) {
   for (const VolumeEnding& e : volume_endings) {
     if (std::string_view(e.endings).find(key) != std::string_view::npos) return e.format;
   }
+  if (io::is_nek_field_name(name)) return VolumeFormat::nek_field;
   return std::string_view(point_endings).find(key) != std::string_view::npos ? VolumeFormat::points
                                                                              : VolumeFormat::unknown;
 }
@@ -106,6 +112,7 @@ VolumeFormat format_of_volume(const Input& in, const std::string& xml_type) {
   if (bytes.starts_with("\x89HDF\r\n\x1a\n") || bytes.starts_with("CDF\x01") || bytes.starts_with("CDF\x02") ||
       bytes.starts_with("CDF\x05"))
     return by_name == VolumeFormat::cgns ? by_name : VolumeFormat::exodus;
+  if (bytes.starts_with("#std ")) return VolumeFormat::nek_field;
   if (bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) return VolumeFormat::cgns;
   const std::string name = io::ending(in.file);
   if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? VolumeFormat::plot3d : by_name;
@@ -149,13 +156,18 @@ GridData read_collection(const Input& in, const VolumeReadOptions& options, Read
 GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
                          bool inside_collection) {
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return io::read_by_vtk({file, io::VtkFormat::dicom, {}, 0});
+  if (std::filesystem::is_directory(file, ignored))
+    return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
   // Programs open an empty file of this kind only to name the folder that it is in.
   if (format_of_ending(io::ending(file)) == VolumeFormat::openfoam && std::filesystem::exists(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report};
-  if (options.raw) return io::read_raw(in, *options.raw);
+  const auto only_step = [&] { io::check_time_step(file, options.time_step, 1); };
+  if (options.raw) {
+    only_step();
+    return io::read_raw(in, *options.raw);
+  }
   const std::string xml_type = vtk_xml_type(in);
   const auto by_vtk = [&](io::VtkFormat format) {
     return read_by_vtk_checked(in, format, xml_type, options, content.gzipped());
@@ -172,11 +184,14 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
             "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
             "write a MetaImage header (.mhd) for it");
       }
+      only_step();
       return io::read_raw(in, *layout);
     }
     case VolumeFormat::plot3d:
+      only_step();
       return io::read_plot3d(in, options.solution);
     case VolumeFormat::points:
+      only_step();
       return scattered_points(file, report);
     case VolumeFormat::pvd:
       if (inside_collection) in.fail("is a collection inside another one");
@@ -194,11 +209,17 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
     case VolumeFormat::ensight:
       return by_vtk(io::VtkFormat::ensight);
     case VolumeFormat::cgns:
+      if (in.bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) io::check_adf_size(in);
       return by_vtk(io::VtkFormat::cgns);
     case VolumeFormat::openfoam:
       return by_vtk(io::VtkFormat::openfoam);
     case VolumeFormat::dicom:
       return by_vtk(io::VtkFormat::dicom);
+    case VolumeFormat::nek_field:
+      only_step();
+      return io::read_nek_field(in);
+    case VolumeFormat::nek_series:
+      return io::read_nek_series(in, options.time_step);
     case VolumeFormat::fitted:
       in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
     case VolumeFormat::unknown:
@@ -226,10 +247,7 @@ GridData read_collection(const Input& in, const VolumeReadOptions& options, Read
   for (const io::PvdEntry& e : entries) all.times.push_back(e.time);
   std::sort(all.times.begin(), all.times.end());
   all.times.erase(std::unique(all.times.begin(), all.times.end()), all.times.end());
-  if (options.time_step >= all.times.size()) {
-    throw ArgumentError(fmt::format("`time_step` is {}, but {} has the steps 0 to {}", options.time_step,
-                                    printable(in.file, 200), all.times.size() - 1));
-  }
+  io::check_time_step(in.file, options.time_step, all.times.size());
   all.time = all.times[options.time_step];
   for (const io::PvdEntry& e : entries) {
     if (e.time != *all.time) continue;

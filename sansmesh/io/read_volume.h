@@ -14,17 +14,17 @@ namespace sansmesh {
 
 struct VolumeReadOptions {
   std::optional<RawLayout> raw;  ///< read the file as that, whatever its name
-  std::size_t time_step = 0;     ///< of files that hold several, from 0
+  std::size_t time_step = 0;     ///< of files that hold several, from 0; others have only that one
   std::string solution;          ///< PLOT3D: file of the values; empty: looked for beside the grid's
 };
 
 /// The volume that a file holds (docs/formats/volumes.md). The format follows from the ending and the content:
 /// MetaImage
 /// (.mhd, .mha), NRRD (.nrrd, .nhdr), raw numbers (by `raw`, or by a name such as engine_256x256x128_uint8.raw), PLOT3D
-/// (its solution is found by its name: flowxyz.bin and flowq.bin, flow.xyz and flow.q), and files of points
-/// (read_points) are read by this library. The formats of VTK, Exodus, EnSight, CGNS, OpenFOAM and folders of
-/// DICOM slices need the module that `scripts/install-deps volume` and the target `sansmesh_vtk` make; the error says
-/// so where it is missing.
+/// (its solution is found by its name: flowxyz.bin and flowq.bin, flow.xyz and flow.q), Nek5000 (.nek5000, .f00001) and
+/// files of points (read_points) are read by this library. The formats of VTK, Exodus, EnSight, CGNS, OpenFOAM and
+/// folders of DICOM slices need the module that `scripts/install-deps volume` and the target `sansmesh_vtk` make; the
+/// error says so where it is missing.
 ///
 /// Throws FileError where the file is missing, empty, truncated, malformed, of an unknown or ambiguous layout, or has
 /// no points, and ArgumentError where options are out of their range (`time_step` beyond the file's).

@@ -25,6 +25,12 @@ GridData read_plot3d(const Input& in, const std::string& solution);
 bool is_plot3d(const Input& in);
 /// The file of the solution that belongs to a grid by its name, if it is there; else empty.
 std::string plot3d_solution_of(const std::string& grid);
+/// A file of fields by Nek5000 ("#std …").
+GridData read_nek_field(const Input& in);
+/// A step of a series of such files (.nek5000).
+GridData read_nek_series(const Input& in, std::size_t step);
+/// Whether files of fields end like that: f00001.
+bool is_nek_field_name(const std::string& ending);
 /// The time steps and files of a ParaView data collection (.pvd); names are relative to its folder.
 struct PvdEntry {
   double time;

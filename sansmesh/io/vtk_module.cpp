@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/io/time_steps.h"
 
 namespace sansmesh::io {
 namespace {
@@ -84,11 +85,7 @@ GridData read_by_vtk(const VtkRequest& request) {
   GridData data;
   ArraySink sink;
   if (!read(request, sink, data, cause)) throw FileError(request.file, cause);
-  const std::size_t steps = data.times.size();
-  if (request.time_step >= std::max<std::size_t>(1, steps)) {
-    throw ArgumentError(fmt::format("`time_step` is {}, but {} has {}", request.time_step, printable(request.file, 200),
-                                    steps < 2 ? "no steps but one" : fmt::format("the steps 0 to {}", steps - 1)));
-  }
+  check_time_step(request.file, request.time_step, data.times.size());
   return data;
 }
 

@@ -30,6 +30,17 @@ ViewDirection named_view(const std::string& name) {
   throw ArgumentError("unknown view '" + name + "': front, back, left, right, top, bottom or iso");
 }
 
+std::optional<ViewDirection> view_of_layer(const Box3& box, UpAxis up) {
+  constexpr double kThin = 0.02;
+  const Vec3 size = box.size();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(size[k] < kThin * std::min(size[(k + 1) % 3], size[(k + 2) % 3]))) continue;
+    const std::size_t upright = up == UpAxis::y ? 1 : 2;
+    return named_view(k == 0 ? "right" : k == upright ? "top" : "front");
+  }
+  return std::nullopt;
+}
+
 std::vector<ViewDirection> turntable(const ViewDirection& view, int frames) {
   if (frames < 1) throw ArgumentError("`frames` must be at least 1, not " + std::to_string(frames));
   std::vector<ViewDirection> views;

@@ -1,10 +1,12 @@
 // Where a picture is taken from.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
 
 namespace sansmesh {
@@ -20,6 +22,10 @@ struct ViewDirection {
 
 /// front, back, left, right, top, bottom or iso. Throws ArgumentError naming the view and the choices.
 ViewDirection named_view(const std::string& name);
+
+/// The direction that looks straight at a box that is a single layer, 50 times as wide and high as thick at least;
+/// nothing of others.
+std::optional<ViewDirection> view_of_layer(const Box3& box, UpAxis up);
 
 /// `frames` views (at least 1) evenly around the up axis, the first of them `view`.
 std::vector<ViewDirection> turntable(const ViewDirection& view, int frames);

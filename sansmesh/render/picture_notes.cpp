@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "sansmesh/render/stroke_text.h"
@@ -29,10 +30,14 @@ struct BarLayout {
     std::tie(lower, upper) = function.range();
     if (upper > lower) ticks = round_ticks(lower, upper, kBarTicks);
     if (ticks.size() > 1) step = ticks[1] - ticks[0];
+    if (!(upper > lower)) ticks = {lower}, step = 1e-3 * std::abs(lower);
     for (const double t : ticks) widest = std::max(widest, stroke_width(tick_text(t, step), text));
     widest += thick + 1.6 * gap;
     widest = std::max(widest, stroke_width(title, text));
   }
+
+  /// 0 at the lower end of the bar, 1 at the upper; its middle where all is one value.
+  double place(double value) const { return upper > lower ? (value - lower) / (upper - lower) : 0.5; }
 };
 
 /// A place in the picture, in pixels; none behind the camera.
@@ -136,11 +141,14 @@ int value_bar_width(int height, const TransferFunction& function, const std::str
   return static_cast<int>(std::ceil(layout.widest + 2 * layout.gap));
 }
 
-Image beside_value_bar(const Image& picture, const TransferFunction& function, const std::string& title) {
+Image beside_value_bar(const Image& picture, const TransferFunction& function, const std::string& title,
+                       std::span<const double> marks, const Image* paper) {
   if (picture.height < kLowestWithBar || picture.width < 1) return picture;
   Image image(picture.width + value_bar_width(picture.height, function, title), picture.height);
+  const Image& behind = paper && paper->width > 0 && paper->height == picture.height ? *paper : picture;
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) image.at(x, y) = picture.at(std::min(x, picture.width - 1), y);
+    for (int x = 0; x < image.width; ++x)
+      image.at(x, y) = x < picture.width ? picture.at(x, y) : behind.at(behind.width - 1, y);
   const BarLayout bar(picture.height, function, title);
   const Rgba ink = ink_for(image);
   const double left = picture.width + bar.gap * 0.5, right = left + bar.thick;
@@ -157,9 +165,13 @@ Image beside_value_bar(const Image& picture, const TransferFunction& function, c
         std::array{x0, double(first), x0, double(last)}, std::array{x1, double(first), x1, double(last)}})
     draw_line(image, ax, ay, bx, by, line, ink);
   for (const double t : bar.ticks) {
-    const double y = last - (t - bar.lower) / (bar.upper - bar.lower) * (last - first);
+    const double y = last - bar.place(t) * (last - first);
     draw_line(image, x1, y, x1 + 0.6 * bar.gap, y, line, ink);
     draw_strokes(image, x1 + 1.3 * bar.gap, y + 0.5 * bar.text, bar.text, tick_text(t, bar.step), ink);
+  }
+  for (const double m : marks) {
+    const double y = last - bar.place(m) * (last - first);
+    if (m >= bar.lower && m <= bar.upper) draw_line(image, x0, y, x1, y, line, ink);
   }
   draw_strokes(image, x0, first - 1.4 * bar.text, bar.text, title, ink);
   return image;

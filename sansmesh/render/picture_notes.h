@@ -1,6 +1,7 @@
 // What stands around a picture of data: a scale of colours, the axes of its box, a title.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,9 +24,11 @@ std::string tick_text(double value, double step);
 Rgba ink_for(const Image& image);
 
 /// The picture with the colours of a transfer function over its range as a bar to its right, ticks and, where there is
-/// a title (what is shown, and its unit), that above. Wider by value_bar_width(); the last column of pixels goes on
-/// behind it. Pictures lower than 100 pixels stay as they are.
-Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title);
+/// a title (what is shown, and its unit), that above; lines across the bar at `marks`, as far as they lie in its range.
+/// Wider by value_bar_width(); behind it the last column of `paper` goes on, a picture of the same height (null: that
+/// of the picture itself). Pictures lower than 100 pixels stay as they are.
+Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title,
+                       std::span<const double> marks = {}, const Image* paper = nullptr);
 /// Pixels that the bar adds to a picture of this height.
 int value_bar_width(int height, const TransferFunction& function, const std::string& title);
 

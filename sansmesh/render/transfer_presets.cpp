@@ -18,8 +18,9 @@ namespace {
 constexpr std::array<std::string_view, 6> kPresets{"ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray"};
 constexpr int kKnots = 17;
 constexpr double kReference = 0.02;  // default reference length, in diagonals of the volume
-// What a ray across the volume is to lose: −ln of what is left; and how long it is, in reference lengths.
+// What a ray across the volume is to lose: −ln of what is left; and how long it is in a cube, in reference lengths.
 constexpr double kDepth = 1.4, kAcross = 1 / (1.7320508 * kReference);
+constexpr double kVeil = 0.25;  // what a ray loses at the surface of a body that is seen through: −ln of what is left
 
 /// From dark violet over teal to light yellow: lightness rises evenly, which is what the eye reads as more.
 std::vector<ColorPoint> flow_colors(double lower, double upper) {
@@ -106,6 +107,17 @@ TransferFunction in_hounsfield(std::string_view name, const ValueHistogram& h, s
   return f;
 }
 
+/// Opacity at the peak of a veil over these values that keeps back about what a veil is to, however steep its surface
+/// is: the steeper, the thinner it is.
+double veil_opacity(const ValueHistogram& h, double lower, double upper) {
+  double slope = 0, share = 0;
+  for (std::size_t b = 0; b < ValueHistogram::kBins; ++b)
+    if (h.value(b) >= lower && h.value(b) <= upper) slope += h.share[b] * h.steepness[b], share += h.share[b];
+  if (!(slope > 0) || !(h.diagonal > 0)) return 0.32;
+  const double thick = (upper - lower) * share / slope;  // the opacity rises and falls over it
+  return std::clamp(-std::expm1(-2 * kVeil * kReference * h.diagonal / thick), 0.15, 0.97);
+}
+
 TransferFunction of_materials(const ValueHistogram& h, const Materials& m) {
   const double step = m.body - m.air;
   const double dense = m.body + 0.25 * step, top = std::max(h.most, dense + 0.5 * step);
@@ -114,8 +126,9 @@ TransferFunction of_materials(const ValueHistogram& h, const Materials& m) {
   const auto at = [&](double t) { return m.air + t * step; };
   f.colors = {{at(0.3), {0.72f, 0.40f, 0.30f}}, {at(0.6), {0.86f, 0.56f, 0.43f}}, {at(1), {0.72f, 0.33f, 0.26f}},
               {dense, {0.88f, 0.70f, 0.52f}},   {at(1.5), {0.96f, 0.90f, 0.77f}}, {top, {1, 0.99f, 0.96f}}};
+  const double veil = veil_opacity(h, at(0.35), at(0.72));
   // The surface of the body is a veil of its own; inside it there is little, so that what is dense shows.
-  f.opacities = {{at(0.35), 0}, {at(0.5), 0.32}, {at(0.72), 0.035}, {at(1), 0.03},
+  f.opacities = {{at(0.35), 0}, {at(0.5), veil}, {at(0.72), 0.035}, {at(1), 0.03},
                  {dense, 0.04}, {at(1.38), 0.5}, {at(1.6), 0.8},    {top, 0.9}};
   f.validate();
   return f;
@@ -158,12 +171,14 @@ TransferFunction of_range(const ValueHistogram& h, bool& background, bool& signs
     if (background && b < 2 * kBackgroundBins)
       weights[b] *= b < kBackgroundBins ? 0 : static_cast<double>(b - kBackgroundBins) / kBackgroundBins;
   }
+  // Shells and layers are met by rays on a short way only.
+  const double across = h.across > 0 ? std::min(kAcross, h.across / (kReference * h.diagonal)) : kAcross;
   double low_scale = 0, high_scale = 1e4;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low_scale + high_scale);
-    (mean_extinction(h.share, weights, middle) * kAcross < kDepth ? low_scale : high_scale) = middle;
+    (mean_extinction(h.share, weights, middle) * across < kDepth ? low_scale : high_scale) = middle;
   }
-  const double scale = std::min(low_scale, 4.0);  // a few rare values cannot fill a picture
+  const double scale = std::min(low_scale, 4 * kAcross / across);  // a few rare values cannot fill a picture
   for (std::size_t i = 0; i < kPoints; ++i) {
     const double t = static_cast<double>(i) / (kPoints - 1);
     const std::size_t bin = std::min(s.size() - 1, static_cast<std::size_t>(t * static_cast<double>(s.size())));
@@ -215,11 +230,11 @@ TransferFunction transfer_function_preset(std::string_view name, const ValueHist
   throw ArgumentError("unknown preset '" + printable(name, 40) + "': " + all);
 }
 
-SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& h) {
+SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& h, bool image) {
   if (!(h.upper > h.lower))
     return {{"constant", {{h.lower, srgb_of_oklch(0.6, 0.1, 200)}}, {{h.lower, 0.03}}},
             fmt::format("all values are {:g}", h.lower)};
-  if (const auto m = materials_of(h))
+  if (const auto m = image ? materials_of(h) : std::nullopt)
     return {
         of_materials(h, *m),
         fmt::format("two materials, at {:.4g} and {:.4g}: the first clear, the second a veil, what is denser opaque",

@@ -24,12 +24,14 @@ struct SuggestedTransferFunction {
 };
 
 /// Something sensible for data of any kind, from how often values are and how steep the field is where they are:
-/// - materials (CT of bodies and parts: a large peak at the low end, another peak apart from it): what lies below the
-///   valley between them is clear, the material of the second peak a veil, what is denser opaque;
+/// - materials, in an `image` (CT of bodies and parts: a large peak at the low end, another peak apart from it): what
+/// lies below the
+///   valley between them is clear, the material of the second peak a veil of about the same
+///   strength however steep its surface is, what is denser opaque;
 /// - otherwise the whole range: the rarer a value and the steeper the field at it, the more opaque. A value at the low
-///   end that a large share of the volume has is background and clear. A veil of fixed thickness: a ray across the
-///   volume loses about three quarters of its light.
+///   end that a large share of the volume has is background and clear. A ray across the box
+///   of the volume loses about three quarters of its light, however little of the box the volume fills.
 /// Colours diverge from 0 where values have both signs.
-SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& values);
+SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& values, bool image = true);
 
 }  // namespace sansmesh

@@ -15,6 +15,8 @@ struct ValueHistogram {
   static constexpr std::size_t kBins = 256;
   double least = 0, most = 0;     ///< of all values
   double lower = 0, upper = 0;    ///< that the bins cover: all but a thousandth at each end
+  double diagonal = 0;            ///< of the box of the volume; 0: unknown
+  double across = 0;              ///< of a ray that meets that box, what lies in the volume, about; 0: unknown
   std::vector<double> share;      ///< of the values in each bin; those beyond count in the outermost. Sum 1
   std::vector<double> steepness;  ///< mean length of the gradient of those, 0 where there are none or nothing is known
 

@@ -83,11 +83,20 @@ Rgba in_front(const std::array<float, 4>& p, const Rgba& back) {
   return {c.x, c.y, c.z, std::max(0.0f, alpha)};
 }
 
-/// A surface with a caster whose coordinates begin elsewhere.
-class ShiftedScene : public PictureScene {
+/// Looks at a place without leaving its own.
+void turn_to(Camera& camera, const Vec3f& place) {
+  const Vec3 away = Vec3(camera.position) - Vec3(place), right = cross(Vec3(camera.up), away);
+  if (!(norm(away) > 0) || !(norm(right) > 0)) throw ArgumentError("`focus` cannot be looked at from there");
+  camera.backward = Vec3f(normalized(away));
+  camera.right = Vec3f(normalized(right));
+  camera.up = Vec3f(cross(normalized(away), normalized(right)));
+}
+
+/// A surface with a caster that has coordinates of its own.
+class PlacedScene : public PictureScene {
  public:
-  ShiftedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
-               const SurfaceRenderOptions& options)
+  PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
+              const SurfaceRenderOptions& options)
       : options_(options), scene_(caster, frame, camera, colors, options_) {}
   void closest(const Vec3f& eye, std::span<const Vec3f> directions,
                std::span<std::optional<SurfacePoint>> points) const override {
@@ -112,13 +121,14 @@ PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& 
   };
 }
 
-PictureSurface surface_in_volume(const SurfaceCaster& caster, const Vec3& origin, const ColorField* colors,
+PictureSurface surface_in_volume(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
                                  const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
   own.shadows = false;
-  return [&caster, origin, colors, own](const PictureFrame& frame, const Camera& camera) {
-    return std::make_unique<ShiftedScene>(caster, PictureFrame{frame.center - origin, frame.size}, camera, colors, own);
+  return [&caster, place, colors, own](const PictureFrame& frame, const Camera& camera) {
+    const PictureFrame placed{place.from_input(frame.center), place.from_input(frame.size)};
+    return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
   };
 }
 
@@ -140,13 +150,18 @@ class VolumePicture::Work {
       for (const Vec3f& p : outline_) reach = std::max(reach, static_cast<double>(norm(p)));
     const Vec3f middle;
     const std::span<const Vec3f> points = options.steady ? std::span(&middle, 1) : std::span<const Vec3f>(outline_);
-    return frame_camera(points, options.view, options.up, options.field_of_view, aspect, kPictureMargin, reach);
+    Camera camera =
+        frame_camera(points, options.view, options.up, options.field_of_view, aspect, kPictureMargin, reach);
+    if (options.focus) turn_to(camera, frame_.to_picture(*options.focus));
+    camera.half_width /= static_cast<float>(options.zoom);
+    camera.half_height /= static_cast<float>(options.zoom);
+    return camera;
   }
 
   SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
     if (options.transfer) return {*options.transfer, {}};
     const auto of = [&](const ValueHistogram& values) {
-      return options.preset.empty() ? suggest_transfer_function(values)
+      return options.preset.empty() ? suggest_transfer_function(values, subject_.image)
                                     : SuggestedTransferFunction{transfer_function_preset(options.preset, values), {}};
     };
     SuggestedTransferFunction found = of(histogram_);
@@ -397,7 +412,12 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
     }
   if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
   if (!options.title.empty()) draw_title(image, options.title);
-  if (options.color_bar) image = beside_value_bar(image, own.transfer, options.color_title);
+  if (options.color_bar) {
+    std::vector<double> marks;
+    for (const IsoSurface& iso : options.isos) marks.push_back(iso.value);
+    const Image paper = behind(options);
+    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper);
+  }
   if (report) *report = own;
   return image;
 }

@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/field/volume_field.h"
@@ -28,9 +29,9 @@ using PictureSurface = std::function<std::unique_ptr<PictureScene>(const Picture
 /// A mesh, or a cloud as discs or balls, in the coordinates of the volume. The mesh is copied. Throws DataError where
 /// there is nothing to draw.
 PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& options);
-/// A surface without a mesh; its coordinates are the volume's less `origin`. Caster and colours (which may be null)
-/// must outlive the pictures.
-PictureSurface surface_in_volume(const SurfaceCaster& caster, const Vec3& origin, const ColorField* colors,
+/// A surface without a mesh, whose coordinates lie at `place` in those of the volume. Caster and colours (which may be
+/// null) must outlive the pictures.
+PictureSurface surface_in_volume(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
                                  const SurfaceRenderOptions& options);
 
 /// What there is to see. All of it must outlive the picture.
@@ -45,6 +46,8 @@ struct VolumeSubject {
   /// Known to be in the volume or on its boundary, such as its samples: where a volume fills so little of its box that
   /// hardly a point of a lattice hits it, values are looked for there. Without, the vertices of the boundary are taken.
   std::span<const Vec3> places = {};
+  /// Values may be those of an image (CT, MR): materials are looked for where the transfer function is to be suggested.
+  bool image = true;
 };
 
 /// How a picture came to be.

@@ -12,12 +12,16 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/block_order.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_finder.h"
 #include "sansmesh/volume/cell_geometry.h"
 #include "sansmesh/volume/covered_cells.h"
-#include "sansmesh/volume/delaunay.h"
+#include "sansmesh/volume/gather_blocks.h"
+#include "sansmesh/volume/gather_points.h"
 #include "sansmesh/volume/gathered_cells.h"
+#include "sansmesh/volume/grid_blocks.h"
+#include "sansmesh/volume/mended_cells.h"
 
 namespace sansmesh {
 namespace {
@@ -384,6 +388,14 @@ void set_levels(const GridData& data, SampledVolume& volume) {
     volume.level[i] = static_cast<std::uint8_t>(std::clamp(data.blocks[volume.block[i]].level, 0, 255));
 }
 
+/// Grids that hold nothing at all can be looked at all the same.
+void check_arrays(const GridData& data, const SampledVolume& volume) {
+  if (volume.attributes.empty() && std::any_of(data.blocks.begin(), data.blocks.end(), [](const GridBlock& b) {
+        return !b.point_arrays.empty() || !b.cell_arrays.empty();
+      }))
+    throw DataError(volume.in_cells ? "there are no arrays of cells" : "there are no arrays of points");
+}
+
 }  // namespace
 
 Association association_of(const GridData& data, const std::string& array) {
@@ -408,13 +420,13 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   if (data.blocks.empty()) throw DataError("there are no points");
   if (stays_lattice(data)) {
     SampledVolume volume = lattice_volume(data.blocks[0], in_cells);
-    if (volume.attributes.empty())
-      throw DataError(in_cells ? "there are no arrays of cells" : "there are no arrays of points");
+    check_arrays(data, volume);
     progress.finish();
     return volume;
   }
   SampledVolume volume;
   volume.in_cells = in_cells;
+  check_blocks(data);
   const auto order = canonical_order(data);
   GatheredCells gathered = gather_cells(data, order, in_cells, volume.facts);
   progress.advance();
@@ -441,8 +453,7 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   else
     set_point_samples(data, order, gathered, first_there, volume);
   gathered = {};
-  if (volume.attributes.empty())
-    throw DataError(in_cells ? "there are no arrays of cells" : "there are no arrays of points");
+  check_arrays(data, volume);
   progress.advance();
   set_levels(data, volume);
   volume.part = connected_parts(volume.stars, volume.facts.parts);

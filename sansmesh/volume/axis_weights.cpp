@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/axis_interval.h"
 
 namespace sansmesh::detail {
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/axis_weights.h"
 #include "sansmesh/volume/cell_tetrahedra.h"
 #include "sansmesh/volume/corner_volume.h"

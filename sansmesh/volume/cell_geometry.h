@@ -27,6 +27,10 @@ class CellMap {
   /// cell.
   bool invert(Vec3& u) const;
 
+  /// False where the origin is certainly farther than `distance` from the cell: by the map's linear part about the
+  /// middle, and bounds of the rest. Much quicker than to find out by invert() that there is nothing.
+  bool may_reach(double distance) const;
+
  private:
   CellShape shape_;
   std::array<Vec3, 8> a_;

@@ -12,7 +12,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr int kMostRings = 6;
+constexpr int kStencilRings = 6;
 constexpr double kEnough = 2, kMost = 4;  // samples of a stencil, in numbers of polynomials
 
 // The polynomial about sample after sample of a mesh.
@@ -25,7 +25,7 @@ class MeshFitter {
   void append(std::uint32_t i, const StarMetric& metric, PolynomialPart& part) {
     const auto basis = static_cast<double>(monomial_count(3, options_.fit.max_degree));
     stencil_.gather(i, metric, static_cast<std::size_t>(kEnough * basis), static_cast<std::size_t>(kMost * basis),
-                    kMostRings);
+                    kStencilRings);
     const auto samples = stencil_.samples();
     const std::size_t n = samples.size(), c = values_.components;
     f_.resize(n * c);
@@ -150,6 +150,10 @@ double LocalPolynomials::rise(std::size_t sample, std::size_t component, const V
   return value_at(of(sample, component), u, static_cast<double>(trust[sample]));
 }
 
+double LocalPolynomials::full_rise(std::size_t sample, std::size_t component, const Vec3& u) const {
+  return value_at(of(sample, component), u);
+}
+
 StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
   return volume.lattice ? lattice_metric(*volume.lattice, sample) : metrics[sample];
 }
@@ -195,7 +199,12 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
 
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress) {
-  std::vector<StarMetric> metrics = star_metrics(volume);
+  return fit_local_polynomials(volume, values, options, star_metrics(volume), progress);
+}
+
+LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                       const LocalPolynomialOptions& options, std::vector<StarMetric> metrics,
+                                       Progress& progress) {
   const Adjacency cells = cells_of_samples(volume);
   return gather_polynomials<PolynomialPart>(
       volume, values, progress, [&] { return MeshFitter(volume, cells, values, options); },

@@ -34,6 +34,8 @@ struct LocalPolynomials {
   std::size_t size() const { return degrees.size(); }
   /// p − constant at u; terms of degree 2 and more count by the factor `trust`.
   double rise(std::size_t sample, std::size_t component, const Vec3& u) const;
+  /// The same whatever the trust.
+  double full_rise(std::size_t sample, std::size_t component, const Vec3& u) const;
   /// M of a sample; lattices have no `metrics`.
   StarMetric metric(const SampledVolume& volume, std::size_t sample) const;
   std::span<const float> of(std::size_t sample, std::size_t component) const {
@@ -61,6 +63,10 @@ struct LocalPolynomialOptions {
 /// (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
+/// The same in metrics that are known already.
+LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
+                                       const LocalPolynomialOptions& options, std::vector<StarMetric> metrics,
+                                       Progress& progress);
 
 /// A chunk of samples: what one thread appends, and what is put together in order.
 struct PolynomialPart {

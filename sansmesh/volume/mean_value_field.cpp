@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/cell_tetrahedra.h"
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/mean_value.h"

@@ -19,7 +19,7 @@ using MlsTag = hn::CappedTag<double, 8>;
 using MlsV = hn::Vec<MlsTag>;
 
 constexpr std::size_t kMostTerms = MonomialTable::kTerms;
-constexpr double kDropped = 2e-3, kMostVariance = 40, kMostOfPlane = 1e4;
+constexpr double kDropped = 2e-3;
 
 HWY_INLINE std::size_t Row(std::size_t j) { return j * (j + 1) / 2; }
 
@@ -53,7 +53,7 @@ HWY_INLINE void Monomials(MlsTag d, const MlsV* u, std::size_t terms, MlsV* m) {
 }
 
 void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
-              bool gradient, bool fall_back, MlsTile& tile) {
+              bool gradient, MlsTile& tile) {
   const MlsTag d;
   const std::size_t lanes = hn::Lanes(d);
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -101,27 +101,18 @@ void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& fra
       inverse[j] = hn::IfThenElseZero(keep, hn::Div(one, hn::IfThenElse(keep, pivot, one)));
       hn::Store(hn::IfThenElseZero(keep, pivot), d, at(j, j));
     }
-    // The degree of each point: variance of the value is Σ e² / D.
-    auto variance = zero, chosen = hn::Set(d, -1.0);
-    auto open = hn::Gt(sum, hn::Set(d, 1e-30));
-    for (std::size_t g = 0, j = 0; g <= static_cast<std::size_t>(degree); ++g) {
-      for (const std::size_t last = (g + 1) * (g + 2) * (g + 3) / 6; j < last; ++j)
-        variance = hn::Add(variance, hn::Mul(hn::Mul(e[j], e[j]), inverse[j]));
-      const double most = g < 2 ? kMostOfPlane : kMostVariance;
-      if (g > 0 && fall_back) open = hn::And(open, hn::Lt(hn::Mul(variance, sum), hn::Set(d, most)));
-      chosen = hn::IfThenElse(open, hn::Set(d, static_cast<double>(g)), chosen);
-    }
-    hn::Store(chosen, d, tile.degree + i), hn::Store(hn::Mul(variance, sum), d, tile.variance + i);
-    // Lᵀ c = D⁻¹ y with the rows of the degree alone.
+    const auto open = hn::Gt(sum, hn::Set(d, 1e-30));
+    auto variance = zero;  // Σ e² / D
+    for (std::size_t j = 0; j < terms; ++j) variance = hn::Add(variance, hn::Mul(hn::Mul(e[j], e[j]), inverse[j]));
+    hn::Store(hn::IfThenElse(open, hn::Mul(variance, sum), hn::Set(d, -1.0)), d, tile.variance + i);
+    // Lᵀ c = D⁻¹ y.
     for (std::size_t j = terms; j-- > 0;) {
-      const std::size_t g = j == 0 ? 0 : j < 4 ? 1 : j < 10 ? 2 : j < 20 ? 3 : 4;
-      const auto used = hn::Ge(chosen, hn::Set(d, static_cast<double>(g)));
       auto c = hn::Mul(y[j], inverse[j]), r = hn::Mul(e[j], inverse[j]);
       for (std::size_t l = j + 1; l < terms; ++l) {
         const auto factor = hn::Load(d, at(l, j));
         c = hn::Sub(c, hn::Mul(factor, solution[l])), r = hn::Sub(r, hn::Mul(factor, dual[l]));
       }
-      const auto there = hn::And(used, hn::Gt(inverse[j], zero));
+      const auto there = hn::And(open, hn::Gt(inverse[j], zero));
       solution[j] = hn::IfThenElseZero(there, c), dual[j] = hn::IfThenElseZero(there, r);
     }
     hn::Store(solution[0], d, tile.value + i);
@@ -167,8 +158,8 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh::detail {
 HWY_EXPORT(SolveMls);
 void solve_mls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
-               bool gradient, bool fall_back, MlsTile& tile) {
-  HWY_DYNAMIC_DISPATCH(SolveMls)(samples, count, frame, degree, n, gradient, fall_back, tile);
+               bool gradient, MlsTile& tile) {
+  HWY_DYNAMIC_DISPATCH(SolveMls)(samples, count, frame, degree, n, gradient, tile);
 }
 
 }  // namespace sansmesh::detail

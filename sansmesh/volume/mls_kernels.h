@@ -23,18 +23,16 @@ struct MlsTile {
   alignas(64) double x[3][kTile];  ///< relative to the origin of the cell
   alignas(64) double value[kTile];
   alignas(64) double gradient[3][kTile];
-  alignas(64) double degree[kTile];    ///< −1 where no sample has a weight
-  alignas(64) double variance[kTile];  ///< of the value with the highest degree asked for, as below
-  std::vector<double> moments;         ///< scratch
+  alignas(
+      64) double variance[kTile];  ///< of the value, in units of that of the weighted mean; −1 where no sample counts
+  std::vector<double> moments;     ///< scratch
 };
 
-/// For each of the first n points (a multiple of 8) the polynomial p of degree up to `degree` (0..4) in u = `frame`
-/// (x_i − x) that minimises Σ w_i (f_i − p(u_i))², its value at x and the exact gradient of that value as a function of
-/// x. Normal equations by LDLᵀ in the order of the degrees, so that each lower degree is solved for, too: monomials
-/// that the samples cannot tell from those before (pivot below 2e-3 of the diagonal) are dropped. The highest degree
-/// counts for which the variance of the value, in units of that of the weighted mean, is at most 40, of planes 10,000;
-/// with `fall_back` not set the degree is taken as asked for.
+/// For each of the first n points (a multiple of 8) the polynomial p of that degree (0..4) in u = `frame` (x_i − x)
+/// that minimises Σ w_i (f_i − p(u_i))², its value at x and the exact gradient of that value as a function of x. Normal
+/// equations by LDLᵀ in the order of the degrees: monomials that the samples cannot tell from those before (pivot below
+/// 2e-3 of the diagonal) are dropped. The value is 0 where no sample has a weight.
 void solve_mls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
-               bool gradient, bool fall_back, MlsTile& tile);
+               bool gradient, MlsTile& tile);
 
 }  // namespace sansmesh::detail

@@ -14,11 +14,12 @@
 
 namespace sansmesh::detail {
 
-/// Outside of the volume values go on straight from the nearest place of it, by at most half of the local spacing.
-class PointwiseField : public VolumeField {
+/// What fields have that ask first in which cell a point lies: points in an order that suits the locator, cut into
+/// batches for threads.
+class LocatedField : public VolumeField {
  public:
   /// The values' rows are the samples of `volume`. Throws ArgumentError where they are not as many.
-  PointwiseField(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
+  LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
 
   Box3 bounds() const override { return bounds_; }
   std::size_t components() const override { return values_.components; }
@@ -27,10 +28,11 @@ class PointwiseField : public VolumeField {
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
  protected:
-  /// The answer at x, a place of the volume: components() values, and as many gradients unless that is null. Returns
-  /// the degree of the polynomials behind the answer.
-  virtual std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
+  /// All that is wanted at x, point `i` of the batch, whose place is known.
+  virtual void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const = 0;
 
+  /// Where the weights of a place are: x inside, the nearest place of the volume outside.
+  Vec3 position_of(const VolumePlace& place) const;
   const SampledVolume& volume() const { return *volume_; }
   const VolumeValues& samples() const { return values_; }
 
@@ -42,6 +44,18 @@ class PointwiseField : public VolumeField {
   VolumeValues values_;
   Box3 bounds_;
   VolumeLocator locator_;
+};
+
+/// Outside of the volume values go on straight from the nearest place of it, by at most half of the local spacing.
+class PointwiseField : public LocatedField {
+ public:
+  using LocatedField::LocatedField;
+
+ protected:
+  /// The answer at x, a place of the volume: components() values, and as many gradients unless that is null. Returns
+  /// the degree of the polynomials behind the answer.
+  virtual std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
+  void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const final;
 };
 
 /// A sample's weight in a sum, and the gradient of the weight.
@@ -61,9 +75,5 @@ class WeightedField : public PointwiseField {
   virtual void weights(const Vec3& x, const VolumePlace& place, bool slopes, std::vector<SampleWeight>& out) const = 0;
   std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
 };
-
-/// Where a coordinate lies among ascending knots (two or more): the number of the interval, the first or last one
-/// beyond the ends.
-std::size_t interval_of(std::span<const double> knots, bool uniform, double x);
 
 }  // namespace sansmesh::detail

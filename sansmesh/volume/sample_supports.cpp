@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/cell_adjacency.h"
-#include "sansmesh/volume/pointwise_field.h"
 
 namespace sansmesh::detail {
 namespace {

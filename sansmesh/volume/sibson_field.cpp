@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/approximation/sample_index.h"
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/convex_cell.h"
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/pointwise_field.h"

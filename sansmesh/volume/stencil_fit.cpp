@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sansmesh/core/median.h"
 
@@ -15,6 +16,12 @@ constexpr double kSmooth = 0.01;        // of the variance is left over: there m
 constexpr double kGain = 0.9;           // by which a degree has to be better than the one before
 constexpr double kLeastWeight = 1e-4;   // far samples still tell polynomials apart
 constexpr double kMostLeverage = 0.98;  // a sample that decides its own value predicts nothing
+// Residuals in units of their median over 0.6745, the deviation if they were normal: from kOutlier on there is
+// something to doubt, σ is kSensitivity of them. Of clean data no weight changes, so that the order of the fit stays.
+constexpr double kOutlier = 5, kSensitivity = 3;
+constexpr double kRounding = 1e-7;  // of the largest value: residuals below tell nothing
+constexpr double kLeastTrust = 1e-6, kSettled = 0.01;
+constexpr int kMostRepeats = 10;
 
 }  // namespace
 
@@ -53,7 +60,12 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
     const bool smooth = unexplained_ <= kSmooth * static_cast<double>(components);
     find_step(f, n, components, smooth ? kTwoValues : kStep);
     if (split_) take(u, f, components), solve(components, tests);
-    for (int again = 0; again < 3 && !smooth && doubt_outliers(components); ++again) solve(components, tests);
+    if (!smooth) {
+      base_ = weights_;
+      scale_.assign(components, std::numeric_limits<double>::infinity());
+      for (int again = 0; again < kMostRepeats && doubt_outliers(components, again == 0); ++again)
+        solve(components, tests);
+    }
   }
 
   const auto terms = static_cast<std::size_t>(monomial_count(3, degree_));
@@ -83,9 +95,10 @@ void StencilFit::solve(std::size_t components, std::span<const Vec3> tests) {
   fit_.reset({{u_[0], u_[1], u_[2]}, std::span(f_).first(n), weights_}, ApproximationFrame<3>{});
   leverage_.assign(n, 0.0), amplification_.assign(tests.size(), 0.0);
   coefficients_.assign(components * kTerms, 0.0);
-  residuals_.resize(components * n);
+  residuals_.resize(components * n), root_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) root_[i] = std::sqrt(weights_[i]);
   for (std::size_t m = 0; m < components; ++m)
-    for (std::size_t i = 0; i < n; ++i) residuals_[m * n + i] = std::sqrt(weights_[i]) * f_[m * n + i];
+    for (std::size_t i = 0; i < n; ++i) residuals_[m * n + i] = root_[i] * f_[m * n + i];
   degree_ = 0;
   double best = 0;
   std::vector<double>& sums = sorted_;
@@ -138,23 +151,40 @@ void StencilFit::solve(std::size_t components, std::span<const Vec3> tests) {
   unexplained_ = best;
 }
 
-bool StencilFit::doubt_outliers(std::size_t components) {
-  if (degree_ == 0) return false;
+bool StencilFit::doubt_outliers(std::size_t components, bool first) {
   const std::size_t n = count_;
-  bool any = false;
+  std::vector<double>& e = residuals_;
+  bool any = !first;
   for (std::size_t m = 0; m < components; ++m) {
-    const double* r = residuals_.data() + m * n;
+    // Those of the degree taken, and not times the roots of the weights: far samples may lie on the other side, too.
+    double* r = e.data() + m * n;
+    std::copy_n(f_.begin() + static_cast<std::ptrdiff_t>(m * n), n, r);
+    double largest = 0;
+    for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, std::abs(r[i]));
+    for (int j = 0; j < monomial_count(3, degree_); ++j) {
+      const double c = coefficients_[m * kTerms + static_cast<std::size_t>(j)];
+      const auto row = fit_.weighted_basis(j);
+      for (std::size_t i = 0; i < n; ++i) r[i] -= c * row[i] / root_[i];
+    }
     sorted_.resize(n);
     for (std::size_t i = 0; i < n; ++i) sorted_[i] = std::abs(r[i]);
-    const double middle = median(sorted_), sigma = 6 * middle / 0.6745;
-    if (!(middle > 0)) continue;
-    for (std::size_t i = 1; i < n; ++i)
-      if (std::abs(r[i]) > 10 * middle / 0.6745) {
-        weights_[i] *= std::max(std::exp(-r[i] * r[i] / (2 * sigma * sigma)), 1e-6);
-        any = true;
-      }
+    // Never wider than before: what was on the other side stays there.
+    scale_[m] = std::min(scale_[m], std::max(median(sorted_) / 0.6745, kRounding * largest));
+    for (std::size_t i = 1; i < n && !any; ++i) any = std::abs(r[i]) > kOutlier * scale_[m];
   }
-  return any;
+  if (!any) return false;
+  double change = 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    double exponent = 0;
+    for (std::size_t m = 0; m < components; ++m) {
+      const double sigma = kSensitivity * scale_[m];
+      if (sigma > 0) exponent += e[m * n + i] * e[m * n + i] / (2 * sigma * sigma);
+    }
+    const double weight = base_[i] * std::max(std::exp(-exponent), kLeastTrust);
+    change = std::max(change, std::abs(weight - weights_[i]) / base_[i]);
+    weights_[i] = weight;
+  }
+  return change > kSettled;
 }
 
 }  // namespace sansmesh

@@ -26,9 +26,11 @@ struct StencilFitOptions {
 /// - and the mean square of errors of leaving a sample out (weighted; e_i / (1 − h_ii), no fit anew) falls by a tenth.
 /// Where more than a hundredth of the variance stays unexplained and the values fall into two groups with a gap between
 /// them that is three times as wide as any other and a third of their range (or, whatever is explained, twenty times as
-/// wide), a step between materials, only the group of the sample itself counts (robust). Then weights are multiplied by
-/// ψ'(e²) = exp(−e² / (2 σ²)), e the residuals, σ = 6 times their median (over 0.6745), and the fit is repeated, while
-/// a residual exceeds 10 medians, three times at most.
+/// wide), a step between materials, only the group of the sample itself counts (robust). Then, if a residual exceeds
+/// five deviations (the median of all over 0.6745), weights become w_i ψ'(e_i²) = w_i exp(−e_i² / (2 σ²)), w_i those of
+/// distance and e_i the residuals f_i − p(u_i) of the fit before, of all components; σ is three deviations, of the fit
+/// where they were least. Polynomials are made orthogonal anew and fitted, until no weight changes by more than a
+/// hundredth of w_i, ten times at most. The sample itself keeps its weight.
 ///
 /// One object a thread; its memory is reused.
 class StencilFit {
@@ -64,7 +66,7 @@ class StencilFit {
   static constexpr double kStep = 3, kTwoValues = 20;  // of the widest gap of values to the next
   void find_step(std::span<const double> f, std::size_t n, std::size_t components, double ratio);
   void solve(std::size_t components, std::span<const Vec3> tests);
-  bool doubt_outliers(std::size_t components);
+  bool doubt_outliers(std::size_t components, bool first);
 
   StencilFitOptions options_;
   OrthogonalFit<3> fit_{OrthogonalFitOptions{0.05}};
@@ -74,7 +76,8 @@ class StencilFit {
   std::vector<unsigned char> own_;
   std::size_t count_ = 0;
   std::array<std::vector<double>, 3> u_;
-  std::vector<double> f_, weights_, residuals_, leverage_, amplification_, psi_, coefficients_, monomials_, sorted_;
+  std::vector<double> f_, weights_, base_, root_, scale_, residuals_, leverage_, amplification_, psi_, coefficients_,
+      monomials_, sorted_;
 };
 
 }  // namespace sansmesh

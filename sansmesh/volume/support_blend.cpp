@@ -9,6 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/grouped_field.h"
 #include "sansmesh/volume/support_index.h"
+#include "sansmesh/volume/support_kernels.h"
 
 namespace sansmesh {
 namespace {
@@ -21,11 +22,10 @@ constexpr float kNoSupport = 1e-20f;
 class SupportBlend final : public GroupedField {
  public:
   SupportBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
-               LocalPolynomials polynomials, SharedArray<float> radii, const detail::SupportShape& shape)
+               LocalPolynomials polynomials, SharedArray<float> radii)
       : GroupedField(std::move(volume), std::move(locator), polynomials.components),
         polynomials_(std::move(polynomials)),
-        radii_(std::move(radii)),
-        shape_(shape) {
+        radii_(std::move(radii)) {
     index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
   }
 
@@ -78,11 +78,10 @@ class SupportBlend final : public GroupedField {
           term.coefficients = scaled;
         }
       }
-      detail::sum_supports(lists.terms.data(), lists.terms.size(), shape_, filled, gradient, tile);
+      detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, gradient, tile);
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t to = group.to[i] * c + m;
-        const bool by_weight = tile.weight[i] >= 0.55f * tile.size[i];
-        const float divisor = by_weight ? tile.weight[i] : 0.55f * tile.size[i];
+        const float divisor = tile.weight[i];
         if (!(divisor > kNoSupport)) {
           if (!wanted.values.empty()) wanted.values[to] = base;
           if (gradient) wanted.gradients[to] = {};
@@ -92,10 +91,8 @@ class SupportBlend final : public GroupedField {
         if (!wanted.values.empty()) wanted.values[to] = base + static_cast<double>(value);
         if (!gradient) continue;
         Vec3 g;
-        for (std::size_t k = 0; k < 3; ++k) {
-          const float slope = by_weight ? tile.weight_slope[k][i] : 0.55f * tile.size_slope[k][i];
-          g[k] = static_cast<double>((tile.value_slope[k][i] - value * slope) / divisor);
-        }
+        for (std::size_t k = 0; k < 3; ++k)
+          g[k] = static_cast<double>((tile.value_slope[k][i] - value * tile.weight_slope[k][i]) / divisor);
         wanted.gradients[to] = g;
       }
     }
@@ -105,7 +102,6 @@ class SupportBlend final : public GroupedField {
 
   LocalPolynomials polynomials_;
   SharedArray<float> radii_;
-  detail::SupportShape shape_;
   SupportIndex index_;
 };
 
@@ -132,10 +128,9 @@ std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynom
 
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
-                                                LocalPolynomials polynomials, SharedArray<float> radii,
-                                                const detail::SupportShape& shape) {
-  return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
-                                        shape);
+                                                LocalPolynomials polynomials, SharedArray<float> radii) {
+  return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials),
+                                        std::move(radii));
 }
 
 }  // namespace sansmesh

@@ -1,4 +1,4 @@
-// The field of functions with ellipsoidal supports: Σ φ_i p_i / Σ φ_i.
+// The field of functions with ellipsoidal supports: Σ w_i p_i / Σ w_i.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,6 @@
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/volume/local_polynomials.h"
-#include "sansmesh/volume/support_kernels.h"
 #include "sansmesh/volume/volume_locator.h"
 
 namespace sansmesh {
@@ -17,14 +16,13 @@ namespace sansmesh {
 /// within `reach` times the radius, or every corner of the cells that it stands for within 0.7 of it.
 std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynomials& polynomials, double reach);
 
-/// F(x) = Σ_i φ_i(x) p_i(x) / D(x) over the samples whose ellipsoids hold x, ‖M_i (x − x_i)‖ < radius_i. φ is that of
-/// `shape`, D = Σ w_i, or, where φ has negative rings, max(Σ w_i, 0.55 Σ |φ_i|) as in ApproximateMls. Continuous
-/// wherever the mesh is connected, over borders of blocks and levels, too. A support does not reach across gaps: in a
-/// cell only those count whose sample is at most kRings edges of the mesh away from the cell's own. Outside of the
-/// volume: at its nearest place. trust of the polynomials: their terms of degree 2 and more count by that factor.
+/// F(x) = Σ_i w_i(x) p_i(x) / Σ_i w_i(x) over the samples whose ellipsoids hold x, r = ‖M_i (x − x_i)‖ / radius_i < 1,
+/// w = (1 − r²)⁴. Continuous wherever the mesh is connected, over borders of blocks and levels, too. A support does not
+/// reach across gaps: in a cell only those count whose sample is at most kRings edges of the mesh away from the cell's
+/// own. Outside of the volume: at its nearest place. trust of the polynomials: their terms of degree 2 and more count
+/// by that factor.
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
-                                                LocalPolynomials polynomials, SharedArray<float> radii,
-                                                const detail::SupportShape& shape);
+                                                LocalPolynomials polynomials, SharedArray<float> radii);
 
 }  // namespace sansmesh

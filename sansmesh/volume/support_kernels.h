@@ -8,7 +8,7 @@
 
 namespace sansmesh::detail {
 
-/// One support: φ(x) = w(r) L(r²) for r = ‖M (x − center)‖ / radius < 1, times a polynomial.
+/// One support: w(r) = (1 − r²)⁴ for r = ‖M (x − center)‖ / radius < 1, times a polynomial.
 struct SupportTerm {
   Vec3f center;                         ///< relative to the origin of the tile
   StarMetric metric;                    ///< M
@@ -18,26 +18,17 @@ struct SupportTerm {
   float constant = 0;  ///< less the base of the tile
 };
 
-/// w(r) = exp(−fall r²) (1 − r²)⁴ and L(r²) = l0 + l1 r² + l2 r⁴.
-struct SupportShape {
-  float fall = 0;
-  float l0 = 1, l1 = 0, l2 = 0;
-};
-
 /// Points and sums, a structure of arrays aligned for the widest vectors.
 struct SupportTile {
   static constexpr std::size_t kTile = 64;
   alignas(64) float x[3][kTile];             ///< relative to the origin
   alignas(64) float weight[kTile];           ///< Σ w
-  alignas(64) float size[kTile];             ///< Σ |φ|
-  alignas(64) float value[kTile];            ///< Σ φ p
+  alignas(64) float value[kTile];            ///< Σ w p
   alignas(64) float weight_slope[3][kTile];  ///< the gradients of these
-  alignas(64) float size_slope[3][kTile];
   alignas(64) float value_slope[3][kTile];
 };
 
 /// Sums over `count` supports at the first n points, a multiple of 16; gradients if wanted. The same on every machine.
-void sum_supports(const SupportTerm* terms, std::size_t count, const SupportShape& shape, std::size_t n, bool gradient,
-                  SupportTile& tile);
+void sum_supports(const SupportTerm* terms, std::size_t count, std::size_t n, bool gradient, SupportTile& tile);
 
 }  // namespace sansmesh::detail

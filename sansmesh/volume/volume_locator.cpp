@@ -10,6 +10,7 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_geometry.h"
@@ -18,24 +19,8 @@
 namespace sansmesh {
 namespace {
 
+constexpr double kBeside = 2000;   // tolerances from the volume: 2e-6 of its diagonal
 constexpr double kStrict = 1e-10;  // in parameters: nearer to a face than this is on it
-
-/// The cell of an axis for a coordinate: the number of its lower end.
-std::size_t axis_cell(const std::vector<double>& axis, bool uniform, double a) {
-  const std::size_t last = axis.size() - 2;
-  if (!(a > axis[0])) return 0;
-  if (a >= axis[last]) return last;
-  std::size_t i;
-  if (uniform) {
-    const double step = (axis.back() - axis[0]) / static_cast<double>(axis.size() - 1);
-    i = std::min(static_cast<std::size_t>((a - axis[0]) / step), last);
-    while (i > 0 && axis[i] > a) --i;
-    while (i < last && axis[i + 1] <= a) ++i;
-  } else {
-    i = static_cast<std::size_t>(std::upper_bound(axis.begin(), axis.end(), a) - axis.begin()) - 1;
-  }
-  return i;
-}
 
 void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
   const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
@@ -45,7 +30,7 @@ void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, Volume
   for (std::size_t k = 0; k < 3; ++k) {
     place.inside = place.inside && a[k] >= l.lower[k] - tolerance && a[k] <= l.upper[k] + tolerance;
     const double c = std::clamp(a[k], l.lower[k], l.upper[k]);
-    cell[k] = axis_cell(l.axes[k], l.uniform, c);
+    cell[k] = interval_of(l.axes[k], l.uniform, c);
     const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
     u[k] = (c - from) / (to - from);
   }
@@ -134,7 +119,8 @@ struct VolumeLocator::State {
   }
 
   /// The place on the faces without a neighbour that is nearest to x.
-  void locate_outside(const Vec3& x, VolumePlace& place) const {
+  void locate_outside(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+    if (locate_next_to(x, place, candidates)) return;
     std::call_once(border_made, [this] { make_border(); });
     const auto distance = [&](std::uint32_t i) {
       std::array<Vec3, 4> r;
@@ -159,6 +145,31 @@ struct VolumeLocator::State {
     for (std::size_t k = 0; k < count; ++k) place.weights[face.corner[k]] = weights[k];
   }
 
+  /// Most points outside lie just beyond a face: ends of rays, where these enter and leave. Then the place of a cell at
+  /// nearly the same parameters will do, and nothing has to be searched.
+  bool locate_next_to(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+    const double near = kBeside * tolerance;
+    const Vec3 slack{near, near, near};
+    cells.overlapping({x - slack, x + slack}, candidates);
+    double least = near * near;
+    std::uint32_t best = kNoCell;
+    Vec3 at;
+    for (const std::uint32_t cell : candidates) {
+      std::array<Vec3, 8> corners;
+      const CellShape shape = volume.cells.shapes[cell];
+      const CellMap map(shape, std::span<const Vec3>(corners).first(corners_of(cell, x, corners)));
+      Vec3 u;
+      if (!map.may_reach(near) || !map.invert(u)) continue;
+      u = clamped_parameters(shape, u);
+      const double d = squared_norm(map.at(u));
+      if (d < least || (d == least && cell < best)) least = d, best = cell, at = u;
+    }
+    if (best == kNoCell) return false;
+    set(place, best);
+    shape_functions(volume.cells.shapes[best], at, place.weights);
+    return true;
+  }
+
   void locate(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     place.inside = false;
     place.weights.fill(0);
@@ -179,6 +190,7 @@ struct VolumeLocator::State {
       const std::size_t count = corners_of(cell, x, corners);
       const std::span<const Vec3> these = std::span(corners).first(count);
       const CellMap map(shape, these);
+      if (!map.may_reach(tolerance)) continue;
       Vec3 u;
       if (!map.invert(u)) {
         failed = true;
@@ -225,7 +237,7 @@ struct VolumeLocator::State {
       }
       if (place.inside) return;
     }
-    locate_outside(x, place);
+    locate_outside(x, place, candidates);
   }
 };
 

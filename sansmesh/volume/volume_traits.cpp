@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kPredicted = 3000;
 /// Samples around that are wanted: twice as many as a cubic polynomial has coefficients, and no more rings than needed.
 constexpr std::size_t kWanted = 40;
-constexpr int kMostRings = 4;
+constexpr int kRingsAround = 4;
 /// Predictions are normal deviates about twice as wide as the noise of their neighbours makes them.
 constexpr double kToDeviation = 1.4826;
 /// Next to steps: off by so many medians and by such a share of the range.
@@ -32,7 +32,7 @@ void gather(const SampledVolume& volume, std::uint32_t sample, std::vector<std::
   std::vector<std::uint32_t> star;
   found.assign(1, sample);
   std::size_t first = 0;
-  for (int ring = 0; ring < kMostRings && found.size() <= kWanted; ++ring) {
+  for (int ring = 0; ring < kRingsAround && found.size() <= kWanted; ++ring) {
     const std::size_t last = found.size();
     for (std::size_t i = first; i < last; ++i) {
       volume.star(found[i], star);
@@ -138,6 +138,9 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   for (std::size_t degree = 0; degree < 4; ++degree) {
     for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[degree] / t.range;
     t.left_out[degree] = median(errors);
+    double sum = 0;
+    for (const double e : errors) sum += e * e;
+    t.left_out_rms[degree] = std::sqrt(sum / static_cast<double>(count));
   }
   for (std::size_t i = 0; i < count; ++i) errors[i] = predictions[i].error[2] / (t.range * predictions[i].spread);
   t.noise = std::min(kToDeviation * median(errors), kToDeviation * t.left_out[3]);

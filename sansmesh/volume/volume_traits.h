@@ -18,12 +18,16 @@ struct VolumeTraits {
   /// Median error of predicting a sample from its neighbours, for each degree. It falls with the degree where samples
   /// are dense enough for what they show, and stays where there is noise, or structure between two samples.
   std::array<double, 4> left_out{};
+  /// Root mean square of the same errors: what a few samples next to edges are missed by counts here.
+  std::array<double, 4> left_out_rms{};
   double noise = 0;  ///< standard deviation of noise, if what no degree predicts is that: an upper bound
   /// Share of the samples next to steps: that are off by more than ten times the median, and a twentieth of the range.
   double steps = 0;
 
   /// Parabolas predict samples better than planes do: there is something to gain over linear interpolation.
   bool resolved() const { return left_out[2] < 0.8 * left_out[1] || left_out[1] < 1e-6; }
+  /// They also do at the few samples that are predicted worst, which are those at edges.
+  bool edges_resolved() const { return left_out_rms[2] < 0.5 * left_out_rms[1] || left_out_rms[1] < 1e-6; }
 };
 
 /// Deterministic, about a second at most. `values` are of the volume.

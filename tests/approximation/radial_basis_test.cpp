@@ -7,6 +7,7 @@
 #include "approximation/approximation_samples.h"
 #include "sansmesh/core/error.h"
 #include "support/any_threads.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -154,6 +155,7 @@ TEST(RbfInterpolant, RidgeSmooths) {
 }
 
 TEST(RbfInterpolant, ManySamplesSparseAndLocal) {
+  SANSMESH_NOT_SANITIZED("judges sizes; others run both solvers");
   auto x = test::random_positions<3>(100000, 103);
   const auto f = test::sampled<3>(x, smooth<3>);
   const auto points = test::random_positions<3>(3000, 104);

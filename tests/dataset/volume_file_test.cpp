@@ -115,18 +115,23 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
 }
 
 TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
-  // Half more at each sample is half more everywhere, though the values in the file are what they were.
+  // Half more at each sample is half more everywhere, though the values in the file are what they were: where the sum
+  // is all, and linear interpolation, which takes the values, has no share.
   Progress progress;
   VolumeDataset dataset(bent_grid({6, 7, 5}, wavy));
   write_volume_file(folder_ / "f.smv", dataset.fit("f", by(Method::amls), false, progress));
-  std::vector<RawSection> sections = unpacked(slurp(folder_ / "f.smv"));
-  for (RawSection& s : sections)
-    for (std::size_t at = 0; s.name == "CONSTANT" && at < s.bytes.size(); at += 8)
-      put_number(s.bytes, at, number_at<double>(s.bytes, at) + 0.5);
-  VolumeDataset opened(read_volume_file(folder_.put("more.smv", packed(sections, "SMV", 0))));
-  const auto volume = dataset.volume("f", progress);
-  const auto before = answers_of(*dataset.field({"f", {}, false}, by(Method::amls), progress), *volume);
-  const auto after = answers_of(*opened.field({"f", {}, false}, by(Method::amls), progress), *volume);
+  const auto answers_with = [&](double more, const std::string& name) {
+    std::vector<RawSection> sections = unpacked(slurp(folder_ / "f.smv"));
+    for (RawSection& s : sections) {
+      for (std::size_t at = 0; s.name == "CONSTANT" && at < s.bytes.size(); at += 8)
+        put_number(s.bytes, at, number_at<double>(s.bytes, at) + more);
+      for (std::size_t at = 0; s.name == "TRUST" && at < s.bytes.size(); at += 4) put_number(s.bytes, at, 1.0f);
+    }
+    VolumeDataset opened(read_volume_file(folder_.put(name, packed(sections, "SMV", 0))));
+    const auto volume = opened.volume("f", progress);
+    return answers_of(*opened.field({"f", {}, false}, by(Method::amls), progress), *volume);
+  };
+  const auto before = answers_with(0, "same.smv"), after = answers_with(0.5, "more.smv");
   for (std::size_t i = 0; i < before.values.size(); ++i) EXPECT_NEAR(after.values[i], before.values[i] + 0.5, 1e-5);
 }
 

@@ -4,6 +4,7 @@
 #include "sample_files.h"
 #include "sansmesh/data/image.h"
 #include "support/any_threads.h"
+#include "support/png_file.h"
 
 namespace sansmesh {
 namespace {
@@ -314,42 +315,6 @@ TEST(Glb, UnknownNormalsAreCompletedAndEmptyMeshesHaveNoMesh) {
 
 // ----------------------------------------------------------------------------------------------- PNG and text
 
-/// The bytes of an RGBA file, row by row.
-std::vector<std::uint8_t> png_bytes(const std::string& file, std::size_t width, std::size_t height) {
-  const std::string s = slurp(file);
-  const auto byte = [&](std::size_t k) { return static_cast<std::size_t>(static_cast<unsigned char>(s[k])); };
-  const auto number = [&](std::size_t k) { return byte(k) << 24 | byte(k + 1) << 16 | byte(k + 2) << 8 | byte(k + 3); };
-  // Signature, then IHDR: width, height, 8 bits; then the data inflate to rows of a filter byte and the pixels.
-  if (s.size() < 40) return {};
-  EXPECT_EQ(s.substr(0, 8), "\x89PNG\r\n\x1a\n");
-  EXPECT_EQ(number(16), width);
-  EXPECT_EQ(number(20), height);
-  EXPECT_EQ(s[24], 8);
-  EXPECT_EQ(s[25], 6);  // RGBA
-  std::string packed;
-  for (std::size_t at = 8; at + 12 <= s.size(); at += 12 + number(at))
-    if (s.substr(at + 4, 4) == "IDAT") packed += s.substr(at + 8, number(at));
-  const std::size_t stride = 4 * width;
-  std::vector<std::uint8_t> rows(height * (stride + 1)), pixels;
-  uLongf size = rows.size();
-  EXPECT_EQ(uncompress(rows.data(), &size, reinterpret_cast<const Bytef*>(packed.data()), packed.size()), Z_OK);
-  EXPECT_EQ(size, rows.size());
-  for (std::size_t y = 0; y < height; ++y) {
-    const unsigned filter = rows[y * (stride + 1)];
-    EXPECT_LE(filter, 4u);
-    for (std::size_t i = 0; i < stride; ++i) {  // undo the filter
-      const std::size_t at = pixels.size();
-      const int a = i >= 4 ? pixels[at - 4] : 0, b = y > 0 ? pixels[at - stride] : 0,
-                c = i >= 4 && y > 0 ? pixels[at - stride - 4] : 0;
-      const int p = a + b - c, pa = std::abs(p - a), pb = std::abs(p - b), pc = std::abs(p - c);
-      const int paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
-      const int add[] = {0, a, b, (a + b) / 2, paeth};
-      pixels.push_back(static_cast<std::uint8_t>(rows[y * (stride + 1) + 1 + i] + add[std::min(filter, 4u)]));
-    }
-  }
-  return pixels;
-}
-
 TEST(Png, HoldsEveryLevelOfEveryChannel) {
   const Folder folder;
   Image image(64, 48);
@@ -360,7 +325,10 @@ TEST(Png, HoldsEveryLevelOfEveryChannel) {
       image.pixels[i][c] = from_byte(expected.back());
     }
   write_image(folder / "i.png", image);
-  EXPECT_TRUE(png_bytes(folder / "i.png", 64, 48) == expected);
+  const PngPicture read = read_png(folder / "i.png");
+  EXPECT_EQ(read.width, 64u);
+  EXPECT_EQ(read.height, 48u);
+  EXPECT_TRUE(read.bytes == expected);
 }
 
 TEST(Png, TakesTheNearestLevelAndClampsWhatIsBeyond) {
@@ -373,7 +341,7 @@ TEST(Png, TakesTheNearestLevelAndClampsWhatIsBeyond) {
   Image image(static_cast<int>(std::size(cases)), 1);
   for (std::size_t i = 0; i < std::size(cases); ++i) image.pixels[i].fill(cases[i].first);
   write_image(folder / "i.png", image);
-  const std::vector<std::uint8_t> bytes = png_bytes(folder / "i.png", std::size(cases), 1);
+  const std::vector<std::uint8_t> bytes = read_png(folder / "i.png").bytes;
   ASSERT_EQ(bytes.size(), 4 * std::size(cases));
   for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_EQ(bytes[i], cases[i / 4].second) << cases[i / 4].first;
 }

@@ -288,8 +288,52 @@ TEST(VtkVolumes, OpenFoamCases) {
   EXPECT_EQ(number(data.blocks[0].cell_arrays, "T", 0), 300);
 }
 
-/// A slice of 4 x 3 numbers at height z, in explicit little endian.
-std::string dicom_slice(int number_of_slice, double z) {
+/// What the files of CGNS hold at the corners.
+double cgns_pressure(const Vec3& x) { return 1 + 2 * x.x - 3 * x.y + 0.5 * x.z; }
+
+TEST(VtkVolumes, CgnsOfStructuredZones) {
+  const GridData data = read_volume(source_file("tests/data/duct.cgns"));
+  ASSERT_EQ(data.blocks.size(), 1u);
+  const GridBlock& b = data.blocks[0];
+  EXPECT_EQ(b.kind, GridKind::curvilinear);
+  ASSERT_EQ(b.dims, (std::array<std::size_t, 3>{4, 3, 3}));
+  for (std::size_t i = 0; i < 36; ++i) {
+    const double l = static_cast<double>(i % 4), j = static_cast<double>(i / 4 % 3), k = static_cast<double>(i / 12);
+    EXPECT_NEAR(norm(b.points[i] - Vec3{l + 0.25 * j, 0.5 * j + 0.125 * l, 0.25 * k}), 0, 1e-6);
+    EXPECT_NEAR(number(b.point_arrays, "Pressure", i), cgns_pressure(b.points[i]), 1e-5);
+  }
+  for (std::size_t c = 0; c < 12; ++c) EXPECT_EQ(number(b.cell_arrays, "Density", c), 100.0 + static_cast<double>(c));
+}
+
+TEST(VtkVolumes, CgnsOfUnstructuredZones) {
+  const GridData data = read_volume(source_file("tests/data/mixed_cells.cgns"));
+  ASSERT_EQ(data.blocks.size(), 1u);
+  const GridBlock& b = data.blocks[0];
+  EXPECT_EQ(b.kind, GridKind::unstructured);
+  ASSERT_EQ(b.points.size(), 10u);
+  EXPECT_EQ(b.cells.shapes,
+            (std::vector<CellShape>{CellShape::hexahedron, CellShape::pyramid, CellShape::tetrahedron}));
+  for (std::size_t i = 0; i < 10; ++i)
+    EXPECT_NEAR(number(b.point_arrays, "Pressure", i), cgns_pressure(b.points[i]), 1e-12);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(number(b.cell_arrays, "Density", c), cgns_pressure(b.points[c]));
+}
+
+/// Where slices of 4 x 3 numbers lie: a frame, steps between columns, rows and slices.
+struct SlicePlan {
+  Vec3 origin{-20, 35, 100}, along_row{1, 0, 0}, along_column{0, 1, 0}, from_slice_to_slice{0, 0, 2};
+  double column_step = 0.5, row_step = 0.75;
+  bool placed = true;
+  int columns = 4;
+  std::string syntax = "1.2.840.10008.1.2.1";  ///< explicit little endian
+
+  Vec3 place(int i, int j, double k) const {
+    return origin + along_row * (column_step * i) + along_column * (row_step * j) + from_slice_to_slice * k;
+  }
+};
+int slice_number(int i, int j, int k) { return 100 * k + 10 * j + i; }
+
+/// A slice in explicit little endian; `at` is its number among those with equal steps, `name` that which it says.
+std::string dicom_slice(const SlicePlan& plan, int k, double at, int name) {
   const auto element = [](unsigned group, unsigned tag, const std::string& kind, std::string value) {
     if (value.size() % 2 == 1) value += kind == "UI" ? '\0' : ' ';
     std::string s = raw(static_cast<std::uint16_t>(group)) + raw(static_cast<std::uint16_t>(tag)) + kind;
@@ -297,39 +341,132 @@ std::string dicom_slice(int number_of_slice, double z) {
     return s + raw(static_cast<std::uint16_t>(value.size())) + value;
   };
   const auto whole = [](int v) { return raw(static_cast<std::uint16_t>(v)); };
+  const auto numbers = [](const std::vector<double>& values) {
+    std::string text;
+    for (const double v : values) {
+      char word[32];
+      std::snprintf(word, sizeof word, "%.8g", v);
+      text += (text.empty() ? "" : "\\") + std::string(word);
+    }
+    return text;
+  };
   std::string pixels;
-  for (int i = 0; i < 12; ++i) pixels += whole(100 * number_of_slice + i);
-  const std::string syntax = element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < plan.columns; ++i) pixels += whole(slice_number(i, j, k));
+  const Vec3 p = plan.place(0, 0, at), &r = plan.along_row, &c = plan.along_column;
+  const std::string syntax = element(2, 0x10, "UI", plan.syntax);
+  const std::string lies = element(0x20, 0x32, "DS", numbers({p.x, p.y, p.z})) +
+                           element(0x20, 0x37, "DS", numbers({r.x, r.y, r.z, c.x, c.y, c.z}));
   return std::string(128, '\0') + "DICM" + element(2, 0, "UL", raw(static_cast<std::uint32_t>(syntax.size()))) +
          syntax + element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(8, 0x60, "CS", "CT") +
          element(0x18, 0x50, "DS", "2") + element(0x20, 0xe, "UI", "1.2.3") +
-         element(0x20, 0x13, "IS", std::to_string(number_of_slice)) +
-         element(0x20, 0x32, "DS", "0\\0\\" + std::to_string(z)) + element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") +
-         element(0x20, 0x1041, "DS", std::to_string(z)) + element(0x28, 2, "US", whole(1)) +
-         element(0x28, 4, "CS", "MONOCHROME2") + element(0x28, 0x10, "US", whole(3)) +
-         element(0x28, 0x11, "US", whole(4)) + element(0x28, 0x30, "DS", "0.5\\0.5") +
-         element(0x28, 0x100, "US", whole(16)) + element(0x28, 0x101, "US", whole(16)) +
-         element(0x28, 0x102, "US", whole(15)) + element(0x28, 0x103, "US", whole(0)) +
-         element(0x7fe0, 0x10, "OW", pixels);
+         element(0x20, 0x13, "IS", std::to_string(name)) + (plan.placed ? lies : "") +
+         element(0x28, 2, "US", whole(1)) + element(0x28, 4, "CS", "MONOCHROME2") +
+         element(0x28, 0x10, "US", whole(3)) + element(0x28, 0x11, "US", whole(plan.columns)) +
+         element(0x28, 0x30, "DS", numbers({plan.row_step, plan.column_step})) + element(0x28, 0x100, "US", whole(16)) +
+         element(0x28, 0x101, "US", whole(16)) + element(0x28, 0x102, "US", whole(15)) +
+         element(0x28, 0x103, "US", whole(0)) + element(0x7fe0, 0x10, "OW", pixels);
 }
 
-TEST(VtkVolumes, DicomSlicesAreStacked) {
-  const Folder folder;
+/// Oblique: a frame that is turned about all axes.
+SlicePlan oblique_plan() {
+  SlicePlan plan;
+  plan.along_row = normalized(Vec3{0.8, 0.5, -0.2});
+  plan.along_column = normalized(cross(Vec3{0.3, -0.2, 0.9}, plan.along_row));
+  plan.from_slice_to_slice = cross(plan.along_row, plan.along_column) * 1.25;
+  return plan;
+}
+
+void put_slices(const Folder& folder, const SlicePlan& plan, const std::vector<double>& at) {
   std::filesystem::create_directories(folder / "ct");
-  for (int k = 0; k < 3; ++k) folder.put("ct/slice" + std::to_string(2 - k) + ".dcm", dicom_slice(k, 2.0 * k));
-  const GridData data = read_volume(folder / "ct");
+  const int n = static_cast<int>(at.size());
+  for (int k = 0; k < n; ++k)  // in no order of names or numbers
+    folder.put("ct/slice" + std::to_string((k * 2 + 1) % n) + ".dcm",
+               dicom_slice(plan, k, at[static_cast<std::size_t>(k)], (k * 2 + 2) % n));
+}
+
+void expect_slices(const GridData& data, const SlicePlan& plan, const std::vector<double>& at) {
   ASSERT_EQ(data.blocks.size(), 1u);
   const GridBlock& b = data.blocks[0];
-  ASSERT_EQ(point_count(b), 36u);
-  EXPECT_NEAR(norm(place(b, 1) - place(b, 0)), 0.5, 1e-9);
-  EXPECT_NEAR(norm(place(b, 12) - place(b, 0)), 2, 1e-9);
-  ASSERT_FALSE(b.point_arrays.empty());
-  // One number of each slice, in the order of the slices, whichever way up.
-  const Attribute& values = b.point_arrays[0];
-  EXPECT_EQ(std::abs(values.number(24) - values.number(12)), 100);
-  EXPECT_EQ(values.number(24) - values.number(12), values.number(12) - values.number(0));
+  ASSERT_EQ(point_count(b), 12 * at.size());
+  for (std::size_t n = 0; n < point_count(b); ++n) {
+    const int i = static_cast<int>(n % 4), j = static_cast<int>(n / 4 % 3), k = static_cast<int>(n / 12);
+    EXPECT_NEAR(norm(place(b, n) - plan.place(i, j, at[static_cast<std::size_t>(k)])), 0, 1e-4) << n;
+    EXPECT_EQ(number(b.point_arrays, "DICOMImage", n), slice_number(i, j, k)) << n;
+  }
+}
+
+TEST(VtkVolumes, DicomSlicesLieWhereTheySay) {
+  for (const SlicePlan& plan : {SlicePlan{}, oblique_plan()}) {
+    const Folder folder;
+    const std::vector<double> at{0, 1, 2, 3, 4};
+    put_slices(folder, plan, at);
+    const GridData data = read_volume(folder / "ct");
+    expect_slices(data, plan, at);
+    EXPECT_EQ(data.blocks[0].kind, GridKind::lattice);
+    EXPECT_TRUE(data.notes.empty());
+    for (std::size_t k = 1; k < 5; ++k)
+      EXPECT_NEAR(data.blocks[0].axes[2][k], static_cast<double>(k) * norm(plan.from_slice_to_slice), 1e-4);
+    // One of them alone.
+    const GridData one = read_volume(folder / "ct/slice1.dcm");
+    expect_slices(one, plan, {0});
+  }
+}
+
+TEST(VtkVolumes, DicomSlicesMayBeUnevenOrShifted) {
+  const Folder folder;
+  const std::vector<double> uneven{0, 1, 3, 3.5, 6};
+  put_slices(folder, oblique_plan(), uneven);
+  const GridData data = read_volume(folder / "ct");
+  expect_slices(data, oblique_plan(), uneven);
+  EXPECT_EQ(data.blocks[0].kind, GridKind::lattice);
+  EXPECT_EQ(data.notes.size(), 1u);
+  SlicePlan tilted = oblique_plan();
+  tilted.from_slice_to_slice += tilted.along_column * 0.4;
+  const Folder other;
+  const std::vector<double> at{0, 1, 2, 3, 4};
+  put_slices(other, tilted, at);
+  const GridData shifted = read_volume(other / "ct");
+  expect_slices(shifted, tilted, at);
+  EXPECT_EQ(shifted.blocks[0].kind, GridKind::curvilinear);
+}
+
+TEST(VtkVolumes, DicomFoldersOfUnlikeOrDamagedSlicesAreRefused) {
+  const Folder folder;
+  put_slices(folder, {}, {0, 1, 2});
+  const std::string twice = folder.put("ct/more.dcm", dicom_slice({}, 7, 1, 7));
+  expect_no_volume(folder / "ct", "several slices at one place");
+  folder.put("ct/more.dcm", dicom_slice(oblique_plan(), 7, 9, 7));
+  expect_no_volume(folder / "ct", "different sizes or directions");
+  SlicePlan wide;
+  wide.columns = 6;
+  folder.put("ct/more.dcm", dicom_slice(wide, 7, 9, 7));
+  expect_no_volume(folder / "ct", "different sizes or directions");
+  SlicePlan packed;
+  packed.syntax = "1.2.840.10008.1.2.4.50";
+  folder.put("ct/more.dcm", dicom_slice(packed, 7, 9, 7));
+  expect_no_volume(folder / "ct", "compressed");
+  SlicePlan large;
+  large.columns = 400;
+  folder.put("ct/more.dcm", dicom_slice(large, 7, 9, 7).substr(0, 1500));
+  expect_no_volume(folder / "ct", "");
+  std::filesystem::remove(twice);
+  VolumeReadOptions second;
+  second.time_step = 1;
+  EXPECT_THROW(read_volume(folder / "ct", second), ArgumentError);
+}
+
+TEST(VtkVolumes, DicomSlicesWithoutPlacesAreStacked) {
+  SlicePlan plan;
+  plan.placed = false;
+  const Folder folder;
+  put_slices(folder, plan, {0, 1, 2});
+  const GridData data = read_volume(folder / "ct");
+  ASSERT_EQ(data.blocks.size(), 1u);
+  EXPECT_EQ(point_count(data.blocks[0]), 36u);
+  EXPECT_EQ(data.notes.size(), 1u);
   std::set<double> all;
-  for (std::size_t i = 0; i < 36; ++i) all.insert(values.number(i));
+  for (std::size_t i = 0; i < 36; ++i) all.insert(data.blocks[0].point_arrays[0].number(i));
   EXPECT_EQ(all.size(), 36u);
 }
 
@@ -364,6 +501,11 @@ TEST(VtkVolumes, DamagedFilesAreErrors) {
   expect_no_volume(folder.put("a.vti", "not XML"), "ending says");
   expect_no_volume(folder.put("a.case", "FORMAT\n"), "");
   expect_no_volume(folder.put("a.cgns", std::string(200, 'x')), "");
+  for (const char* name : {"duct.cgns", "mixed_cells.cgns"}) {
+    const std::string cgns = slurp(source_file(std::string("tests/data/") + name));
+    for (const std::size_t n : {cgns.size() / 60, cgns.size() / 8, cgns.size() / 2, cgns.size() - 1000})
+      EXPECT_FALSE(volume_readable(folder.put("b.cgns", cgns.substr(0, n)))) << name << ": " << n;
+  }
   std::filesystem::create_directories(folder / "nothing");
   expect_no_volume(folder / "nothing", "without DICOM");
 }

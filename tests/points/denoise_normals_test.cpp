@@ -88,6 +88,7 @@ PointSet samples_of(const TriangleMesh& mesh, std::size_t n) {
 }
 
 TEST(DenoiseNormals, SharpensEdgesOfManyAngles) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others denoise, too");
   expect_sharper(samples_of(test::icosahedron(), 20000));
   expect_sharper(samples_of(test::swept_profile(), 20000));
 }

@@ -22,6 +22,7 @@
 #include "sansmesh/points/prepare_cloud.h"
 #include "support/any_threads.h"
 #include "support/places.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh {
 namespace {
@@ -256,6 +257,7 @@ TEST(Orientation, BothSidesOfAThinWallLookAtTheirScanners) {
 }
 
 TEST(Orientation, SidesOfAThinPlateAreTwoSurfaces) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others orient thin walls, too");
   // Three spacings from side to side; away from the rim, where noise makes normals that look anywhere, no sign is
   // wrong.
   const std::size_t n = 20000;
@@ -354,6 +356,7 @@ TEST(Orientation, WhatIsAskedForDecides) {
 }
 
 TEST(Orientation, BySightsDoesNotDependOnTheNumberOfThreads) {
+  SANSMESH_NOT_SANITIZED("compares results; others run the same loops");
   PointSet cloud = hills(20000, 0.5f, 26);
   std::vector<Vec3f> truth;
   PointSet wall = facade(0.3f, 0.05f, truth);
@@ -370,6 +373,7 @@ TEST(Orientation, BySightsDoesNotDependOnTheNumberOfThreads) {
 
 // An extra where ../shared lies beside the checkout; the tests above cover the same ground.
 TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
+  SANSMESH_NOT_SANITIZED("judges accuracy on large scans; others orient by sights, too");
   struct Scan {
     const char* file;
     OrientBy by;

@@ -102,5 +102,23 @@ TEST(Camera, AxesAreOrthonormalAndRightHanded) {
   }
 }
 
+TEST(Camera, LayersAreLookedAtStraight) {
+  const auto view_of = [](const Vec3& size, UpAxis up) {
+    return view_of_layer(Box3{{1, 2, 3}, Vec3{1, 2, 3} + size}, up);
+  };
+  EXPECT_FALSE(view_of({1, 1, 1}, UpAxis::y));
+  EXPECT_FALSE(view_of({1, 0.1, 0.1}, UpAxis::y));
+  for (const UpAxis up : {UpAxis::y, UpAxis::z})
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 size{3, 3, 3};
+      size[k] = 0.01;
+      const auto view = view_of(size, up);
+      ASSERT_TRUE(view.has_value());
+      const std::vector<Vec3f> corners = {{0, 0, 0}, Vec3f(size)};
+      const Camera camera = frame_camera(corners, *view, up, 30, 1, 0.1);
+      EXPECT_NEAR(std::abs(camera.backward[k]), 1, 1e-6) << k;
+    }
+}
+
 }  // namespace
 }  // namespace sansmesh

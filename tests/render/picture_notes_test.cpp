@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "render/analytic_volumes.h"
@@ -99,6 +100,35 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
     EXPECT_NEAR(p[2], c.z, 0.01);
   }
   EXPECT_EQ(beside_value_bar(Image(100, 50, kPaper), f, "").width, 100);
+  // Lines at marks within the range, and nowhere else; nothing of the picture itself is covered.
+  const std::array<double, 2> marks{1, 7};
+  const Image marked = beside_value_bar(Image(100, 300, kPaper), f, "velocity [m/s²]", marks);
+  for (int y = 0; y < 300; ++y) {
+    const bool differs = marked.at(x, y) != image.at(x, y);
+    EXPECT_EQ(differs, std::abs(y + 0.5 - 150) < 1.5) << y;
+    for (int i = 0; i < 100; ++i) ASSERT_EQ(marked.at(i, y), kPaper);
+  }
+}
+
+TEST(PictureNotes, BarStandsOnPaperWhateverReachesTheRim) {
+  TransferFunction f;
+  f.colors = {{-1, {0.2f, 0.1f, 0.5f}}, {3, {0.9f, 0.8f, 0.1f}}};
+  f.opacities = {{-1, 0}, {3, 1}};
+  const Image red(100, 300, Rgba{1, 0, 0, 1}), paper(100, 300, kPaper);
+  const Image image = beside_value_bar(red, f, "", {}, &paper);
+  EXPECT_EQ(image.at(99, 290), (Rgba{1, 0, 0, 1}));
+  for (int x = 100; x < image.width; ++x) EXPECT_EQ(image.at(x, 290), kPaper);
+}
+
+TEST(PictureNotes, BarOfOneValueSaysIt) {
+  TransferFunction f;
+  f.colors = {{3, {0.2f, 0.1f, 0.5f}}}, f.opacities = {{3, 0.5}};
+  const Image image = beside_value_bar(Image(100, 300, kPaper), f, "");
+  EXPECT_NEAR(image.at(112, 100)[2], 0.5, 0.01);
+  double inked = 0;  // right of the bar
+  for (int y = 140; y < 160; ++y)
+    for (int i = 122; i < image.width; ++i) inked += 1 - static_cast<double>(image.at(i, y)[1]);
+  EXPECT_GT(inked, 5);
 }
 
 TEST(PictureNotes, StandAroundTheVolumeAndLeaveItAlone) {

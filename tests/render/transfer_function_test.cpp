@@ -238,6 +238,44 @@ TEST(SuggestTransferFunction, ShowsRareValuesOfTheWholeRange) {
   EXPECT_GT(g.opacity(3.5), 1.5 * g.opacity(2.3));
 }
 
+TEST(SuggestTransferFunction, VeilsAreAboutAsStrongHoweverSteepSurfacesAre) {
+  // Air and a body of 100 with denser parts, whose surface, a sixth of the values, rises by 100 over `thick`.
+  for (const double thick : {1.0, 3.0}) {
+    std::vector<double> values, slopes;
+    for (int i = 0; i < 60000; ++i) {
+      const double t = i % 6 == 0 ? (i % 997) / 997.0 : 0;
+      const double body = i % 50 == 4 ? 130 : 100 + (i % 7) * 0.5;
+      values.push_back(i % 6 == 0 ? 100 * t : i % 2 == 0 ? body : (i % 5) * 0.5);
+      slopes.push_back(i % 6 == 0 ? 100 / thick : 0);
+    }
+    ValueHistogram h = value_histogram(values, slopes);
+    h.diagonal = 100, h.across = 57;
+    const SuggestedTransferFunction f = suggest_transfer_function(h);
+    ASSERT_EQ(f.function.name, "materials");
+    // What is kept back on the way through the lower half of the rise, of opacities for a fiftieth of the diagonal.
+    double depth = 0;
+    for (int i = 0; i < 1000; ++i)
+      if (const double t = (i + 0.5) / 1000; t < 0.72)
+        depth -= std::log1p(-f.function.opacity(100 * t)) / 2 * thick / 1000;
+    EXPECT_GT(depth, 0.12) << thick;
+    EXPECT_LT(depth, 0.28) << thick;
+    EXPECT_NE(suggest_transfer_function(h, false).function.name, "materials");
+  }
+}
+
+TEST(SuggestTransferFunction, ThinVolumesKeepBackAsMuchAsThickOnes) {
+  std::vector<double> values;
+  for (int i = 0; i <= 1000; ++i) values.push_back(0.001 * i * i);
+  ValueHistogram h = value_histogram(values);
+  const TransferFunction thick = suggest_transfer_function(h).function;
+  h.diagonal = 10, h.across = 5.7735 / 8;
+  const TransferFunction thin = suggest_transfer_function(h).function;
+  double a = 0, b = 0;
+  for (const double v : values) a -= std::log1p(-thick.opacity(v)), b -= std::log1p(-thin.opacity(v));
+  EXPECT_GT(b / a, 4);
+  EXPECT_LT(b / a, 9);
+}
+
 TEST(SuggestTransferFunction, DivergesWhereThereAreBothSigns) {
   std::vector<double> values;
   for (int i = 0; i <= 1000; ++i) values.push_back(-3 + 0.005 * i);  // −3..2

@@ -4,7 +4,7 @@
 //                   runs as many programs at a time as there are cores
 //   --simd=NAME     kernels run on this set of instructions (SCALAR, SSE4, AVX2 …) of those that the library holds
 //   --simd=others   the tests run once for every set that this processor has but the best one, which they take
-//                   anyway
+//                   anyway; not those that begin with SANSMESH_RUNS_ONCE
 //   --files=A,B     only tests out of these sources, in place of --gtest_filter
 //
 // Ends with the number of failed runs, at most 1.
@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -86,6 +87,7 @@ int run_on_others(const std::vector<std::int64_t>& targets, int threads) {
     const pid_t child = ::fork();
     if (child == 0) {
       use_simd(target);
+      on_other_simd = true;
       std::exit(run(threads));
     }
     int status = 0;

@@ -194,6 +194,7 @@ TEST_P(EveryMethod, TurnsAndScalesWithItsSamples) {
 }
 
 TEST_P(EveryMethod, DoesNotDependOnTheThreads) {
+  SANSMESH_RUNS_ONCE("compares results; others run the same loops");
   const PointSet cloud = test::sphere(20000, 0.01, 4);
   const std::vector<Vec3> x = points_near_sphere(3000, 1, 0.03, 2);
   test::expect_equal_for_any_threads([&] {
@@ -287,7 +288,7 @@ TEST(IteratedPlanes, ApproachTheSamples) {
 }
 
 TEST(IteratedPlanes, CrossValidationSmoothsNoiseAndFollowsCleanSamples) {
-  SANSMESH_NOT_SANITIZED("judges a choice; others make it, too");
+  SANSMESH_RUNS_ONCE("judges a choice; others make it, too");
   Progress progress;
   detail::IterationOptions options;
   const auto clean = detail::choose_iterations(prepare_samples(test::torus(6000), progress), options, 0, -1);

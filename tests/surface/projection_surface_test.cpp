@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 #include "support/surface_names.h"
 
 namespace sansmesh {
@@ -71,6 +72,7 @@ TEST_P(EveryProjection, LeavesPointsOfThePlaneInPlace) {
 }
 
 TEST_P(EveryProjection, TakesNoiseAway) {
+  SANSMESH_RUNS_ONCE("judges accuracy; others project, too");
   const PointSet cloud = test::sphere(20000, 0.01, 5);
   const ProjectionSurface p = make(cloud, options());
   const std::vector<Vec3> x(cloud.positions.begin(), cloud.positions.end());
@@ -123,6 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Projection, EveryProjection, testing::ValuesIn(test::su
                          [](const auto& test) { return test.param; });
 
 TEST(Projection, LevinAgreesWithAlexaOnceItStandsStill) {
+  SANSMESH_RUNS_ONCE("judges accuracy; others project, too");
   const PointSet cloud = test::torus(8000);
   const ProjectionSurface levin = make(cloud, {.method = ProjectionMethod::levin, .smoothing = 1.5});
   const ProjectionSurface alexa = make(cloud, {.method = ProjectionMethod::alexa, .smoothing = 1.5});

@@ -390,6 +390,76 @@ TEST(AssembleVolume, SingleLayersBecomeSlabs) {
     }
 }
 
+TEST(AssembleVolume, FlatBlocksBecomeOneSlab) {
+  // Side by side with common points; the second is wound the other way and stretched, the third made of triangles and
+  // squares wound either way.
+  GridData data;
+  data.blocks.push_back(curvilinear_block(lattice_block({5, 5, 1}), [](const Vec3& x) { return x; }));
+  data.blocks.push_back(curvilinear_block(lattice_block({9, 5, 1}), [](const Vec3& x) {
+    return Vec3{2 - x.x * x.x, x.y, 0};
+  }));
+  GridBlock& third = data.blocks.emplace_back();
+  third.kind = GridKind::unstructured;
+  for (std::uint32_t j = 0; j < 5; ++j)
+    for (std::uint32_t i = 0; i < 3; ++i) third.points.push_back({2 + i / 2.0, j / 4.0, 0});
+  for (std::uint32_t j = 0; j < 4; ++j)
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      const std::uint32_t p = i + 3 * j;
+      if (i == 0)
+        third.flat_cells.push_back(j % 2 == 0 ? std::array{p, p + 1, p + 4, p + 3}
+                                              : std::array{p, p + 3, p + 4, p + 1});
+      else
+        third.flat_cells.insert(third.flat_cells.end(),
+                                {{p, p + 1, p + 4, GridBlock::kNone}, {p, p + 3, p + 4, GridBlock::kNone}});
+    }
+  for (GridBlock& b : data.blocks) {
+    std::vector<double> f;
+    for (const Vec3& p : b.points) f.push_back(linear_function(p));
+    b.point_arrays.set("f", std::move(f));
+  }
+  for (int turn = 0; turn < 3; ++turn) {
+    const auto volume = volume_of(data);
+    const double layer = volume->facts.layer;
+    EXPECT_GT(layer, 0);
+    EXPECT_EQ(volume->facts.parts, 1u);
+    EXPECT_EQ(volume->facts.inverted, 0u);
+    EXPECT_EQ(volume->facts.degenerate, 0u);
+    EXPECT_EQ(volume->facts.merged, 20u);  // two borders of five points on two sides
+    EXPECT_NEAR(volume_of_cells(*volume), 3 * layer, 1e-12);
+    EXPECT_NEAR(enclosed(volume_boundary(*volume)), 3 * layer, 1e-6);
+    for (const Vec3& p : volume->positions) EXPECT_NEAR(std::abs(p.z), layer / 2, 1e-12);
+    std::rotate(data.blocks.begin(), data.blocks.begin() + 1, data.blocks.end());
+  }
+}
+
+TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
+  // A closed sheet, whose cells are wound at random, gets a shell of even thickness.
+  const GridBlock ring =
+      curvilinear_block(lattice_block({25, 9, 1}, {0, 0, 0}, {2 * std::numbers::pi, 1, 0}), [](const Vec3& x) {
+        return Vec3{std::cos(x.x), std::sin(x.x), x.y};
+      });
+  GridData data;
+  GridBlock& block = data.blocks.emplace_back();
+  block.kind = GridKind::unstructured;
+  block.points = ring.points;
+  std::mt19937 random(4);
+  for (std::uint32_t j = 0; j < 8; ++j)
+    for (std::uint32_t i = 0; i < 24; ++i) {
+      const std::uint32_t p = i + 25 * j;
+      block.flat_cells.push_back(random() % 2 == 0 ? std::array{p, p + 1, p + 26, p + 25}
+                                                   : std::array{p, p + 25, p + 26, p + 1});
+    }
+  block.point_arrays.set("f", std::vector<double>(block.points.size(), 1.0));
+  const auto volume = volume_of(data);
+  EXPECT_EQ(volume->facts.inverted, 0u);
+  EXPECT_EQ(volume->facts.degenerate, 0u);
+  EXPECT_EQ(volume->size(), 2u * 24 * 9);
+  const double half = volume->facts.layer / 2;
+  for (const Vec3& p : volume->positions) EXPECT_NEAR(std::abs(std::hypot(p.x, p.y) - 1), half, 1e-9);
+  const double area = 24 * 2 * std::sin(std::numbers::pi / 24);  // of the polygon's circumference times 1
+  EXPECT_NEAR(volume_of_cells(*volume), area * std::cos(std::numbers::pi / 24) * 2 * half, 1e-9);
+}
+
 TEST(AssembleVolume, HiddenAndNotFinitePointsTakeTheirCellsAlong) {
   GridData data = bent_grid({5, 5, 5}, linear_function);
   data.blocks[0].hidden_points.assign(125, 0);
@@ -485,6 +555,8 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   GridData bare = bent_grid({3, 3, 3}, linear_function);
   bare.blocks[0].point_arrays.clear();
   EXPECT_TRUE(refused(bare));
+  bare.blocks[0].cell_arrays.clear();  // a grid alone can be looked at
+  EXPECT_EQ(assemble_volume(bare, Association::points, progress).size(), 27u);
   GridData few = scattered_grid(8, linear_function);
   few.blocks[0].points.resize(3);
   few.blocks[0].point_arrays.clear();

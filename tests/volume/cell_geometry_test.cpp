@@ -85,6 +85,27 @@ TEST(CellGeometry, NoPlaceOfACellIsNearerThanTheNearest) {
     }
 }
 
+TEST(CellGeometry, WhatIsRuledOutIsOutOfReach) {
+  std::mt19937 random(4);
+  const auto uniform = [&] { return 2.4 * static_cast<double>(random()) / 4294967296.0 - 0.6; };
+  for (const CellShape shape : kShapes)
+    for (const double thin : {1.0, 1e-3}) {
+      int ruled_out = 0;
+      for (int i = 0; i < 400; ++i) {
+        auto corners = some_cell(shape, random, thin);
+        const Vec3 x{uniform(), uniform(), thin * uniform()};
+        for (Vec3& p : corners) p -= x;
+        for (const double reach : {0.0, 0.1 * thin}) {
+          if (CellMap(shape, corners).may_reach(reach)) continue;
+          ++ruled_out;
+          std::array<double, 8> weights{};
+          EXPECT_GT(std::sqrt(nearest_in_cell(shape, corners, weights)), reach);
+        }
+      }
+      if (shape == CellShape::hexahedron) EXPECT_GT(ruled_out, 200);
+    }
+}
+
 TEST(CellGeometry, VolumeIsThatOfTheMap) {
   // The integral of the Jacobian, which is a polynomial of degree two in each parameter: Gauss of three points.
   constexpr double kAt[] = {0.1127016653792583, 0.5, 0.8872983346207417}, kWeight[] = {5 / 18.0, 8 / 18.0, 5 / 18.0};

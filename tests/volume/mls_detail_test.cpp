@@ -18,21 +18,6 @@ Vec3 cubic_gradient(const Vec3& x) {
 }
 double wave(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) + 0.3 * x.z; }
 
-struct Errors {
-  double mean = 0, most = 0;
-};
-Errors errors_of(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
-  std::vector<double> values(x.size());
-  field.evaluate(x, {values, {}, {}, {}});
-  Errors errors;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double e = std::abs(values[i] - f(x[i]));
-    errors.mean += e / static_cast<double>(x.size());
-    errors.most = std::max(errors.most, e);
-  }
-  return errors;
-}
-
 std::unique_ptr<VolumeField> detail_of(std::shared_ptr<const SampledVolume> volume, bool robust) {
   Progress progress;
   ReconstructionOptions options;
@@ -137,26 +122,8 @@ TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
   const auto check = [](const GridData& data, Association association) {
     const auto volume = volume_of(data, association);
     const auto field = field_of(volume, ReconstructionMethod::mls_detail);
-    const auto x = places_within(*volume, 300);
-    std::vector<double> unused(x.size());
-    std::vector<Vec3> gradients(x.size());
-    field->evaluate(x, {unused, gradients, {}, {}});
-    const double h = 1e-3;
-    std::vector<Vec3> around;
-    for (const Vec3& p : x)
-      for (std::size_t k = 0; k < 6; ++k) {
-        around.push_back(p);
-        around.back()[k / 2] += k % 2 == 0 ? h : -h;
-      }
-    std::vector<double> values(around.size());
-    field->evaluate(around, {values, {}, {}, {}});
-    std::size_t wrong = 0;  // differences reach over faces of cells, where gradients may jump a little
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double* v = values.data() + 6 * i;
-      const Vec3 d = Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h);
-      wrong += !(norm(d - gradients[i]) < 0.02);
-    }
-    EXPECT_LE(wrong, 6u);
+    // Differences reach over faces of cells, where gradients may jump a little.
+    EXPECT_LE(wrong_gradients(*field, places_within(*volume, 300)), 6u);
   };
   check(bent_grid({6, 7, 5}, wave), Association::points);
   check(mixed_grid({7, 4, 4}, wave), Association::points);
@@ -205,12 +172,7 @@ TEST(MlsDetail, HasNoCracksAcrossLevelsAndBordersOfBlocks) {
 }
 
 TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
-  GridData data = two_level_amr(12, wave);
-  SampledVolume volume = *volume_of(data, Association::cells);
-  std::vector<double> values;
-  for (const Vec3& x : volume.positions) values.push_back(wave(x));
-  volume.attributes.set("f", std::move(values));
-  const auto shared = std::make_shared<const SampledVolume>(std::move(volume));
+  const auto shared = with_values_at_samples(*volume_of(two_level_amr(12, wave), Association::cells), wave);
   const auto x = places_within(*shared, 5000);
   const Errors linear = errors_of(*field_of(shared, ReconstructionMethod::linear), x, wave);
   const Errors detail = errors_of(*field_of(shared, ReconstructionMethod::mls_detail), x, wave);

@@ -15,11 +15,7 @@ double bump(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) 
 double quadratic_function(const Vec3& x) { return 0.3 + x.x - 2 * x.y * x.z + x.x * x.x - 0.5 * x.z * x.z; }
 
 double mean_error(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
-  std::vector<double> values(x.size());
-  field.evaluate(x, {values, {}, {}, {}});
-  double sum = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += std::abs(values[i] - f(x[i]));
-  return sum / static_cast<double>(x.size());
+  return errors_of(field, x, f).mean;
 }
 
 TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
@@ -29,8 +25,6 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
       // At the hull of scattered samples some, in slivers, do not determine a plane: amls has a constant there.
       const bool slivers = grid.name.starts_with("scattered");
       if (slivers && method == ReconstructionMethod::amls) continue;
-      // mls falls back to lower degrees where stencils of overlapping blocks are one-sided.
-      if (method == ReconstructionMethod::mls && grid.name.starts_with("overlapping")) continue;
       const auto volume = volume_of(grid.data, grid.association);
       const auto field = field_of(volume, method);
       const auto x = places_within(*volume, 300);
@@ -84,7 +78,8 @@ TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
     std::vector<std::uint8_t> degrees(x.size());
     field->evaluate(x, {values, {}, {}, degrees});
     for (std::size_t i = 0; i < x.size(); ++i) {
-      ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-9) << i;
+      // The share that is confirmed is 1 but for rounding to float.
+      ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-7) << i;
       ASSERT_EQ(degrees[i], 2) << i;
     }
   }
@@ -123,29 +118,34 @@ TEST(MlsField, IsBetterThanLinearOnAverage) {
   }
 }
 
+TEST(MlsField, IsNeverWorseThanLinear) {
+  // Smooth, a front and a peak: of the latter the samples show hardly more than that they are there.
+  const VolumeFunction functions[] = {bump, [](const Vec3& x) { return std::tanh(7 * (x.z - x.x - x.y) + 2); },
+                                      [](const Vec3& x) {
+                                        return std::exp(-12 * squared_norm(x - Vec3{0.4, 0.6, 0.5}));
+                                      }};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const NamedGrid& grid : all_grids(functions[k])) {
+      if (grid.name == "lattice, cells" || grid.name == "stretched, cells") continue;  // outer half cells: extrapolated
+      // A front thinner than the samples are apart, next to where a block ends: a fifth worse at most (see the page's
+      // limits).
+      if (grid.name == "overlapping, cells" && k == 1) continue;
+      SCOPED_TRACE(grid.name + ", function " + std::to_string(k));
+      const auto volume = with_values_at_samples(*volume_of(grid.data, grid.association), functions[k]);
+      const auto x = places_within(*volume, 3000);
+      const Errors linear = errors_of(*field_of(volume, ReconstructionMethod::linear), x, functions[k]);
+      const Errors mls = errors_of(*field_of(volume, ReconstructionMethod::mls), x, functions[k]);
+      const double spare = k == 0 ? 1 : 1.01;  // where samples are too far apart for any method: a hundredth
+      EXPECT_LE(mls.most, spare * linear.most);
+      EXPECT_LE(mls.mean, spare * linear.mean);
+    }
+}
+
 TEST(MlsField, GradientsAreDerivativesOfTheValues) {
   const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
   for (const auto method : {ReconstructionMethod::mls, ReconstructionMethod::amls}) {
-    const auto field = field_of(volume, method);
-    const auto x = places_within(*volume, 300);
-    std::vector<double> unused(x.size());
-    std::vector<Vec3> gradients(x.size());
-    field->evaluate(x, {unused, gradients, {}, {}});
-    const double h = 1e-3;
-    std::vector<Vec3> around;
-    for (const Vec3& p : x)
-      for (std::size_t k = 0; k < 6; ++k) {
-        around.push_back(p);
-        around.back()[k / 2] += k % 2 == 0 ? h : -h;
-      }
-    std::vector<double> values(around.size());
-    field->evaluate(around, {values, {}, {}, {}});
-    std::size_t wrong = 0;  // mls near corners, where it goes over to linear interpolation
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double* v = values.data() + 6 * i;
-      wrong += !(norm(Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h) - gradients[i]) < 0.02);
-    }
-    EXPECT_LE(wrong, 10u);
+    // Some are near corners, where mls goes over to linear interpolation.
+    EXPECT_LE(wrong_gradients(*field_of(volume, method), places_within(*volume, 300)), 10u);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -59,6 +61,54 @@ inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume
   ReconstructionOptions options;
   options.method = method;
   return reconstruct_volume(std::move(volume), "f", options, progress);
+}
+
+/// Of a field at places: the mean and the largest.
+struct Errors {
+  double mean = 0, most = 0;
+};
+inline Errors errors_of(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
+  std::vector<double> values(x.size());
+  field.evaluate(x, {values, {}, {}, {}});
+  Errors errors;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double e = std::abs(values[i] - f(x[i]));
+    errors.mean += e / static_cast<double>(x.size());
+    errors.most = std::max(errors.most, e);
+  }
+  return errors;
+}
+
+/// The same volume with the values of a function at its samples as "f". (Those of cells are at the means of their
+/// corners otherwise, where the samples of some cells are not.)
+inline std::shared_ptr<const SampledVolume> with_values_at_samples(SampledVolume volume, const VolumeFunction& f) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < volume.size(); ++i) values.push_back(f(volume.position(i)));
+  volume.attributes.set("f", std::move(values));
+  return std::make_shared<const SampledVolume>(std::move(volume));
+}
+
+/// How many of the gradients at x differ by 0.02 or more from central differences of the values, 1e-3 to each side.
+inline std::size_t wrong_gradients(const VolumeField& field, const std::vector<Vec3>& x) {
+  std::vector<double> unused(x.size());
+  std::vector<Vec3> gradients(x.size());
+  field.evaluate(x, {unused, gradients, {}, {}});
+  const double h = 1e-3;
+  std::vector<Vec3> around;
+  for (const Vec3& p : x)
+    for (std::size_t k = 0; k < 6; ++k) {
+      around.push_back(p);
+      around.back()[k / 2] += k % 2 == 0 ? h : -h;
+    }
+  std::vector<double> values(around.size());
+  field.evaluate(around, {values, {}, {}, {}});
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double* v = values.data() + 6 * i;
+    const Vec3 d = Vec3{v[0] - v[1], v[2] - v[3], v[4] - v[5]} / (2 * h);
+    wrong += !(norm(d - gradients[i]) < 0.02);
+  }
+  return wrong;
 }
 
 }  // namespace sansmesh::test

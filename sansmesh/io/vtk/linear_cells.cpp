@@ -89,15 +89,24 @@ void LinearCells::fan(std::span<const std::uint32_t> ring) {
   for (std::size_t k = 2; k < ring.size(); ++k) flat(ring[0], ring[k - 1], ring[k], kNoCorner);
 }
 
+bool LinearCells::comes_first(std::uint32_t a, std::uint32_t b) const {
+  const Vec3 &x = places_[a], &y = places_[b];
+  return x.x != y.x ? x.x < y.x : x.y != y.y ? x.y < y.y : x.z != y.z ? x.z < y.z : a < b;
+}
+
 void LinearCells::cone(std::span<const std::vector<std::uint32_t>> faces) {
+  const auto before = [this](std::uint32_t a, std::uint32_t b) { return comes_first(a, b); };
   std::uint32_t apex = kNoCorner;
   for (const auto& face : faces) {
-    for (const std::uint32_t v : face) apex = std::min(apex, v);
+    for (const std::uint32_t v : face) {
+      if (apex == kNoCorner || before(v, apex)) apex = v;
+    }
   }
   for (const auto& face : faces) {
     if (face.size() < 3 || std::find(face.begin(), face.end(), apex) != face.end()) continue;
-    const std::size_t lowest = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
-    const auto at = [&](std::size_t k) { return face[(lowest + k) % face.size()]; };
+    const std::size_t first =
+        static_cast<std::size_t>(std::min_element(face.begin(), face.end(), before) - face.begin());
+    const auto at = [&](std::size_t k) { return face[(first + k) % face.size()]; };
     for (std::size_t k = 2; k < face.size(); ++k) piece(CellShape::tetrahedron, {at(0), at(k), at(k - 1), apex});
   }
 }

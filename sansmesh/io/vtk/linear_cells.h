@@ -8,17 +8,21 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/vec.h"
 #include "sansmesh/data/cell_list.h"
 
 namespace sansmesh::io {
 
 /// Takes cells one by one, cut where that is needed. Cells with nodes on their edges are cut at all of them (up to
 /// corners of quadratic pyramids in faces, and nodes of higher order than Lagrange hexahedra and quadrilaterals have,
-/// which are left aside); polyhedra into tetrahedra that share the lowest-numbered node, their faces into triangles
-/// that do, so that cells that share a face are cut alike there. Cells keep VTK's orientation; those that are inside
-/// out stay so.
+/// which are left aside); polyhedra into tetrahedra that share the first node (by x, then y, then z, then its number),
+/// their faces into triangles that do, so that cells that share a face are cut alike there, whatever the order of the
+/// nodes. Cells keep VTK's orientation; those that are inside out stay so.
 class LinearCells {
  public:
+  /// Where the nodes are; must outlive it.
+  explicit LinearCells(std::span<const Vec3> places) : places_(places) {}
+
   /// `type` is one of VTK's numbers of linear, quadratic and Lagrange cells; nodes are in its order. Returns false
   /// where there are fewer nodes than the type has.
   bool add(int type, std::span<const std::uint32_t> nodes, std::uint32_t row);
@@ -38,6 +42,7 @@ class LinearCells {
   std::size_t lines = 0, vertices = 0;  ///< left out
 
  private:
+  bool comes_first(std::uint32_t a, std::uint32_t b) const;
   void piece(CellShape shape, std::initializer_list<std::uint32_t> nodes);
   void flat(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d);
   void fan(std::span<const std::uint32_t> ring);
@@ -47,6 +52,7 @@ class LinearCells {
   bool add_solid(int type, std::span<const std::uint32_t> nodes);
   bool add_flat(int type, std::span<const std::uint32_t> nodes);
 
+  std::span<const Vec3> places_;
   std::uint32_t row_ = 0;
   std::map<std::string, std::array<std::size_t, 2>> cut_;  ///< by their kind: cells, and those made of them
   std::map<std::string, std::size_t> left_out_, corners_only_;

@@ -1,7 +1,6 @@
 // The module's entry: chooses VTK's reader, watches for its errors, hands over what it made.
 #include <vtkAlgorithm.h>
 #include <vtkCGNSReader.h>
-#include <vtkDICOMImageReader.h>
 #include <vtkDataObject.h>
 #include <vtkExodusIIReader.h>
 #include <vtkGenericDataObjectReader.h>
@@ -29,16 +28,25 @@
 
 #include <algorithm>
 #include <exception>
-#include <filesystem>
+#include <iostream>
 #include <mutex>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 
+#include "sansmesh/io/vtk/dicom_slices.h"
 #include "sansmesh/io/vtk/vtk_blocks.h"
 #include "sansmesh/io/vtk_module.h"
 
 // Of the library below VTK's reader of Exodus, whose header needs more packages: what it prints about errors (0:
 // nothing).
 extern "C" int vtkexodusII_ex_opts(int options) __attribute__((weak));
+
+// VTK's reader of CGNS calls this of the library below where a file is damaged, and the process ends. The loader looks
+// for it in this module before it does in the libraries that the module needs.
+extern "C" __attribute__((visibility("default"))) [[noreturn]] void vtkcgns_cgio_error_exit(const char*) {
+  throw std::runtime_error("is no CGNS file that can be read: truncated or damaged");
+}
 
 namespace sansmesh::io {
 namespace {
@@ -110,6 +118,19 @@ class Captured {
  private:
   vtkSmartPointer<vtkOutputWindow> before_;
   vtkLogger::Verbosity verbosity_;
+};
+
+/// Drops what the reader of CGNS prints, as long as it lives.
+class SilentErrors {
+ public:
+  SilentErrors() : before_(std::cerr.rdbuf(dropped_.rdbuf())) {}
+  ~SilentErrors() { std::cerr.rdbuf(before_); }
+  SilentErrors(const SilentErrors&) = delete;
+  SilentErrors& operator=(const SilentErrors&) = delete;
+
+ private:
+  std::ostringstream dropped_;
+  std::streambuf* before_;
 };
 
 template <class Reader>
@@ -198,22 +219,8 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       reader->DecomposePolyhedraOff();
       return reader;
     }
-    case VtkFormat::dicom: {
-      const auto reader = vtkSmartPointer<vtkDICOMImageReader>::New();
-      if (std::filesystem::is_directory(request.file)) {
-        // It would take any files that there are.
-        std::size_t slices = 0;
-        for (const auto& entry : std::filesystem::directory_iterator(request.file))
-          slices += entry.is_regular_file() && reader->CanReadFile(entry.path().c_str()) != 0;
-        if (slices == 0) throw std::runtime_error("is a folder without DICOM slices");
-        reader->SetDirectoryName(request.file.c_str());
-      } else {
-        if (reader->CanReadFile(request.file.c_str()) == 0)
-          throw std::runtime_error("is no DICOM file that can be read");
-        reader->SetFileName(request.file.c_str());
-      }
-      return reader;
-    }
+    case VtkFormat::dicom:
+      break;  // add_slices
   }
   throw std::runtime_error("is of a format that the module does not know");
 }
@@ -235,10 +242,16 @@ std::string kind_of(vtkDataObject& object) {
 }
 
 void read_series(const VtkRequest& request, const Captured& captured, VtkSink& sink, GridData& data) {
-  const vtkSmartPointer<vtkAlgorithm> reader = make_reader(request);
   const auto check = [&] {
     if (!captured.window->error.empty()) throw std::runtime_error(captured.window->error);
   };
+  if (request.format == VtkFormat::dicom) {
+    if (request.time_step > 0) return;
+    data.format = "DICOM image data";
+    add_slices(request.file, sink, data);
+    return check();
+  }
+  const vtkSmartPointer<vtkAlgorithm> reader = make_reader(request);
   check();
   reader->UpdateInformation();
   check();
@@ -260,13 +273,13 @@ void read_series(const VtkRequest& request, const Captured& captured, VtkSink& s
   if (!output) throw std::runtime_error("cannot be read: truncated or damaged");
   data.format = std::string(format_name(request.format)) + " " + kind_of(*output);
   add_blocks(*output, {}, sink, data);
-  if (request.format == VtkFormat::dicom)
-    data.notes.push_back("slices are stacked from the origin on: where the patient lay is not used");
   check();
 }
 
 void read_checked(const VtkRequest& request, VtkSink& sink, GridData& data) {
   const Captured captured;
+  std::optional<SilentErrors> silent;
+  if (request.format == VtkFormat::cgns) silent.emplace();
   read_series(request, captured, sink, data);
   for (const std::string& warning : captured.window->warnings) data.notes.push_back("VTK warns: " + warning);
   tidy_blocks(data);
@@ -275,7 +288,7 @@ void read_checked(const VtkRequest& request, VtkSink& sink, GridData& data) {
 }  // namespace
 }  // namespace sansmesh::io
 
-// Only these two can be seen from outside.
+// Only these two are called from outside.
 extern "C" __attribute__((visibility("default"))) std::size_t sansmesh_vtk_interface() {
   return sansmesh::io::kVtkInterface;
 }

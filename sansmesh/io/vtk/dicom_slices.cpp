@@ -1,0 +1,200 @@
+#include "sansmesh/io/vtk/dicom_slices.h"
+
+#include <vtkDICOMImageReader.h>
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkPointData.h>
+#include <vtkSmartPointer.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <vector>
+
+#include "sansmesh/io/vtk/vtk_blocks.h"
+
+namespace sansmesh::io {
+namespace {
+
+struct Slice {
+  std::string file;
+  Vec3 position, along_row, along_column;  ///< of the first number; unit vectors
+  double column_step = 1, row_step = 1;    ///< between columns, between rows
+  double thickness = 1;
+  double at = 0;                        ///< along the normal
+  vtkSmartPointer<vtkImageData> image;  ///< its rows stand upside down
+  int columns() const { return image->GetDimensions()[0]; }
+  int rows() const { return image->GetDimensions()[1]; }
+};
+
+/// VTK's reader takes the bytes behind the header for numbers, whatever they are and however many.
+void check_pixels(vtkDICOMImageReader& reader, const Slice& slice) {
+  const std::string name = std::filesystem::path(slice.file).filename().string();
+  const char* const syntax = reader.GetTransferSyntaxUID();
+  for (const char* packed : {"1.2.840.10008.1.2.4", "1.2.840.10008.1.2.5", "1.2.840.10008.1.2.1.99"})
+    if (syntax && std::string(syntax).find(packed) != std::string::npos)
+      throw std::runtime_error("holds compressed pixels, which are not read (" + name + ")");
+  const auto bits = static_cast<std::uintmax_t>(reader.GetBitsAllocated());
+  const std::uintmax_t size = static_cast<std::uintmax_t>(slice.columns()) * static_cast<std::uintmax_t>(slice.rows()) *
+                              static_cast<std::uintmax_t>(reader.GetNumberOfComponents()) * bits / 8;
+  if (std::filesystem::file_size(slice.file) < size) throw std::runtime_error("holds a truncated slice (" + name + ")");
+}
+
+Slice read_slice(const std::string& file) {
+  const auto reader = vtkSmartPointer<vtkDICOMImageReader>::New();
+  reader->SetFileName(file.c_str());
+  reader->Update();
+  Slice slice;
+  slice.file = file;
+  slice.image = reader->GetOutput();
+  if (!slice.image || !slice.image->GetPointData()->GetScalars() || slice.image->GetDimensions()[2] != 1)
+    throw std::runtime_error("holds a slice that cannot be read: " + std::filesystem::path(file).filename().string());
+  check_pixels(*reader, slice);
+  const float* const p = reader->GetImagePositionPatient();
+  const float* const o = reader->GetImageOrientationPatient();
+  slice.position = {p[0], p[1], p[2]};
+  Vec3 row{o[0], o[1], o[2]}, column{o[3], o[4], o[5]};
+  if (!(std::abs(norm(row) - 1) < 0.1 && std::abs(norm(column) - 1) < 0.1 && std::abs(dot(row, column)) < 0.1))
+    row = {1, 0, 0}, column = {0, 1, 0};  // without an orientation
+  slice.along_row = normalized(row);
+  slice.along_column = normalized(column - slice.along_row * dot(slice.along_row, column));
+  // In the order of the file, which gives the step from row to row first.
+  const double* const steps = reader->GetPixelSpacing();
+  slice.row_step = steps[0] > 0 ? steps[0] : 1;
+  slice.column_step = steps[1] > 0 ? steps[1] : 1;
+  slice.thickness = steps[2] > 0 ? steps[2] : 1;
+  return slice;
+}
+
+std::vector<Slice> read_slices(const std::string& path) {
+  const auto probe = vtkSmartPointer<vtkDICOMImageReader>::New();
+  if (!std::filesystem::is_directory(path)) {
+    if (probe->CanReadFile(path.c_str()) == 0) throw std::runtime_error("is no DICOM file that can be read");
+    return {read_slice(path)};
+  }
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.is_regular_file() && probe->CanReadFile(entry.path().c_str()) != 0)
+      files.push_back(entry.path().string());
+  if (files.empty()) throw std::runtime_error("is a folder without DICOM slices");
+  std::sort(files.begin(), files.end());
+  std::vector<Slice> slices;
+  for (const std::string& file : files) slices.push_back(read_slice(file));
+  return slices;
+}
+
+/// Sorts them along the normal.
+void sort_slices(std::vector<Slice>& slices) {
+  const Slice first = slices[0];
+  const Vec3 normal = cross(first.along_row, first.along_column);
+  for (Slice& s : slices) {
+    if (s.columns() != first.columns() || s.rows() != first.rows() ||
+        s.image->GetNumberOfScalarComponents() != first.image->GetNumberOfScalarComponents() ||
+        norm(s.along_row - first.along_row) > 1e-3 || norm(s.along_column - first.along_column) > 1e-3 ||
+        std::abs(s.column_step - first.column_step) > 1e-3 * first.column_step ||
+        std::abs(s.row_step - first.row_step) > 1e-3 * first.row_step)
+      throw std::runtime_error("holds slices of different sizes or directions: keep one series in a folder");
+    s.at = dot(normal, s.position - first.position);
+  }
+  std::stable_sort(slices.begin(), slices.end(), [](const Slice& a, const Slice& b) { return a.at < b.at; });
+}
+
+/// Numbers of all slices, rows the right way round.
+AttributeValues values_of_slices(const std::vector<Slice>& slices) {
+  vtkDataArray* const like = slices[0].image->GetPointData()->GetScalars();
+  const int columns = slices[0].columns(), rows = slices[0].rows();
+  const vtkIdType size = static_cast<vtkIdType>(columns) * rows;
+  // Numbers are whole in slices that need no scaling, and reals in others.
+  const bool same = std::all_of(slices.begin(), slices.end(), [&](const Slice& s) {
+    return s.image->GetPointData()->GetScalars()->GetDataType() == like->GetDataType();
+  });
+  const auto all =
+      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(same ? like->GetDataType() : VTK_FLOAT));
+  all->SetNumberOfComponents(like->GetNumberOfComponents());
+  all->SetNumberOfTuples(size * static_cast<vtkIdType>(slices.size()));
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    vtkDataArray* const from = slices[k].image->GetPointData()->GetScalars();
+    for (vtkIdType r = 0; r < rows; ++r)
+      for (vtkIdType c = 0; c < columns; ++c)
+        for (int component = 0; component < like->GetNumberOfComponents(); ++component)
+          all->SetComponent(static_cast<vtkIdType>(k) * size + r * columns + c, component,
+                            from->GetComponent((rows - 1 - r) * columns + c, component));
+  }
+  return values_of(*all, nullptr);
+}
+
+/// Distances along the normal: equal ones, where they are to the precision of headers.
+std::vector<double> distances_of(const std::vector<Slice>& slices, GridData& data) {
+  std::vector<double> at;
+  for (const Slice& s : slices) at.push_back(s.at - slices[0].at);
+  if (at.size() < 2) return at;
+  const double mean = at.back() / static_cast<double>(at.size() - 1);
+  double least = mean, most = mean;
+  for (std::size_t k = 1; k < at.size(); ++k) {
+    least = std::min(least, at[k] - at[k - 1]), most = std::max(most, at[k] - at[k - 1]);
+    if (at[k] - at[k - 1] <= 1e-3 * mean)
+      throw std::runtime_error(
+          "holds several slices at one place (" + std::filesystem::path(slices[k - 1].file).filename().string() +
+          " and " + std::filesystem::path(slices[k].file).filename().string() + "): keep one series in a folder");
+  }
+  if (most - least <= 0.01 * mean) {
+    for (std::size_t k = 0; k < at.size(); ++k) at[k] = mean * static_cast<double>(k);
+  } else {
+    data.notes.push_back("the distance from slice to slice is not the same everywhere");
+  }
+  return at;
+}
+
+/// For slices that do not say where they lie: one after the other, in the order of their names.
+void stack_slices(std::vector<Slice>& slices, GridData& data) {
+  for (std::size_t k = 0; k < slices.size(); ++k)
+    slices[k].position +=
+        cross(slices[0].along_row, slices[0].along_column) * (slices[0].thickness * static_cast<double>(k));
+  data.notes.push_back("the slices do not say where they lie: they are stacked in the order of their names");
+}
+
+}  // namespace
+
+void add_slices(const std::string& path, VtkSink& sink, GridData& data) {
+  std::vector<Slice> slices = read_slices(path);
+  const bool placed = std::any_of(slices.begin(), slices.end(),
+                                  [&](const Slice& s) { return norm(s.position - slices[0].position) > 0; });
+  if (!placed && slices.size() > 1) stack_slices(slices, data);
+  sort_slices(slices);
+  const Slice& first = slices[0];
+  const Vec3 normal = cross(first.along_row, first.along_column);
+  GridBlock block;
+  const auto columns = static_cast<std::size_t>(first.columns()), rows = static_cast<std::size_t>(first.rows());
+  block.dims = {columns, rows, slices.size()};
+  const std::vector<double> at = distances_of(slices, data);
+  // Slices that a tilted gantry has shifted against each other.
+  bool straight = true;
+  for (const Slice& s : slices) {
+    const Vec3 d = s.position - first.position;
+    straight = straight &&
+               norm(d - normal * dot(normal, d)) <= 0.01 * std::min(first.column_step, first.row_step) + 1e-6 * norm(d);
+  }
+  if (straight) {
+    block.kind = GridKind::lattice;
+    block.origin = first.position;
+    block.directions = {first.along_row, first.along_column, normal};
+    for (std::size_t i = 0; i < columns; ++i) block.axes[0].push_back(static_cast<double>(i) * first.column_step);
+    for (std::size_t j = 0; j < rows; ++j) block.axes[1].push_back(static_cast<double>(j) * first.row_step);
+    block.axes[2] = at;
+  } else {
+    block.kind = GridKind::curvilinear;
+    for (const Slice& s : slices)
+      for (std::size_t j = 0; j < rows; ++j)
+        for (std::size_t i = 0; i < columns; ++i)
+          block.points.push_back(s.position + first.along_row * (static_cast<double>(i) * first.column_step) +
+                                 first.along_column * (static_cast<double>(j) * first.row_step));
+  }
+  const int components = first.image->GetNumberOfScalarComponents();
+  sink.add(block, false, {"DICOMImage", values_of_slices(slices), static_cast<std::size_t>(components)});
+  data.blocks.push_back(std::move(block));
+}
+
+}  // namespace sansmesh::io

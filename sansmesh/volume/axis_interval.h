@@ -1,0 +1,25 @@
+// Where a coordinate lies on an axis.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+namespace sansmesh {
+
+/// The number of the interval between ascending knots (two or more) that holds x: knots belong to the one above them.
+/// Beyond the ends, and at what is no number, the first or last one. `uniform`: knots have equal distances, to
+/// rounding.
+inline std::size_t interval_of(std::span<const double> knots, bool uniform, double x) {
+  const std::size_t last = knots.size() - 2;
+  if (!(x > knots[0])) return 0;
+  if (x >= knots[last]) return last;
+  if (!uniform) return static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), x) - knots.begin()) - 1;
+  const double step = (knots.back() - knots.front()) / static_cast<double>(knots.size() - 1);
+  std::size_t i = std::min(last, static_cast<std::size_t>((x - knots.front()) / step));
+  while (i > 0 && x < knots[i]) --i;  // the quotient is rounded
+  while (i < last && x >= knots[i + 1]) ++i;
+  return i;
+}
+
+}  // namespace sansmesh

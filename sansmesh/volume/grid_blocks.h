@@ -1,0 +1,36 @@
+// Blocks of a file: how many points and cells they have, and whether what they hold fits together.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/grid_data.h"
+
+namespace sansmesh {
+
+inline bool is_structured(const GridBlock& b) { return b.kind == GridKind::lattice || b.kind == GridKind::curvilinear; }
+/// Numbers of points along the axes of a structured block.
+inline std::array<std::size_t, 3> dims_of(const GridBlock& b) {
+  if (b.kind == GridKind::lattice) return {b.axes[0].size(), b.axes[1].size(), b.axes[2].size()};
+  return b.dims;
+}
+std::size_t point_count_of(const GridBlock& b);
+/// Flat cells count where there are no others.
+std::size_t cell_count_of(const GridBlock& b);
+/// Axes of a structured block with one point.
+inline std::size_t layers_of(const GridBlock& b) {
+  const auto n = dims_of(b);
+  return static_cast<std::size_t>(std::count(n.begin(), n.end(), std::size_t{1}));
+}
+/// Whether it has cells with volume.
+bool is_solid(const GridBlock& b);
+/// Where point i lies.
+Vec3 point_of(const GridBlock& b, std::size_t i);
+
+/// Throws DataError, naming the block, where cells name points that are not there, arrays or flags have not as many
+/// rows as there are points or cells, or axes do not increase; and for more than 65,536 blocks or 2³¹ points.
+void check_blocks(const GridData& data);
+
+}  // namespace sansmesh
