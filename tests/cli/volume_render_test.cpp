@@ -11,6 +11,7 @@
 #include "ball_volume.h"
 #include "run_tool.h"
 #include "support/png_file.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
