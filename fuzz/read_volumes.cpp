@@ -1,5 +1,5 @@
-// Whatever bytes the header of an image, a PLOT3D or a Nek5000 file holds, reading it ends with blocks whose arrays fit
-// together, or with an error of one printable line. The first byte chooses the format.
+// Whatever bytes the header of an image, of a PLOT3D, Nek5000, NetCDF or ADF file holds, reading it ends with blocks
+// whose arrays fit together, or with an error of one printable line. The first byte chooses the format.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/io/adf_size.h"
 #include "sansmesh/io/netcdf_size.h"
 #include "sansmesh/io/volume_readers.h"
 #include "support/clean_text.h"
@@ -66,6 +67,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         break;
       case 4:
         check(io::read_nek_field(in));
+        break;
+      case 5:
+        check(io::read_nek_series(in, 0));
+        break;
+      case 6:
+        io::check_adf_size(in);
         break;
       default:
         io::check_netcdf_size(in);

@@ -114,6 +114,7 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   if (!a.save_transfer.empty()) check_writable(a.save_transfer, "text");
   require(a.interactive || a.bake_error == BakeOptions().tolerance, "--bake-error needs --interactive");
   require(a.options.unit.empty() || a.options.axes, "--unit needs --axes");
+  require(a.options.color_title.empty() || !a.no_bar, "--label stands at the colour bar: not with --no-bar");
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();

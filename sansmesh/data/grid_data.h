@@ -53,7 +53,7 @@ struct GridBlock {
 /// The content of one file, or of files that belong together.
 struct GridData {
   std::vector<GridBlock> blocks;
-  std::vector<double> times;       ///< of the steps that there are, if any
+  std::vector<double> times;       ///< of the steps that there are, if any; NaN: its file cannot be read
   std::optional<double> time;      ///< of this step
   std::string format;              ///< "VTK XML unstructured grid"
   std::vector<std::string> notes;  ///< what a user should know: cells of kinds that were cut or left out, …

@@ -3,11 +3,16 @@
 // Layout: Neko's documentation, appendix "Neko .fld field format"; Nek5000 users' list, November 2013 (P. Fischer).
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <filesystem>
+#include <fstream>
+#include <limits>
 #include <map>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
@@ -28,6 +33,7 @@ struct NekHeader {
   std::size_t real = 4;               ///< bytes of a number
   std::array<std::size_t, 3> dims{};  ///< points of an element
   std::uint64_t elements = 0;         ///< in this file
+  std::uint64_t all = 0;              ///< of the step
   std::size_t part = 0, parts = 1;    ///< this file, and of how many a step consists
   double time = 0;
   bool places = false, velocity = false, pressure = false, temperature = false;
@@ -39,6 +45,13 @@ struct NekHeader {
   /// Numbers a point.
   std::size_t numbers() const {
     return (places ? axes() : 0) + (velocity ? axes() : 0) + pressure + temperature + scalars;
+  }
+  /// Whether the numbers of both can stand one behind the other: the parts of a step.
+  bool laid_out_as(const NekHeader& other) const {
+    const auto layout = [](const NekHeader& h) {
+      return std::tie(h.real, h.dims, h.all, h.parts, h.places, h.velocity, h.pressure, h.temperature, h.scalars);
+    };
+    return layout(*this) == layout(other);
   }
 };
 
@@ -67,10 +80,9 @@ NekHeader parse_nek_header(const Input& in) {
   if (in.bytes.size() < kNekHeader + 4) in.fail_truncated(kNekHeader + 4 - in.bytes.size(), true);
   NekHeader h;
   TextScanner s(in.bytes.substr(4, kNekHeader - 4));
-  std::uint64_t all = 0;
   std::int64_t step = 0;
   if (!s.number(h.real) || !s.number(h.dims[0]) || !s.number(h.dims[1]) || !s.number(h.dims[2]) ||
-      !s.number(h.elements) || !s.number(all) || !s.number(h.time) || !s.number(step) || !s.number(h.part) ||
+      !s.number(h.elements) || !s.number(h.all) || !s.number(h.time) || !s.number(step) || !s.number(h.part) ||
       !s.number(h.parts))
     in.fail("its header cannot be understood: numbers are missing");
   if (h.real != 4 && h.real != 8) in.fail(fmt::format("its header gives numbers of {} bytes, not 4 or 8", h.real));
@@ -104,9 +116,11 @@ class NekFile {
   NekFile(const Input& in, const NekHeader& header) : in_(in), h_(header) {
     const std::uint64_t field = h_.points() * h_.real;
     std::uint64_t needed = kNekHeader + 4;
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
+    if (h_.elements > kMost) in.fail("its header gives more numbers than there can be");
     if (h_.elements > in.bytes.size() / 4) in.fail_truncated(h_.elements * 4 + needed - in.bytes.size(), true);
     needed += 4 * h_.elements;
-    if (field * h_.numbers() > 0 && h_.elements > (std::uint64_t{1} << 60) / (field * h_.numbers()))
+    if (field * h_.numbers() > 0 && h_.elements > kMost / (field * h_.numbers()))
       in.fail("its header gives more numbers than there can be");
     needed += h_.elements * field * h_.numbers();
     if (in.bytes.size() < needed) in.fail_truncated(needed - in.bytes.size());
@@ -192,6 +206,15 @@ class NekStep {
   std::size_t numbers_ = 0;
 };
 
+/// Throws FileError naming `file` where the elements, each counted once, are not as many as the header says.
+void check_nek_elements(const std::string& file, const NekHeader& header, std::vector<std::uint32_t> elements) {
+  std::sort(elements.begin(), elements.end());
+  const auto count = static_cast<std::uint64_t>(std::unique(elements.begin(), elements.end()) - elements.begin());
+  if (count != header.all)
+    throw FileError(file, fmt::format("holds {} of {} elements{}", grouped(count), grouped(header.all),
+                                      header.parts > 1 ? ", with the other parts of its step" : ""));
+}
+
 template <class T>
 NekFields<T> read_nek_step(const NekStep& step, const NekHeader& first, ReadReport& report) {
   NekFields<T> all;
@@ -201,14 +224,22 @@ NekFields<T> read_nek_step(const NekStep& step, const NekHeader& first, ReadRepo
     const FileContent content(name);
     const Input in{name, content.bytes(), report};
     const NekHeader h = parse_nek_header(in);
-    if (h.real != first.real || h.dims != first.dims || h.numbers() != first.numbers() || h.places != first.places)
-      in.fail("is laid out otherwise than the first part of its step");
+    if (!h.laid_out_as(first)) in.fail("is laid out otherwise than the first part of its step");
     NekFile<T>(in, h).append_to(all);
   }
+  check_nek_elements(step.file(0), first, all.elements);
   return all;
 }
 
+/// Of a file that is not packed no more is read: the steps of a series are many, and large.
 NekHeader nek_header_of(const std::string& file, ReadReport& report) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored)) {
+    std::string head(kNekHeader + 4, '\0');
+    std::ifstream stream(file, std::ios::binary);
+    if (stream.read(head.data(), static_cast<std::streamsize>(head.size())) && head.starts_with("#std"))
+      return parse_nek_header({file, head, report});
+  }
   const FileContent content(file);
   return parse_nek_header({file, content.bytes(), report});
 }
@@ -279,6 +310,7 @@ GridData nek_field(const Input& in, const NekHeader& header) {
   NekFields<T> fields;
   fields.header = header;
   NekFile<T>(in, header).append_to(fields);
+  check_nek_elements(in.file, header, fields.elements);
   return nek_volume(in, std::move(fields));
 }
 
@@ -289,6 +321,32 @@ GridData nek_step(const Input& in, const NekStep& step, const NekHeader& header,
   NekFields<T> fields = read_nek_step<T>(step, header, in.report);
   if (!header.places) take_nek_places(in, read_nek_step<T>(mesh, mesh_header, in.report), fields);
   return nek_volume(in, std::move(fields));
+}
+
+/// A step and its header, or why that cannot be read: this matters only where the step is needed.
+struct NekSeriesStep {
+  NekStep step;
+  NekHeader header;
+  std::exception_ptr wrong = nullptr;
+
+  const NekHeader& checked() const {
+    if (wrong) std::rethrow_exception(wrong);
+    return header;
+  }
+};
+
+NekSeriesStep look_at_nek_step(const Input& in, NekStep step) {
+  NekSeriesStep found{std::move(step), {}};
+  found.header.time = std::numeric_limits<double>::quiet_NaN();
+  try {
+    const NekHeader header = nek_header_of(found.step.file(0), in.report);
+    if (found.step.numbers() == 1 && header.parts > 1)
+      in.fail("its steps have several parts, but its filetemplate has no number for them");
+    found.header = header;
+  } catch (const FileError&) {
+    found.wrong = std::current_exception();
+  }
+  return found;
 }
 
 struct NekSeries {
@@ -331,30 +389,31 @@ GridData read_nek_field(const Input& in) {
 
 GridData read_nek_series(const Input& in, std::size_t wanted) {
   const NekSeries series = parse_nek_series(in);
-  std::vector<NekStep> steps;
-  std::vector<NekHeader> headers;
+  std::vector<NekSeriesStep> steps;
   std::error_code ignored;
   for (std::int64_t k = 0; k < series.steps; ++k) {
     NekStep step(in, series.pattern, series.first + k);
-    const std::string file = step.file(0);
-    if (k > 0 && !std::filesystem::exists(file, ignored)) {
+    if (k > 0 && !std::filesystem::exists(step.file(0), ignored)) {
       in.warn(fmt::format("announces {} steps, but there are files of {}", series.steps, k));
       break;
     }
-    headers.push_back(nek_header_of(file, in.report));
-    if (step.numbers() == 1 && headers.back().parts > 1)
-      in.fail("its steps have several parts, but its filetemplate has no number for them");
-    steps.push_back(std::move(step));
+    steps.push_back(look_at_nek_step(in, std::move(step)));
+    if (k == 0 && !std::filesystem::exists(steps[0].step.file(0), ignored)) steps[0].checked();
   }
   check_time_step(in.file, wanted, steps.size());
+  const NekHeader& header = steps[wanted].checked();
   // Coordinates stand in the first step, and again where they have changed.
   std::size_t mesh = wanted;
-  while (mesh > 0 && !headers[mesh].places) --mesh;
-  if (!headers[mesh].places) in.fail("none of its steps up to the one wanted has coordinates");
-  if (headers[mesh].real != headers[wanted].real) in.fail("its steps have numbers of different sizes");
-  const auto read = headers[wanted].real == 8 ? nek_step<double> : nek_step<float>;
-  GridData data = read(in, steps[wanted], headers[wanted], steps[mesh], headers[mesh]);
-  for (const NekHeader& h : headers) data.times.push_back(h.time);
+  while (mesh > 0 && !steps[mesh].checked().places) --mesh;
+  const NekHeader& mesh_header = steps[mesh].checked();
+  if (!mesh_header.places) in.fail("none of its steps up to the one wanted has coordinates");
+  if (mesh_header.real != header.real) in.fail("its steps have numbers of different sizes");
+  const auto read = header.real == 8 ? nek_step<double> : nek_step<float>;
+  GridData data = read(in, steps[wanted].step, header, steps[mesh].step, mesh_header);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    data.times.push_back(steps[k].header.time);
+    if (steps[k].wrong) in.warn(fmt::format("the file of step {} cannot be read", k));
+  }
   if (data.times.size() == 1) data.times.clear();
   return data;
 }

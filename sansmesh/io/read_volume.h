@@ -26,6 +26,9 @@ struct VolumeReadOptions {
 /// folders of DICOM slices need the module that `scripts/install-deps volume` and the target `sansmesh_vtk` make; the
 /// error says so where it is missing.
 ///
+/// While the module reads, VTK's window for messages is replaced and its log silent in the whole process, and for a
+/// CGNS file the buffer of std::cerr: do not set these on another thread meanwhile.
+///
 /// Throws FileError where the file is missing, empty, truncated, malformed, of an unknown or ambiguous layout, or has
 /// no points, and ArgumentError where options are out of their range (`time_step` beyond the file's).
 GridData read_volume(const std::string& file, const VolumeReadOptions& options = {}, ReadReport* report = nullptr);

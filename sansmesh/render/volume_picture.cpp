@@ -86,7 +86,8 @@ Rgba in_front(const std::array<float, 4>& p, const Rgba& back) {
 /// Looks at a place without leaving its own.
 void turn_to(Camera& camera, const Vec3f& place) {
   const Vec3 away = Vec3(camera.position) - Vec3(place), right = cross(Vec3(camera.up), away);
-  if (!(norm(away) > 0) || !(norm(right) > 0)) throw ArgumentError("`focus` cannot be looked at from there");
+  if (!(norm(away) > 0 && norm(away) < 1e6 && norm(right) > 0))
+    throw ArgumentError("`focus` cannot be looked at from there");
   camera.backward = Vec3f(normalized(away));
   camera.right = Vec3f(normalized(right));
   camera.up = Vec3f(cross(normalized(away), normalized(right)));

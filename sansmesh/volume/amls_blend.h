@@ -22,7 +22,8 @@ bool has_linear_share(const SampledVolume& volume);
 /// the polynomials' `trust`, if has_linear_share(); else T = 1. A is continuous wherever the mesh is connected.
 /// Outside of the volume: from its nearest place on. polynomials: of degree 2 at most, coefficients as they count.
 ///
-/// Which supports reach a cell is found when it is asked for first and kept, up to 64 MiB for all cells.
+/// Which supports reach a cell is found when it is asked for first and kept, up to 64 MiB for all cells. Besides, each
+/// thread that asks has the data of 2048 cells at hand, 12 to 40 MB for one component.
 std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
                                              std::shared_ptr<const VolumeLocator> locator, LocalPolynomials polynomials,
                                              SharedArray<float> radii, VolumeValues values, const AmlsShape& shape);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -87,7 +88,7 @@ void grow_patches(const SampledVolume& whole, std::vector<std::uint32_t>& sample
       }
       rings.push_back(patch.size());
     }
-    // A patch that ended by itself is all of its part, and has no rim but that of the volume.
+    // A patch that ended by itself reaches the borders of its part, or another patch: no rim is left out.
     const bool ended = rings[rings.size() - 2] == rings.back();
     const std::size_t within = ended                      ? patch.size()
                                : rings.size() > kRimRings ? rings[rings.size() - 1 - kRimRings]
@@ -137,25 +138,29 @@ void add_test_cells(const SampledVolume& whole, const TestVolume& test, SampledV
   }
 }
 
-TestVolume test_volume(const SampledVolume& whole) {
+/// `made_up`: samples whose values are means of their neighbours', ascending. They are not known, and judge nothing.
+TestVolume test_volume(const SampledVolume& whole, std::span<const std::uint32_t> made_up) {
   TestVolume test;
   std::vector<std::uint8_t> inner;
   grow_patches(whole, test.samples, inner);
   const std::size_t n = test.samples.size();
   test.local_of.assign(whole.size(), kElsewhere);
   test.left_out.resize(n);
+  const auto is_made_up = [&](std::size_t i) {
+    return std::binary_search(made_up.begin(), made_up.end(), test.samples[i]);
+  };
   SampledVolume& part = test.volume;
   part.in_cells = whole.in_cells;
   for (std::size_t i = 0; i < n; ++i) {
     test.local_of[test.samples[i]] = static_cast<std::uint32_t>(i);
     part.positions.push_back(whole.position(test.samples[i]));
-    test.left_out[i] = place_hash(part.positions[i]) % kOneIn == 0;
+    test.left_out[i] = place_hash(part.positions[i]) % kOneIn == 0 || is_made_up(i);
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (test.left_out[i] == 0) {
       const auto known = test.known_around(whole, i);
       part.stars.entries.insert(part.stars.entries.end(), known.begin(), known.end());
-    } else if (inner[i] != 0) {
+    } else if (inner[i] != 0 && !is_made_up(i)) {
       test.tests.push_back(static_cast<std::uint32_t>(i));
     }
     part.stars.first.push_back(part.stars.entries.size());
@@ -278,7 +283,7 @@ AmlsTrial::AmlsTrial(const SampledVolume& whole, const VolumeValues& values, con
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.phi = phi, s.least = least;
-  s.test = test_volume(whole);
+  s.test = test_volume(whole, values.filled);
   const std::size_t c = values.components;
   s.known.components = c;
   std::vector<StarMetric> own_metrics;
@@ -344,8 +349,10 @@ AmlsChoice choose_amls(const AmlsTrial& trial, std::optional<double> shape, std:
       double sum = 0;
       for (const double e : errors) sum += e * e;
       if (sum < kTrialGain * best) best = sum, choice = {epsilon, n};
-      since = sum < kTrialGain * here ? 0 : since + 1;
-      here = std::min(here, sum);
+      if (sum < kTrialGain * here)
+        here = sum, since = 0;
+      else
+        ++since;
       return !iterations && n < kMostIterations && since < kTrialPatience;
     });
     progress.advance();

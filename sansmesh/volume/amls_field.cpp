@@ -27,9 +27,13 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   LocalPolynomials fitted = fit_polynomials(volume, input.values, how, input.progress);
   const std::vector<float> least = support_radii(volume, fitted, 1);
   const auto& asked = input.options.shape;
-  const AmlsTrial trial(volume, input.values, fitted, least, how, phi, asked.value_or(std::begin(kAmlsShapes)[0]),
-                        asked.value_or(std::end(kAmlsShapes)[-1]), input.progress);
-  choice = choose_amls(trial, asked, input.options.iterations, input.progress);
+  if (asked && input.options.iterations) {
+    choice = {*asked, *input.options.iterations};
+  } else {
+    const AmlsTrial trial(volume, input.values, fitted, least, how, phi, asked.value_or(std::begin(kAmlsShapes)[0]),
+                          asked.value_or(std::end(kAmlsShapes)[-1]), input.progress);
+    choice = choose_amls(trial, asked, input.options.iterations, input.progress);
+  }
   std::vector<float> radii = least;
   for (float& r : radii) r = std::max(r, static_cast<float>(AmlsShape::radius(choice.shape)));
 

@@ -31,6 +31,17 @@ struct CellLink {
   bool opposed;  ///< wound so that one of them has to be turned
 };
 
+/// A sheet that is listed once for each side.
+bool same_corners(const FlatCell& a, const FlatCell& b, const std::vector<std::uint32_t>& at) {
+  const auto numbers = [&](const FlatCell& cell) {
+    std::vector<std::uint32_t> all;
+    for (std::size_t k = 0; k < ring_size(cell); ++k) all.push_back(at[cell.corners[k]]);
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  return numbers(a) == numbers(b);
+}
+
 /// Of each cell those that share an edge with it and no third cell; corners by `at`, the first point at their place.
 std::vector<CellLink> links_of(const std::vector<FlatCell>& cells, const std::vector<std::uint32_t>& at) {
   struct Side {
@@ -52,7 +63,7 @@ std::vector<CellLink> links_of(const std::vector<FlatCell>& cells, const std::ve
   for (std::size_t first = 0, last; first < sides.size(); first = last) {
     for (last = first + 1; last < sides.size() && sides[last].edge == sides[first].edge;) ++last;
     const Side &a = sides[first], &b = sides[last - 1];
-    if (last - first != 2 || a.cell == b.cell) continue;
+    if (last - first != 2 || a.cell == b.cell || same_corners(cells[a.cell], cells[b.cell], at)) continue;
     const bool opposed = a.upwards == b.upwards;
     links.push_back({a.cell, b.cell, opposed});
     links.push_back({b.cell, a.cell, opposed});

@@ -32,7 +32,7 @@ constexpr double kSamplesPerTerm = 4, kWidest = 4;
 // Variance of a value in units of that of a weighted mean. With samples all around it is kAllAround, of the weights (1
 // − r²)⁴ by degree. From kDoubtful times that on, at boundaries, linear interpolation takes over, and from kUseless on
 // it is all.
-constexpr double kAllAround[] = {3.3, 3.3, 3.3, 3.3, 7.3};  // of planes, 1, as much as of parabolas: they hold on
+constexpr double kAllAround[] = {3.3, 3.3, 3.3, 3.3, 7.3};  // (that of planes is 1: they are doubted later)
 constexpr double kDoubtful = 1.5, kUseless = 6;
 
 // Radii of the samples' weights, in the local metrics: cells that a sample belongs to lie well inside, and each reaches
@@ -236,7 +236,8 @@ class MlsField final : public GroupedField {
       else
         for (std::size_t v = 0; v < place.corner_count; ++v) add(place.corners[v]);
     }
-    std::vector<double> shares(n, 1.0);
+    // Where no place that was looked at has a correction, nothing confirms any.
+    std::vector<double> shares(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       if (of_samples[i][0] == 0) continue;
       const double share = of_samples[i][1] / of_samples[i][0];

@@ -142,10 +142,7 @@ void StencilFit::solve(std::size_t components, std::span<const Vec3> tests) {
       if (d == 0) sums[m] = sum;
       if (sums[m] > 0) score += sum / sums[m];
     }
-    if (d == 0 || score < kGain * best) {
-      degree_ = d, best = score;
-      left_out_error_ = std::abs(residuals_[0]) / (1 - std::min(leverage_[0], kMostLeverage));
-    }
+    if (d == 0 || score < kGain * best) degree_ = d, best = score;
     if (score == 0) break;
   }
   unexplained_ = best;

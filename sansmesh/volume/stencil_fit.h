@@ -58,8 +58,6 @@ class StencilFit {
   /// Whether a step was found, and whether a sample of the stencil is on the own side of it.
   bool split() const { return split_; }
   bool own_side(std::size_t sample) const { return own_[sample] != 0; }
-  /// The error of predicting the first sample from the others with the degree taken, component 0.
-  double left_out_error() const { return left_out_error_; }
 
  private:
   void take(std::span<const Vec3> u, std::span<const double> f, std::size_t components);
@@ -72,7 +70,7 @@ class StencilFit {
   OrthogonalFit<3> fit_{OrthogonalFitOptions{0.05}};
   int degree_ = 0;
   bool split_ = false;
-  double left_out_error_ = 0, unexplained_ = 0;
+  double unexplained_ = 0;
   std::vector<unsigned char> own_;
   std::size_t count_ = 0;
   std::array<std::vector<double>, 3> u_;

@@ -11,6 +11,7 @@
 #include "ball_volume.h"
 #include "run_tool.h"
 #include "support/png_file.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -41,7 +42,7 @@ double differing(const PngPicture& a, const PngPicture& b, int levels = 3) {
   for (std::size_t i = 0; i < a.bytes.size(); i += 4)
     count += std::abs(a.bytes[i] - b.bytes[i]) > levels || std::abs(a.bytes[i + 1] - b.bytes[i + 1]) > levels ||
              std::abs(a.bytes[i + 2] - b.bytes[i + 2]) > levels;
-  return static_cast<double>(count) / static_cast<double>(a.bytes.size() / 4);
+  return 4 * static_cast<double>(count) / static_cast<double>(a.bytes.size());
 }
 
 class VolumeRenderTool : public ToolTest {
@@ -80,8 +81,8 @@ TEST_F(VolumeRenderTool, IsoSurfaceIsWhereItsBallIs) {
   EXPECT_EQ(count_if(p, is_white, 0, 20), 20 * kHigh);
   for (const double turn : {0.0, 1.0, 2.5, 4.0, 5.5}) {
     const auto at = [&](double r) {
-      return p.at(static_cast<std::size_t>(kWide / 2 + r * std::cos(turn)),
-                  static_cast<std::size_t>(kHigh / 2 + r * std::sin(turn)));
+      return p.at(static_cast<std::size_t>(0.5 * kWide + r * std::cos(turn)),
+                  static_cast<std::size_t>(0.5 * kHigh + r * std::sin(turn)));
     };
     EXPECT_TRUE(is_orange(at(radius - 3))) << turn;
     EXPECT_TRUE(is_white(at(radius + 3))) << turn;
@@ -118,6 +119,7 @@ TEST_F(VolumeRenderTool, PlainPictureShowsTheBallAndItsColourBar) {
 }
 
 TEST_F(VolumeRenderTool, EveryOptionShows) {
+  SANSMESH_NOT_SANITIZED("thirty pictures; tests of render draw them sanitized");
   const PngPicture plain = picture({"--no-bar"});
   for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{"--preset", "ct-bone"},
                                                                                     {"--preset", "ct-soft-tissue"},

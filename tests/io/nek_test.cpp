@@ -1,6 +1,7 @@
 // Fields of Nek5000, written here: in the plane and in space, in both byte orders and sizes of numbers.
 #include <fmt/format.h>
 
+#include "sample_files.h"
 #include "sansmesh/data/cell_list.h"
 #include "support/places.h"
 #include "volume_test_tools.h"
@@ -171,6 +172,66 @@ TEST(Nek5000, StepsMayHaveSeveralParts) {
   expect_no_volume(one, "no number for them");
 }
 
+TEST(Nek5000, PartsOfAStepHaveTheSameFieldsAndAllElements) {
+  const Folder folder;
+  const std::string series =
+      folder.put("a.nek5000", "filetemplate: flow%01d.f%05d\nfirsttimestep: 1\nnumtimesteps: 1\n");
+  const auto put = [&](const char* first, const char* second, std::vector<int> elements, int parts) {
+    NekLayout l;
+    l.parts = 2, l.fields = first, l.elements = {1};
+    folder.put("flow0.f00001", nek_file(l));
+    l.part = 1, l.parts = parts, l.fields = second, l.elements = std::move(elements);
+    folder.put("flow1.f00001", nek_file(l));
+  };
+  const auto refused = [&](const char* file, const char* why) {
+    expect_file_error(folder / file, why, [&] { read_volume(series); });
+  };
+  put("XPS02", "XPS02", {2}, 2);
+  EXPECT_EQ(read_volume(series).blocks[0].points.size(), 24u);
+  // As many numbers a point, of other fields.
+  put("XPS02", "XPTS01", {2}, 2);
+  refused("flow1.f00001", "laid out otherwise");
+  put("XP", "XT", {2}, 2);
+  refused("flow1.f00001", "laid out otherwise");
+  put("XU", "XPT", {2}, 2);
+  refused("flow1.f00001", "laid out otherwise");
+  put("XP", "XP", {2}, 3);
+  refused("flow1.f00001", "laid out otherwise");
+  put("XP", "XP", {1}, 2);
+  refused("flow0.f00001", "holds 1 of 2 elements");
+  NekLayout one;
+  one.elements = {2};
+  expect_no_volume(folder.put("flow0.f00002", nek_file(one)), "holds 1 of 2 elements");
+}
+
+TEST(Nek5000, StepsThatAreNotAskedForMayBeDamaged) {
+  const Folder folder;
+  NekLayout l;
+  folder.put("flow0.f00001", nek_file(l));
+  folder.put("flow0.f00002", "no step");
+  l.time = 0.75;
+  // Cut behind its header: what is not asked for is not read.
+  folder.put("flow0.f00003", nek_file(l).substr(0, 136));
+  folder.put("flow0.f00004", gzip(nek_file(l)));
+  const std::string series =
+      folder.put("a.nek5000", "filetemplate: flow%01d.f%05d\nfirsttimestep: 1\nnumtimesteps: 4\n");
+  const GridData data = read_volume(series);
+  expect_nek_numbers(data, l);
+  ASSERT_EQ(data.times.size(), 4u);
+  EXPECT_EQ(data.times[0], 0.25);
+  EXPECT_TRUE(std::isnan(data.times[1]));
+  EXPECT_EQ(data.times[2], 0.75);
+  EXPECT_EQ(data.times[3], 0.75);
+  EXPECT_EQ(data.notes.size(), 1u);
+  VolumeReadOptions options;
+  options.time_step = 1;
+  expect_file_error(folder / "flow0.f00002", "#std", [&] { read_volume(series, options); });
+  options.time_step = 2;
+  expect_file_error(folder / "flow0.f00003", "truncated", [&] { read_volume(series, options); });
+  options.time_step = 3;
+  expect_nek_numbers(read_volume(series, options), l);
+}
+
 TEST(Nek5000, WhatIsWrongIsSaidInOneLine) {
   const Folder folder;
   NekLayout l;
@@ -198,6 +259,11 @@ TEST(Nek5000, WhatIsWrongIsSaidInOneLine) {
   std::string lies = nek_header(many);
   lies.replace(16, 10, "2000000000");
   expect_no_volume(folder.put("flow0.f00001", lies), "truncated");
+  // Four times that is no number of 64 bits.
+  const std::string too_many = fmt::format(" {}", std::uint64_t{1} << 62), behind = lies.substr(26);
+  std::string overflowing = lies.substr(0, 15) + too_many + behind;
+  overflowing.erase(127, overflowing.size() - lies.size());
+  expect_no_volume(folder.put("flow0.f00001", overflowing), "more numbers than there can be");
 
   const auto series = [&](const std::string& text) { return folder.put("a.nek5000", text); };
   expect_no_volume(series("nothing\n"), "filetemplate");

@@ -1,4 +1,5 @@
 // What the module reads by VTK: grids of all kinds, blocks, levels, and formats of others.
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -325,6 +326,7 @@ struct SlicePlan {
   bool placed = true;
   int columns = 4;
   std::string syntax = "1.2.840.10008.1.2.1";  ///< explicit little endian
+  std::size_t missing = 0, behind = 0;         ///< bytes of the pixels; of a tag behind them
 
   Vec3 place(int i, int j, double k) const {
     return origin + along_row * (column_step * i) + along_column * (row_step * j) + from_slice_to_slice * k;
@@ -353,6 +355,7 @@ std::string dicom_slice(const SlicePlan& plan, int k, double at, int name) {
   std::string pixels;
   for (int j = 0; j < 3; ++j)
     for (int i = 0; i < plan.columns; ++i) pixels += whole(slice_number(i, j, k));
+  pixels.resize(pixels.size() - plan.missing);
   const Vec3 p = plan.place(0, 0, at), &r = plan.along_row, &c = plan.along_column;
   const std::string syntax = element(2, 0x10, "UI", plan.syntax);
   const std::string lies = element(0x20, 0x32, "DS", numbers({p.x, p.y, p.z})) +
@@ -365,7 +368,14 @@ std::string dicom_slice(const SlicePlan& plan, int k, double at, int name) {
          element(0x28, 0x10, "US", whole(3)) + element(0x28, 0x11, "US", whole(plan.columns)) +
          element(0x28, 0x30, "DS", numbers({plan.row_step, plan.column_step})) + element(0x28, 0x100, "US", whole(16)) +
          element(0x28, 0x101, "US", whole(16)) + element(0x28, 0x102, "US", whole(15)) +
-         element(0x28, 0x103, "US", whole(0)) + element(0x7fe0, 0x10, "OW", pixels);
+         element(0x28, 0x103, "US", whole(0)) + element(0x7fe0, 0x10, "OW", pixels) +
+         (plan.behind > 0 ? element(0xfffc, 0xfffc, "OW", std::string(plan.behind, '\0')) : "");
+}
+
+/// Of group 28; in the place of the value that a slice has there.
+std::string with_word(std::string slice, unsigned tag, unsigned value) {
+  const std::string name = raw(std::uint16_t{0x28}) + raw(static_cast<std::uint16_t>(tag)) + "US";
+  return slice.replace(slice.find(name) + 8, 2, raw(static_cast<std::uint16_t>(value)));
 }
 
 /// Oblique: a frame that is turned about all axes.
@@ -446,14 +456,59 @@ TEST(VtkVolumes, DicomFoldersOfUnlikeOrDamagedSlicesAreRefused) {
   packed.syntax = "1.2.840.10008.1.2.4.50";
   folder.put("ct/more.dcm", dicom_slice(packed, 7, 9, 7));
   expect_no_volume(folder / "ct", "compressed");
-  SlicePlan large;
-  large.columns = 400;
-  folder.put("ct/more.dcm", dicom_slice(large, 7, 9, 7).substr(0, 1500));
-  expect_no_volume(folder / "ct", "");
   std::filesystem::remove(twice);
   VolumeReadOptions second;
   second.time_step = 1;
   EXPECT_THROW(read_volume(folder / "ct", second), ArgumentError);
+}
+
+TEST(VtkVolumes, DicomSlicesThatVtkWouldReadBeyondAreRefused) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "ct");
+  const auto refused = [&](const std::string& slice, const std::string& part) {
+    folder.put("ct/one.dcm", slice);
+    expect_no_volume(folder / "ct", part);
+    expect_no_volume(folder / "ct", "one.dcm");
+  };
+  SlicePlan large, short_tag, trailing;
+  large.columns = 400;
+  refused(dicom_slice(large, 7, 9, 7).substr(0, 1500), "truncated slice");
+  const std::string whole = dicom_slice({}, 7, 9, 7);
+  refused(whole.substr(0, whole.size() - 10), "truncated slice");
+  refused(whole.substr(0, whole.size() - 24), "truncated slice");
+  refused(whole.substr(0, whole.size() - 36), "truncated slice");
+  // The file is long enough, but its pixels are too few.
+  short_tag.missing = 10, short_tag.behind = 400;
+  refused(dicom_slice(short_tag, 7, 9, 7), "truncated slice");
+  refused(with_word(with_word(whole, 0x10, 65535), 0x11, 65535), "truncated slice");
+  refused(with_word(whole, 0x11, 0), "without pixels");
+  refused(with_word(whole, 0x100, 32), "32 bits");
+  refused(with_word(whole, 0x100, 12), "12 bits");
+  refused(whole + whole.substr(whole.size() - 36), "several images");
+  // What follows the pixels does no harm.
+  trailing.behind = 400;
+  const std::string fine = dicom_slice(trailing, 0, 0, 7);
+  folder.put("ct/one.dcm", fine);
+  expect_slices(read_volume(folder / "ct"), {}, {0});
+  folder.put("ct/one.dcm", fine.substr(0, fine.size() - 100));
+  expect_slices(read_volume(folder / "ct"), {}, {0});
+}
+
+TEST(VtkVolumes, DicomSlicesAtNoFiniteNumbersAreRefused) {
+  const Folder folder;
+  const auto refused = [&](const SlicePlan& plan) {
+    put_slices(folder, {}, {0, 1, 2});
+    folder.put("ct/odd.dcm", dicom_slice(plan, 7, 9, 7));
+    expect_no_volume(folder / "ct", "not finite");
+    expect_no_volume(folder / "ct", "odd.dcm");
+  };
+  SlicePlan place, step, direction;
+  place.origin.y = std::numeric_limits<double>::quiet_NaN();
+  step.row_step = std::numeric_limits<double>::infinity();
+  direction.along_row.x = std::numeric_limits<double>::quiet_NaN();
+  refused(place);
+  refused(step);
+  refused(direction);
 }
 
 TEST(VtkVolumes, DicomSlicesWithoutPlacesAreStacked) {

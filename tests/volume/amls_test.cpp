@@ -41,7 +41,7 @@ LocalPolynomialOptions polynomials_of_amls() {
   return options;
 }
 
-// Whatever values the samples left out have, what the others say of them is the same to the bit.
+// Whatever values the samples left out have, what the others say of them is the same but for rounding.
 TEST(AmlsTrial, SamplesLeftOutActOnNothing) {
   // The last one is large enough to be judged by patches.
   for (const auto& [data, association] : {std::pair{bent_grid({9, 9, 9}, hilly), Association::points},

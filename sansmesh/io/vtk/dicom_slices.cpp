@@ -11,9 +11,13 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "sansmesh/io/binary.h"
 #include "sansmesh/io/vtk/vtk_blocks.h"
 
 namespace sansmesh::io {
@@ -30,42 +34,158 @@ struct Slice {
   int rows() const { return image->GetDimensions()[1]; }
 };
 
-/// VTK's reader takes the bytes behind the header for numbers, whatever they are and however many.
-void check_pixels(vtkDICOMImageReader& reader, const Slice& slice) {
-  const std::string name = std::filesystem::path(slice.file).filename().string();
-  const char* const syntax = reader.GetTransferSyntaxUID();
+[[noreturn]] void fail(const std::string& what, const std::string& file) {
+  throw std::runtime_error(what + " (" + std::filesystem::path(file).filename().string() + ")");
+}
+
+void check_syntax(const std::string& syntax, const std::string& file) {
   for (const char* packed : {"1.2.840.10008.1.2.4", "1.2.840.10008.1.2.5", "1.2.840.10008.1.2.1.99"})
-    if (syntax && std::string(syntax).find(packed) != std::string::npos)
-      throw std::runtime_error("holds compressed pixels, which are not read (" + name + ")");
-  const auto bits = static_cast<std::uintmax_t>(reader.GetBitsAllocated());
-  const std::uintmax_t size = static_cast<std::uintmax_t>(slice.columns()) * static_cast<std::uintmax_t>(slice.rows()) *
-                              static_cast<std::uintmax_t>(reader.GetNumberOfComponents()) * bits / 8;
-  if (std::filesystem::file_size(slice.file) < size) throw std::runtime_error("holds a truncated slice (" + name + ")");
+    if (syntax.find(packed) != std::string::npos) fail("holds compressed pixels, which are not read", file);
+  if (syntax.find("1.2.840.10008.1.2.2") != std::string::npos)
+    fail("holds a big-endian slice, which is not read", file);
+}
+
+/// Where a tag's value is, and how long it says that it is: less than 0 where that is not known before.
+struct Tag {
+  std::uint32_t name = 0;  ///< group, element
+  std::int64_t value = 0, length = 0;
+};
+
+/// VTK's reader trusts what a slice says of itself; this goes over its tags as that does (into sequences whose length
+/// is not known before, past others) and throws std::runtime_error for what it would read beyond.
+class TagReader {
+ public:
+  explicit TagReader(const std::string& file)
+      : file_(file),
+        stream_(file, std::ios::binary),
+        size_(static_cast<std::int64_t>(std::filesystem::file_size(file))) {}
+
+  /// Bytes of the pixels, all of which are there.
+  std::int64_t pixel_bytes() {
+    std::int64_t pixels = -1;
+    for (std::int64_t at = begin(); at + 8 <= size_;) {
+      const Tag tag = tag_at(at);
+      const bool beyond = tag.length > size_ - tag.value, of_pixels = tag.name == 0x7fe00010;
+      const std::int64_t length = std::max<std::int64_t>(0, tag.length);
+      if (pixels >= 0 && of_pixels) fail("holds several images in one file", file_);
+      if (pixels >= 0 && tag.name >> 16 == 0x0028) fail("holds pixels before what describes them", file_);
+      if (pixels >= 0 && beyond) break;  // what follows the pixels does not matter
+      if (beyond) fail("holds a truncated slice", file_);
+      check(tag);
+      names_.push_back(tag.name);
+      if (tag.name == 0x00020010) check_syntax(bytes(tag.value, length), file_);
+      if (of_pixels) pixels = length;
+      at = tag.value + length;
+    }
+    if (pixels < 0) fail("holds a truncated slice", file_);
+    return pixels;
+  }
+
+  /// Whether pixel_bytes() came by a tag; VTK's reader has chance values for those that there are not.
+  bool has(std::uint32_t name) const { return std::find(names_.begin(), names_.end(), name) != names_.end(); }
+
+ private:
+  std::string bytes(std::int64_t at, std::int64_t count) {
+    std::string s(static_cast<std::size_t>(count), '\0');
+    stream_.clear();
+    stream_.seekg(at);
+    if (!stream_.read(s.data(), count)) fail("holds a truncated slice", file_);
+    return s;
+  }
+
+  std::int64_t begin() {
+    for (const std::int64_t at : {0, 128})
+      if (at + 4 <= size_ && bytes(at, 4) == "DICM") return at + 4;
+    return 0;
+  }
+
+  /// The length has 4 bytes, behind two letters 2, behind some of these 4 after a gap of 2.
+  Tag tag_at(std::int64_t at) {
+    const std::string head = bytes(at, 8), kind = head.substr(4, 2);
+    Tag tag;
+    tag.name = static_cast<std::uint32_t>(load<std::uint16_t>(head.data())) << 16 | load<std::uint16_t>(&head[2]);
+    tag.value = at + 8;
+    const auto is_of = [&](std::string_view kinds) {
+      for (std::size_t k = 0; k < kinds.size(); k += 2)
+        if (kinds.substr(k, 2) == kind) return true;
+      return false;
+    };
+    if (is_of("OBOWUNSQ")) {
+      tag.value += 4;
+      tag.length = tag.value <= size_ ? load<std::int32_t>(bytes(at + 8, 4).data()) : 1;
+    } else if (is_of("AWAEASCSUIDADSDTISLOLTPNSTTMUTSHFLSLATULUSSSFD")) {
+      tag.length = load<std::uint16_t>(&head[6]);
+    } else {
+      tag.length = load<std::int32_t>(&head[4]);
+    }
+    return tag;
+  }
+
+  /// These may not be empty.
+  void check(const Tag& tag) const {
+    for (const std::uint32_t name :
+         {0x00020010u, 0x00280004u, 0x00280010u, 0x00280011u, 0x00280100u, 0x00280103u, 0x00281052u, 0x00281053u})
+      if (tag.name == name && tag.length <= 0) fail("holds a slice with a damaged header", file_);
+  }
+
+  const std::string& file_;
+  std::ifstream stream_;
+  std::int64_t size_;
+  std::vector<std::uint32_t> names_;
+};
+
+/// Before VTK's reader makes room for the pixels and fills it.
+void check_pixels(vtkDICOMImageReader& reader, std::int64_t pixel_bytes, const std::string& file) {
+  const int bits = reader.GetBitsAllocated();
+  if (bits != 8 && bits != 16) fail("holds pixels of " + std::to_string(bits) + " bits, which are not read", file);
+  const auto columns = static_cast<std::int64_t>(reader.GetWidth()),
+             rows = static_cast<std::int64_t>(reader.GetHeight());
+  if (columns < 1 || rows < 1) fail("holds a slice without pixels", file);
+  if (columns * rows * reader.GetNumberOfComponents() * (bits / 8) > pixel_bytes) fail("holds a truncated slice", file);
 }
 
 Slice read_slice(const std::string& file) {
+  TagReader tags(file);
+  const std::int64_t pixel_bytes = tags.pixel_bytes();
   const auto reader = vtkSmartPointer<vtkDICOMImageReader>::New();
   reader->SetFileName(file.c_str());
+  reader->UpdateInformation();
+  check_pixels(*reader, pixel_bytes, file);
   reader->Update();
   Slice slice;
   slice.file = file;
   slice.image = reader->GetOutput();
   if (!slice.image || !slice.image->GetPointData()->GetScalars() || slice.image->GetDimensions()[2] != 1)
-    throw std::runtime_error("holds a slice that cannot be read: " + std::filesystem::path(file).filename().string());
-  check_pixels(*reader, slice);
-  const float* const p = reader->GetImagePositionPatient();
-  const float* const o = reader->GetImageOrientationPatient();
-  slice.position = {p[0], p[1], p[2]};
-  Vec3 row{o[0], o[1], o[2]}, column{o[3], o[4], o[5]};
+    fail("holds a slice that cannot be read", file);
+  const auto numbers = [&]<class T>(const T* from, std::size_t count) {
+    const std::vector<double> values(from, from + count);
+    if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
+      fail("holds a slice whose position, directions or steps are not finite", file);
+    return values;
+  };
+  if (tags.has(0x00200032)) {
+    const auto p = numbers(reader->GetImagePositionPatient(), 3);
+    slice.position = {p[0], p[1], p[2]};
+  }
+  Vec3 row, column;
+  if (tags.has(0x00200037)) {
+    const auto o = numbers(reader->GetImageOrientationPatient(), 6);
+    row = {o[0], o[1], o[2]}, column = {o[3], o[4], o[5]};
+  }
   if (!(std::abs(norm(row) - 1) < 0.1 && std::abs(norm(column) - 1) < 0.1 && std::abs(dot(row, column)) < 0.1))
     row = {1, 0, 0}, column = {0, 1, 0};  // without an orientation
   slice.along_row = normalized(row);
   slice.along_column = normalized(column - slice.along_row * dot(slice.along_row, column));
   // In the order of the file, which gives the step from row to row first.
-  const double* const steps = reader->GetPixelSpacing();
-  slice.row_step = steps[0] > 0 ? steps[0] : 1;
-  slice.column_step = steps[1] > 0 ? steps[1] : 1;
-  slice.thickness = steps[2] > 0 ? steps[2] : 1;
+  if (tags.has(0x00280030)) {
+    const auto steps = numbers(reader->GetPixelSpacing(), 2);
+    slice.row_step = steps[0] > 0 ? steps[0] : 1;
+    slice.column_step = steps[1] > 0 ? steps[1] : 1;
+  }
+  if (tags.has(0x00180050)) {
+    const auto thickness = numbers(reader->GetPixelSpacing() + 2, 1);
+    slice.thickness = thickness[0] > 0 ? thickness[0] : 1;
+  }
   return slice;
 }
 

@@ -12,8 +12,9 @@ namespace sansmesh::io {
 /// lie follows from their positions and orientations in the patient (mm; x to the left, y to the back, z to the head),
 /// their order from these too, not from their names. Slices at different distances make a rectilinear grid, such that
 /// are shifted against each other a curvilinear one. Slices without positions are stacked in the order of
-/// their names, with a note. Throws std::runtime_error for folders without slices, several series in one, or several
-/// slices at one place.
+/// their names, with a note. Throws std::runtime_error for folders without slices, several series in one, several
+/// slices at one place, and slices that are truncated, compressed, of other than 8 or 16 bits, or placed at no finite
+/// numbers.
 void add_slices(const std::string& path, VtkSink& sink, GridData& data);
 
 }  // namespace sansmesh::io

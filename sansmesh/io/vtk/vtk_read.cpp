@@ -31,8 +31,9 @@
 #include <iostream>
 #include <mutex>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
+#include <streambuf>
+#include <thread>
 
 #include "sansmesh/io/vtk/dicom_slices.h"
 #include "sansmesh/io/vtk/vtk_blocks.h"
@@ -120,17 +121,40 @@ class Captured {
   vtkLogger::Verbosity verbosity_;
 };
 
-/// Drops what the reader of CGNS prints, as long as it lives.
+/// Drops what this thread prints, and hands on what others do.
+class OwnThreadDropped : public std::streambuf {
+ public:
+  explicit OwnThreadDropped(std::streambuf* others) : others_(others) {}
+
+ protected:
+  int_type overflow(int_type c) override {
+    return own() || !others_ || traits_type::eq_int_type(c, traits_type::eof())
+               ? traits_type::not_eof(c)
+               : others_->sputc(traits_type::to_char_type(c));
+  }
+  std::streamsize xsputn(const char* text, std::streamsize count) override {
+    return own() || !others_ ? count : others_->sputn(text, count);
+  }
+  int sync() override { return own() || !others_ ? 0 : others_->pubsync(); }
+
+ private:
+  bool own() const { return std::this_thread::get_id() == owner_; }
+
+  std::thread::id owner_ = std::this_thread::get_id();
+  std::streambuf* others_;
+};
+
+/// Drops what the reader of CGNS prints by std::cerr, as long as it lives.
 class SilentErrors {
  public:
-  SilentErrors() : before_(std::cerr.rdbuf(dropped_.rdbuf())) {}
+  SilentErrors() : before_(std::cerr.rdbuf()), dropped_(before_) { std::cerr.rdbuf(&dropped_); }
   ~SilentErrors() { std::cerr.rdbuf(before_); }
   SilentErrors(const SilentErrors&) = delete;
   SilentErrors& operator=(const SilentErrors&) = delete;
 
  private:
-  std::ostringstream dropped_;
   std::streambuf* before_;
+  OwnThreadDropped dropped_;
 };
 
 template <class Reader>
