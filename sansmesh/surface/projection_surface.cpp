@@ -6,6 +6,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/surface/candidates.h"
+#include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
 
@@ -79,24 +80,13 @@ const SurfaceSamples& ProjectionSurface::samples() const { return state_->sample
 double ProjectionSurface::smoothing() const { return state_->smoothing; }
 
 void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> feet) const {
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    feet[i] = {};
-    feet[i].position = x[i];  // those that are not finite stay so
-  }
-  state_->candidates.for_each_group(x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen,
-                                           bool mixed) {
-    detail::GroupFeet out;
-    detail::ProjectionKernel how = state_->kernel;
-    how.sheets = how.sheets && mixed;
-    detail::project_group(how, chosen, group, out);
-    for (std::size_t k = 0; k < group.count; ++k) {
-      const Vec3 p = Vec3(group.center) + Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
-      const Vec3 n(Vec3f{out.nx[k], out.ny[k], out.nz[k]});
-      if (!(out.inside[k] > 0) || !is_finite(p) || !is_finite(n)) continue;
-      feet[group.slot[k]] = {
-          p, n, static_cast<double>(out.xx[k]), static_cast<double>(out.xy[k]), static_cast<double>(out.yy[k]), true};
-    }
-  });
+  detail::project_groups(state_->candidates, x, feet,
+                         [&](const detail::PointGroup& group, std::span<const detail::Candidate> chosen, bool mixed,
+                             detail::GroupFeet& out) {
+                           detail::ProjectionKernel how = state_->kernel;
+                           how.sheets = how.sheets && mixed;
+                           detail::project_group(how, chosen, group, out);
+                         });
 }
 
 }  // namespace sansmesh

@@ -1,0 +1,179 @@
+// Planes and polynomials fitted to samples, one point a lane: shared by the kernels of projections. Included once for
+// each instruction set.
+#if defined(SANSMESH_SURFACE_FIT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SANSMESH_SURFACE_FIT_LANES_INL_H_
+#undef SANSMESH_SURFACE_FIT_LANES_INL_H_
+#else
+#define SANSMESH_SURFACE_FIT_LANES_INL_H_
+#endif
+
+#include <cstddef>
+#include <span>
+
+#include "sansmesh/surface/near_normals-inl.h"
+#include "sansmesh/surface/sample_group.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+
+constexpr float kLeast = 1e-30f;  // squares below this are not divided by
+constexpr int kInverseSteps = 4;  // of the inverse iteration: the smallest eigenvalue is far below the others
+/// Ridge of the normal equations, over the diagonal: too few samples then give the flattest surface.
+constexpr float kRidge = 1e-5f;
+
+HWY_INLINE V Times(const V& a, const V& b) { return hn::Mul(a, b); }
+HWY_INLINE V Dot3(const Lanes& a, const Lanes& b) {
+  return pn::MulAdd(a.x, b.x, pn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE Lanes Along(const Lanes& p, const Lanes& n, const V& t) {
+  return {pn::MulAdd(n.x, t, p.x), pn::MulAdd(n.y, t, p.y), pn::MulAdd(n.z, t, p.z)};
+}
+HWY_INLINE Lanes Unit(const Lanes& a, const Lanes& otherwise) {
+  const V n2 = Dot3(a, a);
+  const auto good = hn::Gt(n2, Constant(kLeast));
+  const V inverse = hn::Div(Constant(1), hn::Sqrt(hn::IfThenElse(good, n2, Constant(1))));
+  return {hn::IfThenElse(good, Times(a.x, inverse), otherwise.x),
+          hn::IfThenElse(good, Times(a.y, inverse), otherwise.y),
+          hn::IfThenElse(good, Times(a.z, inverse), otherwise.z)};
+}
+
+/// The frame that tangent_frame() of core/vec.h gives.
+HWY_INLINE void TangentFrame(const Lanes& n, Lanes& t, Lanes& b) {
+  const V one = Constant(1);
+  const V sign = hn::CopySign(one, n.z);
+  const V a = hn::Div(Constant(-1), hn::Add(sign, n.z));
+  const V c = Times(Times(n.x, n.y), a);
+  t = {pn::MulAdd(Times(Times(sign, n.x), n.x), a, one), Times(sign, c), hn::Neg(Times(sign, n.x))};
+  b = {c, pn::MulAdd(Times(n.y, n.y), a, sign), hn::Neg(n.y)};
+}
+
+/// A frame whose coordinates are lengths over h.
+struct ScaledFrame {
+  Lanes t, b, n;
+};
+HWY_INLINE ScaledFrame Scaled(const Lanes& t, const Lanes& b, const Lanes& n, const V& unit) {
+  const auto by = [&](const Lanes& a) { return Lanes{Times(a.x, unit), Times(a.y, unit), Times(a.z, unit)}; };
+  return {by(t), by(b), by(n)};
+}
+
+/// Unit vector of least variance of a covariance matrix, by inverse iteration with its adjugate from `start`.
+HWY_INLINE Lanes LeastAxis(V xx, V xy, V xz, V yy, V yz, V zz, const Lanes& start) {
+  const V trace = hn::Max(hn::Add(xx, hn::Add(yy, zz)), Constant(kLeast));
+  const V scale = hn::Div(Constant(1), trace);
+  const V ridge = Constant(1e-5f);
+  xx = pn::MulAdd(xx, scale, ridge), yy = pn::MulAdd(yy, scale, ridge), zz = pn::MulAdd(zz, scale, ridge);
+  xy = Times(xy, scale), xz = Times(xz, scale), yz = Times(yz, scale);
+  const auto cofactor = [](const V& a, const V& b, const V& c, const V& d) { return pn::NegMulAdd(b, c, Times(a, d)); };
+  const V axx = cofactor(yy, yz, yz, zz), axy = cofactor(xz, xy, zz, yz), axz = cofactor(xy, xz, yy, yz);
+  const V ayy = cofactor(xx, xz, xz, zz), ayz = cofactor(xy, xx, yz, xz), azz = cofactor(xx, xy, xy, yy);
+  Lanes n = start;
+  for (int k = 0; k < kInverseSteps; ++k) {
+    const Lanes next{pn::MulAdd(axx, n.x, pn::MulAdd(axy, n.y, Times(axz, n.z))),
+                     pn::MulAdd(axy, n.x, pn::MulAdd(ayy, n.y, Times(ayz, n.z))),
+                     pn::MulAdd(axz, n.x, pn::MulAdd(ayz, n.y, Times(azz, n.z)))};
+    n = Unit(next, n);
+  }
+  const V side = hn::CopySign(Constant(1), Dot3(n, start));
+  return {Times(n.x, side), Times(n.y, side), Times(n.z, side)};
+}
+
+/// Solves the symmetric positive definite systems of kSize unknowns in place: the lower triangle of `a` (row by row)
+/// becomes its Cholesky factor, `b` the solution.
+template <int kSize>
+HWY_INLINE void SolveLanes(V* a, V* b) {
+  const auto at = [](int i, int j) { return i * (i + 1) / 2 + j; };
+  for (int j = 0; j < kSize; ++j) {
+    V pivot = a[at(j, j)];
+    const V least = hn::Max(Times(pivot, Constant(kRidge)), Constant(kLeast));
+    pivot = pn::MulAdd(pivot, Constant(kRidge), pivot);
+    for (int k = 0; k < j; ++k) pivot = pn::NegMulAdd(a[at(j, k)], a[at(j, k)], pivot);
+    const V root = hn::Sqrt(hn::Max(pivot, least));
+    const V inverse = hn::Div(Constant(1), root);
+    a[at(j, j)] = inverse;
+    for (int i = j + 1; i < kSize; ++i) {
+      V sum = a[at(i, j)];
+      for (int k = 0; k < j; ++k) sum = pn::NegMulAdd(a[at(i, k)], a[at(j, k)], sum);
+      a[at(i, j)] = Times(sum, inverse);
+    }
+  }
+  for (int i = 0; i < kSize; ++i) {
+    for (int k = 0; k < i; ++k) b[i] = pn::NegMulAdd(a[at(i, k)], b[k], b[i]);
+    b[i] = Times(b[i], a[at(i, i)]);
+  }
+  for (int i = kSize - 1; i >= 0; --i) {
+    for (int k = i + 1; k < kSize; ++k) b[i] = pn::NegMulAdd(a[at(k, i)], b[k], b[i]);
+    b[i] = Times(b[i], a[at(i, i)]);
+  }
+}
+
+struct Offset {
+  V x, y, z, square;
+};
+HWY_INLINE Offset From(const Lanes& p, const Candidate& c) {
+  const V x = hn::Sub(Constant(c.x), p.x), y = hn::Sub(Constant(c.y), p.y), z = hn::Sub(Constant(c.z), p.z);
+  return {x, y, z, pn::MulAdd(x, x, pn::MulAdd(y, y, Times(z, z)))};
+}
+
+/// Weight of a candidate at the offset; false where no lane is reached.
+HWY_INLINE bool WeightAt(const Candidate& c, const Offset& o, bool sheets, const Lanes& near, V& w) {
+  const V t = hn::Max(pn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), hn::Zero(Tag()));
+  if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
+  const V t2 = Times(t, t);
+  w = Times(Times(t2, t2), Constant(c.weight));
+  if (sheets) w = Times(w, SameSheet(c, near));
+  return true;
+}
+
+struct Plane {
+  Lanes normal;
+  V distance;  // of the point from the plane, along the normal: the plane passes through p + distance · normal
+  V width2;    // mean of h² under the weights
+};
+
+/// The plane through the weighted mean of the samples, with their mean normal, or that of least squares.
+template <bool kLeastSquares>
+HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p, bool sheets, const Lanes& near,
+                          V* inside) {
+  const V zero = hn::Zero(Tag());
+  V w0 = zero, wx = zero, wy = zero, wz = zero, nx = zero, ny = zero, nz = zero;
+  V xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero, h2 = zero, reach = Constant(-1);
+  for (const Candidate& c : candidates) {
+    const Offset o = From(p, c);
+    V w;
+    if (!WeightAt(c, o, sheets, near, w)) continue;
+    reach = hn::Max(reach, pn::NegMulAdd(o.square, Constant(c.inverse_reach), Constant(1)));
+    const V ax = Times(w, o.x), ay = Times(w, o.y), az = Times(w, o.z);
+    w0 = hn::Add(w0, w), wx = hn::Add(wx, ax), wy = hn::Add(wy, ay), wz = hn::Add(wz, az);
+    nx = pn::MulAdd(w, Constant(c.nx), nx), ny = pn::MulAdd(w, Constant(c.ny), ny),
+    nz = pn::MulAdd(w, Constant(c.nz), nz);
+    h2 = pn::MulAdd(w, Constant(0.25f / c.inverse_support), h2);
+    if constexpr (kLeastSquares) {
+      xx = pn::MulAdd(ax, o.x, xx), xy = pn::MulAdd(ax, o.y, xy), xz = pn::MulAdd(ax, o.z, xz);
+      yy = pn::MulAdd(ay, o.y, yy), yz = pn::MulAdd(ay, o.z, yz), zz = pn::MulAdd(az, o.z, zz);
+    }
+  }
+  if (inside) *inside = hn::IfThenElse(hn::Gt(w0, zero), reach, Constant(-1));
+  const V inverse = hn::Div(Constant(1), hn::Max(w0, Constant(kLeast)));
+  const Lanes mean{Times(wx, inverse), Times(wy, inverse), Times(wz, inverse)};
+  Lanes n = Unit({nx, ny, nz}, {zero, zero, Constant(1)});
+  if constexpr (kLeastSquares)
+    n = LeastAxis(pn::NegMulAdd(wx, mean.x, xx), pn::NegMulAdd(wx, mean.y, xy), pn::NegMulAdd(wx, mean.z, xz),
+                  pn::NegMulAdd(wy, mean.y, yy), pn::NegMulAdd(wy, mean.z, yz), pn::NegMulAdd(wz, mean.z, zz), n);
+  return {n, Dot3(n, mean), Times(h2, inverse)};
+}
+
+HWY_INLINE void StoreFoot(const Lanes& p, const Lanes& n, const V& xx, const V& xy, const V& yy, const V& inside,
+                          std::size_t at, GroupFeet& out) {
+  const Tag d;
+  hn::Store(p.x, d, out.x + at), hn::Store(p.y, d, out.y + at), hn::Store(p.z, d, out.z + at);
+  hn::Store(n.x, d, out.nx + at), hn::Store(n.y, d, out.ny + at), hn::Store(n.z, d, out.nz + at);
+  hn::Store(xx, d, out.xx + at), hn::Store(xy, d, out.xy + at), hn::Store(yy, d, out.yy + at);
+  hn::Store(inside, d, out.inside + at);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#endif
