@@ -335,8 +335,8 @@ struct NekSeriesStep {
   }
 };
 
-NekSeriesStep look_at_nek_step(const Input& in, NekStep step) {
-  NekSeriesStep found{std::move(step), {}};
+NekSeriesStep look_at_nek_step(const Input& in, const NekStep& step) {
+  NekSeriesStep found{step, {}};
   found.header.time = std::numeric_limits<double>::quiet_NaN();
   try {
     const NekHeader header = nek_header_of(found.step.file(0), in.report);
@@ -397,7 +397,7 @@ GridData read_nek_series(const Input& in, std::size_t wanted) {
       in.warn(fmt::format("announces {} steps, but there are files of {}", series.steps, k));
       break;
     }
-    steps.push_back(look_at_nek_step(in, std::move(step)));
+    steps.push_back(look_at_nek_step(in, step));
     if (k == 0 && !std::filesystem::exists(steps[0].step.file(0), ignored)) steps[0].checked();
   }
   check_time_step(in.file, wanted, steps.size());

@@ -272,6 +272,7 @@ class VolumePicture::Work {
       const auto pixels =
           tile_pixels(left, top, std::min(left + kVolumeTile, map.width), std::min(top + kVolumeTile, map.height));
       std::vector<Vec3f> directions;
+      directions.reserve(pixels.size());
       for (const auto& [x, y] : pixels)
         directions.push_back(direction_at(camera, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
       std::vector<TracedLight> lights(pixels.size());
@@ -312,11 +313,12 @@ class VolumePicture::Work {
       const std::size_t first = c * chunk, last = std::min(first + chunk, pixels.size());
       std::vector<Vec3f> directions;
       for (std::size_t i = first; i < last; ++i)
-        for (int s = 0; s < n * n; ++s)
-          directions.push_back(direction_at(
-              camera, options,
-              static_cast<float>(pixels[i].first) + (static_cast<float>(s % n) + 0.5f) / static_cast<float>(n),
-              static_cast<float>(pixels[i].second) + (static_cast<float>(s / n) + 0.5f) / static_cast<float>(n)));
+        for (int row = 0; row < n; ++row)
+          for (int column = 0; column < n; ++column)
+            directions.push_back(direction_at(
+                camera, options,
+                static_cast<float>(pixels[i].first) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n),
+                static_cast<float>(pixels[i].second) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n)));
       std::vector<TracedLight> lights(directions.size());
       evaluations += tracer.trace(directions, lights);
       rays += directions.size();
@@ -415,6 +417,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   if (!options.title.empty()) draw_title(image, options.title);
   if (options.color_bar) {
     std::vector<double> marks;
+    marks.reserve(options.isos.size());
     for (const IsoSurface& iso : options.isos) marks.push_back(iso.value);
     const Image paper = behind(options);
     image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper);

@@ -5,7 +5,6 @@
 
 #include "sansmesh/field/projection.h"
 #include "sansmesh/surface/candidates.h"
-#include "sansmesh/surface/projection_kernels.h"
 
 namespace sansmesh::detail {
 

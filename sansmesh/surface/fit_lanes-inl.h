@@ -11,7 +11,7 @@
 #include <span>
 
 #include "sansmesh/surface/near_normals-inl.h"
-#include "sansmesh/surface/projection_kernels.h"
+#include "sansmesh/surface/sample_group.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
@@ -161,6 +161,21 @@ HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p,
     n = LeastAxis(pn::NegMulAdd(wx, mean.x, xx), pn::NegMulAdd(wx, mean.y, xy), pn::NegMulAdd(wx, mean.z, xz),
                   pn::NegMulAdd(wy, mean.y, yy), pn::NegMulAdd(wy, mean.z, yz), pn::NegMulAdd(wz, mean.z, zz), n);
   return {n, Dot3(n, mean), Times(h2, inverse)};
+}
+
+/// The points of a group from `at` on.
+HWY_INLINE Lanes PointsAt(const PointGroup& group, std::size_t at) {
+  const Tag d;
+  return {hn::Load(d, group.x + at), hn::Load(d, group.y + at), hn::Load(d, group.z + at)};
+}
+
+/// A step to Levin's plane: that of least squares with weights about q, its distance that of x.
+HWY_INLINE Plane PlaneBelow(std::span<const Candidate> candidates, const Lanes& q, const Lanes& x, bool sheets,
+                            const Lanes& near) {
+  Plane plane = FitPlane<true>(candidates, q, sheets, near, nullptr);
+  const Lanes from_x{hn::Sub(q.x, x.x), hn::Sub(q.y, x.y), hn::Sub(q.z, x.z)};
+  plane.distance = hn::Add(Dot3(plane.normal, from_x), plane.distance);
+  return plane;
 }
 
 HWY_INLINE void StoreFoot(const Lanes& p, const Lanes& n, const V& xx, const V& xy, const V& yy, const V& inside,

@@ -58,8 +58,8 @@ HWY_INLINE Moments Gather(std::span<const Candidate> candidates, const Lanes& r,
 /// Unit vector of least Σ ω ⟨n, x_i − q⟩², q relative to r.
 HWY_INLINE Lanes LeastAxisAbout(const Moments& m, const Lanes& q, const Lanes& start) {
   // Σ ω (d − q)(d − q)ᵀ = second moments − q fᵀ − f qᵀ + W q qᵀ = second moments − q gᵀ − f qᵀ with g = f − W q.
-  const Lanes &f = m.first,
-              g{pn::NegMulAdd(m.weight, q.x, f.x), pn::NegMulAdd(m.weight, q.y, f.y), pn::NegMulAdd(m.weight, q.z, f.z)};
+  const Lanes &f = m.first, g{pn::NegMulAdd(m.weight, q.x, f.x), pn::NegMulAdd(m.weight, q.y, f.y),
+                              pn::NegMulAdd(m.weight, q.z, f.z)};
   const auto about = [&](const V& second, const V& qi, const V& gj, const V& fi, const V& qj) {
     return pn::NegMulAdd(qi, gj, pn::NegMulAdd(fi, qj, second));
   };
@@ -168,11 +168,11 @@ void ProjectOntoLayer(const LayerKernel& kernel, std::span<const Candidate> cand
   const V zero = hn::Zero(tag);
   for (std::size_t at = 0; at < kGroup; at += kLanes) {
     if (at >= group.count && at > 0) break;
-    const Lanes r{hn::Load(tag, group.x + at), hn::Load(tag, group.y + at), hn::Load(tag, group.z + at)};
+    const Lanes r = PointsAt(group, at);
     Lanes near{zero, zero, zero};
     if (kernel.sheets) near = NearNormals<CompactWeight<false>>(candidates, r);
     Lanes x = r;
-    V inside = Constant(-1);
+    V inside = Constant(1);  // what it is at most
     if (kernel.predictor) {
       const Moments m = Gather(candidates, r, kernel.sheets, near);
       inside = m.inside;
@@ -187,15 +187,10 @@ void ProjectOntoLayer(const LayerKernel& kernel, std::span<const Candidate> cand
     }
     V reached = inside;
     Plane plane = FitPlane<true>(candidates, x, kernel.sheets, near, &reached);
-    // The domain is that of the point itself.
-    if (!kernel.predictor) inside = reached;
-    inside = hn::Min(inside, reached);
+    inside = hn::Min(inside, reached);  // both the point and what the predictor makes of it
     Lanes q = Along(x, plane.normal, plane.distance);
     for (int k = 1; k < kCorrections; ++k) {
-      plane = FitPlane<true>(candidates, q, kernel.sheets, near, nullptr);
-      // The plane's point below x.
-      plane.distance = hn::Add(Dot3(plane.normal, {hn::Sub(q.x, x.x), hn::Sub(q.y, x.y), hn::Sub(q.z, x.z)}),
-                               plane.distance);
+      plane = PlaneBelow(candidates, q, x, kernel.sheets, near);
       if (kernel.line_search) plane.distance = SearchAlong(candidates, x, plane, kernel.sheets, near);
       q = Along(x, plane.normal, plane.distance);
     }

@@ -3,7 +3,6 @@
 
 #include <span>
 
-#include "sansmesh/surface/projection_kernels.h"
 #include "sansmesh/surface/sample_group.h"
 
 namespace sansmesh::detail {

@@ -119,11 +119,10 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
 
 void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                   GroupFeet& out) {
-  const Tag tag;
-  const V zero = hn::Zero(tag);
+  const V zero = hn::Zero(Tag());
   for (std::size_t at = 0; at < kGroup; at += kLanes) {
     if (at >= group.count && at > 0) break;
-    const Lanes r{hn::Load(tag, group.x + at), hn::Load(tag, group.y + at), hn::Load(tag, group.z + at)};
+    const Lanes r = PointsAt(group, at);
     Lanes near{zero, zero, zero};
     if (kernel.sheets) near = NearNormals<CompactWeight<false>>(candidates, r);
     V inside;
@@ -150,11 +149,7 @@ void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> can
     // its own foot q: a fixed point of the same step with r = q, for which q stays on the line through r.
     if (kernel.formula == ProjectionFormula::levin) {
       for (int k = 0; k < kLevinSteps; ++k) {
-        const Plane next = FitPlane<true>(candidates, q, kernel.sheets, near, nullptr);
-        // The plane's point below r.
-        const Lanes from_r{hn::Sub(q.x, r.x), hn::Sub(q.y, r.y), hn::Sub(q.z, r.z)};
-        plane = next;
-        plane.distance = hn::Add(Dot3(next.normal, from_r), next.distance);
+        plane = PlaneBelow(candidates, q, r, kernel.sheets, near);
         q = Along(r, plane.normal, plane.distance);
       }
     }

@@ -18,13 +18,6 @@ struct ProjectionKernel {
   int tau = 2;  ///< curvature: exponent of the M-like weights, 1..3
 };
 
-struct GroupFeet {
-  alignas(64) float x[kGroup], y[kGroup], z[kGroup];     ///< positions relative to the group's centre
-  alignas(64) float nx[kGroup], ny[kGroup], nz[kGroup];  ///< unit normals
-  alignas(64) float xx[kGroup], xy[kGroup], yy[kGroup];  ///< of FootPoint
-  alignas(64) float inside[kGroup];                      ///< > 0 in the balls of the domain
-};
-
 /// Only lanes with inside > 0 hold a foot point.
 void project_group(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                    GroupFeet& out);

@@ -37,6 +37,14 @@ struct PointGroup {
   Vec3f center;
 };
 
+/// Where a projection takes the points of a group.
+struct GroupFeet {
+  alignas(64) float x[kGroup], y[kGroup], z[kGroup];     ///< positions relative to the group's centre
+  alignas(64) float nx[kGroup], ny[kGroup], nz[kGroup];  ///< unit normals
+  alignas(64) float xx[kGroup], xy[kGroup], yy[kGroup];  ///< of FootPoint
+  alignas(64) float inside[kGroup];                      ///< > 0 in the balls of the domain
+};
+
 /// Cuts a batch into groups whose boxes are at most `extent` wide, after sorting it along a space-filling curve where
 /// it is not in a sensible order, and calls visit(group, box) for each; the same groups for the same batch. Points that
 /// are not finite are left out.

@@ -201,15 +201,16 @@ class AmlsBlend final : public GroupedField {
                        desk.sums.data());
       for (std::size_t i = 0; i < n; ++i) {
         const AmlsSums& s = desk.sums[i];
-        const bool by_weight = s.weight >= 0.55f * s.size;
-        const float divisor = by_weight ? s.weight : 0.55f * s.size;
+        constexpr auto kLeastShare = static_cast<float>(AmlsShape::kLeastShare);
+        const bool by_weight = s.weight >= kLeastShare * s.size;
+        const float divisor = by_weight ? s.weight : kLeastShare * s.size;
         double value = 0;  // less the base
         Vec3 g;
         if (divisor > kNothing) {
           const float quotient = s.value / divisor;
           value = static_cast<double>(quotient);
           for (std::size_t k = 0; k < 3 && gradient; ++k) {
-            const float slope = by_weight ? s.weight_slope[k] : 0.55f * s.size_slope[k];
+            const float slope = by_weight ? s.weight_slope[k] : kLeastShare * s.size_slope[k];
             g[k] = static_cast<double>((s.value_slope[k] - quotient * slope) / divisor);
           }
         }

@@ -18,6 +18,8 @@ namespace sansmesh {
 /// approximation 2, 4 or 6 (Laguerre–Gaussians).
 struct AmlsShape {
   static constexpr double kFall = 2, kDecay = kFall + 4;
+  /// Of Σ |φ|: the divisor is no less.
+  static constexpr double kLeastShare = 0.55;
   double l0 = 1, l1 = 0, l2 = 0;
 
   /// order: 2, 4 or 6.
@@ -32,7 +34,7 @@ struct AmlsShape {
   double laguerre(double t) const { return l0 + t * (l1 + t * l2); }
   /// Σ w where φ is positive; where it has negative rings, sums of it may vanish.
   double divisor(double sum_of_weights, double sum_of_sizes) const {
-    return std::max(sum_of_weights, 0.55 * sum_of_sizes);
+    return std::max(sum_of_weights, kLeastShare * sum_of_sizes);
   }
 };
 

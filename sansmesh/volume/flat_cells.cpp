@@ -34,8 +34,8 @@ struct CellLink {
 /// A sheet that is listed once for each side.
 bool same_corners(const FlatCell& a, const FlatCell& b, const std::vector<std::uint32_t>& at) {
   const auto numbers = [&](const FlatCell& cell) {
-    std::vector<std::uint32_t> all;
-    for (std::size_t k = 0; k < ring_size(cell); ++k) all.push_back(at[cell.corners[k]]);
+    std::vector<std::uint32_t> all(ring_size(cell));
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = at[cell.corners[k]];
     std::sort(all.begin(), all.end());
     return all;
   };
@@ -130,6 +130,7 @@ void thicken(const std::vector<FlatCell>& cells, bool centers, GatheredCells& g,
   std::vector<std::uint32_t> at = coincident_points(g.points, shortest_edges(n, each_edge, g.joinable), g.joinable);
   if (at.empty()) at.resize(n), std::iota(at.begin(), at.end(), 0u);
   std::vector<Vec3> areas;
+  areas.reserve(cells.size());
   for (const FlatCell& cell : cells) areas.push_back(area_of(cell, g.points));
   const std::vector<std::uint8_t> turned = turned_cells(cells, areas, at);
   std::vector<Vec3> sides(n);

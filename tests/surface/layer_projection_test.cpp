@@ -148,11 +148,9 @@ TEST(LayerProjection, KeepsTheSidesOfAThinWallApart) {
   LayerOptions options;
   options.smoothing = 3;
   double apart = 0, mixed = 0;
-  for (const FootPoint& f : feet_of(layer, options, inner))
-    apart = std::max(apart, std::abs(wall(f.position, normal)));
+  for (const FootPoint& f : feet_of(layer, options, inner)) apart = std::max(apart, std::abs(wall(f.position, normal)));
   options.separate_sheets = false;
-  for (const FootPoint& f : feet_of(layer, options, inner))
-    mixed = std::max(mixed, std::abs(wall(f.position, normal)));
+  for (const FootPoint& f : feet_of(layer, options, inner)) mixed = std::max(mixed, std::abs(wall(f.position, normal)));
   EXPECT_LT(apart, 0.05 * kSpacing);
   EXPECT_GT(mixed, 5 * apart);
 }
