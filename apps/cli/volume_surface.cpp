@@ -274,10 +274,9 @@ Command add_volume_surface(CommandLine& volume) {
       .type_name("LENGTH")
       .group("Mesh");
   c.add_option("--triangles", a.meshing.triangles, "At most this many triangles").type_name("COUNT").group("Mesh");
-  a.meshing.components = {ComponentChoice::Kind::all, 1};
   c.add_option_function(
        "--components", [shared](const std::string& text) { shared->meshing.components = parse_components(text); },
-       "Parts to keep: auto, all, largest or a number [all]")
+       "Parts to keep: auto (all that the weights can tell), all, largest or a number [auto]")
       .type_name("CHOICE")
       .group("Mesh");
   c.add_flag("--ascii", a.mesh.ascii, "Write text, not binary").group("Mesh");

@@ -14,6 +14,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/isosurface.h"
+#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
@@ -46,10 +47,13 @@ constexpr double kOutOfNoise = 4;      // times the median gradient
 /// Shares of the local maximum from which on a sample counts, and has a ball.
 constexpr double kCounts = 0.3, kOnRidge = 0.8;
 /// Edge of blocks over the spacing, and of the balls that must hold fine blocks over those of the domain.
-constexpr double kBlockEdge = 1.4, kBlockReach = 0.6;
+constexpr double kBlockEdge = 2.1, kBlockReach = 0.6;
 constexpr int kDeepestBlocks = 13;
 constexpr double kAround = 4;  // the cube of blocks beyond the layer, in spacings
 constexpr double kMeshError = 0.02;  // in spacings
+/// Parts of meshes that are shorter than this along every axis, over the width h of the weights: where no sample is
+/// inside of a closed part, or borders of materials begin, weights of that width tell nothing.
+constexpr double kResolved = 1;
 constexpr double kTolerance = 1e-3;  // of points that are spread, in spacings
 constexpr int kSteps = 12;
 
@@ -256,6 +260,24 @@ class LayerDomain : public ScalarField {
   KdTree tree_;
 };
 
+/// Takes away the parts that fit into a cube of edge `least`; how many these were.
+std::size_t drop_small_parts(TriangleMesh& mesh, double least) {
+  const MeshComponents parts = find_components(mesh);
+  std::vector<Box3f> boxes(parts.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) boxes[parts.of_triangle[t]].extend(mesh.vertices[v]);
+  const auto small = [&](const Box3f& box) {
+    const Vec3f size = box.size();
+    return static_cast<double>(std::max({size.x, size.y, size.z})) < least;
+  };
+  const auto dropped = static_cast<std::size_t>(std::count_if(boxes.begin(), boxes.end(), small));
+  if (dropped == 0) return 0;
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !small(boxes[parts.of_triangle[t]]);
+  keep_triangles(mesh, keep);
+  return dropped;
+}
+
 }  // namespace
 
 struct VolumeSurface::State {
@@ -418,7 +440,16 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");
   progress.begin("finish mesh");
-  detail::choose_components(mesh, meshing.components, {}, 0, r);
+  if (meshing.components.kind == ComponentChoice::Kind::automatic) {
+    const double width = surface.report().smoothing * place.from_input(surface.report().spacing);
+    if (const std::size_t dropped = drop_small_parts(mesh, kResolved * width); dropped > 0)
+      r.warnings.push_back(counted(dropped, "part") +
+                           fmt::format(" smaller than the weights are wide ({:.3g}) left out (`components = all` keeps them)",
+                                       place.to_input(width)));
+    if (mesh.triangles.empty()) throw DataError("has no such surface larger than the weights are wide");
+  } else {
+    detail::choose_components(mesh, meshing.components, {}, 0, r);
+  }
   const MeshTopology topology = measure_topology(mesh);
   r.components = static_cast<int>(topology.components);
   r.open = !topology.closed();

@@ -96,8 +96,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress);
 
 /// A mesh of it in the input's coordinates, closed where the surface is; vertex normals point to where the quantity is
-/// smaller. Of `meshing` the options of samples (trim, colours, confidence) mean nothing. Throws DataError where
-/// nothing is found.
+/// smaller. Of `meshing` the options of samples (trim, colours, confidence) mean nothing; `components` automatic leaves
+/// out, with a warning, what is smaller than the weights are wide. Throws DataError where nothing is found.
 TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions& meshing, Progress& progress,
                                  MeshReport* report = nullptr);
 
