@@ -20,6 +20,7 @@
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface/foot_field.h"
 #include "sansmesh/surface/layer_projection.h"
 #include "sansmesh/volume/sample_slopes.h"
 
@@ -54,6 +55,8 @@ constexpr double kMeshError = 0.02;  // in spacings
 /// Parts of meshes that are shorter than this along every axis, over the width h of the weights: where no sample is
 /// inside of a closed part, or borders of materials begin, weights of that width tell nothing.
 constexpr double kResolved = 1;
+/// Vertices of borders of materials farther off than this are none, in spacings.
+constexpr double kOffSurface = 0.2;
 constexpr double kTolerance = 1e-3;  // of points that are spread, in spacings
 constexpr int kSteps = 12;
 
@@ -138,7 +141,7 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
   const double beta = o.beta.value_or(kSteepness);
   r.beta = beta;
   std::vector<float> around;
-  if (o.local_maximum) around = largest_around(volume, steep);
+  if (o.local_maximum) around = steepest_across(volume, slopes, steep, kCounts * r.least_gradient);
   return choose_samples(n, progress, [&](std::size_t i, std::vector<Chosen>& found) {
     const double most = o.local_maximum ? static_cast<double>(around[i]) : largest;
     if (!(most > 0) || most < r.least_gradient) return;
@@ -212,18 +215,28 @@ class ValueSide final : public LayerSide {
   KdTree tree_;  ///< of samples that are not on a lattice
 };
 
-/// Of borders of materials: that of the tangent plane of the nearest sample of the layer.
+/// Of borders of materials: that of the tangent plane of the nearest foot.
 class PlaneSide final : public LayerSide {
  public:
-  PlaneSide(const LayerSamples& layer, Box3 bounds) : LayerSide(bounds), layer_(layer), tree_(layer.positions) {}
+  PlaneSide(const SurfaceFeet& feet, Box3 bounds) : LayerSide(bounds) {
+    std::vector<Vec3f> positions;
+    positions.reserve(feet.feet.size());
+    normals_.reserve(feet.feet.size());
+    for (const FootPoint& foot : feet.feet) {
+      positions.push_back(Vec3f(foot.position));
+      normals_.push_back(Vec3f(foot.normal));
+    }
+    tree_ = KdTree(positions);
+    positions_ = std::move(positions);
+  }
 
  private:
   double side(const Vec3& x) const override {
     const auto found = tree_.nearest(Vec3f(x));
-    return found ? dot(x - Vec3(layer_.positions[found->index]), Vec3(layer_.normals[found->index])) : 1;
+    return found ? dot(x - Vec3(positions_[found->index]), Vec3(normals_[found->index])) : 1;
   }
 
-  const LayerSamples& layer_;
+  std::vector<Vec3f> positions_, normals_;
   KdTree tree_;
 };
 
@@ -260,6 +273,23 @@ class LayerDomain : public ScalarField {
   KdTree tree_;
 };
 
+/// Takes away triangles where the field jumps: half-way between two borders of materials the one's outside meets the
+/// other's inside, and coarse blocks reach from the one to the other.
+void drop_jumps(TriangleMesh& mesh, const ScalarField& field, double most) {
+  std::vector<Vec3> x(mesh.vertices.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = mesh.origin + Vec3(mesh.vertices[i]);
+  std::vector<double> values(x.size());
+  std::vector<std::uint8_t> inside(x.size());
+  field.evaluate_in_domain(x, values, {}, inside);
+  const auto on_surface = [&](std::uint32_t v) { return inside[v] != 0 && std::abs(values[v]) <= most; };
+  std::vector<std::uint8_t> keep(mesh.triangles.size());
+  for (std::size_t t = 0; t < keep.size(); ++t)
+    keep[t] = std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), on_surface);
+  if (std::all_of(keep.begin(), keep.end(), [](std::uint8_t k) { return k != 0; })) return;
+  keep_triangles(mesh, keep);
+  separate_fans(mesh);
+}
+
 /// Takes away the parts that fit into a cube of edge `least`; how many these were.
 std::size_t drop_small_parts(TriangleMesh& mesh, double least) {
   const MeshComponents parts = find_components(mesh);
@@ -288,7 +318,8 @@ struct VolumeSurface::State {
   LayerSamples layer;
   std::optional<LayerProjection> projection;
   std::unique_ptr<const LayerSide> side;
-  std::optional<ProjectionField> field;
+  std::optional<ProjectionField> exact;
+  std::optional<FootField> field;
   BallUnion balls;
   std::vector<float> spacing;
 };
@@ -361,13 +392,19 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   projection.alternating = options.alternating, projection.line_search = options.line_search;
   projection.separate_sheets = options.separate_sheets;
   state->projection.emplace(layer, projection);
-  state->balls = state->projection->balls();
+  progress.begin("project");
+  const BallUnion near = state->projection->balls();
+  const SurfaceFeet feet = find_feet(*state->projection, near.centers, spacing);
+  if (feet.feet.empty()) throw DataError("has no such surface");
+  state->spacing = feet.spacing;
   const Box3 bounds = state->projection->bounds();
   if (iso)
     state->side = std::make_unique<ValueSide>(*volume, values, options.value, place, bounds);
   else
-    state->side = std::make_unique<PlaneSide>(layer, bounds);
-  state->field.emplace(*state->projection, state->side.get());
+    state->side = std::make_unique<PlaneSide>(feet, bounds);
+  state->exact.emplace(*state->projection, state->side.get());
+  state->field.emplace(feet, state->side.get());
+  state->balls = state->field->balls();
   progress.finish();
   return VolumeSurface(std::move(state));
 }
@@ -380,7 +417,10 @@ VolumeSurface& VolumeSurface::operator=(VolumeSurface&&) noexcept = default;
 const SampledVolume& VolumeSurface::volume() const { return *state_->volume; }
 const Placement& VolumeSurface::place() const { return state_->place; }
 const Projection& VolumeSurface::projection() const { return *state_->projection; }
-const ScalarField& VolumeSurface::field() const { return *state_->field; }
+const ScalarField& VolumeSurface::field() const {
+  if (getenv("EXACT")) return *state_->exact;
+  return *state_->field;
+}
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
 std::span<const float> VolumeSurface::spacing() const { return state_->spacing; }
 const VolumeSurfaceOptions& VolumeSurface::options() const { return state_->options; }
@@ -440,6 +480,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");
   progress.begin("finish mesh");
+  if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * place.from_input(surface.report().spacing));
   if (meshing.components.kind == ComponentChoice::Kind::automatic) {
     const double width = surface.report().smoothing * place.from_input(surface.report().spacing);
     if (const std::size_t dropped = drop_small_parts(mesh, kResolved * width); dropped > 0)

@@ -16,6 +16,9 @@ namespace {
 /// Least spacing over the longest step of a lattice: rounder supports would hold no second slice.
 constexpr double kOfLongest = 0.6;
 
+/// How far across a level set samples are compared, in spacings, and squared cosine to the gradient.
+constexpr double kAcross = 2.2, kCone = 0.64;
+
 using Indices = std::array<std::size_t, 3>;
 
 std::size_t before(std::size_t i) { return i > 0 ? i - 1 : 0; }
@@ -53,6 +56,26 @@ Vec3 lattice_gradient(const Lattice& l, std::span<const double> values, std::siz
     g[a] /= span;
   }
   return l.directions[0] * g.x + l.directions[1] * g.y + l.directions[2] * g.z;
+}
+
+/// Calls look(sample, offset) for the samples of a box that holds all within `reach`, at most four steps along an axis.
+template <class Look>
+void look_around(const Lattice& l, std::size_t sample, double reach, const Look& look) {
+  const Indices at = l.indices(sample);
+  const auto s = steps(l, at);
+  Indices first{}, last{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto wide = static_cast<std::size_t>(std::clamp(reach / s[a], 1.0, 4.0));
+    first[a] = at[a] > wide ? at[a] - wide : 0;
+    last[a] = std::min(at[a] + wide, l.axes[a].size() - 1);
+  }
+  const std::size_t nx = l.axes[0].size(), ny = l.axes[1].size();
+  for (std::size_t k = first[2]; k <= last[2]; ++k)
+    for (std::size_t j = first[1]; j <= last[1]; ++j)
+      for (std::size_t i = first[0]; i <= last[0]; ++i)
+        look((k * ny + j) * nx + i, l.directions[0] * (l.axes[0][i] - l.axes[0][at[0]]) +
+                                        l.directions[1] * (l.axes[1][j] - l.axes[1][at[1]]) +
+                                        l.directions[2] * (l.axes[2][k] - l.axes[2][at[2]]));
 }
 
 }  // namespace
@@ -109,35 +132,31 @@ double SampleSlopes::contrast(std::size_t sample) const {
   return most;
 }
 
-std::vector<float> largest_around(const SampledVolume& volume, std::vector<float> values) {
-  std::vector<float> next(values.size());
-  if (!volume.lattice) {
-    for (int ring = 0; ring < 2; ++ring) {
-      parallel_for(0, values.size(), 4096, [&](std::size_t i) {
-        float most = values[i];
-        for (const std::uint32_t s : volume.stars[i]) most = std::max(most, values[s]);
-        next[i] = most;
-      });
-      values.swap(next);
-    }
-    return values;
-  }
-  std::size_t stride = 1;
-  for (const std::vector<double>& axis : volume.lattice->axes) {
-    const std::size_t n = axis.size();
-    parallel_for(0, values.size(), 16384, [&](std::size_t i) {
-      const std::size_t at = i / stride % n;
-      float most = values[i];
-      for (std::size_t k = 1; k <= 2; ++k) {
-        if (at >= k) most = std::max(most, values[i - k * stride]);
-        if (at + k < n) most = std::max(most, values[i + k * stride]);
+std::vector<float> steepest_across(const SampledVolume& volume, const SampleSlopes& slopes,
+                                   std::span<const float> steep, double least) {
+  std::vector<float> most(steep.size());
+  parallel_for(0, steep.size(), 4096, [&](std::size_t i) {
+    if (!(static_cast<double>(steep[i]) >= least) || !(steep[i] > 0)) return;
+    const Vec3 gradient = slopes.gradient(i);
+    const double reach = kAcross * slopes.spacing(i);
+    float found = steep[i];
+    const auto look = [&](std::size_t other, const Vec3& offset) {
+      const double far = squared_norm(offset), along = dot(offset, gradient);
+      if (far > reach * reach || along * along < kCone * far * squared_norm(gradient)) return;
+      found = std::max(found, steep[other]);
+    };
+    if (volume.lattice) {
+      look_around(*volume.lattice, i, reach, look);
+    } else {
+      const Vec3& x = volume.positions[i];
+      for (const std::uint32_t s : volume.stars[i]) {
+        look(s, volume.positions[s] - x);
+        for (const std::uint32_t t : volume.stars[s]) look(t, volume.positions[t] - x);
       }
-      next[i] = most;
-    });
-    values.swap(next);
-    stride *= n;
-  }
-  return values;
+    }
+    most[i] = found;
+  });
+  return most;
 }
 
 }  // namespace sansmesh

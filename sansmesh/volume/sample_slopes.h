@@ -34,8 +34,10 @@ class SampleSlopes {
   std::vector<float> spacing_;   ///< empty for a lattice
 };
 
-/// Largest of the values of each sample and of those not more than two edges away (on lattices: two steps along each
-/// axis).
-std::vector<float> largest_around(const SampledVolume& volume, std::vector<float> values);
+/// The largest gradient that a sample has within 2.2 spacings across the level set at each sample: where its own is no
+/// smaller, the quantity changes most there. `steep`: norms of the gradients, one a sample; 0 for samples that are less
+/// steep than `least`.
+std::vector<float> steepest_across(const SampledVolume& volume, const SampleSlopes& slopes,
+                                   std::span<const float> steep, double least);
 
 }  // namespace sansmesh
