@@ -256,6 +256,9 @@ Command add_volume_surface(CommandLine& volume) {
   c.add_flag("--line-search", a.options.line_search, "Corrector: offset by minimisation along the normal")
       .group(weights);
   c.add_flag("--all-sheets", a.all_sheets, "Samples count wherever they face").group(weights);
+  c.add_flag("--exact", a.options.exact,
+             "Pictures and meshes project at every place, not from paraboloids at the feet of samples")
+      .group(weights);
   c.add_option("--color-by", a.color_by, fmt::format("Array of the volume, or curvature: {}", kCurvatures))
       .type_name("NAME")
       .group("Picture");

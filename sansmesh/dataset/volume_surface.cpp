@@ -57,8 +57,7 @@ constexpr double kMeshError = 0.02;  // in spacings
 constexpr double kResolved = 1;
 /// Vertices of borders of materials farther off than this are none, in spacings.
 constexpr double kOffSurface = 0.2;
-constexpr double kTolerance = 1e-3;  // of points that are spread, in spacings
-constexpr int kSteps = 12;
+constexpr std::size_t kFeetAtOnce = 65536;
 
 /// A sample that counts.
 struct Chosen {
@@ -290,20 +289,37 @@ void drop_jumps(TriangleMesh& mesh, const ScalarField& field, double most) {
   separate_fans(mesh);
 }
 
-/// Takes away the parts that fit into a cube of edge `least`; how many these were.
-std::size_t drop_small_parts(TriangleMesh& mesh, double least) {
+/// Takes away the parts that are shorter along every axis than the weights around them are wide, and closed ones that
+/// hold less than what one sample stands for; how many these were.
+std::size_t drop_unresolved(TriangleMesh& mesh, const BallUnion& balls, std::span<const float> spacing,
+                            double smoothing) {
   const MeshComponents parts = find_components(mesh);
-  std::vector<Box3f> boxes(parts.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t]) boxes[parts.of_triangle[t]].extend(mesh.vertices[v]);
-  const auto small = [&](const Box3f& box) {
-    const Vec3f size = box.size();
-    return static_cast<double>(std::max({size.x, size.y, size.z})) < least;
-  };
-  const auto dropped = static_cast<std::size_t>(std::count_if(boxes.begin(), boxes.end(), small));
+  std::vector<Box3> boxes(parts.size());
+  std::vector<double> volumes(parts.size()), areas(parts.size());
+  std::vector<Vec3> turned(parts.size());  // vectors of area add up to nothing over a closed part
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::size_t part = parts.of_triangle[t];
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vec3 p(mesh.vertices[a]), q(mesh.vertices[b]), r(mesh.vertices[c]);
+    boxes[part].extend(p), boxes[part].extend(q), boxes[part].extend(r);
+    volumes[part] += dot(p, cross(q, r)) / 6;
+    const Vec3 area = cross(q - p, r - p);
+    turned[part] += area, areas[part] += norm(area);
+  }
+  const KdTree near(balls.centers);
+  std::vector<std::uint8_t> small(parts.size());
+  for (std::size_t i = 0; i < small.size(); ++i) {
+    const auto found = near.nearest(Vec3f(mesh.origin + boxes[i].center()));
+    if (!found) continue;
+    const double s = static_cast<double>(spacing[found->index]);
+    const Vec3 size = boxes[i].size();
+    small[i] = std::max({size.x, size.y, size.z}) < kResolved * smoothing * s ||
+               (norm(turned[i]) < 1e-3 * areas[i] && std::abs(volumes[i]) < s * s * s);
+  }
+  const auto dropped = static_cast<std::size_t>(std::count(small.begin(), small.end(), 1));
   if (dropped == 0) return 0;
   std::vector<std::uint8_t> keep(mesh.triangles.size());
-  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = !small(boxes[parts.of_triangle[t]]);
+  for (std::size_t t = 0; t < keep.size(); ++t) keep[t] = small[parts.of_triangle[t]] == 0;
   keep_triangles(mesh, keep);
   return dropped;
 }
@@ -318,8 +334,9 @@ struct VolumeSurface::State {
   LayerSamples layer;
   std::optional<LayerProjection> projection;
   std::unique_ptr<const LayerSide> side;
-  std::optional<ProjectionField> exact;
-  std::optional<FootField> field;
+  BallUnion places;                  ///< samples next to the surface, a ball around each
+  std::vector<float> place_spacing;  ///< of these
+  std::unique_ptr<const ScalarField> field;
   BallUnion balls;
   std::vector<float> spacing;
 };
@@ -367,7 +384,6 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
     positions[i] = Vec3f(place.from_input(volume->position(chosen[i].sample)));
   const KdTree tree(positions);
   LayerSamples& layer = state->layer;
-  std::vector<float> spacing;
   float heaviest = 0;
   for (const Chosen& c : chosen) heaviest = std::max(heaviest, c.weight);
   for (const std::uint32_t i : tree.order()) {
@@ -378,11 +394,11 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
     layer.weights.push_back(c.weight / heaviest);
     layer.spacing.push_back(s);
     layer.reach.push_back(c.ball ? s * static_cast<float>(kReach) : 0);
-    if (c.ball) state->spacing.push_back(s);
+    if (c.ball) state->place_spacing.push_back(s);
   }
-  spacing = state->spacing;
   r.samples = chosen.size();
-  r.spacing = place.to_input(static_cast<double>(median(spacing)));
+  std::vector<float> sorted = state->place_spacing;
+  r.spacing = place.to_input(static_cast<double>(median(sorted)));
   const double moved = r.spacing > 0 ? r.noise_distance / r.spacing : 0;
   r.smoothing = options.smoothing.value_or(std::min(kWidth + kWiden * moved, kMostWidth));
 
@@ -392,19 +408,24 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   projection.alternating = options.alternating, projection.line_search = options.line_search;
   projection.separate_sheets = options.separate_sheets;
   state->projection.emplace(layer, projection);
+  state->places = state->projection->balls();
   progress.begin("project");
-  const BallUnion near = state->projection->balls();
-  const SurfaceFeet feet = find_feet(*state->projection, near.centers, spacing);
+  const SurfaceFeet feet = find_feet(*state->projection, state->places.centers, state->place_spacing);
+  progress.check();
   if (feet.feet.empty()) throw DataError("has no such surface");
-  state->spacing = feet.spacing;
   const Box3 bounds = state->projection->bounds();
   if (iso)
     state->side = std::make_unique<ValueSide>(*volume, values, options.value, place, bounds);
   else
     state->side = std::make_unique<PlaneSide>(feet, bounds);
-  state->exact.emplace(*state->projection, state->side.get());
-  state->field.emplace(feet, state->side.get());
-  state->balls = state->field->balls();
+  if (options.exact) {
+    state->field = std::make_unique<ProjectionField>(*state->projection, state->side.get());
+    state->balls = state->places, state->spacing = state->place_spacing;
+  } else {
+    auto field = std::make_unique<FootField>(feet, state->side.get());
+    state->balls = field->balls(), state->spacing = feet.spacing;
+    state->field = std::move(field);
+  }
   progress.finish();
   return VolumeSurface(std::move(state));
 }
@@ -417,10 +438,7 @@ VolumeSurface& VolumeSurface::operator=(VolumeSurface&&) noexcept = default;
 const SampledVolume& VolumeSurface::volume() const { return *state_->volume; }
 const Placement& VolumeSurface::place() const { return state_->place; }
 const Projection& VolumeSurface::projection() const { return *state_->projection; }
-const ScalarField& VolumeSurface::field() const {
-  if (getenv("EXACT")) return *state_->exact;
-  return *state_->field;
-}
+const ScalarField& VolumeSurface::field() const { return *state_->field; }
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
 std::span<const float> VolumeSurface::spacing() const { return state_->spacing; }
 const VolumeSurfaceOptions& VolumeSurface::options() const { return state_->options; }
@@ -482,12 +500,12 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   progress.begin("finish mesh");
   if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * place.from_input(surface.report().spacing));
   if (meshing.components.kind == ComponentChoice::Kind::automatic) {
-    const double width = surface.report().smoothing * place.from_input(surface.report().spacing);
-    if (const std::size_t dropped = drop_small_parts(mesh, kResolved * width); dropped > 0)
+    const std::size_t dropped =
+        drop_unresolved(mesh, surface.balls(), surface.spacing(), surface.report().smoothing);
+    if (dropped > 0)
       r.warnings.push_back(counted(dropped, "part") +
-                           fmt::format(" smaller than the weights are wide ({:.3g}) left out (`components = all` keeps them)",
-                                       place.to_input(width)));
-    if (mesh.triangles.empty()) throw DataError("has no such surface larger than the weights are wide");
+                           " too small for weights of this width left out (`components = all` keeps them)");
+    if (mesh.triangles.empty()) throw DataError("has no such surface that weights of this width can tell");
   } else {
     detail::choose_components(mesh, meshing.components, {}, 0, r);
   }
@@ -508,26 +526,27 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   const int along = static_cast<int>(std::clamp(std::ceil(2 * spacing / apart), 1.0, 16.0));
   progress.begin("project");
   std::vector<Vec3> feet, normals;
-  const BallUnion& balls = surface.balls();
-  constexpr std::size_t kBatch = 65536;
-  std::vector<Vec3> x;
-  std::vector<FootPoint> found;
+  const BallUnion& places = surface.state_->places;
+  const std::vector<float>& spacings = surface.state_->place_spacing;
+  std::vector<Vec3f> x;
+  std::vector<float> around;
   const auto flush = [&] {
     progress.check();
-    found.resize(x.size());
-    project_to_fixed_point(surface.projection(), x, kTolerance * spacing, kSteps, found);
-    for (const FootPoint& f : found)
-      if (f.defined) feet.push_back(f.position), normals.push_back(f.normal);
-    x.clear();
+    const SurfaceFeet found = find_feet(surface.projection(), x, around);
+    for (const FootPoint& f : found.feet) feet.push_back(f.position), normals.push_back(f.normal);
+    x.clear(), around.clear();
   };
-  for (std::size_t i = 0; i < balls.centers.size(); ++i) {
-    const Vec3 center(balls.centers[i]);
-    const double step = static_cast<double>(surface.spacing()[i]) / along;
+  for (std::size_t i = 0; i < places.centers.size(); ++i) {
+    const float step = spacings[i] / static_cast<float>(along), first = 0.5f * static_cast<float>(1 - along);
     for (int a = 0; a < along; ++a)
       for (int b = 0; b < along; ++b)
-        for (int c = 0; c < along; ++c)
-          x.push_back(center + Vec3{a - 0.5 * (along - 1), b - 0.5 * (along - 1), c - 0.5 * (along - 1)} * step);
-    if (x.size() >= kBatch) flush();
+        for (int c = 0; c < along; ++c) {
+          x.push_back(places.centers[i] + Vec3f{first + static_cast<float>(a), first + static_cast<float>(b),
+                                                first + static_cast<float>(c)} *
+                                              step);
+          around.push_back(spacings[i]);
+        }
+    if (x.size() >= kFeetAtOnce) flush();
   }
   flush();
   if (feet.empty()) throw DataError("has no such surface");

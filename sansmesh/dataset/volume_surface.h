@@ -43,6 +43,9 @@ struct VolumeSurfaceOptions {
   bool predictor = true, corrector = true;  ///< as in LayerOptions, like what follows
   bool alternating = false, line_search = false;
   bool separate_sheets = true;
+  /// field() asks the projection itself at every place, not the paraboloids at the feet of the samples: the definition
+  /// to the letter, for ten to thirty times the time.
+  bool exact = false;
 
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -69,11 +72,11 @@ class VolumeSurface {
   const SampledVolume& volume() const;
   const Placement& place() const;
   const Projection& projection() const;
-  /// Signed distance to the foot, negative where the quantity is larger; where nothing is projected the nearest
-  /// sample tells the side.
+  /// About the signed distance, negative where the quantity is larger: FootField, or with `exact` the distance to the
+  /// foot of the place itself. Where nothing is projected the nearest sample tells the side.
   const ScalarField& field() const;
   const BallUnion& balls() const;
-  /// Of the samples at the balls' centres.
+  /// Of the samples around the balls' centres.
   std::span<const float> spacing() const;
   const VolumeSurfaceOptions& options() const;
   const VolumeSurfaceReport& report() const;
@@ -84,6 +87,7 @@ class VolumeSurface {
  private:
   friend VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume>, std::span<const double>, double,
                                            const VolumeSurfaceOptions&, Progress&);
+  friend PointSet sample_volume_surface(const VolumeSurface&, std::optional<double>, Progress&);
   struct State;
   explicit VolumeSurface(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

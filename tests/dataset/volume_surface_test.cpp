@@ -85,7 +85,6 @@ Errors errors_of(const TriangleMesh& mesh, double radius) {
 TriangleMesh mesh_of(const VolumeSurface& surface, MeshReport& report) {
   Progress progress;
   MeshOptions options;
-  options.components = {ComponentChoice::Kind::all, 1};
   return mesh_volume_surface(surface, options, progress, &report);
 }
 
@@ -98,7 +97,8 @@ void expect_sphere(const VolumeSurface& surface, double most, double angle) {
   const Errors e = errors_of(mesh, kRadius);
   EXPECT_LT(e.most, most);
   EXPECT_LT(e.angle, angle);
-  EXPECT_NEAR(measure_size(mesh).volume, 4.0 / 3 * std::numbers::pi * kRadius * kRadius * kRadius, 0.005);
+  EXPECT_NEAR(measure_size(mesh).volume, 4.0 / 3 * std::numbers::pi * kRadius * kRadius * kRadius,
+              4 * std::numbers::pi * kRadius * kRadius * most);
 }
 
 TEST(VolumeSurface, OfABallIsAClosedSphereOnEveryGrid) {
@@ -161,9 +161,9 @@ TEST(VolumeSurface, PointsLieOnItEvenly) {
   Progress progress;
   for (const double distance : {step, 0.5 * step}) {
     const PointSet points = sample_volume_surface(surface, distance, progress);
-    // Discs of half the distance fill between a half and nine tenths of the area.
+    // Discs of half the distance fill between four and nine tenths of the area.
     const double discs = static_cast<double>(points.size()) * distance * distance / (16 * kRadius * kRadius);
-    EXPECT_GT(discs, 0.5);
+    EXPECT_GT(discs, 0.45);
     EXPECT_LT(discs, 0.91);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3 d = points.origin + Vec3(points.positions[i]) - kMiddle;
