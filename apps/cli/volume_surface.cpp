@@ -1,7 +1,9 @@
 // sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
 #include <fmt/core.h>
 
+#include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/curvature_colors.h"
+#include "sansmesh/volume/volume_values.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -84,6 +87,20 @@ VolumeSurfaceOptions chosen_options(const VolumeSurfaceArguments& a, OpenVolume&
   if (!a.value && (array.components > 1)) throw ArgumentError("--value is needed for arrays of several components");
   o.value = a.value ? *a.value : 0.5 * (array.least[0] + array.most[0]);
   return o;
+}
+
+/// One a sample, finite: of a component, or lengths of vectors.
+std::vector<double> chosen_values(const SampledVolume& samples, const ArrayChoice& choice) {
+  const VolumeValues all = volume_values(samples, choice.array);
+  if (all.components == 1) return all.values;
+  std::vector<double> values(samples.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::span<const double> v = all.of(i);
+    double squares = 0;
+    for (const double x : v) squares += x * x;
+    values[i] = choice.component ? v[*choice.component] : std::sqrt(squares);
+  }
+  return values;
 }
 
 /// The standard deviation of noise: what parabolas through the samples around leave, where planes leave as much.
@@ -162,8 +179,7 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   volume.dataset().default_array();
   VolumeSurfaceOptions options = chosen_options(a, volume);
   const VolumeTraits& traits = volume.traits();
-  std::vector<double> values(samples->size());
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = volume.sample_value(i);
+  const std::vector<double> values = chosen_values(*samples, volume.choice());
   Json json = {{"input", volume.json()}};
   try {
     const VolumeSurface surface = make_volume_surface(samples, values, noise_of(traits), options, progress);

@@ -104,6 +104,26 @@ void VolumeDomain::ranges(std::span<const Vec3> x, double radius, std::span<Valu
   detail::ranges_by_slope(*this, 1, x, radius, found);
 }
 
+void VolumeDomain::locate(std::span<const Vec3> x, std::span<std::uint8_t> inside) const {
+  parallel_ranges(0, x.size(), 512, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3> input(end - begin);
+    for (std::size_t i = begin; i < end; ++i) input[i - begin] = place_.to_input(x[i]);
+    if (!boundary_) {
+      const Lattice& l = *volume_.lattice;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Vec3 a = l.to_axes(input[i - begin]);
+        bool within = true;
+        for (std::size_t k = 0; k < 3; ++k) within = within && a[k] >= l.lower[k] && a[k] <= l.upper[k];
+        inside[i] = within;
+      }
+      return;
+    }
+    std::vector<VolumePlace> places(end - begin);
+    boundary_->locator.locate(input, places);
+    for (std::size_t i = begin; i < end; ++i) inside[i] = places[i - begin].inside;
+  });
+}
+
 // ---- Field -------------------------------------------------------------------------------------------------------
 
 Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeField> field,

@@ -52,6 +52,8 @@ constexpr double kBlockEdge = 2.1, kBlockReach = 0.6;
 constexpr int kDeepestBlocks = 13;
 constexpr double kAround = 4;  // the cube of blocks beyond the layer, in spacings
 constexpr double kMeshError = 0.02;  // in spacings
+/// Rays ask whether places are in the volume where the field is smaller than this, over the largest radius of a ball.
+constexpr double kCutThickness = 0.3;
 /// Parts of meshes that are shorter than this along every axis, over the width h of the weights: where no sample is
 /// inside of a closed part, or borders of materials begin, weights of that width tell nothing.
 constexpr double kResolved = 1;
@@ -114,12 +116,14 @@ std::vector<Chosen> isovalue_layer(const SampleSlopes& slopes, std::span<const d
     const Vec3 gradient = slopes.gradient(i);
     const double steep = norm(gradient);
     if (!(steep > 0)) return;
-    const double beta = o.beta ? *o.beta : kThickness * std::max(steep * spacing, floor);
+    // Flat cells: the layer is as thick as samples are apart across the surface.
+    const double across = slopes.spacing_along(i, gradient / steep);
+    const double beta = o.beta ? *o.beta : kThickness * std::max(steep * across, floor);
     const double away = std::abs(off) / beta;
     if (away > kMostOff) return;
     // Plateaus: level sets near by are far apart there, each sample stands for little of their area.
     const double area = r.slope > 0 ? std::min(1.0, steep / (kWeakSlope * r.slope)) : 1;
-    const double weight = std::exp(-away * away) * area * slopes.volume(i) / spacing;
+    const double weight = std::exp(-away * away) * area * slopes.volume(i) / across;
     found.push_back({static_cast<std::uint32_t>(i), static_cast<float>(weight), away < kBallsOff, gradient});
   });
 }
@@ -150,7 +154,8 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
     if (std::abs(away) > kMostOff) return;
     const Vec3 gradient = slopes.gradient(i);
     if (!(squared_norm(gradient) > 0)) return;
-    const double weight = std::exp(-away * away) * slopes.volume(i) / slopes.spacing(i);
+    const double across = slopes.spacing_along(i, normalized(gradient));
+    const double weight = std::exp(-away * away) * slopes.volume(i) / across;
     const bool ball = o.local_maximum ? share > kOnRidge : std::abs(away) < kBallsOff;
     found.push_back({static_cast<std::uint32_t>(i), static_cast<float>(weight), ball, gradient});
   });
@@ -239,13 +244,61 @@ class PlaneSide final : public LayerSide {
   KdTree tree_;
 };
 
+/// The surface's field, defined in the volume alone. Only places on the surface are looked up, and of these only those
+/// in balls that reach out of the volume.
+class CutField final : public ScalarField {
+ public:
+  CutField(std::unique_ptr<const ScalarField> field, const VolumeDomain& volume, const BallUnion& balls)
+      : field_(std::move(field)), volume_(volume) {
+    std::vector<Vec3> centers(balls.centers.begin(), balls.centers.end());
+    std::vector<double> depth(centers.size());
+    volume.evaluate(centers, depth);
+    std::vector<Vec3f> kept;
+    std::vector<float> radii;
+    for (std::size_t i = 0; i < centers.size(); ++i) {
+      if (depth[i] < -static_cast<double>(balls.radii[i])) continue;
+      kept.push_back(balls.centers[i]);
+      radii.push_back(balls.radii[i]);
+    }
+    rim_ = BallTree(kept, radii);
+    if (!radii.empty()) thickness_ = kCutThickness * static_cast<double>(*std::max_element(radii.begin(), radii.end()));
+  }
+  Box3 bounds() const override { return field_->bounds(); }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
+    field_->evaluate(x, values, gradients);
+  }
+  void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                          std::span<std::uint8_t> inside) const override {
+    field_->evaluate_in_domain(x, values, gradients, inside);
+    if (inside.empty() || rim_.size() == 0) return;
+    std::vector<std::uint32_t> asked, touched;
+    std::vector<Vec3> places;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (inside[i] == 0 || std::abs(values[i]) > thickness_) continue;
+      const Vec3f p(x[i]);
+      rim_.touching({p, p}, touched);
+      if (touched.empty()) continue;
+      asked.push_back(static_cast<std::uint32_t>(i));
+      places.push_back(x[i]);
+    }
+    std::vector<std::uint8_t> within(places.size());
+    volume_.locate(places, within);
+    for (std::size_t k = 0; k < asked.size(); ++k) inside[asked[k]] = within[k];
+  }
+
+ private:
+  std::unique_ptr<const ScalarField> field_;
+  const VolumeDomain& volume_;
+  BallTree rim_;  ///< balls that reach out of the volume
+  double thickness_ = 0;
+};
+
 /// Where a surface can be: inside of the volume and, where borders of materials end within it, of the balls of the
 /// layer. Negative there, about the distance to where that ends.
 class LayerDomain : public ScalarField {
  public:
   /// What is passed must outlive it. `balls`: null for surfaces that end with the volume alone.
-  LayerDomain(const SampledVolume& volume, const Placement& place, const BallUnion* balls)
-      : volume_(volume, place), balls_(balls) {
+  LayerDomain(const VolumeDomain& volume, const BallUnion* balls) : volume_(volume), balls_(balls) {
     if (balls) tree_ = KdTree(balls->centers);
   }
   Box3 bounds() const override { return volume_.bounds(); }
@@ -267,7 +320,7 @@ class LayerDomain : public ScalarField {
   }
 
  private:
-  VolumeDomain volume_;
+  const VolumeDomain& volume_;
   const BallUnion* balls_;
   KdTree tree_;
 };
@@ -278,9 +331,8 @@ void drop_jumps(TriangleMesh& mesh, const ScalarField& field, double most) {
   std::vector<Vec3> x(mesh.vertices.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = mesh.origin + Vec3(mesh.vertices[i]);
   std::vector<double> values(x.size());
-  std::vector<std::uint8_t> inside(x.size());
-  field.evaluate_in_domain(x, values, {}, inside);
-  const auto on_surface = [&](std::uint32_t v) { return inside[v] != 0 && std::abs(values[v]) <= most; };
+  field.evaluate(x, values);
+  const auto on_surface = [&](std::uint32_t v) { return std::abs(values[v]) <= most; };
   std::vector<std::uint8_t> keep(mesh.triangles.size());
   for (std::size_t t = 0; t < keep.size(); ++t)
     keep[t] = std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), on_surface);
@@ -336,6 +388,7 @@ struct VolumeSurface::State {
   std::unique_ptr<const LayerSide> side;
   BallUnion places;                  ///< samples next to the surface, a ball around each
   std::vector<float> place_spacing;  ///< of these
+  std::unique_ptr<const VolumeDomain> domain;
   std::unique_ptr<const ScalarField> field;
   BallUnion balls;
   std::vector<float> spacing;
@@ -418,14 +471,18 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
     state->side = std::make_unique<ValueSide>(*volume, values, options.value, place, bounds);
   else
     state->side = std::make_unique<PlaneSide>(feet, bounds);
+  progress.begin("boundary");
+  state->domain = std::make_unique<const VolumeDomain>(*volume, place);
+  std::unique_ptr<const ScalarField> field;
   if (options.exact) {
-    state->field = std::make_unique<ProjectionField>(*state->projection, state->side.get());
+    field = std::make_unique<const ProjectionField>(*state->projection, state->side.get());
     state->balls = state->places, state->spacing = state->place_spacing;
   } else {
-    auto field = std::make_unique<FootField>(feet, state->side.get());
-    state->balls = field->balls(), state->spacing = feet.spacing;
-    state->field = std::move(field);
+    auto of_feet = std::make_unique<const FootField>(feet, state->side.get());
+    state->balls = of_feet->balls(), state->spacing = feet.spacing;
+    field = std::move(of_feet);
   }
+  state->field = std::make_unique<const CutField>(std::move(field), *state->domain, state->balls);
   progress.finish();
   return VolumeSurface(std::move(state));
 }
@@ -493,7 +550,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   const BlockTree blocks = surface.blocks();
   PolygonizeOptions polygonize = detail::meshing_options(own, error, false);
   const bool iso = surface.options().kind == VolumeSurfaceOptions::Kind::isovalue;
-  const LayerDomain domain(surface.volume(), place, iso ? nullptr : &surface.balls());
+  const LayerDomain domain(*surface.state_->domain, iso ? nullptr : &surface.balls());
   polygonize.domain = &domain;
   TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");

@@ -87,6 +87,7 @@ class VolumeSurface {
  private:
   friend VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume>, std::span<const double>, double,
                                            const VolumeSurfaceOptions&, Progress&);
+  friend TriangleMesh mesh_volume_surface(const VolumeSurface&, const MeshOptions&, Progress&, MeshReport*);
   friend PointSet sample_volume_surface(const VolumeSurface&, std::optional<double>, Progress&);
   struct State;
   explicit VolumeSurface(std::unique_ptr<State> state);

@@ -19,6 +19,9 @@ constexpr double kOfLongest = 0.6;
 /// How far across a level set samples are compared, in spacings, and squared cosine to the gradient.
 constexpr double kAcross = 2.2, kCone = 0.64;
 
+/// Least volume of a sample off lattices over its cubed spacing: stars may be flat.
+constexpr double kLeastVolume = 1e-3;
+
 using Indices = std::array<std::size_t, 3>;
 
 std::size_t before(std::size_t i) { return i > 0 ? i - 1 : 0; }
@@ -105,10 +108,38 @@ double SampleSlopes::spacing(std::size_t sample) const {
   return std::max(std::cbrt(s[0] * s[1] * s[2]), kOfLongest * std::max({s[0], s[1], s[2]}));
 }
 
+double SampleSlopes::spacing_along(std::size_t sample, const Vec3& direction) const {
+  // The radius of the ellipsoid with these half axes, or with the moments of the neighbours.
+  double squares = 0;
+  if (volume_.lattice) {
+    const Lattice& l = *volume_.lattice;
+    const auto s = steps(l, l.indices(sample));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double along = s[a] * dot(l.directions[a], direction);
+      squares += along * along;
+    }
+    return std::sqrt(squares);
+  }
+  const auto& star = volume_.stars[sample];
+  for (const std::uint32_t i : star) {
+    const double along = dot(volume_.positions[i] - volume_.positions[sample], direction);
+    squares += along * along;
+  }
+  return squares > 0 ? std::sqrt(3 * squares / static_cast<double>(star.size())) : spacing(sample);
+}
+
 double SampleSlopes::volume(std::size_t sample) const {
   if (!volume_.lattice) {
-    const double s = spacing(sample);
-    return s * s * s;
+    // Of the box whose middle has the same moments of its neighbours as these.
+    const auto& star = volume_.stars[sample];
+    double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    for (const std::uint32_t i : star) {
+      const Vec3 d = volume_.positions[i] - volume_.positions[sample];
+      xx += d.x * d.x, xy += d.x * d.y, xz += d.x * d.z, yy += d.y * d.y, yz += d.y * d.z, zz += d.z * d.z;
+    }
+    const double s = spacing(sample), share = star.size() > 0 ? 3 / static_cast<double>(star.size()) : 0;
+    const double determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+    return std::max(std::sqrt(std::max(determinant, 0.0) * share * share * share), kLeastVolume * s * s * s);
   }
   const auto s = steps(*volume_.lattice, volume_.lattice->indices(sample));
   return s[0] * s[1] * s[2];

@@ -22,7 +22,9 @@ class SampleSlopes {
   /// Distance to the samples around (length, > 0): on lattices the edge of the cube that a sample stands for, but no
   /// less than 0.6 of the longest step; elsewhere the mean over the star.
   double spacing(std::size_t sample) const;
-  /// What the sample stands for (length³).
+  /// The same along a unit vector: cells may be flat or long.
+  double spacing_along(std::size_t sample, const Vec3& direction) const;
+  /// What the sample stands for (length³); elsewhere than on lattices about that.
   double volume(std::size_t sample) const;
   /// Largest difference to a sample of its star.
   double contrast(std::size_t sample) const;

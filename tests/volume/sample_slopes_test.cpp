@@ -51,6 +51,23 @@ TEST(SampleSlopes, SpacingIsTheStepAndVolumesFillTheLattice) {
   EXPECT_NEAR(sum, 1.1 * 1.1 * 1.1, 1e-9);  // each sample in the middle of its cube
 }
 
+/// Cells four times as long along y as along x: a curvilinear block knows that as well as a lattice.
+TEST(SampleSlopes, FlatCellsHaveTheirOwnSpacingInEachDirection) {
+  const GridBlock lattice = test::lattice_block({9, 9, 9}, {0, 0, 0}, {1, 4, 2});
+  const auto same = [](const Vec3& x) { return x; };
+  for (const GridBlock& block : {lattice, test::curvilinear_block(lattice, same)}) {
+    const Slopes s = slopes_of(test::one_block(block, test::linear_function), test::linear_function);
+    const SampleSlopes slopes(s.volume, s.values);
+    for (std::size_t i = 0; i < s.volume.size(); ++i) {
+      const Vec3 x = s.volume.position(i);
+      if (x.x < 0.1 || x.x > 0.9 || x.y < 0.4 || x.y > 3.6 || x.z < 0.2 || x.z > 1.8) continue;
+      EXPECT_NEAR(slopes.spacing_along(i, {1, 0, 0}), 0.125, 1e-9);
+      EXPECT_NEAR(slopes.spacing_along(i, {0, 1, 0}), 0.5, 1e-9);
+      EXPECT_NEAR(slopes.volume(i), 0.125 * 0.5 * 0.25, 1e-9);
+    }
+  }
+}
+
 /// A border that is ten times fainter at one end than at the other is steepest in the same plane all along: what is
 /// steeper along the border does not count.
 TEST(SampleSlopes, SteepestAcrossFollowsABorderThatFades) {
