@@ -114,12 +114,8 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
   look.plain = a.quick, look.steady = a.frames > 0;
   look.validate();
   const Placement& place = surface.place();
-  // Splats are what curvature, sharp normals and colours are told from.
   PointSet points;
-  if (!a.color_by.empty() || a.sharp) {
-    points = sample_volume_surface(surface, {}, progress);
-    move_from_input(points, place);
-  }
+  if (!a.color_by.empty() || a.sharp) points = surface.feet();
   std::unique_ptr<ColorField> colors;
   if (is_curvature(a.color_by)) {
     CurvatureColorOptions o;
@@ -193,6 +189,8 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
     console.say(fmt::format("spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
                             r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance))
                                                  : std::string()));
+    if (!samples->lattice && traits.resolved())
+      console.say("the values are smooth between samples: sansmesh volume isosurface follows them more closely");
     json["surface"] = {{"kind", a.high_gradient ? "high-gradient" : "isovalue"},
                        {"samples", r.samples},
                        {"spacing", r.spacing},

@@ -59,6 +59,8 @@ constexpr double kCutThickness = 0.3;
 constexpr double kResolved = 1;
 /// Vertices of borders of materials farther off than this are none, in spacings.
 constexpr double kOffSurface = 0.2;
+/// Distance between the feet that are handed out, in spacings.
+constexpr double kSplats = 0.75;
 constexpr std::size_t kFeetAtOnce = 65536;
 
 /// A sample that counts.
@@ -385,6 +387,7 @@ struct VolumeSurface::State {
   VolumeSurfaceReport report;
   LayerSamples layer;
   std::optional<LayerProjection> projection;
+  SurfaceFeet feet;  ///< of the places
   std::unique_ptr<const LayerSide> side;
   BallUnion places;                  ///< samples next to the surface, a ball around each
   std::vector<float> place_spacing;  ///< of these
@@ -463,7 +466,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   state->projection.emplace(layer, projection);
   state->places = state->projection->balls();
   progress.begin("project");
-  const SurfaceFeet feet = find_feet(*state->projection, state->places.centers, state->place_spacing);
+  state->feet = find_feet(*state->projection, state->places.centers, state->place_spacing);
+  const SurfaceFeet& feet = state->feet;
   progress.check();
   if (feet.feet.empty()) throw DataError("has no such surface");
   const Box3 bounds = state->projection->bounds();
@@ -498,6 +502,17 @@ const Projection& VolumeSurface::projection() const { return *state_->projection
 const ScalarField& VolumeSurface::field() const { return *state_->field; }
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
 std::span<const float> VolumeSurface::spacing() const { return state_->spacing; }
+PointSet VolumeSurface::feet() const {
+  std::vector<Vec3> positions;
+  positions.reserve(state_->feet.feet.size());
+  for (const FootPoint& foot : state_->feet.feet) positions.push_back(foot.position);
+  PointSet points;
+  for (const std::uint32_t i : poisson_discs(positions, kSplats * state_->place.from_input(state_->report.spacing))) {
+    points.positions.push_back(Vec3f(positions[i]));
+    points.normals.push_back(Vec3f(state_->feet.feet[i].normal));
+  }
+  return points;
+}
 const VolumeSurfaceOptions& VolumeSurface::options() const { return state_->options; }
 const VolumeSurfaceReport& VolumeSurface::report() const { return state_->report; }
 
@@ -579,7 +594,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   const Placement& place = surface.place();
   const double spacing = place.from_input(surface.report().spacing);
   const double apart = distance ? place.from_input(*distance) : spacing;
-  // Feet of each sample with a ball and, where points are to be dense, of places around it.
+  // Feet of the samples next to the surface or, where points are to be dense, of places around these.
   const int along = static_cast<int>(std::clamp(std::ceil(2 * spacing / apart), 1.0, 16.0));
   progress.begin("project");
   std::vector<Vec3> feet, normals;
@@ -589,23 +604,21 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   std::vector<float> around;
   const auto flush = [&] {
     progress.check();
-    const SurfaceFeet found = find_feet(surface.projection(), x, around);
-    for (const FootPoint& f : found.feet) feet.push_back(f.position), normals.push_back(f.normal);
+    for (const FootPoint& f : find_feet(surface.projection(), x, around).feet)
+      feet.push_back(f.position), normals.push_back(f.normal);
     x.clear(), around.clear();
   };
   for (std::size_t i = 0; i < places.centers.size(); ++i) {
     const float step = spacings[i] / static_cast<float>(along), first = 0.5f * static_cast<float>(1 - along);
-    for (int a = 0; a < along; ++a)
-      for (int b = 0; b < along; ++b)
-        for (int c = 0; c < along; ++c) {
-          x.push_back(places.centers[i] + Vec3f{first + static_cast<float>(a), first + static_cast<float>(b),
-                                                first + static_cast<float>(c)} *
-                                              step);
-          around.push_back(spacings[i]);
-        }
+    for (int k = 0; k < along * along * along; ++k) {
+      const Vec3f at{static_cast<float>(k % along), static_cast<float>(k / along % along),
+                     static_cast<float>(k / (along * along))};
+      x.push_back(places.centers[i] + (at + Vec3f{first, first, first}) * step);
+      around.push_back(spacings[i]);
+    }
     if (x.size() >= kFeetAtOnce) flush();
   }
-  flush();
+  if (!x.empty()) flush();
   if (feet.empty()) throw DataError("has no such surface");
   PointSet points;
   points.origin = place.origin;

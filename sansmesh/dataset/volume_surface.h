@@ -78,6 +78,9 @@ class VolumeSurface {
   const BallUnion& balls() const;
   /// Of the samples around the balls' centres.
   std::span<const float> spacing() const;
+  /// Feet of the samples next to the surface, no closer to each other than 0.75 spacings, with normals: what curvatures
+  /// and sharp normals are told from.
+  PointSet feet() const;
   const VolumeSurfaceOptions& options() const;
   const VolumeSurfaceReport& report() const;
 
