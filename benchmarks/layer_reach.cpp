@@ -96,8 +96,10 @@ void run(int argc, char** argv) {
   const double spacing = surface.report().spacing;
   const LayerSamples layer = layer_of(*volume, values, value);
 
-  fmt::print("{} points of the surface, spacing {:.3g}\n\n| from (spacings) | predictor | corrector | both |\n|--:|--:|--:|--:|\n",
-             truth.size(), spacing);
+  fmt::print(
+      "{} points of the surface, spacing {:.3g}\n\n| from (spacings) | predictor | corrector | both "
+      "|\n|--:|--:|--:|--:|\n",
+      truth.size(), spacing);
   for (const double distance : {0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0}) {
     std::vector<Vec3> x;
     for (std::size_t i = 0; i < truth.size(); ++i)

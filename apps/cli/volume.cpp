@@ -5,7 +5,8 @@
 namespace sansmesh::cli {
 
 std::vector<Command> add_volume(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("volume", "Volumes on any grid: fit, probe, resample, isosurface, surface, render");
+  CommandLine& c =
+      app.add_subcommand("volume", "Volumes on any grid: fit, probe, resample, isosurface, surface, render");
   c.require_subcommand();
   c.footer(std::string(kReadableVolumes) +
            "\n\nWithout --method the reconstruction follows from the data: sansmesh advise DATA says which and why.\n\n"
@@ -15,8 +16,8 @@ std::vector<Command> add_volume(CommandLine& app) {
            "  sansmesh volume resample fire.vtu --array t --size 128 -o t.vti\n"
            "  sansmesh volume isosurface fire.vtu --array t --value 1000 -o hot.ply\n"
            "  sansmesh volume fit fire.vtu --array t -o fire.smv");
-  return {add_volume_fit(c), add_volume_probe(c), add_volume_resample(c), add_volume_isosurface(c),
-          add_volume_render(c), add_volume_surface(c)};
+  return {add_volume_fit(c),        add_volume_probe(c),  add_volume_resample(c),
+          add_volume_isosurface(c), add_volume_render(c), add_volume_surface(c)};
 }
 
 }  // namespace sansmesh::cli

@@ -46,11 +46,10 @@ bool is_picture(const std::string& file) { return file.size() > 4 && file.compar
 /// Colours by another array of the volume; positions in coordinates of the surface.
 class ArrayColors : public ColorField {
  public:
-  ArrayColors(std::shared_ptr<const VolumeField> field, const Placement& place) : field_(std::move(field)), place_(place) {}
+  ArrayColors(std::shared_ptr<const VolumeField> field, const Placement& place)
+      : field_(std::move(field)), place_(place) {}
   /// The colours span what the array has at these places.
-  void span(std::span<const Vec3> x) {
-    colors_ = transfer_function_preset("flow", value_histogram(values(x)));
-  }
+  void span(std::span<const Vec3> x) { colors_ = transfer_function_preset("flow", value_histogram(values(x))); }
   std::pair<double, double> range() const { return colors_.range(); }
   void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const override {
     const std::vector<double> v = values(x);
@@ -106,7 +105,8 @@ std::vector<double> chosen_values(const SampledVolume& samples, const ArrayChoic
 /// The standard deviation of noise: what parabolas through the samples around leave, where planes leave as much.
 double noise_of(const VolumeTraits& traits) { return traits.resolved() ? 0 : traits.noise * traits.range; }
 
-void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVolume& volume, Console& console, Json& json) {
+void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVolume& volume, Console& console,
+          Json& json) {
   Progress& progress = console.progress();
   SurfaceRenderOptions look = a.look;
   static_cast<RenderOptions&>(look) = a.picture.chosen();
@@ -124,8 +124,7 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
       o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit);
     colors = std::make_unique<CurvatureColors>(points, o, progress);
   } else if (!a.color_by.empty()) {
-    auto of_array =
-        std::make_unique<ArrayColors>(volume.field(volume.dataset().choose(a.color_by, "color_by")), place);
+    auto of_array = std::make_unique<ArrayColors>(volume.field(volume.dataset().choose(a.color_by, "color_by")), place);
     const std::vector<Vec3> x(points.positions.begin(), points.positions.end());
     of_array->span(x);
     json["colors"] = {{"array", a.color_by}, {"lower", of_array->range().first}, {"upper", of_array->range().second}};
@@ -160,7 +159,8 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
           "--global-maximum and --least-gradient need --high-gradient");
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   const bool picture = is_picture(a.output);
-  require(picture || (a.color_by.empty() && a.frames == 0 && !a.sharp), "--color-by, --sharp and --frames need a picture");
+  require(picture || (a.color_by.empty() && a.frames == 0 && !a.sharp),
+          "--color-by, --sharp and --frames need a picture");
   require(!a.color_range || is_curvature(a.color_by), "--color-range needs --color-by with a curvature");
   a.mesh.file = a.output;
   if (picture)
@@ -180,15 +180,16 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   try {
     const VolumeSurface surface = make_volume_surface(samples, values, noise_of(traits), options, progress);
     const VolumeSurfaceReport& r = surface.report();
-    console.say(fmt::format("{}: {}, {} of {} ({})", a.input.name(),
-                            a.high_gradient ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(),
-                                                          r.least_gradient)
-                                            : fmt::format("{} = {:.6g}{}", volume.array_name(), options.value,
-                                                          a.value ? "" : " (the middle of its range)"),
-                            counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid));
+    console.say(fmt::format(
+        "{}: {}, {} of {} ({})", a.input.name(),
+        a.high_gradient ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
+                        : fmt::format("{} = {:.6g}{}", volume.array_name(), options.value,
+                                      a.value ? "" : " (the middle of its range)"),
+        counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid));
     console.say(fmt::format("spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
-                            r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance))
-                                                 : std::string()));
+                            r.noise_distance > 0
+                                ? fmt::format(", noise moves the surface by {}", length(r.noise_distance))
+                                : std::string()));
     if (!samples->lattice && traits.resolved())
       console.say("the values are smooth between samples: sansmesh volume isosurface follows them more closely");
     json["surface"] = {{"kind", a.high_gradient ? "high-gradient" : "isovalue"},
@@ -209,7 +210,8 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
       a.mesh.write(mesh, progress);
       const MeshSize size = measure_size(mesh);
       console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output, counted(mesh.triangles.size(), "triangle"),
-                              grouped(mesh.vertices.size()), counted(static_cast<std::size_t>(made.components), "component"),
+                              grouped(mesh.vertices.size()),
+                              counted(static_cast<std::size_t>(made.components), "component"),
                               made.open ? ", with borders" : ", closed"));
       console.say(made.open ? fmt::format("area {:.6g}", size.area)
                             : fmt::format("area {:.6g}, volume {:.6g}", size.area, size.volume));
@@ -254,7 +256,8 @@ Command add_volume_surface(CommandLine& volume) {
                "0.01..1 [0.35]")
       .type_name("NUMBER")
       .group(weights);
-  c.add_option("--smoothing", a.options.smoothing, "h of the weights by distance, in spacings, 0.5..20 [2, more with noise]")
+  c.add_option("--smoothing", a.options.smoothing,
+               "h of the weights by distance, in spacings, 0.5..20 [2, more with noise]")
       .type_name("NUMBER")
       .group(weights);
   c.add_option("--least-gradient", a.options.least_gradient, "Of a border, with --high-gradient [from the noise]")

@@ -50,7 +50,7 @@ constexpr double kCounts = 0.3, kOnRidge = 0.8;
 /// Edge of blocks over the spacing, and of the balls that must hold fine blocks over those of the domain.
 constexpr double kBlockEdge = 2.1, kBlockReach = 0.6;
 constexpr int kDeepestBlocks = 13;
-constexpr double kAround = 4;  // the cube of blocks beyond the layer, in spacings
+constexpr double kAround = 4;        // the cube of blocks beyond the layer, in spacings
 constexpr double kMeshError = 0.02;  // in spacings
 /// Rays ask whether places are in the volume where the field is smaller than this, over the largest radius of a ball.
 constexpr double kCutThickness = 0.3;
@@ -163,8 +163,8 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
   });
 }
 
-/// On which side of a surface places are that are too far away to be projected. Values are about distances, of the right
-/// sign; their gradients mean nothing.
+/// On which side of a surface places are that are too far away to be projected. Values are about distances, of the
+/// right sign; their gradients mean nothing.
 class LayerSide : public ScalarField {
  public:
   explicit LayerSide(Box3 bounds) : bounds_(bounds) {}
@@ -425,9 +425,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
   progress.begin("slopes");
   const SampleSlopes slopes(*volume, values);
-  const std::vector<Chosen> chosen =
-      iso ? isovalue_layer(slopes, values, noise, options, r, progress)
-          : high_gradient_layer(*volume, slopes, values.size(), options, r, progress);
+  const std::vector<Chosen> chosen = iso ? isovalue_layer(slopes, values, noise, options, r, progress)
+                                         : high_gradient_layer(*volume, slopes, values.size(), options, r, progress);
   if (std::none_of(chosen.begin(), chosen.end(), [](const Chosen& c) { return c.ball; })) {
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     throw DataError(iso ? fmt::format("has no sample near the value {:.6g}: values lie between {:.6g} and {:.6g}",
@@ -523,7 +522,8 @@ BlockTree VolumeSurface::blocks() const {
   const BallTree near(balls.centers, radii);
   const Vec3 size = state_->projection->bounds().size();
   // Nothing reaches the cube's faces, where it would be closed.
-  const double edge = std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
+  const double edge =
+      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
   BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
   std::vector<std::size_t> level{0}, next;
   for (int depth = 0; depth < kDeepestBlocks && !level.empty(); ++depth) {
@@ -572,8 +572,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   progress.begin("finish mesh");
   if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * place.from_input(surface.report().spacing));
   if (meshing.components.kind == ComponentChoice::Kind::automatic) {
-    const std::size_t dropped =
-        drop_unresolved(mesh, surface.balls(), surface.spacing(), surface.report().smoothing);
+    const std::size_t dropped = drop_unresolved(mesh, surface.balls(), surface.spacing(), surface.report().smoothing);
     if (dropped > 0)
       r.warnings.push_back(counted(dropped, "part") +
                            " too small for weights of this width left out (`components = all` keeps them)");

@@ -23,7 +23,7 @@ namespace sansmesh {
 
 struct VolumeSurfaceOptions {
   enum class Kind {
-    isovalue,      ///< ω₁ = exp(−((v − f_i)/β₁)²): where the quantity has a value
+    isovalue,  ///< ω₁ = exp(−((v − f_i)/β₁)²): where the quantity has a value
     high_gradient  ///< ω₂ = exp(−((‖∇f_i‖/‖∇f‖_max − 1)/β₂)²): where it changes most, borders of materials
   } kind = Kind::isovalue;
   double value = 0;  ///< v (unit of the array; isovalue only)
@@ -52,14 +52,14 @@ struct VolumeSurfaceOptions {
 };
 
 struct VolumeSurfaceReport {
-  std::size_t samples = 0;      ///< that count
-  double spacing = 0;           ///< of those, on the median (length)
-  double smoothing = 0;         ///< h over the spacing
-  double slope = 0;             ///< of the quantity at the surface, on the median (unit of the array per length)
-  double noise = 0;             ///< of the values (unit of the array)
-  double noise_distance = 0;    ///< what that moves an isosurface by (length)
-  double least_gradient = 0;    ///< high_gradient
-  std::optional<double> beta;   ///< where one holds everywhere
+  std::size_t samples = 0;     ///< that count
+  double spacing = 0;          ///< of those, on the median (length)
+  double smoothing = 0;        ///< h over the spacing
+  double slope = 0;            ///< of the quantity at the surface, on the median (unit of the array per length)
+  double noise = 0;            ///< of the values (unit of the array)
+  double noise_distance = 0;   ///< what that moves an isosurface by (length)
+  double least_gradient = 0;   ///< high_gradient
+  std::optional<double> beta;  ///< where one holds everywhere
 };
 
 /// The surface as a projection, in coordinates of its own.

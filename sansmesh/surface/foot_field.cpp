@@ -68,7 +68,8 @@ SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> place
         from[i] -= foot.normal * height;
         foot.position = from[i];
         foot.defined = std::abs(height) <= kAtRest * s && norm(from[i] - Vec3(places[first + i])) <= kBelongs * s;
-        if (std::abs(height) > kAtRest * s && norm(from[i] - Vec3(places[first + i])) <= kBelongs * s) next.push_back(i);
+        if (std::abs(height) > kAtRest * s && norm(from[i] - Vec3(places[first + i])) <= kBelongs * s)
+          next.push_back(i);
       }
       open.swap(next);
     }
@@ -101,8 +102,10 @@ FootField::FootField(const SurfaceFeet& feet, const ScalarField* beyond)
           half * (foot.xx * t[r] * t[c] + foot.xy * (t[r] * b[c] + b[r] * t[c]) + foot.yy * b[r] * b[c]));
     };
     const Vec3f n(foot.normal), p = centers[i];
-    paraboloids_[i] = {p.x, p.y,         p.z,         1 / (support * support), n.x, n.y, n.z, 1 / (reach * reach),
-                       entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
+    paraboloids_[i] = {p.x,         p.y,         p.z,         1 / (support * support),
+                       n.x,         n.y,         n.z,         1 / (reach * reach),
+                       entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1),
+                       entry(1, 2), entry(2, 2)};
     box.extend(p - Vec3f{reach, reach, reach});
     box.extend(p + Vec3f{reach, reach, reach});
   }

@@ -9,10 +9,10 @@ namespace sansmesh::detail {
 
 /// A local approximation of a surface as the kernel needs it: a cache line. Its value at x_i + d is ⟨n, d⟩ − dᵀBd.
 struct alignas(64) Paraboloid {
-  float x, y, z;  ///< x_i, relative to the group's centre
+  float x, y, z;          ///< x_i, relative to the group's centre
   float inverse_support;  ///< 1 / R² of the weight (1 − d²/R²)⁴
   float nx, ny, nz;
-  float inverse_reach;  ///< 1 / r²: radius of the ball of the domain
+  float inverse_reach;           ///< 1 / r²: radius of the ball of the domain
   float xx, xy, xz, yy, yz, zz;  ///< B (1 / length)
 };
 

@@ -45,7 +45,8 @@ class VolumeSurfaceTool : public ToolTest {
 
 TEST_F(VolumeSurfaceTool, MeshesAreClosedAndHoldTheBall) {
   const double volume = 4.0 / 3 * std::numbers::pi * 216;
-  const std::vector<std::vector<std::string>> ways{{"--value", "0.5"}, {"--high-gradient"}, {"--value", "0.5", "--exact"}};
+  const std::vector<std::vector<std::string>> ways{
+      {"--value", "0.5"}, {"--high-gradient"}, {"--value", "0.5", "--exact"}};
   for (const std::vector<std::string>& way : ways) {
     SCOPED_TRACE(way.back());
     std::vector<std::string> arguments{"-o", path("ball.ply"), "--json"};
@@ -62,8 +63,9 @@ TEST_F(VolumeSurfaceTool, MeshesAreClosedAndHoldTheBall) {
 
 TEST_F(VolumeSurfaceTool, PicturesShowADiscAndColoursOfAnArray) {
   const auto drawn = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"--value", "0.5", "-o", path("ball.png"), "--quick", "--view", "front", "--width",
-                                       "80", "--height", "80", "--background", "white"};
+    std::vector<std::string> arguments{"--value", "0.5",     "-o", path("ball.png"), "--quick", "--view",
+                                       "front",   "--width", "80", "--height",       "80",      "--background",
+                                       "white"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = surface(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;

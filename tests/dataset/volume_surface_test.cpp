@@ -28,9 +28,8 @@ constexpr double kRadius = 0.3;
 
 /// A ball of 1 in 0, blurred by a Gaussian of the given width.
 test::VolumeFunction ball(double blur) {
-  return [blur](const Vec3& x) {
-    return 0.5 * std::erfc((norm(x - kMiddle) - kRadius) / (std::numbers::sqrt2 * blur));
-  };
+  return
+      [blur](const Vec3& x) { return 0.5 * std::erfc((norm(x - kMiddle) - kRadius) / (std::numbers::sqrt2 * blur)); };
 }
 
 /// With noise that depends on the place alone.
