@@ -42,6 +42,7 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
                           unknown ? 0.0 : static_cast<double>(bytes) / 1e6,
                           fitted.coefficients.empty() ? "; this method has no coefficients to keep" : ""));
   std::vector<std::string> arrays;
+  arrays.reserve(fitted.arrays.size());
   for (const DatasetArray& array : fitted.arrays) arrays.push_back(printable(array.name));
   console.say_json({{"input", volume.json()},
                     {"by_degree", by_degree},

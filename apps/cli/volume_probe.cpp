@@ -30,6 +30,7 @@ struct ProbeArguments {
 std::vector<std::string> names_of(const std::string& array, std::size_t components) {
   if (components == 1) return {array};
   std::vector<std::string> names;
+  names.reserve(components);
   for (std::size_t c = 0; c < components; ++c) names.push_back(fmt::format("{}_{}", array, c));
   return names;
 }

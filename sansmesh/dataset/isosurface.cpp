@@ -341,7 +341,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   return mesh;
 }
 
-Solid isosurface_solid(std::shared_ptr<const Isosurface> surface) {
+Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface) {
   const Placement place = surface->place();
   return csg::place(own_solid(surface), place);
 }

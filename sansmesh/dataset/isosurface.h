@@ -117,6 +117,6 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
                              IsosurfaceReport* report = nullptr);
 
 /// {f > value} as a solid in the input's coordinates, which ends at the volume's boundary.
-Solid isosurface_solid(std::shared_ptr<const Isosurface> surface);
+Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface);
 
 }  // namespace sansmesh

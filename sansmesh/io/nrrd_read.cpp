@@ -349,6 +349,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
       in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
     const std::string* const endian = fields.find({"endian"});
     if (!endian && size_of(*type) > 1 && encoding != "hex") in.fail("its header gives no byte order (endian)");
+    // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): bytes for `count` numbers are there
     values = decode_values(bytes.data(), count, *type, endian && lower(*endian) == "big");
   }
 

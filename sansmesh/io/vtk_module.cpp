@@ -28,7 +28,8 @@ std::vector<std::filesystem::path> module_places() {
     if (!failed && (from.empty() || from[0] != library.parent_path())) from.push_back(library.parent_path());
   }
   for (const auto& folder : from) {
-    for (const char* inner : {".", "../" SANSMESH_LIBDIR "/sansmesh", "sansmesh", "../../sansmesh/io/vtk", "io/vtk"})
+    constexpr const char* kInstalled = "../" SANSMESH_LIBDIR "/sansmesh";
+    for (const char* inner : {".", kInstalled, "sansmesh", "../../sansmesh/io/vtk", "io/vtk"})
       places.push_back((folder / inner / kModuleFile).lexically_normal());
   }
   return places;

@@ -117,7 +117,8 @@ std::size_t remove_below_levels(const GridData& data, GatheredCells& g) {
       const std::size_t count = g.cells[c].size();
       for (std::size_t k = 0; k < count; ++k) corners[k] = g.points[g.cells[c][k]];
       for (int i = 0; i < 64 && gone[c]; ++i) {
-        const Vec3 u{0.125 + 0.25 * (i % 4), 0.125 + 0.25 * (i / 4 % 4), 0.125 + 0.25 * (i / 16)};
+        const int row = i / 4 % 4, layer = i / 16;
+        const Vec3 u{0.125 + 0.25 * (i % 4), 0.125 + 0.25 * row, 0.125 + 0.25 * layer};
         gone[c] = covered(place_in_cell(g.cells.shapes[c], std::span(corners).first(count), u), true);
       }
     }

@@ -165,6 +165,7 @@ class RbfSystems {
       std::vector<SampleSupports::Cover> covers;
       supports_.covering(lattice.position(example[s]), covers);
       std::vector<std::uint32_t> nodes;
+      nodes.reserve(covers.size());
       for (const auto& cover : covers) nodes.push_back(cover.sample);
       Stencil& stencil = stencils_[s];
       for (const std::uint32_t node : nodes)

@@ -39,9 +39,11 @@ TEST_F(FunctionCommands, FitMeshEvalRenderTheBundledScan) {
   EXPECT_EQ(measure_topology(made).genus(), 0);
   EXPECT_EQ(slurp(path("owl.png")).substr(1, 3), "PNG");
 
-  // The same mesh as in one go, to the byte.
-  ASSERT_EQ(run({"reconstruct", kOwl, "-o", "direct.ply"}).code, 0);
-  EXPECT_TRUE(slurp(path("direct.ply")) == slurp(path("owl.ply")));
+  // The same mesh as in one go, to the byte. (Others reconstruct this scan under sanitizers.)
+  if (!kAddressSanitizer) {
+    ASSERT_EQ(run({"reconstruct", kOwl, "-o", "direct.ply"}).code, 0);
+    EXPECT_TRUE(slurp(path("direct.ply")) == slurp(path("owl.ply")));
+  }
 
   // The samples lie on the surface that was fitted to them.
   const Json eval = json_of({"eval", "owl.smf", "--points", kOwl, "-o", "values.csv"});

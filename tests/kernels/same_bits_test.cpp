@@ -19,6 +19,7 @@
 #include "support/clouds.h"
 #include "support/simd_targets.h"
 #include "support/surface_names.h"
+#include "volume/volume_checks.h"
 
 namespace sansmesh::test {
 namespace {
@@ -281,6 +282,24 @@ TEST(SameBits, BakedVolume) {
     baked.evaluate(x, {values, gradients, {}, {}});
     found.add(values), found.add(gradients);
   });
+}
+
+TEST(SameBits, Volumes) {
+  const auto hills = [](const Vec3& x) { return std::sin(5 * x.x) * std::cos(4 * x.y - x.z) + 0.3 * x.z; };
+  for (const auto& data :
+       {lattice_grid({6, 5, 7}, hills), bent_grid({6, 7, 5}, hills, 1.4), mixed_grid({7, 4, 4}, hills),
+        tetrahedra_grid({5, 4, 6}, hills), two_level_amr(8, hills), scattered_grid(200, hills)})
+    expect_same_bits([&](Found& found) {
+      const auto volume = volume_of(data);
+      const std::vector<Vec3> x = places_within(*volume, 100);
+      for (const auto method : {ReconstructionMethod::linear, ReconstructionMethod::mls,
+                                ReconstructionMethod::mls_detail, ReconstructionMethod::amls}) {
+        std::vector<double> values(x.size());
+        std::vector<Vec3> gradients(x.size());
+        field_of(volume, method)->evaluate(x, {values, gradients, {}, {}});
+        found.add(values), found.add(gradients);
+      }
+    });
 }
 
 }  // namespace

@@ -47,14 +47,6 @@ std::vector<Method> all_of_them() {
   return all;
 }
 
-double mean_error(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
-  std::vector<double> values(x.size());
-  field.evaluate(x, {values, {}, {}, {}});
-  double sum = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += std::abs(values[i] - f(x[i]));
-  return sum / static_cast<double>(x.size());
-}
-
 TEST(ClassicFields, ReproduceConstants) {
   for_each_field([](const Vec3&) { return 3.25; }, all_of_them(),
                  [](const SampledVolume& volume, const VolumeField& field, Method) {

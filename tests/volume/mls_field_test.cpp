@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/error.h"
 #include "support/any_threads.h"
+#include "support/sanitizers.h"
 #include "volume/volume_checks.h"
 
 namespace sansmesh::test {
@@ -13,10 +14,6 @@ namespace {
 
 double bump(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) + 0.3 * x.z; }
 double quadratic_function(const Vec3& x) { return 0.3 + x.x - 2 * x.y * x.z + x.x * x.x - 0.5 * x.z * x.z; }
-
-double mean_error(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
-  return errors_of(field, x, f).mean;
-}
 
 TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
   for (const NamedGrid& grid : all_grids(linear_function))
@@ -106,6 +103,7 @@ TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
 }
 
 TEST(MlsField, IsBetterThanLinearOnAverage) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others reconstruct the same grids");
   for (const NamedGrid& grid : all_grids(bump)) {
     if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
     SCOPED_TRACE(grid.name);
@@ -119,6 +117,7 @@ TEST(MlsField, IsBetterThanLinearOnAverage) {
 }
 
 TEST(MlsField, IsNeverWorseThanLinear) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others reconstruct the same grids");
   // Smooth, a front and a peak: of the latter the samples show hardly more than that they are there.
   const VolumeFunction functions[] = {bump, [](const Vec3& x) { return std::tanh(7 * (x.z - x.x - x.y) + 2); },
                                       [](const Vec3& x) {

@@ -79,6 +79,10 @@ inline Errors errors_of(const VolumeField& field, const std::vector<Vec3>& x, co
   return errors;
 }
 
+inline double mean_error(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
+  return errors_of(field, x, f).mean;
+}
+
 /// The same volume with the values of a function at its samples as "f". (Those of cells are at the means of their
 /// corners otherwise, where the samples of some cells are not.)
 inline std::shared_ptr<const SampledVolume> with_values_at_samples(SampledVolume volume, const VolumeFunction& f) {
