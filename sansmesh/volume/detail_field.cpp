@@ -64,7 +64,7 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   input.report.by_degree = fitted.by_degree();
   const auto doubtful = static_cast<std::size_t>(
       std::count_if(polynomials.trust.begin(), polynomials.trust.end(), [](float t) { return t < 0.5f; }));
-  if (4 * doubtful > polynomials.size())
+  if (3 * doubtful > polynomials.size())
     input.report.notes.push_back(
         fmt::format("the samples are too far apart for what they show: at {:.0f} % of them polynomials of neighbours "
                     "disagree, and the result is hardly better than linear interpolation there",

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "sansmesh/volume/cell_agreement.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 
@@ -97,6 +98,60 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnCoarseStretchedTetrahedra) {
     EXPECT_LE(detail.mean, linear.mean) << seed;
     EXPECT_LE(detail.most, linear.most) << seed;
   }
+}
+
+TEST(MlsDetail, IsNeverWorseThanLinearAtFrontsThatEndInCoarseCells) {
+  // Steps grow by half each: the largest hold all of a front, and where it lies nothing tells.
+  for (const double offset : {-0.1, 0.0, 0.2})
+    for (const double growth : {1.4, 1.5}) {
+      SCOPED_TRACE(std::to_string(offset) + ", " + std::to_string(growth));
+      const VolumeFunction front = [&](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y + offset)); };
+      const auto volume = volume_of(bent_grid({10, 10, 10}, front, growth));
+      const auto x = places_within(*volume, 20000);
+      EXPECT_LE(errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, front).most,
+                errors_of(*field_of(volume, ReconstructionMethod::linear), x, front).most);
+    }
+}
+
+TEST(MlsDetail, IsNeverWorseThanLinearOnThinTetrahedra) {
+  const VolumeFunction hills = [](const Vec3& x) {
+    return (1.25 + std::cos(5.4 * x.y)) * std::cos(6 * x.z) / (6 + 6 * (3 * x.x - 1) * (3 * x.x - 1));
+  };
+  const auto volume = volume_of(one_block(tetrahedra_of(lattice_block({20, 20, 20}, {}, {1, 1, 1}, 1.2)), hills));
+  const auto x = places_within(*volume, 50000);
+  EXPECT_LE(errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, hills).most,
+            errors_of(*field_of(volume, ReconstructionMethod::linear), x, hills).most);
+}
+
+TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
+  const auto volume = volume_of(bent_grid({6, 6, 6}, wave));
+  Progress progress;
+  const VolumeValues values = volume_values(*volume, "f");
+  LocalPolynomials p = fit_local_polynomials(*volume, values, {}, progress);
+  // All of them the same function: no doubt, and the correction is all that it is off linear interpolation.
+  std::vector<double> constants(volume->size());
+  std::vector<float> coefficients(p.coefficients.size(), 0.0f);
+  for (std::size_t i = 0; i < constants.size(); ++i) {
+    constants[i] = linear_function(volume->positions[i]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 row(p.metrics[i].rows[k]);
+      coefficients[p.first[i] + k] = static_cast<float>(dot(kLinearGradient, row) / squared_norm(row));
+    }
+  }
+  const std::vector<std::uint8_t> unsplit(volume->size(), 0);
+  p.constants = constants, p.coefficients = coefficients;
+  const VolumeValues flat{"f", 1, constants, {}};
+  const std::size_t own = 2 + 6 * (2 + 6 * 2), beside = own + 1, far = 0;
+  EXPECT_NEAR(CellAgreement(*volume, flat, p, unsplit).of(own).gain, 0, 1e-12);
+  EXPECT_NEAR(CellAgreement(*volume, flat, p, unsplit).of(own).doubt, 0, 1e-12);
+  // One that is 1 off: an eighth is what it moves the mean of eight by. Four of the eight cells beside it have it, too.
+  constants[own] += 1;
+  p.constants = constants;
+  const CellAgreement off(*volume, flat, p, unsplit);
+  EXPECT_NEAR(off.of(own).gain, 1.0 / 64, 1e-5);
+  EXPECT_NEAR(off.of(own).doubt, 49.0 / 64, 1e-5);
+  EXPECT_NEAR(off.of(beside).doubt, 0.5 / 64, 1e-5);
+  EXPECT_NEAR(off.of(far).doubt, 0, 1e-12);
 }
 
 TEST(MlsDetail, TakesTheSamplesWhereCellsFitTogether) {
