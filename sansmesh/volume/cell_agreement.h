@@ -13,25 +13,30 @@
 
 namespace sansmesh {
 
-/// In the middles of cells, the places that are farthest from all of their corners: by how much the mean of the
-/// corners' polynomials corrects linear interpolation, and how far each of them is from that mean.
+/// At the places that are farthest from the samples around, the middles of cells whose corners are samples, and the
+/// corners of cells that samples are in: by how much the mean of their polynomials corrects linear interpolation, and
+/// how far each of them is from that mean. Corners on the surface of the volume, where all is extrapolated, are asked
+/// of the polynomials of the next samples, too.
 class CellAgreement {
  public:
-  /// Of a sample: means over its cells, sums over components.
+  /// Of a sample: means over its places, sums over components.
   struct Share {
     double gain = 0;   ///< squares of the correction
     double doubt = 0;  ///< squares of how far the sample's own polynomial is from the mean
   };
 
   CellAgreement() = default;  ///< of no cells: nothing
-  /// Of lattices, and of samples that are corners of no cell, there is nothing. Cells where a polynomial is of one side
-  /// of a step (`split`, one entry a sample) do not count. `volume` must outlive it. Runs in parallel.
+  /// Of lattices there is nothing. Places where a polynomial is of one side of a step (`split`, one entry a sample) do
+  /// not count. `volume` must outlive it. Runs in parallel.
   CellAgreement(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
                 std::span<const std::uint8_t> split);
 
   Share of(std::size_t sample) const;
 
  private:
+  void ask_middles(const VolumeValues& values, const LocalPolynomials& p, std::span<const std::uint8_t> split);
+  void ask_corners(const VolumeValues& values, const LocalPolynomials& p, std::span<const std::uint8_t> split);
+
   const SampledVolume* volume_ = nullptr;
   Adjacency cells_;            // of samples
   std::vector<Share> shares_;  // of the corners of cells, numbered as in CellList

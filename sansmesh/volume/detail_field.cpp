@@ -71,7 +71,7 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
                     100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
   if (blends_supports(*input.volume, ReconstructionMethod::mls_detail))
-    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii);
+    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values);
   auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));
 }

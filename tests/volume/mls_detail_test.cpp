@@ -235,6 +235,38 @@ TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
   EXPECT_LE(2.5 * detail.mean, linear.mean);
 }
 
+TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
+  // A front and peaks that the outermost samples tell hardly anything of: all is extrapolated beyond them.
+  const VolumeFunction front = [](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y)); };
+  const VolumeFunction peaks = [](const Vec3& x) {
+    return 0.75 * std::exp(-20 * squared_norm(x - Vec3{0.22, 0.22, 0.22})) +
+           0.5 * std::exp(-20 * squared_norm(x - Vec3{0.78, 0.33, 0.56})) -
+           0.2 * std::exp(-81 * squared_norm(x - Vec3{0.44, 0.78, 0.56}));
+  };
+  const auto check = [](const GridData& data, const VolumeFunction& function) {
+    const auto volume = volume_of(data, Association::cells);
+    const Box3 box = volume->bounds();
+    const Vec3 size = box.size();
+    const VolumeFunction f = [&](const Vec3& x) {
+      const Vec3 d = x - box.lower;
+      return function({d.x / size.x, d.y / size.y, d.z / size.z});
+    };
+    const auto sampled = with_values_at_samples(*volume, f);
+    const auto x = places_within(*sampled, 50000);
+    const Errors linear = errors_of(*field_of(sampled, ReconstructionMethod::linear), x, f);
+    const Errors detail = errors_of(*field_of(sampled, ReconstructionMethod::mls_detail), x, f);
+    EXPECT_LE(detail.most, linear.most);
+    EXPECT_LE(detail.mean, linear.mean);
+  };
+  const auto zero = [](const Vec3&) { return 0.0; };
+  check(bent_grid({20, 20, 20}, zero, 1.5), peaks);
+  for (const auto& function : {front, peaks}) {
+    check(mixed_grid({10, 10, 10}, zero), function);
+    check(two_level_amr(12, zero), function);
+    check(bent_grid({10, 10, 10}, zero), function);
+  }
+}
+
 TEST(MlsDetail, DoesNotReachAcrossGaps) {
   // Two slabs a hundredth apart, of values 0 and 1, as cells: neither knows of the other.
   const auto slab = [](double from, double to, double value) {
