@@ -9,7 +9,7 @@
 
 namespace sansmesh {
 
-CellAgreement::CellAgreement(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
+CellAgreement::CellAgreement(const SampledVolume& volume, const VolumeValues& values, const Polynomials& p,
                              std::span<const std::uint8_t> split)
     : volume_(&volume) {
   if (volume.lattice) return;
@@ -21,8 +21,7 @@ CellAgreement::CellAgreement(const SampledVolume& volume, const VolumeValues& va
     ask_corners(values, p, split);
 }
 
-void CellAgreement::ask_middles(const VolumeValues& values, const LocalPolynomials& p,
-                                std::span<const std::uint8_t> split) {
+void CellAgreement::ask_middles(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split) {
   const std::size_t c = values.components;
   parallel_for(0, volume_->cells.size(), 256, [&](std::size_t cell) {
     const auto corners = volume_->cells[cell];
@@ -39,8 +38,7 @@ void CellAgreement::ask_middles(const VolumeValues& values, const LocalPolynomia
       double mean = 0, flat = 0;
       for (std::size_t v = 0; v < corners.size(); ++v) {
         const std::size_t k = corners[v];
-        at[v] =
-            p.constants[k * c + m] - base + p.full_rise(k, m, p.metric(*volume_, k)(middle - volume_->positions[k]));
+        at[v] = p(k, m, middle) - base;
         mean += at[v] / n, flat += (values.values[k * c + m] - base) / n;
       }
       for (std::size_t v = 0; v < corners.size(); ++v) {
@@ -51,8 +49,7 @@ void CellAgreement::ask_middles(const VolumeValues& values, const LocalPolynomia
   });
 }
 
-void CellAgreement::ask_corners(const VolumeValues& values, const LocalPolynomials& p,
-                                std::span<const std::uint8_t> split) {
+void CellAgreement::ask_corners(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split) {
   const std::size_t c = values.components;
   const CellInterpolant flat(*volume_, values);
   const Adjacency around = cells_of_points(volume_->cells, volume_->corners.size());
@@ -76,7 +73,7 @@ void CellAgreement::ask_corners(const VolumeValues& values, const LocalPolynomia
         double near = 0, all = 0;
         for (std::size_t s = 0; s < samples.size(); ++s) {
           const std::size_t i = samples[s];
-          at[s] = p.constants[i * c + m] - base + p.full_rise(i, m, p.metric(*volume_, i)(x - volume_->positions[i]));
+          at[s] = p(i, m, x) - base;
           all += at[s];
           if (s < own) near += at[s];
         }

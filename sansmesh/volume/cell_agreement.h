@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "sansmesh/data/cell_list.h"
 #include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
@@ -25,17 +25,20 @@ class CellAgreement {
     double doubt = 0;  ///< squares of how far the sample's own polynomial is from the mean
   };
 
+  /// What a sample's polynomial is at a place: of a sample, a component, the place.
+  using Polynomials = std::function<double(std::size_t, std::size_t, const Vec3&)>;
+
   CellAgreement() = default;  ///< of no cells: nothing
   /// Of lattices there is nothing. Places where a polynomial is of one side of a step (`split`, one entry a sample) do
   /// not count. `volume` must outlive it. Runs in parallel.
-  CellAgreement(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
+  CellAgreement(const SampledVolume& volume, const VolumeValues& values, const Polynomials& p,
                 std::span<const std::uint8_t> split);
 
   Share of(std::size_t sample) const;
 
  private:
-  void ask_middles(const VolumeValues& values, const LocalPolynomials& p, std::span<const std::uint8_t> split);
-  void ask_corners(const VolumeValues& values, const LocalPolynomials& p, std::span<const std::uint8_t> split);
+  void ask_middles(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split);
+  void ask_corners(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split);
 
   const SampledVolume* volume_ = nullptr;
   Adjacency cells_;            // of samples

@@ -164,7 +164,10 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
                                     std::span<const std::uint8_t> split, bool in_cells) {
   const std::size_t n = volume.size(), c = values.components;
   std::vector<float> trust(n, 1.0f);
-  const CellAgreement agreement = in_cells ? CellAgreement(volume, values, p, split) : CellAgreement();
+  const auto at = [&](std::size_t i, std::size_t m, const Vec3& x) {
+    return p.constants[i * c + m] + value_at(p.of(i, m), p.metric(volume, i)(x - volume.position(i)));
+  };
+  const CellAgreement agreement = in_cells ? CellAgreement(volume, values, at, split) : CellAgreement();
   parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> star;
     EdgeSupport support(volume);

@@ -141,13 +141,16 @@ TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
   const std::vector<std::uint8_t> unsplit(volume->size(), 0);
   p.constants = constants, p.coefficients = coefficients;
   const VolumeValues flat{"f", 1, constants, {}};
+  const auto at = [&](std::size_t i, std::size_t m, const Vec3& x) {
+    return p.constants[i] + p.full_rise(i, m, p.metric(*volume, i)(x - volume->positions[i]));
+  };
   const std::size_t own = 2 + 6 * (2 + 6 * 2), beside = own + 1, far = 0;
-  EXPECT_NEAR(CellAgreement(*volume, flat, p, unsplit).of(own).gain, 0, 1e-12);
-  EXPECT_NEAR(CellAgreement(*volume, flat, p, unsplit).of(own).doubt, 0, 1e-12);
+  EXPECT_NEAR(CellAgreement(*volume, flat, at, unsplit).of(own).gain, 0, 1e-12);
+  EXPECT_NEAR(CellAgreement(*volume, flat, at, unsplit).of(own).doubt, 0, 1e-12);
   // One that is 1 off: an eighth is what it moves the mean of eight by. Four of the eight cells beside it have it, too.
   constants[own] += 1;
   p.constants = constants;
-  const CellAgreement off(*volume, flat, p, unsplit);
+  const CellAgreement off(*volume, flat, at, unsplit);
   EXPECT_NEAR(off.of(own).gain, 1.0 / 64, 1e-5);
   EXPECT_NEAR(off.of(own).doubt, 49.0 / 64, 1e-5);
   EXPECT_NEAR(off.of(beside).doubt, 0.5 / 64, 1e-5);
