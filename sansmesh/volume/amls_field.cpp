@@ -24,6 +24,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   LocalPolynomialOptions how;
   how.fit.max_degree = 2;
   how.fit.robust = false;
+  how.ask_in_cells = false;
   LocalPolynomials fitted = fit_polynomials(volume, input.values, how, input.progress);
   const std::vector<float> least = support_radii(volume, fitted, 1);
   const auto& asked = input.options.shape;
@@ -49,7 +50,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
     for (std::size_t i = 0; i < reached.size(); ++i) reached[i] -= iteration.residuals()[i];
     fitted.constants = std::move(reached);
     const std::vector<std::uint8_t> unsplit(volume.size());
-    trust = polynomial_trust(volume, input.values, fitted, unsplit);
+    trust = polynomial_trust(volume, input.values, fitted, unsplit, false);
     for (float& t : trust) t = amls_share(t);
   }
   local.trust = std::move(trust);

@@ -61,14 +61,14 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
     : volume_(volume), values_(values) {
   const std::size_t corners = volume.corners.size(), n = values.components;
   const Adjacency around = cells_of_points(volume.cells, corners);
-  std::vector<std::uint8_t> outer(corners, 0);
+  outer_.assign(corners, 0);
   {
     const auto across = face_neighbours(volume.cells, corners);
     for (std::size_t c = 0; c < volume.cells.size(); ++c) {
       const auto faces = cell_faces(volume.cells.shapes[c]);
       for (std::size_t f = 0; f < faces.size(); ++f) {
         if (across[kMostFaces * c + f] != kNoCell) continue;
-        for (std::size_t k = 0; k < faces[f].count; ++k) outer[volume.cells[c][faces[f].corner[k]]] = 1;
+        for (std::size_t k = 0; k < faces[f].count; ++k) outer_[volume.cells[c][faces[f].corner[k]]] = 1;
       }
     }
   }
@@ -82,7 +82,7 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
       for (const std::uint32_t c : around[p]) samples.push_back(volume.cell_sample[c]);
       unique(samples);
       // A corner of the volume may have a single cell: rings are added until a plane is well determined.
-      for (int ring = 0; outer[p] && ring < 3 && (ring == 0 || samples.size() < 10); ++ring) {
+      for (int ring = 0; outer_[p] && ring < 3 && (ring == 0 || samples.size() < 10); ++ring) {
         for (std::size_t i = 0, own = samples.size(); i < own; ++i) {
           const auto star = volume.stars[samples[i]];
           samples.insert(samples.end(), star.begin(), star.end());
@@ -100,7 +100,7 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
           sum += weights[i] * v;
           least = std::min(least, v), most = std::max(most, v);
         }
-        const double beyond = outer[p] ? 1.5 * (most - least) : 0;
+        const double beyond = outer_[p] ? 1.5 * (most - least) : 0;
         at_corners_[p * n + k] = std::clamp(sum, least - beyond, most + beyond);
       }
     }
@@ -118,7 +118,7 @@ void CellInterpolant::evaluate(const VolumePlace& place, const Vec3& x, std::spa
   Vec3 share;  // of the middle or third corner, of the first and of the second one
   Matrix3 edges{{}, {}, {}};
   std::size_t face = 0, side = 0;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
+  for (std::size_t f = 0; f < faces.size() && !(best >= 0); ++f) {
     std::array<Vec3, 4> ring;
     Vec3 middle;
     const std::size_t count = faces[f].count;

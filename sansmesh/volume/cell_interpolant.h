@@ -24,10 +24,21 @@ class CellInterpolant {
   /// At x in (or near) the cell of a place; values and gradients (if wanted) have one entry a component.
   void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const;
 
+  /// The value at a corner of cells, and whether that is on the surface of the volume, where values go beyond samples.
+  double at_corner(std::size_t corner, std::size_t component) const {
+    return at_corners_[corner * values_.components + component];
+  }
+  bool is_outer(std::size_t corner) const { return outer_[corner] != 0; }
+  /// Takes another value at a corner of cells than the plane's.
+  void set_at_corner(std::size_t corner, std::size_t component, double value) {
+    at_corners_[corner * values_.components + component] = value;
+  }
+
  private:
   const SampledVolume& volume_;
   const VolumeValues& values_;
   std::vector<double> at_corners_;
+  std::vector<std::uint8_t> outer_;
 };
 
 }  // namespace sansmesh

@@ -64,14 +64,14 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   input.report.by_degree = fitted.by_degree();
   const auto doubtful = static_cast<std::size_t>(
       std::count_if(polynomials.trust.begin(), polynomials.trust.end(), [](float t) { return t < 0.5f; }));
-  if (4 * doubtful > polynomials.size())
+  if (3 * doubtful > polynomials.size())
     input.report.notes.push_back(
         fmt::format("the samples are too far apart for what they show: at {:.0f} % of them polynomials of neighbours "
                     "disagree, and the result is hardly better than linear interpolation there",
                     100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
   if (blends_supports(*input.volume, ReconstructionMethod::mls_detail))
-    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii);
+    return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values);
   auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));
 }

@@ -290,7 +290,7 @@ LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const Volu
   held.fit.max_degree = std::min(held.fit.max_degree, static_cast<int>(most) - 1);
   return gather_polynomials<PolynomialPart>(
       volume, values, progress, [&] { return LatticeFitter(volume, values, held); },
-      [](LatticeFitter& fitter, std::size_t i, PolynomialPart& part) { fitter.append(i, part); }, {});
+      [](LatticeFitter& fitter, std::size_t i, PolynomialPart& part) { fitter.append(i, part); }, {}, false);
 }
 
 }  // namespace sansmesh

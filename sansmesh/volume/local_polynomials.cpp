@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
+#include "sansmesh/volume/cell_agreement.h"
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/stencil_fit.h"
 
@@ -68,8 +69,9 @@ class MeshFitter {
 // second differences over the edge are known; less than kNone is an edge through a layer, that stars on both sides end
 // at.
 constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
-// Corrections that are this large beside the differences of neighbours count as under-resolved.
-constexpr double kCoarse = 0.35;
+// Corrections that are this large beside the differences of neighbours count as under-resolved: parabolas turn within
+// the edges.
+constexpr double kCoarse = 0.25;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 class EdgeSupport {
@@ -159,9 +161,13 @@ StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sam
 }
 
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
-                                    std::span<const std::uint8_t> split) {
+                                    std::span<const std::uint8_t> split, bool in_cells) {
   const std::size_t n = volume.size(), c = values.components;
   std::vector<float> trust(n, 1.0f);
+  const auto at = [&](std::size_t i, std::size_t m, const Vec3& x) {
+    return p.constants[i * c + m] + value_at(p.of(i, m), p.metric(volume, i)(x - volume.position(i)));
+  };
+  const CellAgreement agreement = in_cells ? CellAgreement(volume, values, at, split) : CellAgreement();
   parallel_ranges(0, n, 512, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> star;
     EdgeSupport support(volume);
@@ -186,11 +192,15 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           varied += (fi - fj) * (fi - fj);
         }
       }
+      // The mean over the middles of cells counts as much as that over edges.
+      CellAgreement::Share inside = agreement.of(i);
+      inside.gain *= static_cast<double>(star.size()), inside.doubt *= static_cast<double>(star.size());
       // Large corrections from differences over short edges alone are not known to hold over long ones.
       if (gain > 0) {
         const double coarse = varied > 0 ? std::min(gain / (kCoarse * kCoarse * varied), 1.0) : 1;
-        doubt += coarse * coarse * coarse * open;
+        doubt += coarse * coarse * coarse * open * (1 + inside.gain / gain);
       }
+      gain += inside.gain, doubt += kDisagreement * inside.doubt;
       if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
     }
   });
@@ -211,7 +221,7 @@ LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const Volume
       [&](MeshFitter& fitter, std::size_t i, PolynomialPart& part) {
         fitter.append(static_cast<std::uint32_t>(i), metrics[i], part);
       },
-      metrics);
+      metrics, options.ask_in_cells);
 }
 
 }  // namespace sansmesh

@@ -48,6 +48,8 @@ struct LocalPolynomialOptions {
   StencilFitOptions fit;
   /// How much of f_i − p_i(x_i) is added to the constant: 1 interpolates.
   double share = 1;
+  /// Whether polynomials are compared in the middles of cells, too, for the trust. Not of lattices.
+  bool ask_in_cells = true;
 };
 
 /// Polynomials about all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md): stencils are
@@ -57,10 +59,12 @@ struct LocalPolynomialOptions {
 ///
 /// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
 /// interpolation there and b = half their difference, summed over the star, trust is Σ a² / Σ (a² + 5/2 b² + g a²): a
-/// correction of linear interpolation of size a whose error is of size b is best taken by such a share. Under-resolved
-/// data so end up at linear interpolation. g > 0 where nothing but differences over much shorter edges tells of the
-/// second differences over an edge, and a is large beside the differences of neighbours
-/// (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong together there.
+/// correction of linear interpolation of size a whose error is of size b is best taken by such a share. The middles of
+/// the sample's cells count in both sums as much as its edges, b the difference of the own polynomial to the mean of
+/// the corners' there (CellAgreement). Under-resolved data so end up at linear interpolation. g > 0 where nothing but
+/// differences over much shorter edges tells of the second differences over an edge, and a is large beside the
+/// differences of neighbours (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong
+/// together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 /// The same in metrics that are known already.
@@ -75,14 +79,15 @@ struct PolynomialPart {
   std::vector<std::uint8_t> degrees, split;
 };
 
-/// See LocalPolynomials::trust. `split` tells which polynomials are of one side of a step.
+/// See fit_local_polynomials. `split` tells which polynomials are of one side of a step.
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,
-                                    std::span<const std::uint8_t> split);
+                                    std::span<const std::uint8_t> split, bool in_cells);
 
 /// The polynomials of all samples: `make` a fitter for a thread, append(fitter, sample, part) adds one.
 template <class Part, class Make, class Append>
 LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeValues& values, Progress& progress,
-                                    const Make& make, const Append& append, std::vector<StarMetric> metrics) {
+                                    const Make& make, const Append& append, std::vector<StarMetric> metrics,
+                                    bool ask_in_cells) {
   const std::size_t n = volume.size(), chunk = 2048, chunks = (n + chunk - 1) / chunk;
   std::vector<Part> parts(chunks);
   progress.begin("local polynomials", chunks);
@@ -117,7 +122,7 @@ LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeVal
   result.coefficients = std::move(all.coefficients);
   result.degrees = std::move(all.degrees);
   result.first = std::move(first);
-  result.trust = polynomial_trust(volume, values, result, all.split);
+  result.trust = polynomial_trust(volume, values, result, all.split, ask_in_cells);
   return result;
 }
 

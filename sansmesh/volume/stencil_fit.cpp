@@ -60,6 +60,11 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
     const bool smooth = unexplained_ <= kSmooth * static_cast<double>(components);
     find_step(f, n, components, smooth ? kTwoValues : kStep);
     if (split_) take(u, f, components), solve(components, tests);
+    // A single layer of samples on this side may as well be the end of a slope.
+    if (split_ && !spans_space()) {
+      own_.assign(n, 1), split_ = false;
+      take(u, f, components), solve(components, tests);
+    }
     if (!smooth) {
       base_ = weights_;
       scale_.assign(components, std::numeric_limits<double>::infinity());
@@ -73,6 +78,14 @@ void StencilFit::fit(std::span<const Vec3> u, std::span<const double> f, std::si
   for (std::size_t m = 0; m < components; ++m)
     fit_.monomial_coefficients(std::span(coefficients_).subspan(m * kTerms, terms),
                                std::span(monomials_).subspan(m * terms, terms));
+}
+
+bool StencilFit::spans_space() {
+  // Of equal values a constant was enough.
+  if (fit_.size() < monomial_count(3, 1) && !fit_.raise()) return false;
+  for (int j = 1; j < monomial_count(3, 1); ++j)
+    if (fit_.is_dropped(j)) return false;
+  return true;
 }
 
 void StencilFit::take(std::span<const Vec3> u, std::span<const double> f, std::size_t components) {

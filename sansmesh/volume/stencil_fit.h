@@ -26,7 +26,8 @@ struct StencilFitOptions {
 /// - and the mean square of errors of leaving a sample out (weighted; e_i / (1 − h_ii), no fit anew) falls by a tenth.
 /// Where more than a hundredth of the variance stays unexplained and the values fall into two groups with a gap between
 /// them that is three times as wide as any other and a third of their range (or, whatever is explained, twenty times as
-/// wide), a step between materials, only the group of the sample itself counts (robust). Then, if a residual exceeds
+/// wide), a step between materials, only the group of the sample itself counts (robust), unless this lies in a plane:
+/// nothing tells then whether values rise across it. Then, if a residual exceeds
 /// five deviations (the median of all over 0.6745), weights become w_i ψ'(e_i²) = w_i exp(−e_i² / (2 σ²)), w_i those of
 /// distance and e_i the residuals f_i − p(u_i) of the fit before, of all components; σ is three deviations, of the fit
 /// where they were least. Polynomials are made orthogonal anew and fitted, until no weight changes by more than a
@@ -63,6 +64,7 @@ class StencilFit {
   void take(std::span<const Vec3> u, std::span<const double> f, std::size_t components);
   static constexpr double kStep = 3, kTwoValues = 20;  // of the widest gap of values to the next
   void find_step(std::span<const double> f, std::size_t n, std::size_t components, double ratio);
+  bool spans_space();  // whether the samples taken tell of slopes in all directions
   void solve(std::size_t components, std::span<const Vec3> tests);
   bool doubt_outliers(std::size_t components, bool first);
 

@@ -39,6 +39,7 @@ LocalPolynomialOptions polynomials_of_amls() {
   LocalPolynomialOptions options;
   options.fit.max_degree = 2;
   options.fit.robust = false;
+  options.ask_in_cells = false;
   return options;
 }
 

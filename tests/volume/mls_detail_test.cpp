@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "sansmesh/volume/cell_agreement.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 
@@ -99,6 +100,63 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnCoarseStretchedTetrahedra) {
   }
 }
 
+TEST(MlsDetail, IsNeverWorseThanLinearAtFrontsThatEndInCoarseCells) {
+  // Steps grow by half each: the largest hold all of a front, and where it lies nothing tells.
+  for (const double offset : {-0.1, 0.0, 0.2})
+    for (const double growth : {1.4, 1.5}) {
+      SCOPED_TRACE(std::to_string(offset) + ", " + std::to_string(growth));
+      const VolumeFunction front = [&](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y + offset)); };
+      const auto volume = volume_of(bent_grid({10, 10, 10}, front, growth));
+      const auto x = places_within(*volume, 20000);
+      EXPECT_LE(errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, front).most,
+                errors_of(*field_of(volume, ReconstructionMethod::linear), x, front).most);
+    }
+}
+
+TEST(MlsDetail, IsNeverWorseThanLinearOnThinTetrahedra) {
+  const VolumeFunction hills = [](const Vec3& x) {
+    return (1.25 + std::cos(5.4 * x.y)) * std::cos(6 * x.z) / (6 + 6 * (3 * x.x - 1) * (3 * x.x - 1));
+  };
+  const auto volume = volume_of(one_block(tetrahedra_of(lattice_block({20, 20, 20}, {}, {1, 1, 1}, 1.2)), hills));
+  const auto x = places_within(*volume, 50000);
+  EXPECT_LE(errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, hills).most,
+            errors_of(*field_of(volume, ReconstructionMethod::linear), x, hills).most);
+}
+
+TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
+  const auto volume = volume_of(bent_grid({6, 6, 6}, wave));
+  Progress progress;
+  const VolumeValues values = volume_values(*volume, "f");
+  LocalPolynomials p = fit_local_polynomials(*volume, values, {}, progress);
+  // All of them the same function: no doubt, and the correction is all that it is off linear interpolation.
+  std::vector<double> constants(volume->size());
+  std::vector<float> coefficients(p.coefficients.size(), 0.0f);
+  for (std::size_t i = 0; i < constants.size(); ++i) {
+    constants[i] = linear_function(volume->positions[i]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 row(p.metrics[i].rows[k]);
+      coefficients[p.first[i] + k] = static_cast<float>(dot(kLinearGradient, row) / squared_norm(row));
+    }
+  }
+  const std::vector<std::uint8_t> unsplit(volume->size(), 0);
+  p.constants = constants, p.coefficients = coefficients;
+  const VolumeValues flat{"f", 1, constants, {}};
+  const auto at = [&](std::size_t i, std::size_t m, const Vec3& x) {
+    return p.constants[i] + p.full_rise(i, m, p.metric(*volume, i)(x - volume->positions[i]));
+  };
+  const std::size_t own = 2 + 6 * (2 + 6 * 2), beside = own + 1, far = 0;
+  EXPECT_NEAR(CellAgreement(*volume, flat, at, unsplit).of(own).gain, 0, 1e-12);
+  EXPECT_NEAR(CellAgreement(*volume, flat, at, unsplit).of(own).doubt, 0, 1e-12);
+  // One that is 1 off: an eighth is what it moves the mean of eight by. Four of the eight cells beside it have it, too.
+  constants[own] += 1;
+  p.constants = constants;
+  const CellAgreement off(*volume, flat, at, unsplit);
+  EXPECT_NEAR(off.of(own).gain, 1.0 / 64, 1e-5);
+  EXPECT_NEAR(off.of(own).doubt, 49.0 / 64, 1e-5);
+  EXPECT_NEAR(off.of(beside).doubt, 0.5 / 64, 1e-5);
+  EXPECT_NEAR(off.of(far).doubt, 0, 1e-12);
+}
+
 TEST(MlsDetail, TakesTheSamplesWhereCellsFitTogether) {
   const auto volume = volume_of(bent_grid({6, 7, 5}, wave, 1.2));
   const auto field = field_of(volume, ReconstructionMethod::mls_detail);
@@ -178,6 +236,38 @@ TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
   const Errors detail = errors_of(*field_of(shared, ReconstructionMethod::mls_detail), x, wave);
   EXPECT_LE(detail.most, linear.most);
   EXPECT_LE(2.5 * detail.mean, linear.mean);
+}
+
+TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
+  // A front and peaks that the outermost samples tell hardly anything of: all is extrapolated beyond them.
+  const VolumeFunction front = [](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y)); };
+  const VolumeFunction peaks = [](const Vec3& x) {
+    return 0.75 * std::exp(-20 * squared_norm(x - Vec3{0.22, 0.22, 0.22})) +
+           0.5 * std::exp(-20 * squared_norm(x - Vec3{0.78, 0.33, 0.56})) -
+           0.2 * std::exp(-81 * squared_norm(x - Vec3{0.44, 0.78, 0.56}));
+  };
+  const auto check = [](const GridData& data, const VolumeFunction& function) {
+    const auto volume = volume_of(data, Association::cells);
+    const Box3 box = volume->bounds();
+    const Vec3 size = box.size();
+    const VolumeFunction f = [&](const Vec3& x) {
+      const Vec3 d = x - box.lower;
+      return function({d.x / size.x, d.y / size.y, d.z / size.z});
+    };
+    const auto sampled = with_values_at_samples(*volume, f);
+    const auto x = places_within(*sampled, 50000);
+    const Errors linear = errors_of(*field_of(sampled, ReconstructionMethod::linear), x, f);
+    const Errors detail = errors_of(*field_of(sampled, ReconstructionMethod::mls_detail), x, f);
+    EXPECT_LE(detail.most, linear.most);
+    EXPECT_LE(detail.mean, linear.mean);
+  };
+  const auto zero = [](const Vec3&) { return 0.0; };
+  check(bent_grid({20, 20, 20}, zero, 1.5), peaks);
+  for (const auto& function : {front, peaks}) {
+    check(mixed_grid({10, 10, 10}, zero), function);
+    check(two_level_amr(12, zero), function);
+    check(bent_grid({10, 10, 10}, zero), function);
+  }
 }
 
 TEST(MlsDetail, DoesNotReachAcrossGaps) {

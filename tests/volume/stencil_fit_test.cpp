@@ -46,6 +46,35 @@ double value_of(const StencilFit& fit, const Vec3& u) {
   return sum;
 }
 
+// Layers of samples across z, those above a height one higher.
+Stencil layers_with_step(double lowest, double highest, double height) {
+  Stencil s;
+  s.u.push_back({});
+  for (double z = lowest; z <= highest; z += 1)
+    for (int x = -2; x <= 2; ++x)
+      for (int y = -2; y <= 2; ++y)
+        if (x != 0 || y != 0 || z != 0) s.u.push_back({0.8 * x, 0.8 * y, z});
+  for (const Vec3& u : s.u) s.f.push_back(0.01 * u.x + (u.z > height ? 1 : 0));
+  return s;
+}
+
+TEST(StencilFit, TakesAStepOnlyWhereItsSideIsNoSingleLayer) {
+  const std::vector<Vec3> tests{{0.4, 0.4, -0.5}};
+  StencilFit fit({});
+  // The sample and another layer above it are on its side: it is known that nothing rises there.
+  Stencil two = layers_with_step(-2, 1, -0.5);
+  for (double& f : two.f) f -= 1;
+  fit.fit(two.u, two.f, 1, tests);
+  EXPECT_TRUE(fit.split());
+  EXPECT_NEAR(value_of(fit, {0, 0, -1}), 0, 1e-9);
+  // The uppermost layer alone: values may as well rise from the one below.
+  Stencil one = layers_with_step(-2, 0, -0.5);
+  for (double& f : one.f) f -= 1;
+  fit.fit(one.u, one.f, 1, tests);
+  EXPECT_FALSE(fit.split());
+  EXPECT_LT(value_of(fit, {0, 0, -1}), -0.5);
+}
+
 // Two other materials, one of each beyond its plane: no gap of the values stands out.
 TEST(StencilFit, KeepsToItsMaterialBesideTwoOthers) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
