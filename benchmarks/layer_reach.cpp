@@ -5,13 +5,16 @@
 //                                        one, 2 % of noise)
 //
 // Points of the surface, moved along its normal by a distance to either side; right is who comes to lie within 0.15
-// spacings of the surface there, no farther than a spacing from where it started. Prints a markdown table of shares.
+// spacings of the surface there, and no farther than a spacing from the point. Prints a markdown table of shares.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -54,7 +57,8 @@ GridData noisy_ball() {
   return data;
 }
 
-/// The samples near the isosurface, weighted as volume_surface.cpp does it but for its care for plateaus.
+/// The samples near the isosurface, weighted as volume_surface.cpp does it but for its care for plateaus and for grids
+/// that are not even.
 LayerSamples layer_of(const SampledVolume& volume, const std::vector<double>& values, double value) {
   const SampleSlopes slopes(volume, values);
   std::vector<Vec3f> positions;

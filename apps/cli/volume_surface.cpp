@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -57,11 +59,19 @@ class ArrayColors : public ColorField {
   }
 
  private:
+  /// Lengths of vectors.
   std::vector<double> values(std::span<const Vec3> x) const {
     std::vector<Vec3> input(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) input[i] = place_.to_input(x[i]);
+    const std::size_t n = field_->components();
+    std::vector<double> all(x.size() * n);
+    field_->evaluate(input, {all, {}, {}, {}});
+    if (n == 1) return all;
     std::vector<double> v(x.size());
-    field_->evaluate(input, {v, {}, {}, {}});
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      for (std::size_t c = 0; c < n; ++c) v[i] += all[i * n + c] * all[i * n + c];
+      v[i] = std::sqrt(v[i]);
+    }
     return v;
   }
 
@@ -161,6 +171,9 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   const bool picture = is_picture(a.output);
   require(picture || (a.color_by.empty() && a.frames == 0 && !a.sharp),
           "--color-by, --sharp and --frames need a picture");
+  require(!a.distance || !a.points.empty(), "--distance needs --points");
+  require(!a.distance || *a.distance > 0, "--distance must be positive");
+  require(a.output != a.points, "--output and --points are the same file");
   require(!a.color_range || is_curvature(a.color_by), "--color-range needs --color-by with a curvature");
   a.mesh.file = a.output;
   if (picture)
@@ -169,11 +182,15 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
     a.mesh.check();
   if (!a.points.empty()) check_writable(a.points, "points");
 
+  a.meshing.validate();
+  if (picture) a.picture.chosen().validate();
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();
-  const auto samples = volume.samples();
   volume.dataset().default_array();
-  VolumeSurfaceOptions options = chosen_options(a, volume);
+  const VolumeSurfaceOptions options = chosen_options(a, volume);
+  options.validate();
+  if (!a.color_by.empty() && !is_curvature(a.color_by)) volume.dataset().choose(a.color_by, "color_by");
+  const auto samples = volume.samples();
   const VolumeTraits& traits = volume.traits();
   const std::vector<double> values = chosen_values(*samples, volume.choice());
   Json json = {{"input", volume.json()}};
@@ -201,6 +218,8 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
                        {"beta", r.beta ? Json(*r.beta) : Json()},
                        {"least_gradient", r.least_gradient}};
     if (!a.high_gradient) json["value"] = options.value;
+    std::optional<PointSet> points;
+    if (!a.points.empty()) points = sample_volume_surface(surface, a.distance, progress);
     if (picture) {
       draw(a, surface, volume, console, json);
     } else if (!a.output.empty()) {
@@ -223,11 +242,10 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
                         {"components", made.components},
                         {"closed", !made.open}};
     }
-    if (!a.points.empty()) {
-      const PointSet points = sample_volume_surface(surface, a.distance, progress);
-      write_points(a.points, points, {});
-      console.say(fmt::format("{}: {}", a.points, counted(points.size(), "point")));
-      json["points"] = {{"file", a.points}, {"points", points.size()}};
+    if (points) {
+      write_points(a.points, *points, {});
+      console.say(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
+      json["points"] = {{"file", a.points}, {"points", points->size()}};
     }
   } catch (const DataError& error) {
     throw FileError(a.input.name(), error.what());

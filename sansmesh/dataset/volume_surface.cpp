@@ -61,12 +61,16 @@ constexpr double kResolved = 1;
 constexpr double kOffSurface = 0.2;
 /// Distance between the feet that are handed out, in spacings.
 constexpr double kSplats = 0.75;
+/// Points are no closer than this part of the spacing; tries that are closer than this to others, over the distance
+/// asked for, are given up at once.
+constexpr int kMostAlong = 8;
+constexpr double kThinned = 0.2;
 constexpr std::size_t kFeetAtOnce = 65536;
 
 /// A sample that counts.
 struct Chosen {
   std::uint32_t sample;
-  float weight;
+  double weight;
   bool ball;
   Vec3 gradient;
 };
@@ -87,7 +91,7 @@ std::vector<Chosen> choose_samples(std::size_t n, Progress& progress, const Choo
   return all;
 }
 
-/// Median slope where neighbours of a sample lie on the other side of the value; 0 if nowhere.
+/// Median slope where a sample is nearer to the value than to one of its neighbours; 0 if nowhere.
 double slope_at(const SampleSlopes& slopes, std::span<const double> values, double value) {
   constexpr std::size_t kMany = 200'000;
   constexpr std::size_t kChunk = 65536;
@@ -126,12 +130,13 @@ std::vector<Chosen> isovalue_layer(const SampleSlopes& slopes, std::span<const d
     // Plateaus: level sets near by are far apart there, each sample stands for little of their area.
     const double area = r.slope > 0 ? std::min(1.0, steep / (kWeakSlope * r.slope)) : 1;
     const double weight = std::exp(-away * away) * area * slopes.volume(i) / across;
-    found.push_back({static_cast<std::uint32_t>(i), static_cast<float>(weight), away < kBallsOff, gradient});
+    found.push_back({static_cast<std::uint32_t>(i), weight, away < kBallsOff, gradient});
   });
 }
 
-std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const SampleSlopes& slopes, std::size_t n,
+std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const SampleSlopes& slopes, double noise,
                                         const VolumeSurfaceOptions& o, VolumeSurfaceReport& r, Progress& progress) {
+  const std::size_t n = volume.size();
   std::vector<float> steep(n);
   progress.begin("gradients");
   parallel_for(0, n, 4096, [&](std::size_t i) { steep[i] = static_cast<float>(norm(slopes.gradient(i))); });
@@ -143,14 +148,15 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
   const double middle = static_cast<double>(median(sorted));
   r.least_gradient =
       o.least_gradient.value_or(std::max(kLeastBorder * largest, std::min(kOutOfNoise * middle, 0.5 * largest)));
+  if (!(largest > 0) && !(middle > 0)) throw DataError("changes hardly anywhere: there is no border");
   const double beta = o.beta.value_or(kSteepness);
   r.beta = beta;
   std::vector<float> around;
   if (o.local_maximum) around = steepest_across(volume, slopes, steep, kCounts * r.least_gradient);
-  return choose_samples(n, progress, [&](std::size_t i, std::vector<Chosen>& found) {
-    const double most = o.local_maximum ? static_cast<double>(around[i]) : largest;
-    if (!(most > 0) || most < r.least_gradient) return;
-    const double share = static_cast<double>(steep[i]) / most;
+  std::vector<Chosen> all = choose_samples(n, progress, [&](std::size_t i, std::vector<Chosen>& found) {
+    const double own = static_cast<double>(steep[i]), most = o.local_maximum ? static_cast<double>(around[i]) : largest;
+    if (!(most > 0) || (o.local_maximum ? most : own) < r.least_gradient) return;
+    const double share = std::min(1.0, own / most);
     if (o.local_maximum && share < kCounts) return;
     const double away = (share - 1) / beta;
     if (std::abs(away) > kMostOff) return;
@@ -159,8 +165,14 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
     const double across = slopes.spacing_along(i, normalized(gradient));
     const double weight = std::exp(-away * away) * slopes.volume(i) / across;
     const bool ball = o.local_maximum ? share > kOnRidge : std::abs(away) < kBallsOff;
-    found.push_back({static_cast<std::uint32_t>(i), static_cast<float>(weight), ball, gradient});
+    found.push_back({static_cast<std::uint32_t>(i), weight, ball, gradient});
   });
+  std::vector<double> slope;
+  for (const Chosen& c : all)
+    if (c.ball) slope.push_back(norm(c.gradient));
+  r.slope = median(slope);
+  r.noise_distance = r.slope > 0 ? noise / r.slope : 0;
+  return all;
 }
 
 /// On which side of a surface places are that are too far away to be projected. Values are about distances, of the
@@ -385,7 +397,6 @@ struct VolumeSurface::State {
   Placement place;
   VolumeSurfaceOptions options;
   VolumeSurfaceReport report;
-  LayerSamples layer;
   std::optional<LayerProjection> projection;
   SurfaceFeet feet;  ///< of the places
   std::unique_ptr<const LayerSide> side;
@@ -419,34 +430,50 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   VolumeSurfaceReport& r = state->report;
   const Box3 box = volume->bounds();
   const Placement place = placement_for(box.center(), box.diagonal());
-  state->volume = volume, state->place = place, state->options = options;
+  state->place = place, state->options = options;
   r.noise = noise;
 
   const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
+  const SampledVolume& samples = *volume;
+  if (samples.size() != values.size()) throw ArgumentError("as many values as samples are needed");
+  if (samples.size() > std::numeric_limits<std::uint32_t>::max()) throw DataError("has more than 2³² samples");
+  const auto [lowest, highest] = std::minmax_element(values.begin(), values.end());
+  const double least = *lowest, range = *highest - least;
+  if (!(range > 0)) throw DataError(fmt::format("is {:.6g} everywhere: there is no surface", least));
+  if (iso && (options.value < least || options.value > *highest))
+    throw DataError(fmt::format("does not have the value {:.6g}: values lie between {:.6g} and {:.6g}", options.value,
+                                least, *highest));
+  // As shares of the range: squares and quotients of very large and very small numbers are none.
+  std::vector<double> shares(values.size());
+  parallel_for(0, values.size(), 65536, [&](std::size_t i) { shares[i] = (values[i] - least) / range; });
+  VolumeSurfaceOptions own = options;
+  if (iso) own.value = (options.value - least) / range;
+  if (iso && own.beta) own.beta = *own.beta / range;
+  if (own.least_gradient) own.least_gradient = *own.least_gradient / range;
   progress.begin("slopes");
-  const SampleSlopes slopes(*volume, values);
-  const std::vector<Chosen> chosen = iso ? isovalue_layer(slopes, values, noise, options, r, progress)
-                                         : high_gradient_layer(*volume, slopes, values.size(), options, r, progress);
-  if (std::none_of(chosen.begin(), chosen.end(), [](const Chosen& c) { return c.ball; })) {
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    throw DataError(iso ? fmt::format("has no sample near the value {:.6g}: values lie between {:.6g} and {:.6g}",
-                                      options.value, *least, *most)
+  const SampleSlopes slopes(samples, shares);
+  const std::vector<Chosen> chosen = iso ? isovalue_layer(slopes, shares, noise / range, own, r, progress)
+                                         : high_gradient_layer(samples, slopes, noise / range, own, r, progress);
+  r.slope *= range, r.least_gradient *= range, r.beta = iso ? options.beta : r.beta;
+  if (std::none_of(chosen.begin(), chosen.end(), [](const Chosen& c) { return c.ball; }))
+    throw DataError(iso ? fmt::format("has no sample near enough to the value {:.6g}", options.value)
                         : fmt::format("has no border where the gradient is {:.6g} or more", r.least_gradient));
-  }
   progress.begin("prepare projection");
   std::vector<Vec3f> positions(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i)
-    positions[i] = Vec3f(place.from_input(volume->position(chosen[i].sample)));
+    positions[i] = Vec3f(place.from_input(samples.position(chosen[i].sample)));
   const KdTree tree(positions);
-  LayerSamples& layer = state->layer;
-  float heaviest = 0;
+  LayerSamples layer;
+  for (std::vector<Vec3f>* v : {&layer.positions, &layer.normals}) v->reserve(chosen.size());
+  for (std::vector<float>* v : {&layer.weights, &layer.spacing, &layer.reach}) v->reserve(chosen.size());
+  double heaviest = 0;
   for (const Chosen& c : chosen) heaviest = std::max(heaviest, c.weight);
   for (const std::uint32_t i : tree.order()) {
     const Chosen& c = chosen[i];
     const auto s = static_cast<float>(place.from_input(slopes.spacing(c.sample)));
     layer.positions.push_back(positions[i]);
     layer.normals.push_back(Vec3f(normalized(c.gradient * -1.0)));
-    layer.weights.push_back(c.weight / heaviest);
+    layer.weights.push_back(static_cast<float>(c.weight / heaviest));
     layer.spacing.push_back(s);
     layer.reach.push_back(c.ball ? s * static_cast<float>(kReach) : 0);
     if (c.ball) state->place_spacing.push_back(s);
@@ -471,11 +498,11 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   if (feet.feet.empty()) throw DataError("has no such surface");
   const Box3 bounds = state->projection->bounds();
   if (iso)
-    state->side = std::make_unique<ValueSide>(*volume, values, options.value, place, bounds);
+    state->side = std::make_unique<ValueSide>(samples, shares, own.value, place, bounds);
   else
     state->side = std::make_unique<PlaneSide>(feet, bounds);
   progress.begin("boundary");
-  state->domain = std::make_unique<const VolumeDomain>(*volume, place);
+  state->domain = std::make_unique<const VolumeDomain>(samples, place);
   std::unique_ptr<const ScalarField> field;
   if (options.exact) {
     field = std::make_unique<const ProjectionField>(*state->projection, state->side.get());
@@ -486,6 +513,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
     field = std::move(of_feet);
   }
   state->field = std::make_unique<const CutField>(std::move(field), *state->domain, state->balls);
+  state->volume = std::move(volume);
   progress.finish();
   return VolumeSurface(std::move(state));
 }
@@ -505,8 +533,10 @@ PointSet VolumeSurface::feet() const {
   std::vector<Vec3> positions;
   positions.reserve(state_->feet.feet.size());
   for (const FootPoint& foot : state_->feet.feet) positions.push_back(foot.position);
+  const auto kept = poisson_discs(positions, kSplats * state_->place.from_input(state_->report.spacing));
   PointSet points;
-  for (const std::uint32_t i : poisson_discs(positions, kSplats * state_->place.from_input(state_->report.spacing))) {
+  points.positions.reserve(kept.size()), points.normals.reserve(kept.size());
+  for (const std::uint32_t i : kept) {
     points.positions.push_back(Vec3f(positions[i]));
     points.normals.push_back(Vec3f(state_->feet.feet[i].normal));
   }
@@ -576,10 +606,10 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
     if (dropped > 0)
       r.warnings.push_back(counted(dropped, "part") +
                            " too small for weights of this width left out (`components = all` keeps them)");
-    if (mesh.triangles.empty()) throw DataError("has no such surface that weights of this width can tell");
   } else {
     detail::choose_components(mesh, meshing.components, {}, 0, r);
   }
+  if (mesh.triangles.empty()) throw DataError("has no such surface that weights of this width can tell");
   const MeshTopology topology = measure_topology(mesh);
   r.components = static_cast<int>(topology.components);
   r.open = !topology.closed();
@@ -589,39 +619,55 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
 }
 
 PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<double> distance, Progress& progress) {
-  if (distance && !(std::isfinite(*distance) && *distance > 0)) throw ArgumentError("`distance` must be positive");
+  if (distance && !(std::isfinite(*distance) && *distance >= surface.report().spacing / kMostAlong))
+    throw ArgumentError(fmt::format("`distance` must be at least {:.4g}, a part of {} of the spacing",
+                                    surface.report().spacing / kMostAlong, kMostAlong));
   const Placement& place = surface.place();
-  const double spacing = place.from_input(surface.report().spacing);
-  const double apart = distance ? place.from_input(*distance) : spacing;
-  // Feet of the samples next to the surface or, where points are to be dense, of places around these.
-  const int along = static_cast<int>(std::clamp(std::ceil(2 * spacing / apart), 1.0, 16.0));
-  progress.begin("project");
-  std::vector<Vec3> feet, normals;
+  const double apart = place.from_input(distance.value_or(surface.report().spacing));
   const BallUnion& places = surface.state_->places;
   const std::vector<float>& spacings = surface.state_->place_spacing;
+  progress.begin("project", places.centers.size());
+  std::vector<Vec3> feet, normals;
   std::vector<Vec3f> x;
   std::vector<float> around;
   const auto flush = [&] {
     progress.check();
+    // Those in the volume, thinned at once: memory is that of the result, not of the tries.
+    std::vector<Vec3> found, facing;
     for (const FootPoint& f : find_feet(surface.projection(), x, around).feet)
-      feet.push_back(f.position), normals.push_back(f.normal);
+      found.push_back(f.position), facing.push_back(f.normal);
+    std::vector<std::uint8_t> inside(found.size());
+    surface.state_->domain->locate(found, inside);
+    for (const std::uint32_t i : poisson_discs(found, kThinned * apart)) {
+      if (inside[i] == 0) continue;
+      feet.push_back(found[i]);
+      normals.push_back(facing[i]);
+    }
     x.clear(), around.clear();
   };
   for (std::size_t i = 0; i < places.centers.size(); ++i) {
+    // Feet of the samples next to the surface and, where points are to be dense, of places around these.
+    const double ratio = 2 * static_cast<double>(spacings[i]) / apart;
+    const int along = static_cast<int>(std::clamp(std::ceil(ratio), 1.0, 2.0 * kMostAlong));
     const float step = spacings[i] / static_cast<float>(along), first = 0.5f * static_cast<float>(1 - along);
-    for (int k = 0; k < along * along * along; ++k) {
-      const Vec3f at{static_cast<float>(k % along), static_cast<float>(k / along % along),
-                     static_cast<float>(k / (along * along))};
-      x.push_back(places.centers[i] + (at + Vec3f{first, first, first}) * step);
-      around.push_back(spacings[i]);
-    }
+    for (int a = 0; a < along; ++a)
+      for (int b = 0; b < along; ++b)
+        for (int c = 0; c < along; ++c) {
+          const Vec3f at{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)};
+          x.push_back(places.centers[i] + (at + Vec3f{first, first, first}) * step);
+          around.push_back(spacings[i]);
+        }
     if (x.size() >= kFeetAtOnce) flush();
+    progress.advance();
   }
   if (!x.empty()) flush();
   if (feet.empty()) throw DataError("has no such surface");
+  progress.begin("choose points");
+  const std::vector<std::uint32_t> chosen = poisson_discs(feet, apart);
   PointSet points;
   points.origin = place.origin;
-  for (const std::uint32_t i : poisson_discs(feet, apart)) {
+  points.positions.reserve(chosen.size()), points.normals.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) {
     points.positions.push_back(Vec3f(feet[i] * place.unit));
     points.normals.push_back(Vec3f(normals[i]));
   }

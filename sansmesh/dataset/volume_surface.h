@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "sansmesh/core/progress.h"
@@ -34,8 +33,8 @@ struct VolumeSurfaceOptions {
   /// h of the corrector's weights, and half the radius of the predictor's, in spacings, 0.5..20. Default: 2, more with
   /// noise.
   std::optional<double> smoothing;
-  /// high_gradient: ‖∇f‖_max is the largest within two samples, so that faint borders count like strong ones; else the
-  /// largest of the volume, as in the source.
+  /// high_gradient: ‖∇f‖_max is the largest across the border around the sample, so that faint borders count like
+  /// strong ones; else the largest of the volume as in the source, a thousandth of the samples left out.
   bool local_maximum = true;
   /// high_gradient: least ‖∇f‖ of a border (unit of the array per length). Default: what stands out from noise, a
   /// seventh of the largest at least.
@@ -44,7 +43,7 @@ struct VolumeSurfaceOptions {
   bool alternating = false, line_search = false;
   bool separate_sheets = true;
   /// field() asks the projection itself at every place, not the paraboloids at the feet of the samples: the definition
-  /// to the letter, for ten to thirty times the time.
+  /// to the letter, for two (meshes) to ten (pictures) times the time.
   bool exact = false;
 
   /// Throws ArgumentError naming the field.
@@ -98,8 +97,8 @@ class VolumeSurface {
 };
 
 /// `values`: one a sample, finite; `noise`: their standard deviation, where it is known to be noise (unit of the array,
-/// >= 0). Throws ArgumentError for bad options, DataError where no sample is near such a surface, naming the range of
-/// the values.
+/// >= 0). Throws ArgumentError for bad options, DataError where values do not have that value (naming their range) or
+/// no sample is near such a surface.
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress);
 
@@ -109,8 +108,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
 TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions& meshing, Progress& progress,
                                  MeshReport* report = nullptr);
 
-/// Points spread evenly over it, so far apart (length; default: a spacing), with normals: splats, in the input's
-/// coordinates.
+/// Points spread evenly over it, so far apart (length, at least an eighth of the spacing; default: the spacing), with
+/// normals: splats, in the input's coordinates. Throws ArgumentError for other distances.
 PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<double> distance, Progress& progress);
 
 }  // namespace sansmesh

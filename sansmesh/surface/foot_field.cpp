@@ -93,7 +93,7 @@ FootField::FootField(const SurfaceFeet& feet, const ScalarField* beyond)
     const FootPoint& foot = feet.feet[i];
     const float s = feet.spacing[i], support = s * kFootSupport, reach = s * kFootReach;
     centers[i] = Vec3f(foot.position), supports[i] = support;
-    const double bent = std::max({std::abs(foot.xx) + std::abs(foot.xy), std::abs(foot.yy) + std::abs(foot.xy)});
+    const double bent = std::max(std::abs(foot.xx), std::abs(foot.yy)) + std::abs(foot.xy);
     const double half = 0.5 * std::min(1.0, kMostBent / (bent * static_cast<double>(s)));
     Vec3 t, b;
     tangent_frame(foot.normal, t, b);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/sample_gradients.h"
@@ -137,7 +136,7 @@ double SampleSlopes::volume(std::size_t sample) const {
       const Vec3 d = volume_.positions[i] - volume_.positions[sample];
       xx += d.x * d.x, xy += d.x * d.y, xz += d.x * d.z, yy += d.y * d.y, yz += d.y * d.z, zz += d.z * d.z;
     }
-    const double s = spacing(sample), share = star.size() > 0 ? 3 / static_cast<double>(star.size()) : 0;
+    const double s = spacing(sample), share = star.empty() ? 0 : 3 / static_cast<double>(star.size());
     const double determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
     return std::max(std::sqrt(std::max(determinant, 0.0) * share * share * share), kLeastVolume * s * s * s);
   }

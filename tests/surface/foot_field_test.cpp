@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdint>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "sansmesh/core/error.h"
