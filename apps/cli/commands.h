@@ -34,6 +34,10 @@ Command add_volume_isosurface(CommandLine& volume);
 Command add_volume_render(CommandLine& volume);
 Command add_volume_surface(CommandLine& volume);
 
+/// The commands of `flow`.
+std::vector<Command> add_flow(CommandLine& app);
+Command add_flow_lines(CommandLine& flow);
+
 /// Throws FileError early if no function file of that name can be written.
 void check_function_writable(const std::string& file);
 

@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
                                    add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
                                    add_csg(line)};
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
+  for (Command& command : add_flow(line)) commands.push_back(std::move(command));
   for (const Command& command : commands) add_common(*command.line, common);
   try {
     app.parse(argc, argv);

@@ -9,6 +9,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/data/polyline_set.h"
 #include "sansmesh/data/triangle_mesh.h"
 
 namespace sansmesh {
@@ -62,6 +63,10 @@ void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOp
 /// as columns, see write_mesh), the others none. Triangles are not written.
 void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
 
+/// Writes VTP (lines, with all attributes), PLY (vertices and edges, with the attributes of points) or CSV (a row a
+/// point: line,x,y,z and the attributes of points; `time`, where there is one, comes second) by the name's ending.
+void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options = {});
+
 /// Writes a PNG.
 void write_image(const std::string& file, const Image& image);
 
@@ -69,7 +74,7 @@ void write_image(const std::string& file, const Image& image);
 void write_text(const std::string& file, const std::string& text);
 
 /// Throws FileError early, before long work, if `file` has an ending that no writer knows (kind: "mesh", "points",
-/// "image") or its folder does not exist or cannot be written.
+/// "lines", "image") or its folder does not exist or cannot be written.
 void check_writable(const std::string& file, const std::string& kind);
 
 }  // namespace sansmesh

@@ -109,4 +109,8 @@ std::vector<std::string> points_to_csv(const PointSet& points, const WriteOption
 std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options);
 std::vector<std::string> points_to_vtp(const PointSet& points, const WriteOptions& options);
 
+std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptions& options);
+std::vector<std::string> lines_to_ply(const PolylineSet& lines, const WriteOptions& options);
+std::vector<std::string> lines_to_csv(const PolylineSet& lines, const WriteOptions& options);
+
 }  // namespace sansmesh::io

@@ -89,6 +89,31 @@ std::vector<std::string> mesh_to_ply(const TriangleMesh& m, const WriteOptions& 
   return to_ply(OutputContent(m), options);
 }
 
+std::vector<std::string> lines_to_ply(const PolylineSet& lines, const WriteOptions& options) {
+  // The vertices of a cloud, and behind them the edges.
+  PointSet points;
+  points.origin = lines.origin, points.positions = lines.positions, points.attributes = lines.attributes;
+  std::vector<std::string> parts = to_ply(OutputContent(points), options);
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  edges.reserve(lines.positions.size());
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    for (std::size_t k = lines.offsets[i]; k + 1 < lines.offsets[i + 1]; ++k)
+      edges.push_back({static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(k + 1)});
+  std::string& header = parts.front();
+  header.insert(header.rfind("end_header\n"),
+                fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n", edges.size()));
+  if (options.ascii) {
+    append_rows(parts, edges.size(), 40, [&](std::size_t i, char* p) {
+      return put(put(put(put(p, edges[i][0]), ' '), edges[i][1]), '\n');
+    });
+    return parts;
+  }
+  std::string body(edges.size() * sizeof(edges[0]), '\0');
+  if (!edges.empty()) std::memcpy(body.data(), edges.data(), body.size());
+  parts.push_back(std::move(body));
+  return parts;
+}
+
 std::vector<std::string> points_to_ply(const PointSet& p, const WriteOptions& options) {
   return to_ply(OutputContent(p), options);
 }

@@ -1,6 +1,8 @@
 // Output as text: OBJ, OFF, XYZ, CSV.
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "sansmesh/data/image.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_columns.h"
@@ -101,6 +103,30 @@ std::vector<std::string> points_to_csv(const PointSet& points, const WriteOption
   append_rows(parts, points.size(), (10 + others.size()) * (number_width + 1), [&](std::size_t i, char* p) {
     p = put_point(p, points, world, i, ',');
     for (const OutputColumn& c : others) p = c.put_text(put(p, ','), i);
+    return put(p, '\n');
+  });
+  return parts;
+}
+
+std::vector<std::string> lines_to_csv(const PolylineSet& lines, const WriteOptions&) {
+  std::vector<std::string> names{"line", "x", "y", "z"};
+  std::vector<OutputColumn> others = output_columns(lines.attributes, names);
+  const auto is_time = [](const OutputColumn& c) { return c.name == "time"; };
+  std::stable_partition(others.begin(), others.end(), is_time);
+  const std::size_t first = !others.empty() && is_time(others.front()) ? 1 : 0;
+  std::string header = first == 1 ? "line,time,x,y,z" : "line,x,y,z";
+  for (std::size_t k = first; k < others.size(); ++k) header += "," + others[k].name;
+  std::vector<std::string> parts{header + "\n"};
+  const WorldCoordinates world(lines.origin, lines.positions);
+  std::vector<std::uint32_t> line_of(lines.positions.size());
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    std::fill(line_of.begin() + static_cast<std::ptrdiff_t>(lines.offsets[i]),
+              line_of.begin() + static_cast<std::ptrdiff_t>(lines.offsets[i + 1]), static_cast<std::uint32_t>(i));
+  append_rows(parts, lines.positions.size(), (5 + others.size()) * (number_width + 1), [&](std::size_t i, char* p) {
+    p = put(put(p, line_of[i]), ',');
+    for (std::size_t k = 0; k < first; ++k) p = put(others[k].put_text(p, i), ',');
+    p = world.put(p, i, ',');
+    for (std::size_t k = first; k < others.size(); ++k) p = others[k].put_text(put(p, ','), i);
     return put(p, '\n');
   });
   return parts;

@@ -65,6 +65,21 @@ class VtpFile {
         a.values);
   }
 
+  void attributes(int depth, const char* tag, const AttributeTable& table) {
+    line(depth, fmt::format("<{}>", tag));
+    for (const Attribute& a : table) attribute(depth + 1, a);
+    line(depth, fmt::format("</{}>", tag));
+  }
+
+  void points(int depth, const WorldCoordinates& world, std::size_t n) {
+    line(depth, "<Points>");
+    if (world.needs_double())
+      array(depth + 1, "Points", 3, 3 * n, [&](std::size_t i) { return world.world(i / 3)[i % 3]; });
+    else
+      array(depth + 1, "Points", 3, 3 * n, [&](std::size_t i) { return world.world_float(i / 3)[i % 3]; });
+    line(depth, "</Points>");
+  }
+
   std::vector<std::string> finish() {
     if (!ascii_) {
       line(1, "<AppendedData encoding=\"raw\">");
@@ -109,15 +124,8 @@ std::vector<std::string> to_vtp(const OutputContent& c, bool mesh, const WriteOp
   if (!c.colors.empty()) file.array(4, "RGB", 3, 3 * n, [&](std::size_t i) { return c.colors[i / 3][i % 3]; });
   for (const Attribute& a : c.attributes) file.attribute(4, a);
   file.line(3, "</PointData>");
-  file.line(3, "<CellData>");
-  for (const Attribute& a : c.triangle_attributes) file.attribute(4, a);
-  file.line(3, "</CellData>");
-  file.line(3, "<Points>");
-  if (world.needs_double())
-    file.array(4, "Points", 3, 3 * n, [&](std::size_t i) { return world.world(i / 3)[i % 3]; });
-  else
-    file.array(4, "Points", 3, 3 * n, [&](std::size_t i) { return world.world_float(i / 3)[i % 3]; });
-  file.line(3, "</Points>");
+  file.attributes(3, "CellData", c.triangle_attributes);
+  file.points(3, world, n);
   file.line(3, mesh ? "<Polys>" : "<Verts>");
   if (mesh) {
     with_index_type(std::max(n, 3 * faces), [&](auto index) {
@@ -143,6 +151,31 @@ std::vector<std::string> to_vtp(const OutputContent& c, bool mesh, const WriteOp
 
 std::vector<std::string> mesh_to_vtp(const TriangleMesh& m, const WriteOptions& options) {
   return to_vtp(OutputContent(m), true, options);
+}
+
+std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptions& options) {
+  const std::size_t n = lines.positions.size();
+  const WorldCoordinates world(lines.origin, lines.positions);
+  VtpFile file(options.ascii);
+  file.line(0, "<?xml version=\"1.0\"?>");
+  file.line(0, "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
+  file.line(1, "<PolyData>");
+  file.line(2, fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
+                           "NumberOfPolys=\"0\">",
+                           n, lines.size()));
+  file.attributes(3, "PointData", lines.attributes);
+  file.attributes(3, "CellData", lines.line_attributes);
+  file.points(3, world, n);
+  file.line(3, "<Lines>");
+  with_index_type(n, [&](auto index) {
+    using Index = decltype(index);
+    file.array(4, "connectivity", 1, n, [](std::size_t i) { return static_cast<Index>(i); });
+    file.array(4, "offsets", 1, lines.size(), [&](std::size_t i) { return static_cast<Index>(lines.offsets[i + 1]); });
+  });
+  file.line(3, "</Lines>");
+  file.line(2, "</Piece>");
+  file.line(1, "</PolyData>");
+  return file.finish();
 }
 
 std::vector<std::string> points_to_vtp(const PointSet& p, const WriteOptions& options) {

@@ -30,6 +30,12 @@ constexpr Writer<PointSet> point_writers[] = {
     {"csv", io::points_to_csv}, {"pcd", io::points_to_pcd}, {"vtp", io::points_to_vtp},
 };
 
+constexpr Writer<PolylineSet> line_writers[] = {
+    {"vtp", io::lines_to_vtp},
+    {"ply", io::lines_to_ply},
+    {"csv", io::lines_to_csv},
+};
+
 /// Throws ArgumentError's sibling for files: the ending is not one of those known.
 [[noreturn]] void fail_ending(const std::string& file, const std::string& kind, const std::string& known) {
   const std::string e = io::ending(file);
@@ -85,6 +91,16 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   io::write_whole(file, writer.write(points, options));
 }
 
+void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options) {
+  const auto& writer = find_writer(line_writers, file, "lines");
+  if (lines.offsets.empty() || lines.offsets.front() != 0 || lines.offsets.back() != lines.positions.size() ||
+      !std::is_sorted(lines.offsets.begin(), lines.offsets.end()))
+    throw ArgumentError("lines must begin where those before them end");
+  lines.attributes.check_rows(lines.positions.size(), "points");
+  lines.line_attributes.check_rows(lines.size(), "lines");
+  io::write_whole(file, writer.write(lines, options));
+}
+
 void write_text(const std::string& file, const std::string& text) { io::write_whole(file, {text}); }
 
 void check_writable(const std::string& file, const std::string& kind) {
@@ -93,10 +109,12 @@ void check_writable(const std::string& file, const std::string& kind) {
     find_writer(mesh_writers, file, "meshes");
   } else if (kind == "points") {
     find_writer(point_writers, file, "points");
+  } else if (kind == "lines") {
+    find_writer(line_writers, file, "lines");
   } else if (kind == "image") {
     if (io::ending(file) != "png") fail_ending(file, "images", ".png");
   } else if (kind != "text") {
-    throw ArgumentError(fmt::format("check_writable: unknown kind '{}'; known: mesh points image text", kind));
+    throw ArgumentError(fmt::format("check_writable: unknown kind '{}'; known: mesh points lines image text", kind));
   }
   struct stat info {};
   if (::stat(file.c_str(), &info) == 0) {

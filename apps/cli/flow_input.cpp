@@ -1,0 +1,182 @@
+#include "flow_input.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "command_line.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/io/point_table.h"
+
+namespace sansmesh::cli {
+namespace {
+
+std::string flow_names() {
+  std::string names;
+  for (const AnalyticFlow& f : analytic_flows()) names += fmt::format("{}{}", names.empty() ? "" : ", ", f.name);
+  return names;
+}
+
+bool is_formula(const FlowInput& input) {
+  if (input.volume.files.size() != 1) return false;
+  const std::string& name = input.volume.files[0];
+  const auto flows = analytic_flows();
+  return !std::filesystem::exists(name) &&
+         std::any_of(flows.begin(), flows.end(), [&](const AnalyticFlow& f) { return f.name == name; });
+}
+
+/// What --array says, or the first array of vectors.
+ArrayChoice vectors_of(OpenVolume& volume, const VolumeInput& input) {
+  if (!input.array.empty()) return volume.choice();
+  std::string names;
+  for (const std::size_t components : {std::size_t{3}, std::size_t{2}})
+    for (const DatasetArray& a : volume.dataset().arrays())
+      if (a.components == components) return {a.name, {}, false};
+  for (const DatasetArray& a : volume.dataset().arrays())
+    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", a.name, a.components);
+  throw FileError(input.name(), names.empty() ? "holds no arrays"
+                                              : "holds no vectors; its arrays and their components: " + names);
+}
+
+}  // namespace
+
+void add_flow_input(CommandLine& c, FlowInput& input) {
+  add_volume_input(c, input.volume);
+  c.add_flag("--unsteady", input.unsteady,
+             "The flow changes: all steps of the file in time, or several files one after the other");
+  c.add_option_function(
+       "--times",
+       [&input](const std::string& text) {
+         std::size_t at = 0;
+         while (at <= text.size()) {
+           const std::size_t end = std::min(text.find(',', at), text.size());
+           std::size_t used = 0;
+           const std::string word = text.substr(at, end - at);
+           double t = 0;
+           try {
+             t = std::stod(word, &used);
+           } catch (const std::exception&) {
+             used = 0;
+           }
+           if (used == 0 || used != word.size() || !std::isfinite(t))
+             throw ValueError(fmt::format("must be numbers with commas between them, not {}", text));
+           input.times.push_back(t);
+           at = end + 1;
+         }
+       },
+       "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
+      .type_name("TIMES");
+  c.add_choice<TimeInterpolation>("--time-interpolation", input.interpolation,
+                                  {{"constant", TimeInterpolation::constant},
+                                   {"linear", TimeInterpolation::linear},
+                                   {"cubic", TimeInterpolation::cubic}},
+                                  "Between steps: constant, linear or cubic [linear]")
+      .type_name("NAME");
+  c.add_option("--seeds", input.seeds,
+               "line(a, b, n), circle(c, normal, r, n), plane(o, u, v, nu, nv), box(n), point(x,y,z), points(FILE), "
+               "curve(FILE), loop(FILE), mesh(FILE), with numbers for a, b, …; several with ; between them")
+      .type_name("SEEDS");
+}
+
+OpenFlow::OpenFlow(const FlowInput& input, Console& console) : input_(input) {
+  if (is_formula(input)) {
+    name_ = input.volume.files[0] + " (formula)";
+    field_ = analytic_flow(input.volume.files[0]);
+    return;
+  }
+  if (input.volume.files.size() == 1 && !std::filesystem::exists(input.volume.files[0]) &&
+      input.volume.files[0].find_first_of("./") == std::string::npos)
+    throw FileError(input.volume.files[0], "no such file, and no flow by formula: " + flow_names());
+  const bool series = input.unsteady && input.volume.files.size() > 1;
+  if (!input.times.empty() && !series) throw ArgumentError("--times needs --unsteady and several files");
+  if (input.unsteady) {
+    open_series(console);
+    return;
+  }
+  volume_ = std::make_unique<OpenVolume>(input.volume, console);
+  choice_ = vectors_of(*volume_, input.volume);
+  name_ = fmt::format("{} of {}", choice_.array, input.volume.name());
+  try {
+    field_ = volume_flow(volume_->field(choice_));
+  } catch (const ArgumentError& error) {
+    throw FileError(input.volume.name(), fmt::format("{}: {}", choice_.array, error.what()));
+  }
+}
+
+void OpenFlow::open_series(Console& console) {
+  // The first step says which array, which method and, of a file of several, when the others are.
+  const bool files = input_.volume.files.size() > 1;
+  VolumeInput first = input_.volume;
+  first.read.time_step = 0;
+  if (files) first.files = {input_.volume.files[0]};
+  std::vector<double> times;
+  ReconstructionOptions method;
+  {
+    OpenVolume volume(first, console);
+    choice_ = vectors_of(volume, first);
+    volume.field(choice_);
+    method = volume.report().options;
+    times = volume.dataset().times();
+  }
+  if (files) {
+    const std::size_t n = input_.volume.files.size();
+    if (input_.times.size() == n)
+      times = input_.times;
+    else if (input_.times.empty() || input_.times.size() == 2) {
+      const double from = input_.times.empty() ? 0 : input_.times[0], step = input_.times.empty() ? 1 : input_.times[1];
+      times.clear();
+      for (std::size_t i = 0; i < n; ++i) times.push_back(from + step * static_cast<double>(i));
+    } else {
+      throw ArgumentError(fmt::format("--times has {} numbers for {} files: as many, or the first and the step",
+                                      input_.times.size(), n));
+    }
+  }
+  if (times.size() < 2)
+    throw FileError(input_.volume.name(), "holds one step in time: nothing changes (leave out --unsteady)");
+  name_ = fmt::format("{} of {}, {} steps", choice_.array, input_.volume.name(), times.size());
+  const auto load = [input = input_.volume, files, choice = choice_, method](std::size_t i) {
+    std::vector<std::string> names = files ? std::vector<std::string>{input.files[i]} : input.files;
+    VolumeReadOptions read = input.read;
+    read.time_step = files ? input.read.time_step : i;
+    Progress progress;
+    VolumeDataset dataset(read_volumes(names, read));
+    try {
+      return dataset.field(choice, method, progress);
+    } catch (const DataError& error) {
+      throw FileError(names[0], error.what());
+    }
+  };
+  try {
+    field_ = flow_in_time(std::move(times), load, input_.interpolation);
+  } catch (const ArgumentError& error) {
+    throw FileError(input_.volume.name(), error.what());
+  }
+}
+
+Seeds OpenFlow::seeds(std::size_t count) const {
+  Seeds seeds = parse_seeds(input_.seeds.empty() ? fmt::format("box({})", count) : input_.seeds, field_->bounds());
+  if (seeds.file.empty()) return seeds;
+  const bool mesh = input_.seeds.find("mesh") != std::string::npos && !seeds.curve;
+  if (mesh) {
+    const TriangleMesh surface = read_mesh(seeds.file);
+    for (const Vec3f& v : surface.vertices) seeds.points.push_back(surface.origin + Vec3(v));
+  } else {
+    seeds.points = read_point_table(seeds.file);
+  }
+  std::erase_if(seeds.points, [](const Vec3& x) { return !is_finite(x); });
+  if (seeds.points.empty()) throw FileError(seeds.file, "holds no finite points");
+  return seeds;
+}
+
+Json OpenFlow::json() const {
+  Json json = volume_ ? volume_->json() : input_.volume.json();
+  json["vectors"] = choice_.array.empty() ? Json(name_) : Json(choice_.array);
+  return json;
+}
+
+}  // namespace sansmesh::cli

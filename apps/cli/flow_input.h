@@ -1,0 +1,52 @@
+// A flow that a command reads: the vectors of a volume, of a series of volumes in time, or a formula.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/dataset/volume_flow.h"
+#include "sansmesh/field/vector_field.h"
+#include "sansmesh/flow/seeds.h"
+#include "volume_input.h"
+
+namespace sansmesh::cli {
+
+struct FlowInput {
+  VolumeInput volume;
+  bool unsteady = false;      ///< all steps of the file, or the files one after the other
+  std::vector<double> times;  ///< of files that are the steps; empty: 0, 1, 2, … or as the file says
+  TimeInterpolation interpolation = TimeInterpolation::linear;
+  std::string seeds;
+};
+
+/// DATA, --array and --method, --unsteady, --times, --time-interpolation and --seeds.
+void add_flow_input(CommandLine& command, FlowInput& input);
+
+/// A flow that was read. Errors of the data are thrown as FileError that name the file.
+class OpenFlow {
+ public:
+  OpenFlow(const FlowInput& input, Console& console);
+
+  const VectorField& field() const { return *field_; }
+  /// "velocity of office.vtk", "abc (formula)".
+  const std::string& name() const { return name_; }
+  /// The volume of a steady flow; null of others.
+  OpenVolume* volume() { return field_ && !field_->times().contains(-1e308) ? nullptr : volume_.get(); }
+  /// As --seeds says, those of files read; without it `count` seeds in the box of the flow.
+  Seeds seeds(std::size_t count) const;
+  Json json() const;
+
+ private:
+  void open_series(Console& console);
+
+  const FlowInput& input_;
+  std::unique_ptr<OpenVolume> volume_;
+  ArrayChoice choice_;
+  std::string name_;
+  std::shared_ptr<const VectorField> field_;
+};
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,152 @@
+// sansmesh flow lines: stream, path, streak and time lines.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands.h"
+#include "flow_input.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/flow/flow_lines.h"
+#include "sansmesh/io/io.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr std::size_t kDefaultSeeds = 200;
+constexpr const char* kEnds[] = {"time", "length", "boundary", "critical_point", "steps", "outside"};
+
+struct FlowLinesArguments {
+  FlowInput input;
+  FlowLineOptions options;
+  std::optional<double> start;
+  std::string output, direction = "forward", carry = "none";
+  bool ascii = false;
+};
+
+/// Other arrays of a steady volume at the points.
+void carry(const FlowLinesArguments& a, OpenFlow& flow, PolylineSet& lines, Console& console) {
+  if (a.carry == "none") return;
+  OpenVolume* const volume = flow.volume();
+  require(volume != nullptr, "--carry needs a steady flow of a file");
+  std::vector<std::string> names;
+  if (a.carry == "all")
+    for (const DatasetArray& array : volume->dataset().arrays()) names.push_back(array.name);
+  for (std::size_t at = 0; a.carry != "all" && at <= a.carry.size();) {
+    const std::size_t end = std::min(a.carry.find(',', at), a.carry.size());
+    names.push_back(a.carry.substr(at, end - at));
+    at = end + 1;
+  }
+  console.progress().begin("carry arrays", names.size());
+  std::vector<Vec3> x;
+  x.reserve(lines.positions.size());
+  for (const Vec3f& p : lines.positions) x.push_back(lines.origin + Vec3(p));
+  for (const std::string& name : names) {
+    const auto field = volume->field(volume->dataset().choose(name, "carry"));
+    std::vector<double> values(x.size() * field->components());
+    field->evaluate(x, {values, {}, {}, {}});
+    lines.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
+    console.progress().advance();
+  }
+}
+
+void run_flow_lines(FlowLinesArguments& a, Console& console) {
+  check_writable(a.output, "lines");
+  a.options.forward = a.direction != "backward", a.options.backward = a.direction != "forward";
+  OpenFlow flow(a.input, console);
+  const TimeRange times = flow.field().times();
+  const Seeds seeds = flow.seeds(kDefaultSeeds);
+  a.options.start = a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
+  a.options.closed = seeds.closed;
+  Json json = {{"input", flow.json()}};
+  try {
+    FlowLineReport report;
+    PolylineSet lines = flow_lines(flow.field(), seeds.points, a.options, console.progress(), &report);
+    carry(a, flow, lines, console);
+    console.progress().begin("write");
+    write_lines(a.output, lines, {a.ascii});
+    console.progress().finish();
+    if (report.outside > 0)
+      console.warn(a.input.volume.name(),
+                   {fmt::format("{} of {} outside of the flow", grouped(report.outside), counted(report.seeds, "seed"))});
+    console.say(fmt::format("{}: {} from {}", flow.name(), counted(lines.size(), "line"), counted(report.seeds, "seed")));
+    Json ends;
+    std::string said;
+    for (std::size_t k = 0; k < report.ends.size(); ++k) {
+      if (report.ends[k] == 0) continue;
+      ends[kEnds[k]] = report.ends[k];
+      std::string word = kEnds[k];
+      std::replace(word.begin(), word.end(), '_', ' ');
+      said += fmt::format("{}{} {}", said.empty() ? "" : ", ", word, grouped(report.ends[k]));
+    }
+    if (!said.empty()) console.say("ended by " + said);
+    console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(lines.positions.size(), "point"),
+                            length(report.longest)));
+    json["seeds"] = {{"count", report.seeds}, {"outside", report.outside}};
+    json["ends"] = ends;
+    json["output"] = {
+        {"file", a.output}, {"lines", lines.size()}, {"points", lines.positions.size()}, {"longest", report.longest}};
+  } catch (const DataError& error) {
+    const Box3 box = flow.field().bounds();
+    throw FileError(a.input.volume.name(),
+                    fmt::format("{} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))", error.what(),
+                                box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+  }
+  console.say_json(json);
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_flow_lines(CommandLine& flow) {
+  CommandLine& c = flow.add_subcommand("lines", "Flow → stream, path, streak and time lines");
+  auto shared = std::make_shared<FlowLinesArguments>();
+  FlowLinesArguments& a = *shared;
+  add_flow_input(c, a.input);
+  c.add_option("-o,--output", a.output, "Lines to write: .vtp, .ply or .csv (line,time,x,y,z, …)")
+      .type_name("FILE")
+      .required();
+  c.add_choice<FlowLineKind>(
+       "--kind", a.options.kind,
+       {{"stream", FlowLineKind::path}, {"path", FlowLineKind::path}, {"streak", FlowLineKind::streak}, {"time", FlowLineKind::time}},
+       "stream or path: where particles go; streak: dye from each seed; time: the seeds' curve as it moves [path]")
+      .type_name("NAME");
+  c.add_option("--direction", a.direction, "forward, backward or both [forward]")
+      .one_of({"forward", "backward", "both"})
+      .type_name("NAME");
+  c.add_option("--start", a.start, "Moment at which particles leave [the first of the flow]").type_name("TIME");
+  c.add_option("--time", a.options.duration, "How long they are followed [to the end of the flow]")
+      .type_name("DURATION");
+  c.add_option("--length", a.options.length, "How long lines are at most [five diagonals, without --time]")
+      .type_name("LENGTH");
+  c.add_option("--interval", a.options.interval, "Between particles of a streak, or between time lines").type_name("DURATION");
+  const char* const steps = "Steps";
+  c.add_choice<Integrator>("--integrator", a.options.trace.integrator,
+                           {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"dopri5", Integrator::dopri5}},
+                           "euler, rk4, or dopri5 with steps by the tolerance [dopri5]")
+      .type_name("NAME")
+      .group(steps);
+  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-5 of the diagonal]").type_name("LENGTH").group(steps);
+  c.add_option("--step-length", a.options.trace.step,
+               "Of euler and rk4, and at most of dopri5 [a thousandth and a fiftieth of the diagonal]")
+      .type_name("LENGTH")
+      .group(steps);
+  c.add_option("--least-speed", a.options.trace.least_speed, "Slower ones have arrived [1e-6 of the seeds' median]")
+      .type_name("SPEED")
+      .group(steps);
+  c.add_option("--most-steps", a.options.trace.most_steps, "Of a particle [20000]").type_name("COUNT").group(steps);
+  c.add_option("--carry", a.carry, "Other arrays at the points: names with commas, all or none [none]").type_name("NAMES");
+  add_ascii_flag(c, a.ascii);
+  c.footer("DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n"
+           "Examples:\n"
+           "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
+           "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
+           "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --time 10 -o column.csv");
+  return {&c, [shared](Console& console) { run_flow_lines(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli

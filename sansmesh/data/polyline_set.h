@@ -1,0 +1,22 @@
+// Lines of points: what particles leave behind.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/attribute_table.h"
+
+namespace sansmesh {
+
+/// Line i has the points offsets[i] .. offsets[i + 1] (at least one).
+struct PolylineSet {
+  Vec3 origin;                       ///< of the coordinates: where a point lies is origin + position
+  std::vector<Vec3f> positions;
+  std::vector<std::size_t> offsets{0};
+  AttributeTable attributes;       ///< a row for each point
+  AttributeTable line_attributes;  ///< a row for each line
+  std::size_t size() const { return offsets.size() - 1; }
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,248 @@
+#include "sansmesh/flow/flow_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kDiagonals = 5;
+constexpr double kStill = 1e-6;  // least speed, of the median of the seeds
+constexpr double kStreakParts = 100, kTimeParts = 10;
+constexpr double kMostParticles = 2e8;
+
+/// Lines before they are told apart from their points: of each its places, moments, and number.
+struct Builder {
+  std::vector<Vec3> positions;
+  std::vector<double> times;
+  std::vector<std::size_t> offsets{0};
+  std::vector<std::int32_t> seeds, ends;
+  std::optional<double> now;  ///< streaks: the moment of all places; `times` are when they left
+
+  void add(const Vec3& x, double t) { positions.push_back(x), times.push_back(t); }
+  void finish_line(std::size_t seed, std::int32_t end) {
+    if (positions.size() == offsets.back()) return;
+    offsets.push_back(positions.size());
+    seeds.push_back(static_cast<std::int32_t>(seed));
+    ends.push_back(end);
+  }
+};
+
+void join_paths(const Traces* back, const Traces* on, Builder& lines) {
+  const Traces& any = back ? *back : *on;
+  for (std::size_t i = 0; i < any.size(); ++i) {
+    if (back)
+      for (std::size_t k = back->offsets[i + 1]; k > back->offsets[i]; --k)
+        lines.add(back->positions[k - 1], back->times[k - 1]);
+    if (on)
+      for (std::size_t k = on->offsets[i] + (back ? 1 : 0); k < on->offsets[i + 1]; ++k)
+        lines.add(on->positions[k], on->times[k]);
+    lines.finish_line(i, static_cast<std::int32_t>((on ? on : back)->ends[i]));
+  }
+}
+
+void check_lines(bool ok, const char* what) {
+  if (!ok) throw ArgumentError(what);
+}
+
+class LineMaker {
+ public:
+  LineMaker(const VectorField& field, std::span<const Vec3> seeds, const FlowLineOptions& options, Progress& progress)
+      : field_(field), seeds_(seeds), options_(options), trace_(options.trace), progress_(progress) {}
+
+  FlowLineReport report;
+
+  Builder make() {
+    look_at_seeds();
+    Builder lines;
+    if (options_.kind == FlowLineKind::path)
+      paths(lines);
+    else if (options_.kind == FlowLineKind::streak)
+      streaks(lines);
+    else
+      time_lines(lines);
+    return lines;
+  }
+
+ private:
+  void look_at_seeds() {
+    report.seeds = seeds_.size();
+    if (seeds_.empty()) throw DataError("there are no seeds");
+    const TimeRange times = field_.times();
+    if (!times.contains(options_.start))
+      throw ArgumentError("`start` is not in the time of the flow, " + std::to_string(times.first) + " to " +
+                          std::to_string(times.last));
+    const Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), options_.start));
+    std::vector<double> speeds;
+    for (std::size_t i = 0; i < seeds_.size(); ++i) {
+      if (p.ends[i])
+        ++report.outside;
+      else
+        speeds.push_back(norm(p.velocities[i]));
+    }
+    if (speeds.empty()) throw DataError("no seed lies in the flow");
+    const double fastest = *std::max_element(speeds.begin(), speeds.end());
+    if (!(fastest > 0)) throw DataError("the flow is zero at all seeds");
+    const double middle = median(speeds);
+    if (trace_.least_speed == 0) trace_.least_speed = kStill * (middle > 0 ? middle : fastest);
+    five_diagonals_ = kDiagonals * field_.bounds().diagonal();
+    usual_speed_ = middle > 0 ? middle : fastest;
+  }
+
+  /// The duration, as far as one was given, or what particles of usual speed take for the usual length.
+  double duration() const {
+    double d = options_.duration.value_or(options_.length.value_or(five_diagonals_) / usual_speed_);
+    const TimeRange times = field_.times();
+    d = std::min(d, options_.backward ? options_.start - times.first : times.last - options_.start);
+    if (!(d > 0)) throw ArgumentError("`start` is the end of the flow's time");
+    return d;
+  }
+
+  void paths(Builder& lines) {
+    if (options_.duration) trace_.duration = *options_.duration;
+    if (options_.length) trace_.length = *options_.length;
+    if (!options_.duration && !options_.length) trace_.length = five_diagonals_;
+    const std::vector<double> moments(seeds_.size(), options_.start);
+    Traces back, on;
+    if (options_.backward) trace_.backward = true, back = trace_lines(field_, seeds_, moments, trace_, progress_);
+    if (options_.forward) trace_.backward = false, on = trace_lines(field_, seeds_, moments, trace_, progress_);
+    for (const Traces* t : {&back, &on})
+      for (const TraceEnd end : t->ends) ++report.ends[static_cast<std::size_t>(end)];
+    join_paths(options_.backward ? &back : nullptr, options_.forward ? &on : nullptr, lines);
+  }
+
+  void streaks(Builder& lines) {
+    const double d = duration(), interval = options_.interval.value_or(d / kStreakParts);
+    const double many = std::floor(d / interval) + 1;
+    check_lines(many * static_cast<double>(seeds_.size()) < kMostParticles, "`interval` is too short: too many particles");
+    const auto n = static_cast<std::size_t>(many);
+    trace_.backward = options_.backward;
+    const double sign = options_.backward ? -1 : 1, end = options_.start + sign * d;
+    std::vector<Vec3> places;
+    std::vector<double> moments;
+    for (const Vec3& seed : seeds_)
+      for (std::size_t k = 0; k < n; ++k) {
+        places.push_back(seed);
+        moments.push_back(options_.start + sign * interval * static_cast<double>(k));
+      }
+    Particles p = particles_at(field_, places, moments);
+    std::vector<std::uint32_t> all(places.size());
+    std::iota(all.begin(), all.end(), 0u);
+    progress_.begin("trace");
+    move_particles(field_, p, all, end, trace_);
+    lines.now = end;
+    // The last to leave first; particles that are gone end a line.
+    for (std::size_t s = 0; s < seeds_.size(); ++s) {
+      for (std::size_t k = n; k-- > 0;) {
+        const std::size_t i = s * n + k;
+        if (p.ends[i])
+          lines.finish_line(s, 0);
+        else
+          lines.add(p.positions[i], moments[i]);
+      }
+      lines.finish_line(s, 0);
+    }
+  }
+
+  void time_lines(Builder& lines) {
+    const double d = duration(), interval = options_.interval.value_or(d / kTimeParts);
+    const double many = std::floor(d / interval * (1 + 1e-9)) + 1;
+    check_lines(many * static_cast<double>(seeds_.size()) < kMostParticles, "`interval` is too short: too many lines");
+    trace_.backward = options_.backward;
+    const double sign = options_.backward ? -1 : 1;
+    Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), options_.start));
+    std::vector<std::uint32_t> all(seeds_.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const auto steps = static_cast<std::size_t>(many);
+    progress_.begin("trace", steps);
+    for (std::size_t m = 0; m < steps; ++m) {
+      const double t = options_.start + sign * std::min(interval * static_cast<double>(m), d);
+      if (m > 0) move_particles(field_, p, all, t, trace_);
+      const bool whole = std::none_of(p.ends.begin(), p.ends.end(), [](const auto& e) { return e.has_value(); });
+      for (std::size_t i = 0; i < seeds_.size(); ++i) {
+        if (p.ends[i])
+          lines.finish_line(m, 0);
+        else
+          lines.add(p.positions[i], t);
+      }
+      if (options_.closed && whole) lines.add(p.positions[0], t);
+      lines.finish_line(m, 0);
+      progress_.advance();
+      progress_.check();
+    }
+  }
+
+  const VectorField& field_;
+  std::span<const Vec3> seeds_;
+  const FlowLineOptions& options_;
+  TraceOptions trace_;
+  Progress& progress_;
+  double five_diagonals_ = 0, usual_speed_ = 0;
+};
+
+}  // namespace
+
+void FlowLineOptions::validate() const {
+  check_lines(forward || backward, "`forward` or `backward` is needed");
+  check_lines(kind == FlowLineKind::path || forward != backward, "`backward`: streak and time lines go one way");
+  check_lines(std::isfinite(start), "`start` must be finite");
+  check_lines(!duration || *duration > 0, "`duration` must be positive");
+  check_lines(!length || (*length > 0 && kind == FlowLineKind::path), "`length` must be positive, and is for path lines");
+  check_lines(!interval || (*interval > 0 && kind != FlowLineKind::path),
+        "`interval` must be positive, and is for streak and time lines");
+  trace.validate();
+}
+
+PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, const FlowLineOptions& options,
+                       Progress& progress, FlowLineReport* report) {
+  options.validate();
+  LineMaker maker(field, seeds, options, progress);
+  const Builder made = maker.make();
+  const std::size_t n = made.positions.size();
+
+  progress.begin("along lines");
+  const std::vector<double> moments = made.now ? std::vector<double>(n, *made.now) : made.times;
+  std::vector<Vec3> velocities(n);
+  std::vector<std::uint8_t> inside(n);
+  std::vector<Jacobian> jacobian(n);
+  field.evaluate(made.positions, moments, velocities, inside, jacobian);
+  std::vector<float> speed(n), velocity(3 * n), vorticity(3 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    speed[i] = static_cast<float>(norm(velocities[i]));
+    const Vec3 turn = curl(jacobian[i]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      velocity[3 * i + c] = static_cast<float>(velocities[i][c]);
+      vorticity[3 * i + c] = static_cast<float>(turn[c]);
+    }
+  }
+  PolylineSet lines;
+  lines.offsets = made.offsets;
+  lines.origin = field.bounds().center();
+  lines.positions.reserve(n);
+  for (const Vec3& x : made.positions) lines.positions.push_back(Vec3f(x - lines.origin));
+  std::vector<float> lengths(lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    double sum = 0;
+    for (std::size_t k = lines.offsets[i]; k + 1 < lines.offsets[i + 1]; ++k)
+      sum += norm(made.positions[k + 1] - made.positions[k]);
+    lengths[i] = static_cast<float>(sum);
+    maker.report.longest = std::max(maker.report.longest, sum);
+  }
+  lines.attributes.set("time", made.times);
+  lines.attributes.set("speed", std::move(speed));
+  lines.attributes.set("velocity", std::move(velocity), 3);
+  lines.attributes.set("vorticity", std::move(vorticity), 3);
+  lines.line_attributes.set("seed", made.seeds);
+  lines.line_attributes.set("length", std::move(lengths));
+  if (options.kind == FlowLineKind::path) lines.line_attributes.set("end", made.ends);
+  if (report) *report = maker.report;
+  progress.finish();
+  return lines;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,391 @@
+#include "sansmesh/flow/trace.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kTolerance = 1e-5, kStep = 1e-3, kLongestStep = 0.02;  // of the diagonal
+/// Steps that leave the field are halved until they are shorter than this, of the diagonal: then that is its boundary.
+constexpr double kAtBoundary = 1e-7;
+/// Dormand and Prince's next step: what the error allows, a little less, and no sudden changes.
+constexpr double kCaution = 0.9, kMostShrink = 0.2, kMostGrowth = 5;
+/// Lines have points between the ends of steps: no farther apart than this, over the longest step; so many at most.
+constexpr double kSegment = 0.25, kMostParts = 64;
+constexpr std::size_t kStages = 7;
+
+// Dormand & Prince 1980; the interpolation between both ends of a step is Shampine's, as Hairer, Nørsett & Wanner give
+// it.
+constexpr std::array<double, kStages> kMoment{0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
+constexpr std::array<std::array<double, 6>, kStages> kStage{{
+    {},
+    {1.0 / 5},
+    {3.0 / 40, 9.0 / 40},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+    {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
+}};
+constexpr std::array<double, kStages> kError{71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
+                                             -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+constexpr std::array<double, kStages> kBetween{-12715105075.0 / 11282082432,  0,
+                                               87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
+                                               701980252875.0 / 199316789632, -1453857185.0 / 822651844,
+                                               69997945.0 / 29380423};
+
+/// A step that was made: the ends, and what lies between them.
+struct Step {
+  std::uint32_t particle;
+  double from, to;                  // moments
+  Vec3 start, end, velocity, last;  // places, and the field at both
+  Vec3 bulge;                       // of the term of highest order; zero where there is none
+  Vec3 at(double share) const {
+    const double h = to - from, rest = 1 - share;
+    const Vec3 d = end - start, b = velocity * h - d;
+    return start + (d + (b + (d - last * h - b + bulge * rest) * share) * rest) * share;
+  }
+};
+
+/// How far particles may go.
+struct Limits {
+  std::span<const double> until;   // moments
+  std::span<const double> length;  // that is left to each, if not empty
+};
+
+class Stepper {
+ public:
+  Stepper(const VectorField& field, const TraceOptions& options) : field_(field), options_(options) {
+    const double diagonal = field.bounds().diagonal();
+    const bool adaptive = options.integrator == Integrator::dopri5;
+    tolerance_ = options.tolerance.value_or(kTolerance * diagonal);
+    reach_ = options.step.value_or((adaptive ? kLongestStep : kStep) * diagonal);
+    boundary_ = kAtBoundary * diagonal;
+    direction_ = options.backward ? -1 : 1;
+    times_ = field.times();
+  }
+
+  double longest_step() const { return reach_; }
+
+  /// One step, or a shorter try, of each of the particles that move; those that came to an end leave `active`. `made`
+  /// hears of every step, in the order of the particles.
+  void round(Particles& p, std::vector<std::uint32_t>& active, const Limits& limits,
+             const std::function<void(const Step&)>& made) {
+    ends_.assign(active.size(), {});
+    h_.resize(active.size()), to_.resize(active.size());
+    for (std::size_t a = 0; a < active.size(); ++a) prepare(p, active[a], limits, a);
+    drop_ended(p, active);
+    switch (options_.integrator) {
+      case Integrator::euler:
+        explicit_stages(p, active, 1);
+        break;
+      case Integrator::rk4:
+        explicit_stages(p, active, 4);
+        break;
+      case Integrator::dopri5:
+        dormand_prince(p, active);
+        break;
+    }
+    finish(p, active, made);
+  }
+
+ private:
+  double until(const Limits& limits, std::uint32_t i) const {
+    const double t = limits.until[i];
+    return options_.backward ? std::max(t, times_.first) : std::min(t, times_.last);
+  }
+
+  /// The next step in time, or the end.
+  void prepare(Particles& p, std::uint32_t i, const Limits& limits, std::size_t a) {
+    const double last = until(limits, i), left = direction_ * (last - p.times[i]);
+    const double speed = norm(p.velocities[i]);
+    if (!(left > 0)) {
+      ends_[a] = TraceEnd::time;
+      return;
+    }
+    if (!(speed > options_.least_speed)) {
+      ends_[a] = TraceEnd::critical_point;
+      return;
+    }
+    double h = reach_ / speed;
+    if (p.steps[i] > 0) h = std::min(h, p.steps[i]);
+    if (!limits.length.empty()) {
+      if (!(limits.length[i] > boundary_)) {
+        ends_[a] = TraceEnd::length;
+        return;
+      }
+      h = std::min(h, limits.length[i] / speed);
+    }
+    // No sliver of a step at the end.
+    const bool arrives = h >= left;
+    if (!arrives && h > 0.5 * left) h = 0.5 * left;
+    h_[a] = direction_ * (arrives ? left : h);
+    to_[a] = arrives ? last : p.times[i] + h_[a];
+  }
+
+  void drop_ended(Particles& p, std::vector<std::uint32_t>& active) {
+    std::size_t left = 0;
+    for (std::size_t a = 0; a < active.size(); ++a) {
+      if (ends_[a]) {
+        p.ends[active[a]] = ends_[a];
+        continue;
+      }
+      active[left] = active[a];
+      h_[left] = h_[a], to_[left] = to_[a];
+      ++left;
+    }
+    active.resize(left);
+    ends_.assign(left, {});
+    out_.assign(left, 0);
+    for (auto& k : k_) k.resize(left);
+    places_.resize(left), moments_.resize(left), inside_.resize(left), error_.assign(left, 0);
+    for (std::size_t a = 0; a < left; ++a) k_[0][a] = p.velocities[active[a]];
+  }
+
+  /// The field at places_ and moments_.
+  void ask(std::vector<Vec3>& into) {
+    field_.evaluate(places_, moments_, into, inside_);
+    for (std::size_t a = 0; a < inside_.size(); ++a) out_[a] = out_[a] != 0 || inside_[a] == 0;
+  }
+
+  /// Euler, or the classical Runge-Kutta; the velocity at the end of the step is the last that is asked for.
+  void explicit_stages(Particles& p, const std::vector<std::uint32_t>& active, int stages) {
+    const auto place = [&](double share, const std::vector<Vec3>& along) {
+      for (std::size_t a = 0; a < active.size(); ++a) {
+        places_[a] = p.positions[active[a]] + along[a] * (share * h_[a]);
+        moments_[a] = p.times[active[a]] + share * h_[a];
+      }
+    };
+    if (stages == 4) {
+      place(0.5, k_[0]), ask(k_[1]);
+      place(0.5, k_[1]), ask(k_[2]);
+      place(1, k_[2]), ask(k_[3]);
+      for (std::size_t a = 0; a < active.size(); ++a) k_[5][a] = (k_[0][a] + (k_[1][a] + k_[2][a]) * 2 + k_[3][a]) / 6;
+    } else {
+      k_[5] = k_[0];
+    }
+    place(1, k_[5]);
+    ends_at_ = places_;
+    ask(k_[6]);
+  }
+
+  void dormand_prince(Particles& p, const std::vector<std::uint32_t>& active) {
+    for (std::size_t s = 1; s < kStages; ++s) {
+      for (std::size_t a = 0; a < active.size(); ++a) {
+        Vec3 d;
+        for (std::size_t k = 0; k < s; ++k) d += k_[k][a] * kStage[s][k];
+        places_[a] = p.positions[active[a]] + d * h_[a];
+        moments_[a] = p.times[active[a]] + kMoment[s] * h_[a];
+      }
+      if (s + 1 == kStages) ends_at_ = places_;
+      ask(k_[s]);
+    }
+    for (std::size_t a = 0; a < active.size(); ++a) {
+      Vec3 e;
+      for (std::size_t k = 0; k < kStages; ++k) e += k_[k][a] * kError[k];
+      error_[a] = norm(e) * std::abs(h_[a]);
+    }
+  }
+
+  void finish(Particles& p, std::vector<std::uint32_t>& active, const std::function<void(const Step&)>& made) {
+    const bool adaptive = options_.integrator == Integrator::dopri5;
+    std::size_t left = 0;
+    for (std::size_t a = 0; a < active.size(); ++a) {
+      const std::uint32_t i = active[a];
+      const double h = std::abs(h_[a]);
+      if (out_[a] != 0) {
+        // The next try goes half as far, until the boundary is as near as it can be told.
+        if (h * norm(p.velocities[i]) < boundary_)
+          p.ends[i] = TraceEnd::boundary;
+        else
+          p.steps[i] = 0.5 * h, active[left++] = i;
+        continue;
+      }
+      if (adaptive) {
+        const double ratio = error_[a] > 0 ? kCaution * std::pow(tolerance_ / error_[a], 0.2) : kMostGrowth;
+        p.steps[i] = h * std::clamp(ratio, kMostShrink, kMostGrowth);
+        if (error_[a] > tolerance_) {
+          active[left++] = i;
+          continue;
+        }
+      }
+      Step step{i, p.times[i], to_[a], p.positions[i], ends_at_[a], p.velocities[i], k_[6][a], {}};
+      if (adaptive)
+        for (std::size_t k = 0; k < kStages; ++k) step.bulge += k_[k][a] * (kBetween[k] * h_[a]);
+      else if (p.steps[i] > 0)  // away from the boundary again
+        p.steps[i] = 2 * h;
+      p.positions[i] = step.end, p.times[i] = step.to, p.velocities[i] = step.last;
+      made(step);
+      active[left++] = i;
+    }
+    active.resize(left);
+  }
+
+  const VectorField& field_;
+  const TraceOptions& options_;
+  TimeRange times_;
+  double tolerance_ = 0, reach_ = 0, boundary_ = 0, direction_ = 1;
+  std::vector<std::optional<TraceEnd>> ends_;
+  std::vector<double> h_, to_, moments_, error_;
+  std::array<std::vector<Vec3>, kStages> k_;
+  std::vector<Vec3> places_, ends_at_;
+  std::vector<std::uint8_t> inside_, out_;
+};
+
+void check(bool ok, const char* what) {
+  if (!ok) throw ArgumentError(what);
+}
+
+/// The first of the moments beyond `t`; infinitely far where there is none.
+double moment_beyond(std::span<const double> moments, double t, bool backward) {
+  if (backward) {
+    const auto found = std::lower_bound(moments.begin(), moments.end(), t);
+    return found == moments.begin() ? -std::numeric_limits<double>::infinity() : *(found - 1);
+  }
+  const auto found = std::upper_bound(moments.begin(), moments.end(), t);
+  return found == moments.end() ? std::numeric_limits<double>::infinity() : *found;
+}
+
+/// Moves the particles that have not ended until each is at its moment `until` or ended; none that is at its moment
+/// already ends by that. Between the moments of the field all go together.
+void follow(const VectorField& field, Stepper& stepper, Particles& p, std::vector<std::uint32_t> active,
+            std::span<const double> until, std::span<const double> length, const TraceOptions& options,
+            const std::function<void(const Step&)>& made, Progress* progress) {
+  const std::span<const double> moments = field.moments();
+  const bool backward = options.backward;
+  const auto before = [&](double a, double b) { return backward ? a > b : a < b; };
+  std::vector<double> target(p.positions.size());
+  Limits limits;
+  limits.until = target, limits.length = length;
+  std::vector<std::uint32_t> now, later;
+  std::size_t rounds = 0;
+  while (!active.empty()) {
+    double first = p.times[active[0]];
+    for (const std::uint32_t i : active)
+      if (before(p.times[i], first)) first = p.times[i];
+    const double next = moment_beyond(moments, first, backward);
+    now.clear(), later.clear();
+    for (const std::uint32_t i : active) {
+      target[i] = before(next, until[i]) ? next : until[i];
+      (before(p.times[i], target[i]) || !before(p.times[i], until[i]) ? now : later).push_back(i);
+    }
+    const std::vector<std::uint32_t> moved = now;
+    for (; rounds < options.most_steps && !now.empty(); ++rounds) {
+      stepper.round(p, now, limits, made);
+      if (progress) progress->check();
+    }
+    for (const std::uint32_t i : now) p.ends[i] = TraceEnd::steps;
+    const std::size_t all = active.size();
+    active = later;
+    for (const std::uint32_t i : moved) {
+      if (p.ends[i] != TraceEnd::time || !before(p.times[i], until[i]) || !field.times().contains(p.times[i])) continue;
+      const bool last = backward ? !(p.times[i] > field.times().first) : !(p.times[i] < field.times().last);
+      if (last) continue;
+      p.ends[i].reset();
+      active.push_back(i);
+    }
+    std::sort(active.begin(), active.end());
+    if (progress) progress->advance(all - active.size());
+    if (rounds >= options.most_steps) {
+      for (const std::uint32_t i : active) p.ends[i] = TraceEnd::steps;
+      active.clear();
+    }
+  }
+}
+
+}  // namespace
+
+void TraceOptions::validate() const {
+  check(!tolerance || (std::isfinite(*tolerance) && *tolerance > 0), "`tolerance` must be a positive length");
+  check(!step || (std::isfinite(*step) && *step > 0), "`step` must be a positive length");
+  check(duration > 0, "`duration` must be positive");
+  check(length > 0, "`length` must be positive");
+  check(std::isfinite(least_speed) && least_speed >= 0, "`least_speed` must be at least 0");
+  check(most_steps >= 1, "`most_steps` must be at least 1");
+}
+
+Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments) {
+  if (seeds.size() != moments.size()) throw ArgumentError("as many moments as seeds are needed");
+  Particles p;
+  p.positions.assign(seeds.begin(), seeds.end());
+  p.times.assign(moments.begin(), moments.end());
+  p.velocities.resize(seeds.size());
+  p.steps.assign(seeds.size(), 0);
+  p.ends.assign(seeds.size(), {});
+  std::vector<std::uint8_t> inside(seeds.size());
+  field.evaluate(p.positions, p.times, p.velocities, inside);
+  for (std::size_t i = 0; i < seeds.size(); ++i)
+    if (inside[i] == 0) p.ends[i] = TraceEnd::outside;
+  return p;
+}
+
+void move_particles(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
+                    const TraceOptions& options) {
+  options.validate();
+  std::vector<std::uint32_t> active;
+  for (const std::uint32_t i : which)
+    if (!particles.ends[i]) active.push_back(i);
+  Stepper stepper(field, options);
+  const std::vector<double> until(particles.positions.size(), time);
+  follow(field, stepper, particles, active, until, {}, options, [](const Step&) {}, nullptr);
+  for (const std::uint32_t i : active)
+    if (particles.ends[i] == TraceEnd::time && particles.times[i] == time) particles.ends[i].reset();
+}
+
+Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments,
+                   const TraceOptions& options, Progress& progress) {
+  options.validate();
+  const std::size_t n = seeds.size();
+  Particles p = particles_at(field, seeds, moments);
+  struct Line {
+    std::vector<Vec3> positions;
+    std::vector<double> times;
+    std::vector<Vec3> velocities;
+  };
+  std::vector<Line> lines(n);
+  std::vector<std::uint32_t> active;
+  std::vector<double> until(n), left(n, options.length);
+  for (std::size_t i = 0; i < n; ++i) {
+    until[i] = moments[i] + (options.backward ? -options.duration : options.duration);
+    if (p.ends[i]) continue;
+    active.push_back(static_cast<std::uint32_t>(i));
+    lines[i] = {{p.positions[i]}, {p.times[i]}, {p.velocities[i]}};
+  }
+  Stepper stepper(field, options);
+  const double segment = kSegment * stepper.longest_step();
+  const auto keep = [&](const Step& step) {
+    Line& line = lines[step.particle];
+    const double chord = norm(step.end - step.start);
+    const auto parts = static_cast<int>(std::clamp(std::ceil(chord / segment), 1.0, kMostParts));
+    for (int k = 1; k <= parts; ++k) {
+      const double share = static_cast<double>(k) / parts;
+      const Vec3 x = k == parts ? step.end : step.at(share);
+      left[step.particle] -= norm(x - line.positions.back());
+      line.positions.push_back(x);
+      line.times.push_back(k == parts ? step.to : step.from + share * (step.to - step.from));
+      line.velocities.push_back(step.velocity + (step.last - step.velocity) * share);
+    }
+  };
+  progress.begin("trace", n);
+  follow(field, stepper, p, active, until, std::isfinite(options.length) ? std::span<const double>(left) : std::span<const double>(),
+         options, keep, &progress);
+
+  Traces traces;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Line& line = lines[i];
+    traces.positions.insert(traces.positions.end(), line.positions.begin(), line.positions.end());
+    traces.times.insert(traces.times.end(), line.times.begin(), line.times.end());
+    traces.velocities.insert(traces.velocities.end(), line.velocities.begin(), line.velocities.end());
+    traces.offsets.push_back(traces.positions.size());
+    traces.ends.push_back(p.ends[i].value_or(TraceEnd::steps));
+  }
+  progress.finish();
+  return traces;
+}
+
+}  // namespace sansmesh

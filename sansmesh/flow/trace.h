@@ -1,0 +1,83 @@
+// Particles that follow a flow (METHODS §5.2): many at once, a batch of places for each stage of a step.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/core/vec.h"
+#include "sansmesh/field/vector_field.h"
+
+namespace sansmesh {
+
+enum class Integrator : std::uint8_t {
+  euler,  ///< the source's: first order
+  rk4,    ///< Runge and Kutta's classical one: fourth order
+  dopri5  ///< Dormand and Prince's pair of orders 5 and 4: steps as long as the tolerance allows
+};
+
+/// Why a particle stopped.
+enum class TraceEnd : std::uint8_t {
+  time,            ///< the moment asked for, or the last one of the field
+  length,          ///< the length asked for
+  boundary,        ///< where the field ends
+  critical_point,  ///< slower than `least_speed`
+  steps,           ///< more steps than `most_steps`
+  outside          ///< it began where there is no field
+};
+
+struct TraceOptions {
+  Integrator integrator = Integrator::dopri5;
+  bool backward = false;  ///< against the flow, to earlier moments
+  /// Error of a step of dopri5 (length, > 0). Default: 10⁻⁵ of the diagonal of the field's bounds.
+  std::optional<double> tolerance;
+  /// How far a step goes (length, > 0): of euler and rk4 as far as that at the speed where it starts, of dopri5 at
+  /// most. Default: a thousandth (of dopri5 a fiftieth) of that diagonal.
+  std::optional<double> step;
+  double duration = std::numeric_limits<double>::infinity();  ///< time, > 0
+  double length = std::numeric_limits<double>::infinity();    ///< of the line, > 0
+  double least_speed = 0;           ///< length per time, >= 0: slower ones have arrived at a critical point
+  std::size_t most_steps = 20'000;  ///< >= 1, tries included
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// Lines one after the other: line i has the points offsets[i] .. offsets[i + 1], in the order in which the particle
+/// passed them, its seed first; none where it began outside.
+struct Traces {
+  std::vector<std::size_t> offsets{0};
+  std::vector<Vec3> positions;
+  std::vector<double> times;
+  std::vector<Vec3> velocities;  ///< of the field at the ends of steps; between them interpolated
+  std::vector<TraceEnd> ends;    ///< of each line
+  std::size_t size() const { return ends.size(); }
+};
+
+/// Stream lines (in steady fields) or path lines from the seeds, each from its moment. Sizes must agree. Lines are as
+/// fine as the steps, and finer, by the integrator's own interpolation, where these are long. The particles do not see
+/// each other: the same bytes whatever the batch and the number of threads. Throws ArgumentError for bad options.
+Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments,
+                   const TraceOptions& options, Progress& progress);
+
+/// Particles on their way, for those who look at all of them at the same moments.
+struct Particles {
+  std::vector<Vec3> positions;
+  std::vector<double> times;
+  std::vector<Vec3> velocities;               ///< of the field there; set by move()
+  std::vector<double> steps;                  ///< of the integrator's next step (time); 0: not known
+  std::vector<std::optional<TraceEnd>> ends;  ///< nothing while it moves
+};
+
+/// Particles at rest at their seeds.
+Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments);
+
+/// Moves those of `which` that have not ended to the moment `time` (later than theirs; earlier with `backward`), or to
+/// their ends. `duration` and `length` of the options do not count.
+void move_particles(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
+                    const TraceOptions& options);
+
+}  // namespace sansmesh

@@ -1,0 +1,176 @@
+#include "sansmesh/flow/trace.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/flow/analytic_flows.h"
+#include "support/any_threads.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Traces traced(const VectorField& field, const std::vector<Vec3>& seeds, const TraceOptions& options, double from = 0) {
+  Progress progress;
+  return trace_lines(field, seeds, std::vector<double>(seeds.size(), from), options, progress);
+}
+
+TraceOptions for_time(double duration, Integrator integrator = Integrator::dopri5) {
+  TraceOptions options;
+  options.duration = duration, options.integrator = integrator;
+  return options;
+}
+
+/// Distance from where a particle of the rotation should be after a quarter of a turn.
+double error_of(Integrator integrator, double step) {
+  const auto flow = analytic_flow("rotation");
+  TraceOptions options = for_time(kPi / 2, integrator);
+  options.step = step;
+  const Traces t = traced(*flow, {{1, 0, 0}}, options);
+  EXPECT_EQ(t.ends[0], TraceEnd::time);
+  EXPECT_EQ(t.times.back(), kPi / 2);
+  return norm(t.positions.back() - Vec3{0, 1, 0});
+}
+
+TEST(Trace, ErrorsFallByTheOrder) {
+  const double euler = error_of(Integrator::euler, 0.01) / error_of(Integrator::euler, 0.005);
+  EXPECT_NEAR(std::log2(euler), 1, 0.1);
+  const double rk4 = error_of(Integrator::rk4, 0.1) / error_of(Integrator::rk4, 0.05);
+  EXPECT_NEAR(std::log2(rk4), 4, 0.3);
+}
+
+TEST(Trace, ToleranceOfDormandAndPrinceIsKept) {
+  const auto flow = analytic_flow("abc");
+  TraceOptions tight = for_time(3);
+  tight.tolerance = 1e-11;
+  const Vec3 truth = traced(*flow, {{1, 2, 0.5}}, tight).positions.back();
+  double before = 1;
+  for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
+    TraceOptions options = for_time(3);
+    options.tolerance = tolerance;
+    const double error = norm(traced(*flow, {{1, 2, 0.5}}, options).positions.back() - truth);
+    EXPECT_LT(error, 100 * tolerance);
+    EXPECT_LT(error, before);
+    before = error;
+  }
+}
+
+TEST(Trace, PointsBetweenStepsLieOnTheLine) {
+  const auto flow = analytic_flow("rotation");
+  for (const Integrator integrator : {Integrator::rk4, Integrator::dopri5}) {
+    TraceOptions options = for_time(2 * kPi, integrator);
+    options.step = 0.1;
+    const Traces t = traced(*flow, {{1, 0, 0}}, options);
+    EXPECT_GT(t.positions.size(), 60u);
+    for (std::size_t i = 0; i < t.positions.size(); ++i) {
+      EXPECT_NEAR(norm(t.positions[i] - Vec3{std::cos(t.times[i]), std::sin(t.times[i]), 0}), 0, 5e-5);
+      EXPECT_NEAR(norm(t.velocities[i]), 1, 0.01);
+    }
+    EXPECT_NEAR(norm(t.positions.back() - Vec3{1, 0, 0}), 0, 5e-5);  // all around
+  }
+}
+
+TEST(Trace, BackwardReturns) {
+  const auto flow = analytic_flow("double-gyre");
+  TraceOptions options = for_time(8);
+  options.tolerance = 1e-9;
+  const Traces there = traced(*flow, {{0.4, 0.3, 0.5}, {1.7, 0.6, 0.5}}, options, 1);
+  options.backward = true;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec3 end = there.positions[there.offsets[i + 1] - 1];
+    const Traces back = traced(*flow, {end}, options, 9);
+    EXPECT_EQ(back.times.back(), 1);
+    EXPECT_LT(norm(back.positions.back() - there.positions[there.offsets[i]]), 1e-6);
+  }
+}
+
+TEST(Trace, EndsAtTheBoundaryAndNotBeyond) {
+  const auto flow = analytic_flow("saddle");
+  for (const Integrator integrator : {Integrator::euler, Integrator::rk4, Integrator::dopri5}) {
+    const Traces t = traced(*flow, {{0.01, 3, 1}}, for_time(100, integrator));
+    EXPECT_EQ(t.ends[0], TraceEnd::boundary);
+    EXPECT_LE(t.positions.back().x, 4);
+    EXPECT_NEAR(t.positions.back().x, 4, 1e-5);
+    // x grows as e^t.
+    EXPECT_NEAR(t.times.back(), std::log(400), integrator == Integrator::euler ? 0.1 : 1e-3);
+  }
+}
+
+TEST(Trace, EndsAtCriticalPointsAfterALengthAndOfSteps) {
+  const auto flow = analytic_flow("saddle");
+  TraceOptions options;
+  options.least_speed = 0.01;
+  const Traces still = traced(*flow, {{0, 3, 0}, {0, 0, 0}}, options);
+  EXPECT_EQ(still.ends[0], TraceEnd::critical_point);
+  EXPECT_LT(norm(still.positions[still.offsets[1] - 1]), 0.011);
+  EXPECT_EQ(still.ends[1], TraceEnd::critical_point);
+  EXPECT_EQ(still.offsets[2] - still.offsets[1], 1u);
+
+  const auto around = analytic_flow("rotation");
+  TraceOptions by_length;
+  by_length.length = 1.5;
+  const Traces t = traced(*around, {{1, 0, 0}}, by_length);
+  EXPECT_EQ(t.ends[0], TraceEnd::length);
+  EXPECT_NEAR(t.times.back(), 1.5, 1e-3);
+  TraceOptions few;
+  few.most_steps = 5;
+  EXPECT_EQ(traced(*around, {{1, 0, 0}}, few).ends[0], TraceEnd::steps);
+}
+
+TEST(Trace, SeedsOutsideHaveNoLine) {
+  const auto flow = analytic_flow("past-sphere");
+  const Traces t = traced(*flow, {{0, 0, 0}, {-3, 0.2, 0}, {9, 0, 0}}, for_time(20));
+  EXPECT_EQ(t.ends[0], TraceEnd::outside);
+  EXPECT_EQ(t.ends[1], TraceEnd::boundary);
+  EXPECT_EQ(t.ends[2], TraceEnd::outside);
+  EXPECT_EQ(t.offsets[1], 0u);
+  EXPECT_EQ(t.offsets[3], t.offsets[2]);
+  for (const Vec3& x : t.positions) EXPECT_GE(norm(x), 1 - 1e-9);  // round the sphere
+}
+
+TEST(Trace, ParticlesMoveTogetherToOneMoment) {
+  const auto flow = analytic_flow("rotation");
+  const std::vector<Vec3> seeds{{0.5, 0, 0}, {1, 0, 0}, {1.5, 0, 0}};
+  Particles p = particles_at(*flow, seeds, std::vector<double>(3, 0.0));
+  const std::vector<std::uint32_t> all{0, 1, 2};
+  for (const double t : {0.3, 0.9, 2.5}) {
+    move_particles(*flow, p, all, t, {});
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(p.times[i], t);
+      EXPECT_FALSE(p.ends[i]);
+      EXPECT_LT(norm(p.positions[i] - Vec3{std::cos(t), std::sin(t), 0} * seeds[i].x), 1e-4);
+    }
+  }
+}
+
+TEST(Trace, ALineDoesNotDependOnTheOthersNorOnThreads) {
+  const auto flow = analytic_flow("tornado");
+  std::vector<Vec3> seeds;
+  for (int i = 0; i < 40; ++i) seeds.push_back({0.3 + 0.01 * i, 0.5, 0.02});
+  test::expect_equal_for_any_threads([&] { return traced(*flow, seeds, for_time(3)).positions; });
+  const Traces all = traced(*flow, seeds, for_time(3)), one = traced(*flow, {seeds[17]}, for_time(3));
+  EXPECT_EQ(one.positions, std::vector<Vec3>(all.positions.begin() + static_cast<std::ptrdiff_t>(all.offsets[17]),
+                                             all.positions.begin() + static_cast<std::ptrdiff_t>(all.offsets[18])));
+}
+
+TEST(Trace, RefusesBadOptions) {
+  const auto flow = analytic_flow("rotation");
+  for (const auto& spoil : std::vector<void (*)(TraceOptions&)>{
+           [](TraceOptions& o) { o.duration = 0; }, [](TraceOptions& o) { o.length = -1; },
+           [](TraceOptions& o) { o.step = 0; }, [](TraceOptions& o) { o.tolerance = -1; },
+           [](TraceOptions& o) { o.most_steps = 0; },
+           [](TraceOptions& o) { o.least_speed = std::numeric_limits<double>::quiet_NaN(); }}) {
+    TraceOptions options;
+    spoil(options);
+    EXPECT_THROW(traced(*flow, {{1, 0, 0}}, options), ArgumentError);
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh
