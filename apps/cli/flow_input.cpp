@@ -39,8 +39,8 @@ ArrayChoice vectors_of(OpenVolume& volume, const VolumeInput& input) {
       if (a.components == components) return {a.name, {}, false};
   for (const DatasetArray& a : volume.dataset().arrays())
     names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", a.name, a.components);
-  throw FileError(input.name(), names.empty() ? "holds no arrays"
-                                              : "holds no vectors; its arrays and their components: " + names);
+  throw FileError(input.name(),
+                  names.empty() ? "holds no arrays" : "holds no vectors; its arrays and their components: " + names);
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   OpenFlow flow(a.input, console);
   const TimeRange times = flow.field().times();
   const Seeds seeds = flow.seeds(kDefaultSeeds);
-  a.options.start = a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
+  a.options.start =
+      a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
   a.options.closed = seeds.closed;
   Json json = {{"input", flow.json()}};
   try {
@@ -71,9 +72,10 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
     write_lines(a.output, lines, {a.ascii});
     console.progress().finish();
     if (report.outside > 0)
-      console.warn(a.input.volume.name(),
-                   {fmt::format("{} of {} outside of the flow", grouped(report.outside), counted(report.seeds, "seed"))});
-    console.say(fmt::format("{}: {} from {}", flow.name(), counted(lines.size(), "line"), counted(report.seeds, "seed")));
+      console.warn(a.input.volume.name(), {fmt::format("{} of {} outside of the flow", grouped(report.outside),
+                                                       counted(report.seeds, "seed"))});
+    console.say(
+        fmt::format("{}: {} from {}", flow.name(), counted(lines.size(), "line"), counted(report.seeds, "seed")));
     Json ends;
     std::string said;
     for (std::size_t k = 0; k < report.ends.size(); ++k) {
@@ -92,9 +94,10 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
         {"file", a.output}, {"lines", lines.size()}, {"points", lines.positions.size()}, {"longest", report.longest}};
   } catch (const DataError& error) {
     const Box3 box = flow.field().bounds();
-    throw FileError(a.input.volume.name(),
-                    fmt::format("{} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))", error.what(),
-                                box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+    throw FileError(
+        a.input.volume.name(),
+        fmt::format("{} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))", error.what(),
+                    box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
   }
   console.say_json(json);
   console.print_timings();
@@ -112,7 +115,10 @@ Command add_flow_lines(CommandLine& flow) {
       .required();
   c.add_choice<FlowLineKind>(
        "--kind", a.options.kind,
-       {{"stream", FlowLineKind::path}, {"path", FlowLineKind::path}, {"streak", FlowLineKind::streak}, {"time", FlowLineKind::time}},
+       {{"stream", FlowLineKind::path},
+        {"path", FlowLineKind::path},
+        {"streak", FlowLineKind::streak},
+        {"time", FlowLineKind::time}},
        "stream or path: where particles go; streak: dye from each seed; time: the seeds' curve as it moves [path]")
       .type_name("NAME");
   c.add_option("--direction", a.direction, "forward, backward or both [forward]")
@@ -123,14 +129,17 @@ Command add_flow_lines(CommandLine& flow) {
       .type_name("DURATION");
   c.add_option("--length", a.options.length, "How long lines are at most [five diagonals, without --time]")
       .type_name("LENGTH");
-  c.add_option("--interval", a.options.interval, "Between particles of a streak, or between time lines").type_name("DURATION");
+  c.add_option("--interval", a.options.interval, "Between particles of a streak, or between time lines")
+      .type_name("DURATION");
   const char* const steps = "Steps";
   c.add_choice<Integrator>("--integrator", a.options.trace.integrator,
                            {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"dopri5", Integrator::dopri5}},
                            "euler, rk4, or dopri5 with steps by the tolerance [dopri5]")
       .type_name("NAME")
       .group(steps);
-  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-5 of the diagonal]").type_name("LENGTH").group(steps);
+  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-5 of the diagonal]")
+      .type_name("LENGTH")
+      .group(steps);
   c.add_option("--step-length", a.options.trace.step,
                "Of euler and rk4, and at most of dopri5 [a thousandth and a fiftieth of the diagonal]")
       .type_name("LENGTH")
@@ -139,13 +148,15 @@ Command add_flow_lines(CommandLine& flow) {
       .type_name("SPEED")
       .group(steps);
   c.add_option("--most-steps", a.options.trace.most_steps, "Of a particle [20000]").type_name("COUNT").group(steps);
-  c.add_option("--carry", a.carry, "Other arrays at the points: names with commas, all or none [none]").type_name("NAMES");
+  c.add_option("--carry", a.carry, "Other arrays at the points: names with commas, all or none [none]")
+      .type_name("NAMES");
   add_ascii_flag(c, a.ascii);
-  c.footer("DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n"
-           "Examples:\n"
-           "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
-           "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
-           "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --time 10 -o column.csv");
+  c.footer(
+      "DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n"
+      "Examples:\n"
+      "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
+      "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
+      "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --time 10 -o column.csv");
   return {&c, [shared](Console& console) { run_flow_lines(*shared, console); }};
 }
 

@@ -11,7 +11,7 @@ namespace sansmesh {
 
 /// Line i has the points offsets[i] .. offsets[i + 1] (at least one).
 struct PolylineSet {
-  Vec3 origin;                       ///< of the coordinates: where a point lies is origin + position
+  Vec3 origin;  ///< of the coordinates: where a point lies is origin + position
   std::vector<Vec3f> positions;
   std::vector<std::size_t> offsets{0};
   AttributeTable attributes;       ///< a row for each point

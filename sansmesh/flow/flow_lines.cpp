@@ -119,7 +119,8 @@ class LineMaker {
   void streaks(Builder& lines) {
     const double d = duration(), interval = options_.interval.value_or(d / kStreakParts);
     const double many = std::floor(d / interval) + 1;
-    check_lines(many * static_cast<double>(seeds_.size()) < kMostParticles, "`interval` is too short: too many particles");
+    check_lines(many * static_cast<double>(seeds_.size()) < kMostParticles,
+                "`interval` is too short: too many particles");
     const auto n = static_cast<std::size_t>(many);
     trace_.backward = options_.backward;
     const double sign = options_.backward ? -1 : 1, end = options_.start + sign * d;
@@ -192,9 +193,10 @@ void FlowLineOptions::validate() const {
   check_lines(kind == FlowLineKind::path || forward != backward, "`backward`: streak and time lines go one way");
   check_lines(std::isfinite(start), "`start` must be finite");
   check_lines(!duration || *duration > 0, "`duration` must be positive");
-  check_lines(!length || (*length > 0 && kind == FlowLineKind::path), "`length` must be positive, and is for path lines");
+  check_lines(!length || (*length > 0 && kind == FlowLineKind::path),
+              "`length` must be positive, and is for path lines");
   check_lines(!interval || (*interval > 0 && kind != FlowLineKind::path),
-        "`interval` must be positive, and is for streak and time lines");
+              "`interval` must be positive, and is for streak and time lines");
   trace.validate();
 }
 

@@ -332,7 +332,8 @@ void move_particles(const VectorField& field, Particles& particles, std::span<co
     if (!particles.ends[i]) active.push_back(i);
   Stepper stepper(field, options);
   const std::vector<double> until(particles.positions.size(), time);
-  follow(field, stepper, particles, active, until, {}, options, [](const Step&) {}, nullptr);
+  follow(
+      field, stepper, particles, active, until, {}, options, [](const Step&) {}, nullptr);
   for (const std::uint32_t i : active)
     if (particles.ends[i] == TraceEnd::time && particles.times[i] == time) particles.ends[i].reset();
 }
@@ -372,8 +373,9 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
     }
   };
   progress.begin("trace", n);
-  follow(field, stepper, p, active, until, std::isfinite(options.length) ? std::span<const double>(left) : std::span<const double>(),
-         options, keep, &progress);
+  follow(field, stepper, p, active, until,
+         std::isfinite(options.length) ? std::span<const double>(left) : std::span<const double>(), options, keep,
+         &progress);
 
   Traces traces;
   for (std::size_t i = 0; i < n; ++i) {

@@ -103,9 +103,8 @@ std::vector<std::string> lines_to_ply(const PolylineSet& lines, const WriteOptio
   header.insert(header.rfind("end_header\n"),
                 fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n", edges.size()));
   if (options.ascii) {
-    append_rows(parts, edges.size(), 40, [&](std::size_t i, char* p) {
-      return put(put(put(put(p, edges[i][0]), ' '), edges[i][1]), '\n');
-    });
+    append_rows(parts, edges.size(), 40,
+                [&](std::size_t i, char* p) { return put(put(put(put(p, edges[i][0]), ' '), edges[i][1]), '\n'); });
     return parts;
   }
   std::string body(edges.size() * sizeof(edges[0]), '\0');

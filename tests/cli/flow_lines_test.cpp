@@ -64,8 +64,8 @@ class FlowLinesTool : public ToolTest {
 
 TEST_F(FlowLinesTool, ParticlesOfAVolumeGoRound) {
   image("turn", [](const Vec3& x) { return Vec3{-x.y, x.x, 0}; });
-  const Outcome outcome = lines({path("turn.mhd"), "--seeds", "line(0.2,0,0, 0.8,0,0, 4)", "--time", "1.5", "-o",
-                                 path("turn.csv"), "--json"});
+  const Outcome outcome = lines(
+      {path("turn.mhd"), "--seeds", "line(0.2,0,0, 0.8,0,0, 4)", "--time", "1.5", "-o", path("turn.csv"), "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["output"]["lines"], 4);
@@ -83,7 +83,8 @@ TEST_F(FlowLinesTool, ParticlesOfAVolumeGoRound) {
 }
 
 TEST_F(FlowLinesTool, BothDirectionsMakeOneLine) {
-  const Outcome outcome = lines({"saddle", "--seeds", "point(1,1,0)", "--direction", "both", "-o", path("l.csv"), "--json"});
+  const Outcome outcome =
+      lines({"saddle", "--seeds", "point(1,1,0)", "--direction", "both", "-o", path("l.csv"), "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto rows = rows_of(path("l.csv"));
   EXPECT_NEAR(rows.front()[3], 4, 1e-4);
@@ -97,8 +98,8 @@ TEST_F(FlowLinesTool, FilesAreStepsInTime) {
   image("a", [](const Vec3&) { return Vec3{1e-9, 0, 0}; });
   image("b", [](const Vec3&) { return Vec3{0.5, 0, 0}; });
   const auto end_of = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{path("a.mhd"), path("b.mhd"), "--unsteady", "--times", "0,2", "--seeds",
-                                       "point(-0.5,0,0)", "-o", path("p.csv")};
+    std::vector<std::string> arguments{path("a.mhd"), path("b.mhd"),     "--unsteady", "--times",    "0,2",
+                                       "--seeds",     "point(-0.5,0,0)", "-o",         path("p.csv")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = lines(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -109,8 +110,8 @@ TEST_F(FlowLinesTool, FilesAreStepsInTime) {
 }
 
 TEST_F(FlowLinesTool, StreaksAndTimeLinesAreWhatTheySay) {
-  Outcome outcome = lines({"rotation", "--kind", "time", "--seeds", "line(0.5,0,0, 1,0,0, 3)", "--time", "1", "--interval",
-                           "0.5", "-o", path("t.csv")});
+  Outcome outcome = lines({"rotation", "--kind", "time", "--seeds", "line(0.5,0,0, 1,0,0, 3)", "--time", "1",
+                           "--interval", "0.5", "-o", path("t.csv")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   auto rows = rows_of(path("t.csv"));
   ASSERT_EQ(rows.size(), 9u);

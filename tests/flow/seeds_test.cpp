@@ -46,10 +46,9 @@ TEST(Seeds, SeveralMakeOneSetAndFilesAreNamed) {
 }
 
 TEST(Seeds, MistakesAreNamed) {
-  for (const std::string text :
-       {"", "line", "line(0,0,0)", "line(0,0,0, 1,0,0, 1)", "line(0,0,0, 1,0,0, 2.5)", "line(0,0,x, 1,0,0, 5)",
-        "sphere(1)", "circle(0,0,0, 0,0,0, 1, 8)", "points()", "point(1,1,1);", "point(1,1,1);points(a.csv)", "box(nan)",
-        "box(1e12)"})
+  for (const std::string text : {"", "line", "line(0,0,0)", "line(0,0,0, 1,0,0, 1)", "line(0,0,0, 1,0,0, 2.5)",
+                                 "line(0,0,x, 1,0,0, 5)", "sphere(1)", "circle(0,0,0, 0,0,0, 1, 8)", "points()",
+                                 "point(1,1,1);", "point(1,1,1);points(a.csv)", "box(nan)", "box(1e12)"})
     EXPECT_THROW(parse_seeds(text, kBox), ArgumentError) << text;
 }
 
