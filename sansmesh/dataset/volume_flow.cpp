@@ -181,10 +181,10 @@ class FlowInTime final : public VectorField {
     const std::lock_guard lock(mutex_);
     const auto kept = std::find_if(kept_.begin(), kept_.end(), [&](const auto& e) { return e.first == k; });
     if (kept != kept_.end()) {
-      auto entry = *kept;
+      auto entry = std::move(*kept);
       kept_.erase(kept);
-      kept_.push_back(entry);
-      return entry.second;
+      kept_.push_back(std::move(entry));
+      return kept_.back().second;
     }
     Loaded loaded;
     if (ahead_.valid()) {

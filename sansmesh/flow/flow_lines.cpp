@@ -33,16 +33,17 @@ struct Builder {
   }
 };
 
-void join_paths(const Traces* back, const Traces* on, Builder& lines) {
-  const Traces& any = back ? *back : *on;
-  for (std::size_t i = 0; i < any.size(); ++i) {
-    if (back)
-      for (std::size_t k = back->offsets[i + 1]; k > back->offsets[i]; --k)
-        lines.add(back->positions[k - 1], back->times[k - 1]);
-    if (on)
-      for (std::size_t k = on->offsets[i] + (back ? 1 : 0); k < on->offsets[i + 1]; ++k)
-        lines.add(on->positions[k], on->times[k]);
-    lines.finish_line(i, static_cast<std::int32_t>((on ? on : back)->ends[i]));
+/// Of each seed both ways as one line; empty traces are ways that were not gone.
+void join_paths(const Traces& back, const Traces& on, Builder& lines) {
+  const bool both = back.size() > 0 && on.size() > 0;
+  for (std::size_t i = 0; i < std::max(back.size(), on.size()); ++i) {
+    if (back.size() > 0)
+      for (std::size_t k = back.offsets[i + 1]; k > back.offsets[i]; --k)
+        lines.add(back.positions[k - 1], back.times[k - 1]);
+    if (on.size() > 0)
+      for (std::size_t k = on.offsets[i] + (both ? 1 : 0); k < on.offsets[i + 1]; ++k)
+        lines.add(on.positions[k], on.times[k]);
+    lines.finish_line(i, static_cast<std::int32_t>((on.size() > 0 ? on : back).ends[i]));
   }
 }
 
@@ -113,7 +114,7 @@ class LineMaker {
     if (options_.forward) trace_.backward = false, on = trace_lines(field_, seeds_, moments, trace_, progress_);
     for (const Traces* t : {&back, &on})
       for (const TraceEnd end : t->ends) ++report.ends[static_cast<std::size_t>(end)];
-    join_paths(options_.backward ? &back : nullptr, options_.forward ? &on : nullptr, lines);
+    join_paths(back, on, lines);
   }
 
   void streaks(Builder& lines) {
