@@ -130,7 +130,7 @@ Command add_flow_lines(CommandLine& flow) {
                            "euler, rk4, or dopri5 with steps by the tolerance [dopri5]")
       .type_name("NAME")
       .group(steps);
-  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-6 of the diagonal]").type_name("LENGTH").group(steps);
+  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-5 of the diagonal]").type_name("LENGTH").group(steps);
   c.add_option("--step-length", a.options.trace.step,
                "Of euler and rk4, and at most of dopri5 [a thousandth and a fiftieth of the diagonal]")
       .type_name("LENGTH")

@@ -39,6 +39,10 @@ class VectorField {
   /// When it is defined. A steady field is the same at all times, and defined at all.
   virtual TimeRange times() const { return {}; }
 
+  /// Moments of samples in time, increasing: between two of them the field is smooth, and asked there for all places
+  /// before it is asked for others it goes fastest. None where there are no such moments.
+  virtual std::span<const double> moments() const { return {}; }
+
   /// The vector at position x[i] at the moment t[i], for every i: a velocity is in lengths of the input per its unit of
   /// time. inside[i] becomes 1 where the field is defined (in its domain, and in times()) and 0 elsewhere; there the
   /// vector and its derivatives are zero. Positions and moments that are not finite are not inside. If `jacobian` is

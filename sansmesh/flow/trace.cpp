@@ -4,13 +4,14 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {
 namespace {
 
-constexpr double kTolerance = 1e-6, kStep = 1e-3, kLongestStep = 0.02;  // of the diagonal
+constexpr double kTolerance = 1e-5, kStep = 1e-3, kLongestStep = 0.02;  // of the diagonal
 /// Steps that leave the field are halved until they are shorter than this, of the diagonal: then that is its boundary.
 constexpr double kAtBoundary = 1e-7;
 /// Dormand and Prince's next step: what the error allows, a little less, and no sudden changes.
@@ -53,8 +54,7 @@ struct Step {
 
 /// How far particles may go.
 struct Limits {
-  double time = 0;                 // to this moment
-  std::span<const double> until;   // or each to its own, if not empty
+  std::span<const double> until;   // moments
   std::span<const double> length;  // that is left to each, if not empty
 };
 
@@ -96,7 +96,7 @@ class Stepper {
 
  private:
   double until(const Limits& limits, std::uint32_t i) const {
-    const double t = limits.until.empty() ? limits.time : limits.until[i];
+    const double t = limits.until[i];
     return options_.backward ? std::max(t, times_.first) : std::min(t, times_.last);
   }
 
@@ -241,6 +241,63 @@ void check(bool ok, const char* what) {
   if (!ok) throw ArgumentError(what);
 }
 
+/// The first of the moments beyond `t`; infinitely far where there is none.
+double moment_beyond(std::span<const double> moments, double t, bool backward) {
+  if (backward) {
+    const auto found = std::lower_bound(moments.begin(), moments.end(), t);
+    return found == moments.begin() ? -std::numeric_limits<double>::infinity() : *(found - 1);
+  }
+  const auto found = std::upper_bound(moments.begin(), moments.end(), t);
+  return found == moments.end() ? std::numeric_limits<double>::infinity() : *found;
+}
+
+/// Moves the particles that have not ended until each is at its moment `until` or ended; none that is at its moment
+/// already ends by that. Between the moments of the field all go together.
+void follow(const VectorField& field, Stepper& stepper, Particles& p, std::vector<std::uint32_t> active,
+            std::span<const double> until, std::span<const double> length, const TraceOptions& options,
+            const std::function<void(const Step&)>& made, Progress* progress) {
+  const std::span<const double> moments = field.moments();
+  const bool backward = options.backward;
+  const auto before = [&](double a, double b) { return backward ? a > b : a < b; };
+  std::vector<double> target(p.positions.size());
+  Limits limits;
+  limits.until = target, limits.length = length;
+  std::vector<std::uint32_t> now, later;
+  std::size_t rounds = 0;
+  while (!active.empty()) {
+    double first = p.times[active[0]];
+    for (const std::uint32_t i : active)
+      if (before(p.times[i], first)) first = p.times[i];
+    const double next = moment_beyond(moments, first, backward);
+    now.clear(), later.clear();
+    for (const std::uint32_t i : active) {
+      target[i] = before(next, until[i]) ? next : until[i];
+      (before(p.times[i], target[i]) || !before(p.times[i], until[i]) ? now : later).push_back(i);
+    }
+    const std::vector<std::uint32_t> moved = now;
+    for (; rounds < options.most_steps && !now.empty(); ++rounds) {
+      stepper.round(p, now, limits, made);
+      if (progress) progress->check();
+    }
+    for (const std::uint32_t i : now) p.ends[i] = TraceEnd::steps;
+    const std::size_t all = active.size();
+    active = later;
+    for (const std::uint32_t i : moved) {
+      if (p.ends[i] != TraceEnd::time || !before(p.times[i], until[i]) || !field.times().contains(p.times[i])) continue;
+      const bool last = backward ? !(p.times[i] > field.times().first) : !(p.times[i] < field.times().last);
+      if (last) continue;
+      p.ends[i].reset();
+      active.push_back(i);
+    }
+    std::sort(active.begin(), active.end());
+    if (progress) progress->advance(all - active.size());
+    if (rounds >= options.most_steps) {
+      for (const std::uint32_t i : active) p.ends[i] = TraceEnd::steps;
+      active.clear();
+    }
+  }
+}
+
 }  // namespace
 
 void TraceOptions::validate() const {
@@ -273,15 +330,10 @@ void move_particles(const VectorField& field, Particles& particles, std::span<co
   std::vector<std::uint32_t> active;
   for (const std::uint32_t i : which)
     if (!particles.ends[i]) active.push_back(i);
-  const std::vector<std::uint32_t> moved = active;
   Stepper stepper(field, options);
-  Limits limits;
-  limits.time = time;
-  const auto nobody = [](const Step&) {};
-  for (std::size_t round = 0; round < options.most_steps && !active.empty(); ++round)
-    stepper.round(particles, active, limits, nobody);
-  for (const std::uint32_t i : active) particles.ends[i] = TraceEnd::steps;
-  for (const std::uint32_t i : moved)
+  const std::vector<double> until(particles.positions.size(), time);
+  follow(field, stepper, particles, active, until, {}, options, [](const Step&) {}, nullptr);
+  for (const std::uint32_t i : active)
     if (particles.ends[i] == TraceEnd::time && particles.times[i] == time) particles.ends[i].reset();
 }
 
@@ -305,9 +357,6 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
     lines[i] = {{p.positions[i]}, {p.times[i]}, {p.velocities[i]}};
   }
   Stepper stepper(field, options);
-  Limits limits;
-  limits.until = until;
-  if (std::isfinite(options.length)) limits.length = left;
   const double segment = kSegment * stepper.longest_step();
   const auto keep = [&](const Step& step) {
     Line& line = lines[step.particle];
@@ -323,13 +372,8 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
     }
   };
   progress.begin("trace", n);
-  for (std::size_t round = 0; round < options.most_steps && !active.empty(); ++round) {
-    const std::size_t before = active.size();
-    stepper.round(p, active, limits, keep);
-    progress.advance(before - active.size());
-    progress.check();
-  }
-  for (const std::uint32_t i : active) p.ends[i] = TraceEnd::steps;
+  follow(field, stepper, p, active, until, std::isfinite(options.length) ? std::span<const double>(left) : std::span<const double>(),
+         options, keep, &progress);
 
   Traces traces;
   for (std::size_t i = 0; i < n; ++i) {

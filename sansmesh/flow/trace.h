@@ -33,7 +33,7 @@ enum class TraceEnd : std::uint8_t {
 struct TraceOptions {
   Integrator integrator = Integrator::dopri5;
   bool backward = false;  ///< against the flow, to earlier moments
-  /// Error of a step of dopri5 (length, > 0). Default: 10⁻⁶ of the diagonal of the field's bounds.
+  /// Error of a step of dopri5 (length, > 0). Default: 10⁻⁵ of the diagonal of the field's bounds.
   std::optional<double> tolerance;
   /// How far a step goes (length, > 0): of euler and rk4 as far as that at the speed where it starts, of dopri5 at
   /// most. Default: a thousandth (of dopri5 a fiftieth) of that diagonal.

@@ -1,0 +1,161 @@
+// Lines of flows from the command line: by formula, of a volume, and of a series in time.
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "run_tool.h"
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh::test {
+namespace {
+
+/// A lattice of 9³ samples in [-1, 1]³ as MetaImage with vectors.
+std::string vector_image(Vec3 (*v)(const Vec3&), const std::string& raw, std::string& bytes) {
+  std::vector<float> values;
+  for (int k = 0; k < 9; ++k)
+    for (int j = 0; j < 9; ++j)
+      for (int i = 0; i < 9; ++i) {
+        const Vec3 x = v({i / 4.0 - 1, j / 4.0 - 1, k / 4.0 - 1});
+        for (std::size_t c = 0; c < 3; ++c) values.push_back(static_cast<float>(x[c]));
+      }
+  bytes.assign(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return "ObjectType = Image\nNDims = 3\nDimSize = 9 9 9\nElementSpacing = 0.25 0.25 0.25\nOffset = -1 -1 -1\n"
+         "ElementType = MET_FLOAT\nElementNumberOfChannels = 3\nElementByteOrderMSB = False\nElementDataFile = " +
+         raw + "\n";
+}
+
+class FlowLinesTool : public ToolTest {
+ protected:
+  void image(const std::string& name, Vec3 (*v)(const Vec3&)) {
+    std::string bytes;
+    const std::string header = vector_image(v, name + ".raw", bytes);
+    write(name + ".mhd", header);
+    write(name + ".raw", bytes);
+  }
+  Outcome lines(const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {"flow", "lines"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return run(all);
+  }
+  /// Rows of a table of numbers, without its header.
+  std::vector<std::vector<double>> rows_of(const std::string& file) {
+    std::istringstream text(slurp(file));
+    std::string line;
+    std::getline(text, line);
+    header_ = line;
+    std::vector<std::vector<double>> rows;
+    while (std::getline(text, line)) {
+      std::istringstream words(line);
+      std::string word;
+      rows.emplace_back();
+      while (std::getline(words, word, ',')) rows.back().push_back(std::stod(word));
+    }
+    return rows;
+  }
+  std::string header_;
+};
+
+TEST_F(FlowLinesTool, ParticlesOfAVolumeGoRound) {
+  image("turn", [](const Vec3& x) { return Vec3{-x.y, x.x, 0}; });
+  const Outcome outcome = lines({path("turn.mhd"), "--seeds", "line(0.2,0,0, 0.8,0,0, 4)", "--time", "1.5", "-o",
+                                 path("turn.csv"), "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["output"]["lines"], 4);
+  EXPECT_EQ(json["ends"]["time"], 4);
+  const auto rows = rows_of(path("turn.csv"));
+  EXPECT_EQ(header_.rfind("line,time,x,y,z,speed", 0), 0u) << header_;
+  ASSERT_GT(rows.size(), 20u);
+  for (const std::vector<double>& row : rows) {
+    const double radius = 0.2 + 0.2 * row[0];
+    EXPECT_NEAR(row[2], radius * std::cos(row[1]), 1e-3);
+    EXPECT_NEAR(row[3], radius * std::sin(row[1]), 1e-3);
+    EXPECT_NEAR(row[5], radius, 1e-3);  // speed
+  }
+  EXPECT_NEAR(rows.back()[1], 1.5, 1e-9);
+}
+
+TEST_F(FlowLinesTool, BothDirectionsMakeOneLine) {
+  const Outcome outcome = lines({"saddle", "--seeds", "point(1,1,0)", "--direction", "both", "-o", path("l.csv"), "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto rows = rows_of(path("l.csv"));
+  EXPECT_NEAR(rows.front()[3], 4, 1e-4);
+  EXPECT_NEAR(rows.back()[2], 4, 1e-4);
+  for (std::size_t i = 1; i < rows.size(); ++i) EXPECT_GT(rows[i][1], rows[i - 1][1]);
+  for (const std::vector<double>& row : rows) EXPECT_NEAR(row[2] * row[3], 1, 1e-3);  // x y stays
+}
+
+/// Two steps, at rest and moving: a particle goes as far as half of the last speed takes it.
+TEST_F(FlowLinesTool, FilesAreStepsInTime) {
+  image("a", [](const Vec3&) { return Vec3{1e-9, 0, 0}; });
+  image("b", [](const Vec3&) { return Vec3{0.5, 0, 0}; });
+  const auto end_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{path("a.mhd"), path("b.mhd"), "--unsteady", "--times", "0,2", "--seeds",
+                                       "point(-0.5,0,0)", "-o", path("p.csv")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = lines(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return rows_of(path("p.csv")).back()[2];
+  };
+  EXPECT_NEAR(end_of({}), 0, 1e-3);
+  EXPECT_NEAR(end_of({"--time-interpolation", "constant"}), -0.5, 1e-3);
+}
+
+TEST_F(FlowLinesTool, StreaksAndTimeLinesAreWhatTheySay) {
+  Outcome outcome = lines({"rotation", "--kind", "time", "--seeds", "line(0.5,0,0, 1,0,0, 3)", "--time", "1", "--interval",
+                           "0.5", "-o", path("t.csv")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  auto rows = rows_of(path("t.csv"));
+  ASSERT_EQ(rows.size(), 9u);
+  for (const std::vector<double>& row : rows) EXPECT_NEAR(std::atan2(row[3], row[2]), 0.5 * row[0], 1e-3);
+  outcome = lines({"rotation", "--kind", "streak", "--seeds", "point(1,0,0)", "--time", "1", "--interval", "0.25", "-o",
+                   path("s.csv")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  rows = rows_of(path("s.csv"));
+  ASSERT_EQ(rows.size(), 5u);
+  for (const std::vector<double>& row : rows) EXPECT_NEAR(std::atan2(row[3], row[2]), 1 - row[1], 1e-3);
+}
+
+TEST_F(FlowLinesTool, LinesAreWrittenInEveryFormat) {
+  for (const std::string file : {"l.vtp", "l.ply"})
+    for (const bool ascii : {false, true}) {
+      std::vector<std::string> arguments{"abc", "--seeds", "box(8)", "--length", "5", "-o", path(file)};
+      if (ascii) arguments.emplace_back("--ascii");
+      const Outcome outcome = lines(arguments);
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+      const std::string text = slurp(path(file));
+      EXPECT_NE(text.find(file == "l.vtp" ? "NumberOfLines=\"8\"" : "element edge"), std::string::npos);
+      EXPECT_NE(text.find("vorticity"), std::string::npos);
+    }
+}
+
+TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
+  image("still", [](const Vec3&) { return Vec3{}; });
+  write("points.csv", "x,y,z,v\n0,0,0,1\n1,0,0,2\n0,1,0,3\n0,0,1,4\n1,1,1,5\n");
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& why) {
+    std::vector<std::string> arguments = more;
+    arguments.insert(arguments.end(), {"-o", path("x.vtp")});
+    const Outcome outcome = lines(arguments);
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(path("x.vtp")));
+  };
+  refused({path("still.mhd")}, "zero at all seeds");
+  refused({path("points.csv")}, "holds no vectors");
+  refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed lies in the flow");
+  refused({"rotation", "--seeds", "line(1,2)"}, "line(ax,ay,az");
+  refused({"nowhere"}, "no flow by formula");
+  refused({path("still.mhd"), "--unsteady"}, "one step in time");
+  refused({"rotation", "--kind", "streak", "--direction", "both"}, "one way");
+  refused({"rotation", "--seeds", "points(" + path("no.csv") + ")"}, "no.csv");
+}
+
+}  // namespace
+}  // namespace sansmesh::test
