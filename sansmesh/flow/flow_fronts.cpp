@@ -20,6 +20,9 @@ constexpr double kStraight = 0.985;
 constexpr double kAtRest = 1e-3;
 /// Where one of them has ended the other goes on beside a rim, which is told to this part of Δ₀ of the seed curve.
 constexpr double kRim = 1.0 / 64;
+/// Gaps that cross where there is no flow are filled until they are so narrow, over Δ₀: beside a round obstacle they
+/// pass it then.
+constexpr double kObstacle = 1.0 / 8;
 /// From one front to the next their distance in time changes by no more than this factor.
 constexpr double kChange = 2;
 /// Particles that a thread moves together: many enough for what a batch costs.
@@ -34,6 +37,7 @@ struct Member {
   Vec3 was;             // where it was at the front before
   bool joined = false;  // with the next member; of the last one with the first
   bool removed = false;
+  bool needed = false;  // it was put in beside an obstacle: stays
 };
 
 class Fronts {
@@ -101,7 +105,7 @@ class Fronts {
       const std::size_t j = i + 1 < n ? i + 1 : 0;
       next_[i].joined = (j > 0 || curve_.closed) && !ended(next_[i]) && !ended(next_[j]);
     }
-    part_at_obstacles(start_, start_);
+    for (const std::uint32_t i : blocked(start_, start_)) next_[i].joined = false;
     front_ = 0;
     make_points();
     keep_those_that_go_on();
@@ -133,7 +137,7 @@ class Fronts {
     moments_.push_back(from);
     inserted_ = 0;
     fill_gaps(from, to);
-    part_at_obstacles(from, to);
+    pass_obstacles(from, to);
     drop_parted_insertions();
     remove_needless();
     ++sheet_.report.fronts;
@@ -174,12 +178,31 @@ class Fronts {
         if (gap == Gap::wide) wide.push_back(static_cast<std::uint32_t>(i));
       }
       if (wide.empty()) return;
-      insert(wide, from, to);
+      insert(wide, from, to, false);
+    }
+  }
+
+  /// Nothing across where there is no flow.
+  void pass_obstacles(double from, double to) {
+    for (;;) {
+      std::vector<std::uint32_t> narrower;
+      for (const std::uint32_t i : blocked(from, to)) {
+        const Member &a = next_[i], &b = next_[i + 1 < next_.size() ? i + 1 : 0];
+        const bool can = options_.insertion == FlowInsertion::traced && !at_rim(a, b) && !full() &&
+                         norm(place(b) - place(a)) > kObstacle * spacing_ && span(a, b) > least_span_;
+        if (can)
+          narrower.push_back(i);
+        else
+          next_[i].joined = false;
+      }
+      if (narrower.empty()) return;
+      insert(narrower, from, to, true);
+      fill_gaps(from, to);
     }
   }
 
   /// A particle each after the members of `wide`; where there is none the surface tears.
-  void insert(std::span<const std::uint32_t> wide, double from, double to) {
+  void insert(std::span<const std::uint32_t> wide, double from, double to, bool needed) {
     const std::size_t n = wide.size();
     std::vector<Member> fresh(n);
     std::vector<Vec3> middle(n);
@@ -188,7 +211,7 @@ class Fronts {
       const Member &a = next_[wide[k]], &b = next_[wide[k] + 1 < next_.size() ? wide[k] + 1 : 0];
       s[k] = a.s + 0.5 * span(a, b);
       if (s[k] >= length_ && curve_.closed) s[k] -= length_;
-      fresh[k].s = s[k], fresh[k].joined = true;
+      fresh[k].s = s[k], fresh[k].joined = true, fresh[k].needed = needed;
       fresh[k].was = (a.was + b.was) * 0.5, middle[k] = (place(a) + place(b)) * 0.5;
     }
     Particles p;
@@ -234,8 +257,8 @@ class Fronts {
     return static_cast<std::uint32_t>(particles_.positions.size() - 1);
   }
 
-  /// No ribbon where there is no flow half-way between two neighbours, now or since the front before.
-  void part_at_obstacles(double from, double to) {
+  /// Those with the next one of which there is no flow half-way between, now or since the front before.
+  std::vector<std::uint32_t> blocked(double from, double to) const {
     std::vector<std::uint32_t> pairs;
     std::vector<Vec3> places;
     for (std::size_t i = 0; i < next_.size(); ++i) {
@@ -251,8 +274,11 @@ class Fronts {
     std::vector<Vec3> vectors(places.size());
     std::vector<std::uint8_t> inside(places.size());
     field_.evaluate(places, moments, vectors, inside);
+    std::size_t kept = 0;
     for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (inside[2 * k] == 0 || inside[2 * k + 1] == 0) next_[pairs[k]].joined = false;
+      if (inside[2 * k] == 0 || inside[2 * k + 1] == 0) pairs[kept++] = pairs[k];
+    pairs.resize(kept);
+    return pairs;
   }
 
   /// A ribbon that tears somewhere ends whole, at the front before: parts of it would hang on by single points.
@@ -287,8 +313,8 @@ class Fronts {
       const std::size_t l = i > 0 ? i - 1 : n - 1, r = i + 1 < n ? i + 1 : 0;
       const Member &a = next_[l], &c = next_[r];
       Member& b = next_[i];
-      if (left <= 4 || b.before == kNone || !a.joined || !b.joined || a.removed || c.removed || ended(a) || ended(b) ||
-          ended(c))
+      if (left <= 4 || b.before == kNone || b.needed || !a.joined || !b.joined || a.removed || c.removed || ended(a) ||
+          ended(b) || ended(c))
         continue;
       const Vec3 from = place(b) - place(a), on = place(c) - place(b);
       const double most = std::max(norm(from), norm(on));
