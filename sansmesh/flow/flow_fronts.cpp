@@ -105,7 +105,7 @@ class Fronts {
       const std::size_t j = i + 1 < n ? i + 1 : 0;
       next_[i].joined = (j > 0 || curve_.closed) && !ended(next_[i]) && !ended(next_[j]);
     }
-    for (const std::uint32_t i : blocked(start_, start_)) next_[i].joined = false;
+    for (const std::uint32_t i : blocked(start_)) next_[i].joined = false;
     front_ = 0;
     make_points();
     keep_those_that_go_on();
@@ -186,7 +186,7 @@ class Fronts {
   void pass_obstacles(double from, double to) {
     for (;;) {
       std::vector<std::uint32_t> narrower;
-      for (const std::uint32_t i : blocked(from, to)) {
+      for (const std::uint32_t i : blocked(to)) {
         const Member &a = next_[i], &b = next_[i + 1 < next_.size() ? i + 1 : 0];
         const bool can = options_.insertion == FlowInsertion::traced && !at_rim(a, b) && !full() &&
                          norm(place(b) - place(a)) > kObstacle * spacing_ && span(a, b) > least_span_;
@@ -257,26 +257,21 @@ class Fronts {
     return static_cast<std::uint32_t>(particles_.positions.size() - 1);
   }
 
-  /// Those with the next one of which there is no flow half-way between, now or since the front before.
-  std::vector<std::uint32_t> blocked(double from, double to) const {
+  /// Those half-way between which and the next one there is no flow.
+  std::vector<std::uint32_t> blocked(double time) const {
     std::vector<std::uint32_t> pairs;
     std::vector<Vec3> places;
     for (std::size_t i = 0; i < next_.size(); ++i) {
       if (!next_[i].joined) continue;
-      const Member &a = next_[i], &b = next_[i + 1 < next_.size() ? i + 1 : 0];
-      const Vec3 now = (place(a) + place(b)) * 0.5;
       pairs.push_back(static_cast<std::uint32_t>(i));
-      places.push_back(now);
-      places.push_back((now + (a.was + b.was) * 0.5) * 0.5);
+      places.push_back((place(next_[i]) + place(next_[i + 1 < next_.size() ? i + 1 : 0])) * 0.5);
     }
-    std::vector<double> moments(places.size(), to);
-    for (std::size_t k = 1; k < moments.size(); k += 2) moments[k] = 0.5 * (from + to);
     std::vector<Vec3> vectors(places.size());
     std::vector<std::uint8_t> inside(places.size());
-    field_.evaluate(places, moments, vectors, inside);
+    field_.evaluate(places, std::vector<double>(places.size(), time), vectors, inside);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < pairs.size(); ++k)
-      if (inside[2 * k] == 0 || inside[2 * k + 1] == 0) pairs[kept++] = pairs[k];
+      if (inside[k] == 0) pairs[kept++] = pairs[k];
     pairs.resize(kept);
     return pairs;
   }
