@@ -1,0 +1,166 @@
+// Surfaces of flows: seconds, particles and points; exact and interpolated insertion.
+//
+//   benchmark_flow_surfaces [seconds|drift]
+//
+// seconds: 256 particles on 256 fronts, of flows by formula and of a lattice of 256 × 128 × 256 samples by linear
+// interpolation, the best of five. drift: how far the points of a surface are from where their seeds go.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/dataset/volume_flow.h"
+#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow/flow_surface.h"
+#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/reconstruction.h"
+
+namespace {
+
+using namespace sansmesh;
+
+/// A flow by formula sampled on a lattice.
+std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std::size_t, 3> dims) {
+  GridData data;
+  GridBlock& block = data.blocks.emplace_back();
+  block.kind = GridKind::lattice;
+  const Box3 box = flow.bounds();
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < dims[k]; ++i)
+      block.axes[k].push_back(box.lower[k] + box.size()[k] * static_cast<double>(i) / static_cast<double>(dims[k] - 1));
+  std::vector<Vec3> places;
+  for (const double z : block.axes[2])
+    for (const double y : block.axes[1])
+      for (const double x : block.axes[0]) places.emplace_back(x, y, z);
+  std::vector<Vec3> vectors(places.size());
+  std::vector<std::uint8_t> inside(places.size());
+  flow.evaluate(places, std::vector<double>(places.size(), 0.0), vectors, inside);
+  std::vector<float> values;
+  for (const Vec3& v : vectors)
+    for (std::size_t k = 0; k < 3; ++k) values.push_back(static_cast<float>(v[k]));
+  block.point_arrays.set("v", std::move(values), 3);
+  Progress progress;
+  auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, Association::points, progress));
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::linear;
+  return volume_flow(reconstruct_volume(std::move(volume), "v", options, progress));
+}
+
+void time_surface(const std::string& what, const VectorField& flow, const SeedCurve& curve,
+                  FlowSurfaceOptions options) {
+  Progress progress;
+  double best = 1e9, cpu = 0;
+  FlowSurface surface;
+  for (int k = 0; k < 5; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    const double before = process_cpu_seconds();
+    surface = flow_surface(flow, curve, options, progress);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (seconds < best) best = seconds, cpu = process_cpu_seconds() - before;
+  }
+  const FlowSurfaceReport& r = surface.report;
+  fmt::print(
+      "{:44} {:7.3f} s {:7.3f} CPU s {:8} points {:8} triangles {:5} fronts {:6} inserted {:6} removed {:4} torn\n",
+      what, best, cpu, surface.points.size(), surface.mesh.triangles.size(), r.fronts, r.inserted, r.removed, r.tears);
+}
+
+void seconds() {
+  const auto rotation = analytic_flow("rotation"), tornado = analytic_flow("tornado"), abc = analytic_flow("abc");
+  FlowSurfaceOptions options;
+  const auto steps = [&](double duration) { options.duration = duration, options.front_step = duration / 255; };
+  const SeedCurve radius{{{0.2, 0, 0}, {1.8, 0, 0}}}, ground{{{0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}}};
+  const SeedCurve chaos{{{0.5, 1, 0.2}, {1.5, 1.2, 0.8}}};
+  for (const bool removal : {true, false}) {
+    options.delta = removal ? 0.5 : 0;
+    const std::string end = removal ? "" : ", delta = 0";
+    steps(6), time_surface("rotation, formula" + end, *rotation, radius, options);
+    steps(2), time_surface("tornado, formula" + end, *tornado, ground, options);
+  }
+  options.delta = 0.5;
+  steps(2), time_surface("abc, formula", *abc, chaos, options);
+  options.kind = FlowSurfaceKind::path;
+  steps(2), time_surface("tornado, formula, path", *tornado, ground, options);
+  options.kind = FlowSurfaceKind::streak;
+  steps(2), time_surface("tornado, formula, streak", *tornado, ground, options);
+  options.kind = FlowSurfaceKind::stream;
+  for (const bool formula : {false, true}) {
+    const std::string end = formula ? "" : ", lattice";
+    const auto field = formula ? analytic_flow("tornado") : on_lattice(*tornado, {256, 128, 256});
+    for (const auto& [name, integrator] : {std::pair{"dopri5", Integrator::dopri5}, std::pair{"rk4", Integrator::rk4},
+                                           std::pair{"euler", Integrator::euler}}) {
+      options.trace.integrator = integrator;
+      options.trace.step = integrator == Integrator::dopri5 ? std::optional<double>() : 0.01;
+      steps(2), time_surface(fmt::format("tornado{}, {}", end, name), *field, ground, options);
+    }
+    options.trace = {};
+  }
+  const auto cube = on_lattice(*tornado, {128, 128, 128});
+  FlowSurfaceOptions whole;
+  whole.duration = 4, whole.seeds = 100;
+  time_surface("tornado 128^3, own steps", *cube, ground, whole);
+}
+
+void drift() {
+  fmt::print("{:14}{:>10}{:>14}{:>10}{:>12}{:>12}\n", "flow", "duration", "insertion", "inserted", "mean", "largest");
+  struct Case {
+    const char* name;
+    SeedCurve curve;
+    double duration;
+  };
+  for (const Case& c : {Case{"double-gyre", {{{0.2, 0.5, 0.3}, {0.45, 0.5, 0.7}}}, 15},
+                        {"abc", {{{0.5, 1, 0.2}, {1.5, 1.2, 0.8}}}, 3},
+                        {"tornado", {{{0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}}}, 2}}) {
+    const auto flow = analytic_flow(c.name);
+    for (const FlowInsertion insertion : {FlowInsertion::traced, FlowInsertion::interpolated}) {
+      FlowSurfaceOptions options;
+      options.kind = FlowSurfaceKind::path, options.insertion = insertion;
+      options.duration = c.duration, options.seeds = 50;
+      options.trace.tolerance = 1e-8;
+      Progress progress;
+      const FlowSurface surface = flow_surface(*flow, c.curve, options, progress);
+      double sum = 0, most = 0;
+      std::size_t n = 0;
+      std::vector<std::size_t> by_time(surface.points.size());
+      for (std::size_t i = 0; i < by_time.size(); ++i) by_time[i] = i;
+      std::sort(by_time.begin(), by_time.end(),
+                [&](std::size_t a, std::size_t b) { return surface.points[a].t < surface.points[b].t; });
+      for (std::size_t first = 0; first < by_time.size();) {
+        const double t = surface.points[by_time[first]].t;
+        std::size_t last = first;
+        std::vector<double> s;
+        std::vector<std::uint32_t> all;
+        for (; last < by_time.size() && surface.points[by_time[last]].t == t; ++last) {
+          s.push_back(surface.points[by_time[last]].s);
+          all.push_back(static_cast<std::uint32_t>(last - first));
+        }
+        Particles p = particles_at(*flow, c.curve.at(s), std::vector<double>(s.size(), 0.0));
+        options.trace.tolerance = 1e-9;
+        if (t > 0) move_particles(*flow, p, all, t, options.trace);
+        for (std::size_t k = first; k < last; ++k) {
+          const double d = norm(p.positions[k - first] - surface.points[by_time[k]].position);
+          sum += d, most = std::max(most, d), ++n;
+        }
+        first = last;
+      }
+      fmt::print("{:14}{:10}{:>14}{:10}{:12.2e}{:12.2e}  (spacing {:.3f})\n", c.name, c.duration,
+                 insertion == FlowInsertion::traced ? "traced" : "interpolated", surface.report.inserted,
+                 sum / static_cast<double>(n), most, surface.report.spacing);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string_view what = argc > 1 ? argv[1] : "";
+  if (what.empty() || what == "seconds") seconds();
+  if (what.empty() || what == "drift") drift();
+}

@@ -1,0 +1,135 @@
+#include "sansmesh/flow/flow_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/flow/flow_fronts.h"
+#include "sansmesh/flow/released_sheet.h"
+#include "sansmesh/mesh/components.h"
+
+namespace sansmesh {
+namespace {
+
+bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
+
+/// A flow that stays as it was at a moment.
+class FlowAtOneMoment final : public VectorField {
+ public:
+  FlowAtOneMoment(const VectorField& field, double moment) : field_(field), moment_(moment) {}
+  Box3 bounds() const override { return field_.bounds(); }
+  void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
+                std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
+    field_.evaluate(x, std::vector<double>(t.size(), moment_), vectors, inside, jacobian);
+  }
+
+ private:
+  const VectorField& field_;
+  double moment_;
+};
+
+/// Leaves out points without a triangle; those without a normal get one from their triangles, weighted by area.
+void tidy_sheet(FlowSheet& sheet) {
+  std::vector<std::uint32_t> number(sheet.points.size(), 0);
+  std::vector<Vec3> normals(sheet.points.size());
+  for (const Triangle& t : sheet.triangles) {
+    const Vec3 &a = sheet.points[t[0]].position, &b = sheet.points[t[1]].position, &c = sheet.points[t[2]].position;
+    const Vec3 normal = cross(b - a, c - a);
+    for (const std::uint32_t v : t) number[v] = 1, normals[v] += normal;
+  }
+  std::size_t kept = 0;
+  for (std::size_t v = 0; v < sheet.points.size(); ++v) {
+    if (number[v] == 0) continue;
+    FlowPoint& point = sheet.points[v];
+    if (point.normal == Vec3{}) point.normal = normalized(normals[v]);
+    number[v] = static_cast<std::uint32_t>(kept);
+    sheet.points[kept++] = point;
+  }
+  sheet.points.resize(kept);
+  for (Triangle& t : sheet.triangles)
+    for (std::uint32_t& v : t) v = number[v];
+}
+
+TriangleMesh mesh_of(const FlowSheet& sheet) {
+  const std::size_t n = sheet.points.size();
+  TriangleMesh mesh;
+  Box3 box;
+  for (const FlowPoint& p : sheet.points) box.extend(p.position);
+  mesh.origin = box.center();
+  mesh.vertices.resize(n), mesh.normals.resize(n);
+  std::vector<double> s(n), time(n);
+  std::vector<float> speed(n);
+  std::vector<std::int32_t> front(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const FlowPoint& p = sheet.points[i];
+    mesh.vertices[i] = Vec3f(p.position - mesh.origin);
+    mesh.normals[i] = Vec3f(p.normal);
+    s[i] = p.s, time[i] = p.t, speed[i] = static_cast<float>(norm(p.velocity)), front[i] = p.front;
+  }
+  mesh.triangles = sheet.triangles;
+  mesh.attributes.set("s", std::move(s));
+  mesh.attributes.set("time", std::move(time));
+  mesh.attributes.set("speed", std::move(speed));
+  mesh.attributes.set("front", std::move(front));
+  return mesh;
+}
+
+/// A vertex, and a point, for each of the fans of triangles that meet in one.
+void separate_fans_of(FlowSurface& surface) {
+  std::vector<std::uint32_t> number(surface.points.size());
+  std::iota(number.begin(), number.end(), 0u);
+  surface.mesh.attributes.set("point", std::move(number));
+  separate_fans(surface.mesh);
+  std::vector<FlowPoint> points;
+  for (const std::uint32_t i : *surface.mesh.attributes.find<std::uint32_t>("point"))
+    points.push_back(surface.points[i]);
+  surface.points = std::move(points);
+  surface.mesh.attributes.erase("point");
+}
+
+}  // namespace
+
+FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
+                         Progress& progress) {
+  options.validate();
+  curve.validate();
+  if (curve.closed && options.seeds < 3) throw ArgumentError("`seeds` on a closed curve must be at least 3");
+  const bool backward = options.direction == FlowDirection::backward;
+  const TimeRange times = field.times();
+  FlowSurfaceOptions known = options;
+  if (!known.start) {
+    const double first = backward ? times.last : times.first;
+    known.start = std::isfinite(first) ? first : 0;
+  }
+  if (!times.contains(*known.start)) throw ArgumentError("`start` must lie in the times of the flow");
+  FlowSurface surface;
+  FlowSheet sheet;
+  if (options.kind == FlowSurfaceKind::stream) {
+    const FlowAtOneMoment steady(field, *known.start);
+    sheet = advance_fronts(steady, curve, known, progress);
+  } else {
+    const double later = times.last - *known.start, earlier = *known.start - times.first;
+    const double left = options.direction == FlowDirection::both ? std::max(later, earlier)
+                        : backward                               ? earlier
+                                                                 : later;
+    if (!(left > 0)) throw DataError("the flow is known at no other moment than `start`: only stream surfaces are");
+    known.duration = std::min(known.duration, left);
+    if (is_released(options.kind) && !std::isfinite(known.duration))
+      throw ArgumentError("`duration` of streak and time surfaces is needed");
+    sheet = is_released(options.kind) ? released_sheet(field, curve, known, progress)
+                                      : advance_fronts(field, curve, known, progress);
+  }
+  if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or part before they go on together");
+  tidy_sheet(sheet);
+  surface.report = sheet.report;
+  surface.mesh = mesh_of(sheet);
+  surface.points = std::move(sheet.points);
+  // Only sheets that were cut, and fronts that tear differently in both directions, have such vertices.
+  if (is_released(options.kind) || options.direction == FlowDirection::both) separate_fans_of(surface);
+  return surface;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,29 @@
+// Surfaces of a flow from a seed curve (METHODS §5.2): stream and path surfaces by fronts of particles that advance,
+// streak and time surfaces by a sheet of particles that is refined.
+#pragma once
+
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/vector_field.h"
+#include "sansmesh/flow/flow_surface_options.h"
+#include "sansmesh/flow/seed_curve.h"
+
+namespace sansmesh {
+
+/// Vertex i of the mesh is points[i]. Neighbours share vertices; there are none without a triangle. Attributes of the
+/// vertices: s, time, speed, front, as in the points. Triangles are counter-clockwise seen from where the normals
+/// point: along (direction of growing s) × velocity.
+struct FlowSurface {
+  std::vector<FlowPoint> points;
+  TriangleMesh mesh;
+  FlowSurfaceReport report;
+};
+
+/// The same bytes for any number of threads. Throws ArgumentError for bad options or a bad curve, DataError where no
+/// part of the curve lies in the field, or the flow stands still on all of it.
+FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
+                         Progress& progress);
+
+}  // namespace sansmesh

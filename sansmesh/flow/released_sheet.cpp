@@ -1,0 +1,273 @@
+#include "sansmesh/flow/released_sheet.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::uint32_t kNothing = ~std::uint32_t{0};
+/// Edges that end in a particle that does not arrive, or cross where there is no flow, are halved until they span this
+/// part of what they did at the beginning.
+constexpr double kLeastPartAtRim = 1.0 / 8;
+
+/// An unordered pair of nodes.
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+}
+
+class ReleasedSheet {
+ public:
+  ReleasedSheet(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options)
+      : field_(field), curve_(curve), options_(options), trace_(options.trace) {
+    trace_.backward = options.direction == FlowDirection::backward;
+    streak_ = options.kind == FlowSurfaceKind::streak;
+    length_ = curve.length();
+    spacing_ = length_ / static_cast<double>(curve.closed ? options.seeds : options.seeds - 1);
+    end_ = *options.start + (trace_.backward ? -1 : 1) * options.duration;
+    least_part_ = least_seed_distance(field, trace_) / spacing_;
+    sheet_.report.spacing = spacing_;
+  }
+
+  FlowSheet make(Progress& progress) {
+    progress.begin("particles", 1);
+    lay();
+    progress.begin("refine", 1);
+    while (!active_.empty() && refine()) progress.check();
+    std::sort(torn_.begin(), torn_.end());
+    sheet_.report.tears = static_cast<std::size_t>(std::unique(torn_.begin(), torn_.end()) - torn_.begin());
+    sheet_.report.particles = s_.size();
+    for (std::size_t i = 0; i < s_.size(); ++i) {
+      FlowPoint point;
+      point.position = particles_.positions[i], point.velocity = particles_.velocities[i];
+      point.s = s_[i], point.t = streak_ ? released(row_[i]) : end_;
+      point.front = static_cast<std::int32_t>(row_[i] / row_spacing_ + 0.5);
+      point.particle = static_cast<std::uint32_t>(i);
+      sheet_.points.push_back(point);
+      if (particles_.ends[i]) ++sheet_.report.ends[static_cast<std::size_t>(*particles_.ends[i])];
+    }
+    progress.finish();
+    return std::move(sheet_);
+  }
+
+ private:
+  /// Rows are by age, or by how far the curve was swept.
+  double released(double row) const {
+    return row == row_extent_ ? *options_.start : end_ + (trace_.backward ? row : -row);
+  }
+
+  /// The particles with these s and rows, followed to the end.
+  void follow(std::span<const double> s, std::span<const double> rows) {
+    std::vector<Vec3> seeds = curve_.at(s);
+    std::vector<double> moments(s.size(), *options_.start);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      if (streak_)
+        moments[i] = released(rows[i]);
+      else
+        seeds[i] += options_.sweep * (rows[i] / row_extent_);
+    }
+    Particles p = particles_at(field_, seeds, moments);
+    std::vector<std::uint32_t> all(s.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
+    move_in_parts(field_, p, all, end_, trace_);
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(s_, s), append(row_, rows);
+    append(particles_.positions, p.positions), append(particles_.velocities, p.velocities);
+    append(particles_.ends, p.ends);
+  }
+
+  /// Rows of as many particles as there are seeds.
+  void lay() {
+    const std::size_t n = options_.seeds;
+    std::vector<double> line(n);
+    for (std::size_t i = 0; i < n; ++i) line[i] = std::min(spacing_ * static_cast<double>(i), length_);
+    row_extent_ = streak_ ? options_.duration : norm(options_.sweep);
+    double step = spacing_;
+    if (streak_) {
+      const Particles p = particles_at(field_, curve_.at(line), std::vector<double>(n, *options_.start));
+      std::vector<double> speeds;
+      for (std::size_t i = 0; i < n; ++i)
+        if (!p.ends[i]) speeds.push_back(norm(p.velocities[i]));
+      if (speeds.empty()) throw DataError("no part of the seed curve lies in the flow");
+      step = options_.front_step ? *options_.front_step : front_time(std::move(speeds), spacing_);
+    }
+    const double most =
+        static_cast<double>(std::min(options_.most_fronts, std::max<std::size_t>(options_.most_points / n, 1) - 1));
+    if (most < 1) throw ArgumentError("`most_points` must be at least twice `seeds`");
+    const auto rows = static_cast<std::size_t>(std::clamp(std::ceil(row_extent_ / step * (1 - 1e-9)), 1.0, most));
+    row_spacing_ = row_extent_ / static_cast<double>(rows);
+    sheet_.report.fronts = rows + 1;
+    std::vector<double> s, row;
+    for (std::size_t k = 0; k <= rows; ++k)
+      for (std::size_t i = 0; i < n; ++i)
+        s.push_back(line[i]), row.push_back(k == rows ? row_extent_ : row_spacing_ * static_cast<double>(k));
+    follow(s, row);
+    for (std::size_t k = 0; k < rows; ++k)
+      for (std::size_t i = 0; i + (curve_.closed ? 0 : 1) < n; ++i) {
+        const auto a = static_cast<std::uint32_t>(k * n + i), b = static_cast<std::uint32_t>(k * n + (i + 1) % n);
+        const auto up = static_cast<std::uint32_t>(n);
+        // Against the flow, as all triangles backward: rows by age go that way.
+        const bool shorter = distance(b, a + up) <= distance(a, b + up);
+        add(shorter ? Triangle{a, b, a + up} : Triangle{a, b, b + up});
+        add(shorter ? Triangle{b, b + up, a + up} : Triangle{a, b + up, a + up});
+      }
+  }
+
+  void add(Triangle t) {
+    if (streak_ && trace_.backward) std::swap(t[1], t[2]);
+    active_.push_back(t);
+  }
+
+  double distance(std::uint32_t a, std::uint32_t b) const {
+    return norm(particles_.positions[a] - particles_.positions[b]);
+  }
+  bool arrived(std::uint32_t i) const { return !particles_.ends[i]; }
+
+  /// From a to b along the seed curve, the shorter way round.
+  double along(std::uint32_t a, std::uint32_t b) const {
+    const double d = s_[b] - s_[a];
+    return !curve_.closed || std::abs(d) <= 0.5 * length_ ? d : d - std::copysign(length_, d);
+  }
+
+  /// Halves the edges of the active triangles that need it; those that do not are done. False: no room for more.
+  bool refine() {
+    std::vector<std::uint64_t> edges;
+    for (const Triangle& t : active_)
+      for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    const std::size_t n = edges.size();
+    const auto ends = [&](std::size_t e) {
+      return std::pair{static_cast<std::uint32_t>(edges[e] >> 32), static_cast<std::uint32_t>(edges[e])};
+    };
+    // What is in the middle of each.
+    std::vector<Vec3> places(n), vectors(n);
+    std::vector<std::uint8_t> inside(n);
+    for (std::size_t e = 0; e < n; ++e)
+      places[e] = (particles_.positions[ends(e).first] + particles_.positions[ends(e).second]) * 0.5;
+    field_.evaluate(places, std::vector<double>(n, end_), vectors, inside);
+    // What they span of the distance between seeds, and of that between rows.
+    const auto part_s = [&](std::size_t e) { return std::abs(along(ends(e).first, ends(e).second)) / spacing_; };
+    const auto part_row = [&](std::size_t e) {
+      return std::abs(row_[ends(e).first] - row_[ends(e).second]) / row_spacing_;
+    };
+    const auto number_of = [&](std::uint32_t a, std::uint32_t b) {
+      const auto found = std::lower_bound(edges.begin(), edges.end(), edge_key(a, b));
+      return found != edges.end() && *found == edge_key(a, b) ? static_cast<std::size_t>(found - edges.begin()) : n;
+    };
+    std::vector<std::uint8_t> halve(n, 0), bad(n, 0);
+    for (std::size_t e = 0; e < n; ++e) {
+      const auto [a, b] = ends(e);
+      if (!arrived(a) || !arrived(b)) continue;
+      const bool wide = distance(a, b) > options_.alpha * spacing_;
+      bad[e] = wide || inside[e] == 0;
+      // Where the first is no more than the error of the integration all between them is noise, however far apart they
+      // were released.
+      halve[e] = wide && inside[e] != 0 && (part_s(e) > 0 ? part_s(e) : part_row(e)) > least_part_;
+    }
+    // At rims all edges of a triangle are halved: with others left as they are some would never become short.
+    bool rims = false;
+    for (const Triangle& t : active_) {
+      const bool some = arrived(t[0]) || arrived(t[1]) || arrived(t[2]);
+      bool rim = some && !(arrived(t[0]) && arrived(t[1]) && arrived(t[2]));
+      std::array<std::size_t, 3> of{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        of[k] = number_of(t[k], t[(k + 1) % 3]);
+        rim = rim || (bad[of[k]] != 0 && inside[of[k]] == 0);
+      }
+      if (!rim) continue;
+      for (const std::size_t e : of)
+        if (std::max(part_s(e), part_row(e)) > kLeastPartAtRim) halve[e] = 1, rims = true;
+    }
+    std::vector<std::uint32_t> middle(n, kNothing);
+    std::vector<double> s, row;
+    for (std::size_t e = 0; e < n; ++e) {
+      if (halve[e] == 0) continue;
+      const auto [a, b] = ends(e);
+      middle[e] = static_cast<std::uint32_t>(s_.size() + s.size());
+      const double half = s_[a] + 0.5 * along(a, b);
+      s.push_back(!curve_.closed ? half : half < 0 ? half + length_ : half >= length_ ? half - length_ : half);
+      row.push_back(0.5 * (row_[a] + row_[b]));
+    }
+    const bool room = s_.size() + s.size() <= options_.most_points;
+    if (room) {
+      sheet_.report.inserted += s.size();
+      follow(s, row);
+    } else {
+      std::fill(middle.begin(), middle.end(), kNothing);
+      sheet_.report.complete = false;
+    }
+    for (std::size_t e = 0; e < n; ++e)
+      if (bad[e] != 0 && middle[e] == kNothing) torn_.push_back(edges[e]);
+    std::vector<Triangle> parts, done;
+    const auto divide = [&](const Triangle& t) {
+      std::array<std::uint32_t, 3> m{};
+      bool whole = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t e = number_of(t[k], t[(k + 1) % 3]);
+        m[k] = e < n ? middle[e] : kNothing;
+        whole = whole && arrived(t[k]) && (e == n || bad[e] == 0);
+      }
+      if (m[0] != kNothing || m[1] != kNothing || m[2] != kNothing)
+        cut(t, m, parts);
+      else if (whole)
+        done.push_back(t);
+    };
+    // Those that were done share edges with those at rims.
+    if (rims && room) {
+      for (const Triangle& t : sheet_.triangles) divide(t);
+      sheet_.triangles.clear();
+    }
+    for (const Triangle& t : active_) divide(t);
+    sheet_.triangles.insert(sheet_.triangles.end(), done.begin(), done.end());
+    active_ = std::move(parts);
+    return room;
+  }
+
+  /// Parts of a triangle; m[k] is in the middle of the edge from corner k to the next, if anything.
+  void cut(const Triangle& t, const std::array<std::uint32_t, 3>& m, std::vector<Triangle>& parts) const {
+    const auto number = std::count_if(m.begin(), m.end(), [](std::uint32_t i) { return i != kNothing; });
+    if (number == 3) {
+      parts.insert(parts.end(), {{t[0], m[0], m[2]}, {m[0], t[1], m[1]}, {m[2], m[1], t[2]}, {m[0], m[1], m[2]}});
+      return;
+    }
+    // With one the first edge has it, with two the last has none.
+    std::size_t k = 0;
+    while (m[k] == kNothing || (number == 2 && m[(k + 1) % 3] == kNothing)) ++k;
+    const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3], ab = m[k], bc = m[(k + 1) % 3];
+    if (number == 1) {
+      parts.insert(parts.end(), {{a, ab, c}, {ab, b, c}});
+    } else if (distance(a, bc) <= distance(ab, c)) {
+      parts.insert(parts.end(), {{ab, b, bc}, {a, ab, bc}, {a, bc, c}});
+    } else {
+      parts.insert(parts.end(), {{ab, b, bc}, {a, ab, c}, {ab, bc, c}});
+    }
+  }
+
+  const VectorField& field_;
+  const SeedCurve& curve_;
+  const FlowSurfaceOptions& options_;
+  TraceOptions trace_;
+  bool streak_ = false;
+  double length_ = 0, spacing_ = 0, end_ = 0, row_extent_ = 0, row_spacing_ = 0, least_part_ = 0;
+  std::vector<double> s_, row_;  // of the particles
+  Particles particles_;          // positions, velocities and ends
+  std::vector<Triangle> active_;
+  std::vector<std::uint64_t> torn_;  // edges
+  FlowSheet sheet_;
+};
+
+}  // namespace
+
+FlowSheet released_sheet(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
+                         Progress& progress) {
+  return ReleasedSheet(field, curve, options).make(progress);
+}
+
+}  // namespace sansmesh
