@@ -173,6 +173,13 @@ Seeds OpenFlow::seeds(std::size_t count) const {
   return seeds;
 }
 
+FileError OpenFlow::error(const DataError& error) const {
+  const Box3 box = field_->bounds();
+  return {input_.volume.name(),
+          fmt::format("{} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))", error.what(),
+                      box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z)};
+}
+
 Json OpenFlow::json() const {
   Json json = volume_ ? volume_->json() : input_.volume.json();
   json["vectors"] = choice_.array.empty() ? Json(name_) : Json(choice_.array);

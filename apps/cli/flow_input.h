@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/field/vector_field.h"
 #include "sansmesh/flow/seeds.h"
@@ -37,6 +38,8 @@ class OpenFlow {
   OpenVolume* volume() { return field_ && !field_->times().contains(-1e308) ? nullptr : volume_.get(); }
   /// As --seeds says, those of files read; without it `count` seeds in the box of the flow.
   Seeds seeds(std::size_t count) const;
+  /// The same with the name of the file, and where the flow lies.
+  FileError error(const DataError& error) const;
   Json json() const;
 
  private:

@@ -93,11 +93,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
     json["output"] = {
         {"file", a.output}, {"lines", lines.size()}, {"points", lines.positions.size()}, {"longest", report.longest}};
   } catch (const DataError& error) {
-    const Box3 box = flow.field().bounds();
-    throw FileError(
-        a.input.volume.name(),
-        fmt::format("{} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))", error.what(),
-                    box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+    throw flow.error(error);
   }
   console.say_json(json);
   console.print_timings();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -135,6 +136,41 @@ TEST_F(FlowLinesTool, LinesAreWrittenInEveryFormat) {
       EXPECT_NE(text.find(file == "l.vtp" ? "NumberOfLines=\"8\"" : "element edge"), std::string::npos);
       EXPECT_NE(text.find("vorticity"), std::string::npos);
     }
+}
+
+TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
+  const auto surface = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"flow", "surface"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), {"-o", path("s.ply"), "--json"});
+    return run(arguments);
+  };
+  // A quarter of a ring.
+  Outcome outcome = surface({"rotation", "--seeds", "line(0.5,0,0, 1,0,0, 40)", "--time", "1.5707963"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(json["area"].get<double>(), 0.25 * 3.14159265 * 0.75, 2e-3);
+  EXPECT_EQ(json["surface"]["tears"], 0);
+  const std::string text = slurp(path("s.ply"));
+  for (const std::string name : {"nx", "s", "time", "speed", "front"})
+    EXPECT_NE(text.find(" " + name + "\n"), std::string::npos) << name;
+  // A tube, and a cloth.
+  outcome = surface({"helix", "--seeds", "circle(0,0,0, 0,0,1, 0.5, 60)", "--time", "1"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 3.14159265, 0.02);
+  outcome = surface({"helix", "--kind", "time", "--sweep", "0,0,0.5", "--seeds", "line(0.5,0,0, 1,0,0, 20)", "--time", "1"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 0.25, 1e-3);
+
+  for (const auto& [arguments, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"rotation"}, "--seeds is needed"},
+           {{"rotation", "--seeds", "box(20)"}, "must be a curve"},
+           {{"rotation", "--seeds", "line(5,0,0, 6,0,0, 9)"}, "lies between"},
+           {{"rotation", "--seeds", "line(0,0,0, 1,0,0, 9)", "--alpha", "0.5"}, "--alpha"}}) {
+    const Outcome refused = surface(arguments);
+    EXPECT_NE(refused.code, 0);
+    EXPECT_NE(refused.err.find(why), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
