@@ -47,7 +47,7 @@ class ReleasedSheet {
       FlowPoint point;
       point.position = particles_.positions[i], point.velocity = particles_.velocities[i];
       point.s = s_[i], point.t = streak_ ? released(row_[i]) : end_;
-      point.front = static_cast<std::int32_t>(row_[i] / row_spacing_ + 0.5);
+      point.front = static_cast<std::int32_t>(std::lround(row_[i] / row_spacing_));
       point.particle = static_cast<std::uint32_t>(i);
       sheet_.points.push_back(point);
       if (particles_.ends[i]) ++sheet_.report.ends[static_cast<std::size_t>(*particles_.ends[i])];
@@ -97,9 +97,9 @@ class ReleasedSheet {
       if (speeds.empty()) throw DataError("no part of the seed curve lies in the flow");
       step = options_.front_step ? *options_.front_step : front_time(std::move(speeds), spacing_);
     }
-    const double most =
-        static_cast<double>(std::min(options_.most_fronts, std::max<std::size_t>(options_.most_points / n, 1) - 1));
-    if (most < 1) throw ArgumentError("`most_points` must be at least twice `seeds`");
+    if (options_.most_points / 2 < n) throw ArgumentError("`most_points` must be at least twice `seeds`");
+    const std::size_t room = (options_.most_points - n) / std::max<std::size_t>(n, 2);
+    const auto most = static_cast<double>(std::min(options_.most_fronts, room));
     const auto rows = static_cast<std::size_t>(std::clamp(std::ceil(row_extent_ / step * (1 - 1e-9)), 1.0, most));
     row_spacing_ = row_extent_ / static_cast<double>(rows);
     sheet_.report.fronts = rows + 1;
