@@ -50,7 +50,8 @@ void run_flow_surface(FlowSurfaceArguments& a, Console& console) {
     const FlowSurface surface = flow_surface(flow.field(), curve, o, console.progress());
     const FlowSurfaceReport& r = surface.report;
     if (!r.complete)
-      console.warn(a.input.volume.name(), {"ended after as many fronts or particles as are allowed: --time gives an end"});
+      console.warn(a.input.volume.name(),
+                   {"ended after as many fronts or particles as are allowed: --time gives an end"});
     a.mesh.write(surface.mesh, console.progress());
     console.progress().finish();
     const MeshSize size = measure_size(surface.mesh);
@@ -91,11 +92,10 @@ Command add_flow_surface(CommandLine& flow) {
                                 "stream, path (where particles go), streak (a curtain of smoke) or time (a cloth that "
                                 "drifts, see --sweep) [stream, with --unsteady path]")
       .type_name("NAME");
-  c.add_choice<FlowDirection>("--direction", a.options.direction,
-                              {{"forward", FlowDirection::forward},
-                               {"backward", FlowDirection::backward},
-                               {"both", FlowDirection::both}},
-                              "forward, backward or both [forward]")
+  c.add_choice<FlowDirection>(
+       "--direction", a.options.direction,
+       {{"forward", FlowDirection::forward}, {"backward", FlowDirection::backward}, {"both", FlowDirection::both}},
+       "forward, backward or both [forward]")
       .type_name("NAME");
   c.add_option("--start", a.options.start, "Moment at which particles leave [the first of the flow]").type_name("TIME");
   c.add_option("--time", a.time, "How long they are followed [to the end of the flow]").type_name("DURATION");

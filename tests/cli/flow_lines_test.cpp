@@ -158,7 +158,8 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   outcome = surface({"helix", "--seeds", "circle(0,0,0, 0,0,1, 0.5, 60)", "--time", "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 3.14159265, 0.02);
-  outcome = surface({"helix", "--kind", "time", "--sweep", "0,0,0.5", "--seeds", "line(0.5,0,0, 1,0,0, 20)", "--time", "1"});
+  outcome =
+      surface({"helix", "--kind", "time", "--sweep", "0,0,0.5", "--seeds", "line(0.5,0,0, 1,0,0, 20)", "--time", "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 0.25, 1e-3);
 
