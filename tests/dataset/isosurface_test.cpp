@@ -133,7 +133,7 @@ TEST(Isosurface, NamesTheRangeWhereTheValueIsNotThere) {
 
 TEST(Isosurface, IsASolidLikeOthers) {
   SANSMESH_NOT_SANITIZED("others make isosurfaces and solids, too");
-  const auto surface = surface_in(test::tetrahedra_grid({17, 17, 17}, cone), 0.7);
+  const auto surface = surface_in(test::tetrahedra_grid({25, 25, 25}, cone), 0.7);
   const Solid ball = isosurface_solid(surface);
   Progress progress;
   CsgMeshReport report;
