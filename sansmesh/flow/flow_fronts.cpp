@@ -118,6 +118,7 @@ class Fronts {
   double next_step(double last) const {
     if (options_.front_step) return *options_.front_step;
     std::vector<double> speeds;
+    speeds.reserve(members_.size());
     for (const Member& m : members_) speeds.push_back(norm(particles_.velocities[m.particle]));
     if (last == 0) return front_time(std::move(speeds), spacing_);
     const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
@@ -127,6 +128,7 @@ class Fronts {
 
   void advance(double from, double to) {
     std::vector<std::uint32_t> which;
+    which.reserve(members_.size());
     for (const Member& m : members_) which.push_back(m.particle);
     next_ = members_;
     for (std::size_t i = 0; i < next_.size(); ++i) {
