@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "command_line.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/io/io.h"
@@ -52,11 +53,8 @@ void add_flow_input(CommandLine& c, FlowInput& input) {
   c.add_option_function(
        "--times",
        [&input](const std::string& text) {
-         std::size_t at = 0;
-         while (at <= text.size()) {
-           const std::size_t end = std::min(text.find(',', at), text.size());
+         for (const std::string& word : between_commas(text)) {
            std::size_t used = 0;
-           const std::string word = text.substr(at, end - at);
            double t = 0;
            try {
              t = std::stod(word, &used);
@@ -66,7 +64,6 @@ void add_flow_input(CommandLine& c, FlowInput& input) {
            if (used == 0 || used != word.size() || !std::isfinite(t))
              throw ValueError(fmt::format("must be numbers with commas between them, not {}", text));
            input.times.push_back(t);
-           at = end + 1;
          }
        },
        "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
@@ -81,6 +78,22 @@ void add_flow_input(CommandLine& c, FlowInput& input) {
                "line(a, b, n), circle(c, normal, r, n), plane(o, u, v, nu, nv), box(n), point(x,y,z), points(FILE), "
                "curve(FILE), loop(FILE), mesh(FILE), with numbers for a, b, …; several with ; between them")
       .type_name("SEEDS");
+}
+
+void add_trace_options(CommandLine& c, TraceOptions& trace) {
+  const char* const steps = "Steps";
+  c.add_choice<Integrator>("--integrator", trace.integrator,
+                           {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"dopri5", Integrator::dopri5}},
+                           "euler, rk4, or dopri5 with steps by the tolerance [dopri5]")
+      .type_name("NAME")
+      .group(steps);
+  c.add_option("--tolerance", trace.tolerance, "Error of a step [1e-5 of the diagonal]")
+      .type_name("LENGTH")
+      .group(steps);
+  c.add_option("--step-length", trace.step,
+               "Of euler and rk4, and at most of dopri5 [a thousandth and a fiftieth of the diagonal]")
+      .type_name("LENGTH")
+      .group(steps);
 }
 
 OpenFlow::OpenFlow(const FlowInput& input, Console& console) : input_(input) {
@@ -161,8 +174,7 @@ void OpenFlow::open_series(Console& console) {
 Seeds OpenFlow::seeds(std::size_t count) const {
   Seeds seeds = parse_seeds(input_.seeds.empty() ? fmt::format("box({})", count) : input_.seeds, field_->bounds());
   if (seeds.file.empty()) return seeds;
-  const bool mesh = input_.seeds.find("mesh") != std::string::npos && !seeds.curve;
-  if (mesh) {
+  if (seeds.mesh) {
     const TriangleMesh surface = read_mesh(seeds.file);
     for (const Vec3f& v : surface.vertices) seeds.points.push_back(surface.origin + Vec3(v));
   } else {

@@ -1,9 +1,7 @@
 // A flow that a command reads: the vectors of a volume, of a series of volumes in time, or a formula.
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/field/vector_field.h"
 #include "sansmesh/flow/seeds.h"
+#include "sansmesh/flow/trace.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -26,6 +25,12 @@ struct FlowInput {
 /// DATA, --array and --method, --unsteady, --times, --time-interpolation and --seeds.
 void add_flow_input(CommandLine& command, FlowInput& input);
 
+/// --integrator, --tolerance, --step-length
+void add_trace_options(CommandLine& command, TraceOptions& trace);
+/// What the footers of these commands say of DATA.
+inline constexpr const char* kFlowsByFormula =
+    "DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n";
+
 /// A flow that was read. Errors of the data are thrown as FileError that name the file.
 class OpenFlow {
  public:
@@ -35,7 +40,7 @@ class OpenFlow {
   /// "velocity of office.vtk", "abc (formula)".
   const std::string& name() const { return name_; }
   /// The volume of a steady flow; null of others.
-  OpenVolume* volume() { return field_ && !field_->times().contains(-1e308) ? nullptr : volume_.get(); }
+  OpenVolume* volume() { return volume_.get(); }
   /// As --seeds says, those of files read; without it `count` seeds in the box of the flow.
   Seeds seeds(std::size_t count) const;
   /// The same with the name of the file, and where the flow lies.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -28,29 +29,35 @@ struct FlowLinesArguments {
   bool ascii = false;
 };
 
-/// Other arrays of a steady volume at the points.
-void carry(const FlowLinesArguments& a, OpenFlow& flow, PolylineSet& lines, Console& console) {
-  if (a.carry == "none") return;
+/// What --carry names, by name.
+std::vector<std::pair<std::string, ArrayChoice>> carried_along(const FlowLinesArguments& a, OpenFlow& flow) {
+  if (a.carry == "none") return {};
   OpenVolume* const volume = flow.volume();
   require(volume != nullptr, "--carry needs a steady flow of a file");
   std::vector<std::string> names;
-  if (a.carry == "all")
+  if (a.carry != "all") names = between_commas(a.carry);
+  if (names.empty())
     for (const DatasetArray& array : volume->dataset().arrays()) names.push_back(array.name);
-  for (std::size_t at = 0; a.carry != "all" && at <= a.carry.size();) {
-    const std::size_t end = std::min(a.carry.find(',', at), a.carry.size());
-    names.push_back(a.carry.substr(at, end - at));
-    at = end + 1;
-  }
-  console.progress().begin("carry arrays", names.size());
+  std::vector<std::pair<std::string, ArrayChoice>> arrays;
+  arrays.reserve(names.size());
+  for (const std::string& name : names) arrays.emplace_back(name, volume->dataset().choose(name, "carry"));
+  return arrays;
+}
+
+/// Other arrays of a steady volume at the points.
+void carry(const std::vector<std::pair<std::string, ArrayChoice>>& arrays, OpenVolume* volume, PolylineSet& lines,
+           Progress& progress) {
+  if (arrays.empty()) return;
+  progress.begin("carry arrays", arrays.size());
   std::vector<Vec3> x;
   x.reserve(lines.positions.size());
   for (const Vec3f& p : lines.positions) x.push_back(lines.origin + Vec3(p));
-  for (const std::string& name : names) {
-    const auto field = volume->field(volume->dataset().choose(name, "carry"));
+  for (const auto& [name, choice] : arrays) {
+    const auto field = volume->field(choice);
     std::vector<double> values(x.size() * field->components());
     field->evaluate(x, {values, {}, {}, {}});
     lines.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
-    console.progress().advance();
+    progress.advance();
   }
 }
 
@@ -63,11 +70,12 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   a.options.start =
       a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
   a.options.closed = seeds.closed;
+  const auto arrays = carried_along(a, flow);
   Json json = {{"input", flow.json()}};
   try {
     FlowLineReport report;
     PolylineSet lines = flow_lines(flow.field(), seeds.points, a.options, console.progress(), &report);
-    carry(a, flow, lines, console);
+    carry(arrays, flow.volume(), lines, console.progress());
     console.progress().begin("write");
     write_lines(a.output, lines, {a.ascii});
     console.progress().finish();
@@ -127,32 +135,19 @@ Command add_flow_lines(CommandLine& flow) {
       .type_name("LENGTH");
   c.add_option("--interval", a.options.interval, "Between particles of a streak, or between time lines")
       .type_name("DURATION");
-  const char* const steps = "Steps";
-  c.add_choice<Integrator>("--integrator", a.options.trace.integrator,
-                           {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"dopri5", Integrator::dopri5}},
-                           "euler, rk4, or dopri5 with steps by the tolerance [dopri5]")
-      .type_name("NAME")
-      .group(steps);
-  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-5 of the diagonal]")
-      .type_name("LENGTH")
-      .group(steps);
-  c.add_option("--step-length", a.options.trace.step,
-               "Of euler and rk4, and at most of dopri5 [a thousandth and a fiftieth of the diagonal]")
-      .type_name("LENGTH")
-      .group(steps);
+  add_trace_options(c, a.options.trace);
   c.add_option("--least-speed", a.options.trace.least_speed, "Slower ones have arrived [1e-6 of the seeds' median]")
       .type_name("SPEED")
-      .group(steps);
-  c.add_option("--most-steps", a.options.trace.most_steps, "Of a particle [20000]").type_name("COUNT").group(steps);
+      .group("Steps");
+  c.add_option("--most-steps", a.options.trace.most_steps, "Of a particle [20000]").type_name("COUNT").group("Steps");
   c.add_option("--carry", a.carry, "Other arrays at the points: names with commas, all or none [none]")
       .type_name("NAMES");
   add_ascii_flag(c, a.ascii);
-  c.footer(
-      "DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n"
-      "Examples:\n"
-      "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
-      "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
-      "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --time 10 -o column.csv");
+  c.footer(std::string(kFlowsByFormula) +
+           "Examples:\n"
+           "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
+           "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
+           "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --time 10 -o column.csv");
   return {&c, [shared](Console& console) { run_flow_lines(*shared, console); }};
 }
 

@@ -1,7 +1,6 @@
 // sansmesh flow surface: stream, path, streak and time surfaces.
 #include <fmt/core.h>
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -119,22 +118,9 @@ Command add_flow_surface(CommandLine& flow) {
   c.add_option("--front-step", a.options.front_step, "Time between fronts [from the speed]")
       .type_name("DURATION")
       .group(fronts);
-  const char* const steps = "Steps";
-  c.add_choice<Integrator>("--integrator", a.options.trace.integrator,
-                           {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"dopri5", Integrator::dopri5}},
-                           "euler, rk4, or dopri5 with steps by the tolerance [dopri5]")
-      .type_name("NAME")
-      .group(steps);
-  c.add_option("--tolerance", a.options.trace.tolerance, "Error of a step [1e-5 of the diagonal]")
-      .type_name("LENGTH")
-      .group(steps);
-  c.add_option("--step-length", a.options.trace.step,
-               "Of euler and rk4, and at most of dopri5 [a thousandth and a fiftieth of the diagonal]")
-      .type_name("LENGTH")
-      .group(steps);
+  add_trace_options(c, a.options.trace);
   c.footer(
-      "The mesh has for each vertex s (place on the curve), time, speed and front.\n"
-      "DATA may also be a flow by formula: rotation, helix, saddle, abc, double-gyre, tornado or past-sphere.\n\n"
+      std::string("The mesh has for each vertex s (place on the curve), time, speed and front.\n") + kFlowsByFormula +
       "Examples:\n"
       "  sansmesh flow surface office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.ply --preview stream.png\n"
       "  sansmesh flow surface eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.ply\n"

@@ -124,10 +124,29 @@ std::vector<std::pair<std::string, CurvatureQuantity>> quantity_words() {
 
 }  // namespace
 
+std::vector<std::string> between_commas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
 CurvatureQuantity curvature_quantity(const std::string& word) {
   for (const auto& [name, quantity] : quantity_words())
     if (name == word) return quantity;
   throw ArgumentError("unknown curvature: " + word);
+}
+
+bool is_curvature(const std::string& word) {
+  const auto words = quantity_words();
+  return std::any_of(words.begin(), words.end(), [&](const auto& w) { return w.first == word; });
+}
+
+double curvature_range(double range, CurvatureQuantity quantity, double unit) {
+  return range * (quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
 }
 
 void add_color_range(CommandLine& c, std::optional<double>& range, const std::string& group) {

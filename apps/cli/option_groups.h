@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_line.h"
 #include "console.h"
@@ -21,6 +22,9 @@ inline constexpr const char* kReadable =
 
 /// Throws ArgumentError with the message unless `ok`.
 void require(bool ok, const char* message);
+
+/// The parts of a text between commas.
+std::vector<std::string> between_commas(const std::string& text);
 
 /// A picture, by the options that all commands that draw one share.
 struct PictureArguments {
@@ -62,6 +66,10 @@ using CurvatureQuantity = CurvatureColorOptions::Quantity;
 const char* quantity_word(CurvatureQuantity quantity);
 /// Throws ArgumentError for a word that is none of them.
 CurvatureQuantity curvature_quantity(const std::string& word);
+/// Whether it is the word of one.
+bool is_curvature(const std::string& word);
+/// A range of curvatures of the input (per length or length²) in coordinates of so many lengths of the input.
+double curvature_range(double range, CurvatureQuantity quantity, double unit);
 /// --color-range of curvature
 void add_color_range(CommandLine& command, std::optional<double>& range, const std::string& group);
 /// --color-by and --color-range of curvature. `what` describes the first.

@@ -26,11 +26,7 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
   }
   CurvatureColorOptions o;
   o.quantity = curvature_quantity(a.color_by);
-  if (a.color_range) {
-    // Curvatures are per length, those of the model in its own coordinates.
-    const double unit = place.unit;
-    o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
-  }
+  if (a.color_range) o.range = curvature_range(*a.color_range, o.quantity, place.unit);
   o.curvature.noise = place.from_input(model.report().noise);
   progress.begin("curvature");
   return std::make_unique<CurvatureColors>(model.points(), o, progress);

@@ -26,11 +26,7 @@ struct IsosurfaceArguments {
 std::vector<std::string> carried(const IsosurfaceArguments& a, OpenVolume& volume) {
   if (a.carry == "none") return {};
   std::vector<std::string> wanted;
-  for (std::size_t begin = 0; a.carry != "all" && begin <= a.carry.size();) {
-    const std::size_t end = std::min(a.carry.find(',', begin), a.carry.size());
-    wanted.push_back(a.carry.substr(begin, end - begin));
-    begin = end + 1;
-  }
+  if (a.carry != "all") wanted = between_commas(a.carry);
   const Association of = volume.dataset().array(volume.choice().array).of;
   if (wanted.empty())
     for (const DatasetArray& array : volume.dataset().arrays())

@@ -59,19 +59,11 @@ class ArrayColors : public ColorField {
   }
 
  private:
-  /// Lengths of vectors.
   std::vector<double> values(std::span<const Vec3> x) const {
     std::vector<Vec3> input(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) input[i] = place_.to_input(x[i]);
-    const std::size_t n = field_->components();
-    std::vector<double> all(x.size() * n);
-    field_->evaluate(input, {all, {}, {}, {}});
-    if (n == 1) return all;
     std::vector<double> v(x.size());
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      for (std::size_t c = 0; c < n; ++c) v[i] += all[i * n + c] * all[i * n + c];
-      v[i] = std::sqrt(v[i]);
-    }
+    field_->evaluate(input, {v, {}, {}, {}});
     return v;
   }
 
@@ -80,8 +72,11 @@ class ArrayColors : public ColorField {
   TransferFunction colors_;
 };
 
-bool is_curvature(const std::string& word) {
-  return word == "mean" || word == "gaussian" || word == "k1" || word == "k2";
+/// What --color-by names: of vectors the length, unless a component is said.
+ArrayChoice color_choice(const std::string& name, OpenVolume& volume) {
+  ArrayChoice choice = volume.dataset().choose(name, "color_by");
+  choice.magnitude = choice.magnitude || (!choice.component && volume.dataset().array(choice.array).components > 1);
+  return choice;
 }
 
 VolumeSurfaceOptions chosen_options(const VolumeSurfaceArguments& a, OpenVolume& volume) {
@@ -130,11 +125,10 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
   if (is_curvature(a.color_by)) {
     CurvatureColorOptions o;
     o.quantity = curvature_quantity(a.color_by);
-    if (a.color_range)
-      o.range = *a.color_range * (o.quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit);
+    if (a.color_range) o.range = curvature_range(*a.color_range, o.quantity, place.unit);
     colors = std::make_unique<CurvatureColors>(points, o, progress);
   } else if (!a.color_by.empty()) {
-    auto of_array = std::make_unique<ArrayColors>(volume.field(volume.dataset().choose(a.color_by, "color_by")), place);
+    auto of_array = std::make_unique<ArrayColors>(volume.field(color_choice(a.color_by, volume)), place);
     const std::vector<Vec3> x(points.positions.begin(), points.positions.end());
     of_array->span(x);
     json["colors"] = {{"array", a.color_by}, {"lower", of_array->range().first}, {"upper", of_array->range().second}};
@@ -189,7 +183,7 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   volume.dataset().default_array();
   const VolumeSurfaceOptions options = chosen_options(a, volume);
   options.validate();
-  if (!a.color_by.empty() && !is_curvature(a.color_by)) volume.dataset().choose(a.color_by, "color_by");
+  if (!a.color_by.empty() && !is_curvature(a.color_by)) color_choice(a.color_by, volume);
   const auto samples = volume.samples();
   const VolumeTraits& traits = volume.traits();
   const std::vector<double> values = chosen_values(*samples, volume.choice());

@@ -19,4 +19,8 @@ void check_range(const char* name, double value, double lowest, double highest) 
                       (std::isfinite(value) ? shown(value) : std::to_string(value)));
 }
 
+void check_argument(bool ok, const char* message) {
+  if (!ok) throw ArgumentError(message);
+}
+
 }  // namespace sansmesh

@@ -1,9 +1,12 @@
-// Options that are numbers in a range.
+// What options must be.
 #pragma once
 
 namespace sansmesh {
 
 /// Throws ArgumentError that names the option, its range and the value unless lowest <= value <= highest.
 void check_range(const char* name, double value, double lowest, double highest);
+
+/// Throws ArgumentError with that message unless `ok`.
+void check_argument(bool ok, const char* message);
 
 }  // namespace sansmesh

@@ -40,24 +40,18 @@ void ProjectionField::evaluate_in_domain(std::span<const Vec3> x, std::span<doub
   std::vector<FootPoint> feet(x.size());
   projection_.project(x, feet);
   const double far = bounds().diagonal();
-  std::vector<Vec3> undefined;
+  std::vector<std::uint8_t> own;
+  if (inside.empty() && beyond_ != nullptr) {
+    own.resize(x.size());
+    inside = own;
+  }
   for (std::size_t i = 0; i < x.size(); ++i) {
     const FootPoint& f = feet[i];
     values[i] = f.defined ? dot(x[i] - f.position, f.normal) : far;
     if (!gradients.empty()) gradients[i] = f.normal;
     if (!inside.empty()) inside[i] = f.defined;
-    if (!f.defined) undefined.push_back(x[i]);
   }
-  if (!beyond_ || undefined.empty()) return;
-  std::vector<double> other(undefined.size());
-  std::vector<Vec3> slopes(gradients.empty() ? 0 : undefined.size());
-  beyond_->evaluate(undefined, other, slopes);
-  for (std::size_t i = 0, k = 0; i < x.size(); ++i) {
-    if (feet[i].defined) continue;
-    values[i] = other[k];
-    if (!gradients.empty()) gradients[i] = slopes[k];
-    ++k;
-  }
+  if (beyond_ != nullptr) detail::fill_undefined(*beyond_, x, inside, values, gradients);
 }
 
 }  // namespace sansmesh

@@ -16,4 +16,21 @@ void detail::ranges_by_slope(const ScalarField& field, double slope, std::span<c
   for (std::size_t i = 0; i < x.size(); ++i) found[i] = {values[i] - change, values[i] + change};
 }
 
+void detail::fill_undefined(const ScalarField& other, std::span<const Vec3> x, std::span<const std::uint8_t> inside,
+                            std::span<double> values, std::span<Vec3> gradients) {
+  std::vector<Vec3> undefined;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (inside[i] == 0) undefined.push_back(x[i]);
+  if (undefined.empty()) return;
+  std::vector<double> found(undefined.size());
+  std::vector<Vec3> slopes(gradients.empty() ? 0 : undefined.size());
+  other.evaluate(undefined, found, slopes);
+  for (std::size_t i = 0, k = 0; i < x.size(); ++i) {
+    if (inside[i] != 0) continue;
+    values[i] = found[k];
+    if (!gradients.empty()) gradients[i] = slopes[k];
+    ++k;
+  }
+}
+
 }  // namespace sansmesh

@@ -58,6 +58,9 @@ namespace detail {
 /// ScalarField::ranges of a field whose gradients are no longer than `slope`.
 void ranges_by_slope(const ScalarField& field, double slope, std::span<const Vec3> x, double radius,
                      std::span<ValueRange> found);
+/// Puts the answers of another field where `inside` is 0. Sizes must agree (gradients may be empty).
+void fill_undefined(const ScalarField& other, std::span<const Vec3> x, std::span<const std::uint8_t> inside,
+                    std::span<double> values, std::span<Vec3> gradients);
 }  // namespace detail
 
 }  // namespace sansmesh

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 
@@ -45,10 +46,6 @@ void join_paths(const Traces& back, const Traces& on, Builder& lines) {
         lines.add(on.positions[k], on.times[k]);
     lines.finish_line(i, static_cast<std::int32_t>((on.size() > 0 ? on : back).ends[i]));
   }
-}
-
-void check_lines(bool ok, const char* what) {
-  if (!ok) throw ArgumentError(what);
 }
 
 class LineMaker {
@@ -120,8 +117,8 @@ class LineMaker {
   void streaks(Builder& lines) {
     const double d = duration(), interval = options_.interval.value_or(d / kStreakParts);
     const double many = std::floor(d / interval) + 1;
-    check_lines(many * static_cast<double>(seeds_.size()) < kMostParticles,
-                "`interval` is too short: too many particles");
+    check_argument(many * static_cast<double>(seeds_.size()) < kMostParticles,
+                   "`interval` is too short: too many particles");
     const auto n = static_cast<std::size_t>(many);
     trace_.backward = options_.backward;
     const double sign = options_.backward ? -1 : 1, end = options_.start + sign * d;
@@ -154,7 +151,8 @@ class LineMaker {
   void time_lines(Builder& lines) {
     const double d = duration(), interval = options_.interval.value_or(d / kTimeParts);
     const double many = std::floor(d / interval * (1 + 1e-9)) + 1;
-    check_lines(many * static_cast<double>(seeds_.size()) < kMostParticles, "`interval` is too short: too many lines");
+    check_argument(many * static_cast<double>(seeds_.size()) < kMostParticles,
+                   "`interval` is too short: too many lines");
     trace_.backward = options_.backward;
     const double sign = options_.backward ? -1 : 1;
     Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), options_.start));
@@ -190,14 +188,14 @@ class LineMaker {
 }  // namespace
 
 void FlowLineOptions::validate() const {
-  check_lines(forward || backward, "`forward` or `backward` is needed");
-  check_lines(kind == FlowLineKind::path || forward != backward, "`backward`: streak and time lines go one way");
-  check_lines(std::isfinite(start), "`start` must be finite");
-  check_lines(!duration || *duration > 0, "`duration` must be positive");
-  check_lines(!length || (*length > 0 && kind == FlowLineKind::path),
-              "`length` must be positive, and is for path lines");
-  check_lines(!interval || (*interval > 0 && kind != FlowLineKind::path),
-              "`interval` must be positive, and is for streak and time lines");
+  check_argument(forward || backward, "`forward` or `backward` is needed");
+  check_argument(kind == FlowLineKind::path || forward != backward, "`backward`: streak and time lines go one way");
+  check_argument(std::isfinite(start), "`start` must be finite");
+  check_argument(!duration || *duration > 0, "`duration` must be positive");
+  check_argument(!length || (*length > 0 && kind == FlowLineKind::path),
+                 "`length` must be positive, and is for path lines");
+  check_argument(!interval || (*interval > 0 && kind != FlowLineKind::path),
+                 "`interval` must be positive, and is for streak and time lines");
   trace.validate();
 }
 

@@ -76,6 +76,7 @@ Seeds one_shape(std::string_view text, const Box3& bounds) {
     seeds.file = inside;
     seeds.closed = name == "loop";
     seeds.curve = name == "curve" || seeds.closed;
+    seeds.mesh = name == "mesh";
     return seeds;
   }
   const auto vec = [](const std::vector<double>& v, std::size_t at) { return Vec3{v[at], v[at + 1], v[at + 2]}; };

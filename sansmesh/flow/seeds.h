@@ -17,6 +17,7 @@ struct Seeds {
   bool curve = false;   ///< the points follow one another along a curve
   bool closed = false;  ///< and the last is followed by the first
   std::string file;     ///< not empty: the points are those of a file
+  bool mesh = false;    ///< that file is a mesh: its vertices
 };
 
 /// line(ax,ay,az, bx,by,bz, n): n points from a to b; circle(cx,cy,cz, nx,ny,nz, radius, n): around c, across n;

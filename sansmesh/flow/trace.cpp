@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {
@@ -237,10 +238,6 @@ class Stepper {
   std::vector<std::uint8_t> inside_, out_;
 };
 
-void check(bool ok, const char* what) {
-  if (!ok) throw ArgumentError(what);
-}
-
 /// The first of the moments beyond `t`; infinitely far where there is none.
 double moment_beyond(std::span<const double> moments, double t, bool backward) {
   if (backward) {
@@ -301,12 +298,12 @@ void follow(const VectorField& field, Stepper& stepper, Particles& p, std::vecto
 }  // namespace
 
 void TraceOptions::validate() const {
-  check(!tolerance || (std::isfinite(*tolerance) && *tolerance > 0), "`tolerance` must be a positive length");
-  check(!step || (std::isfinite(*step) && *step > 0), "`step` must be a positive length");
-  check(duration > 0, "`duration` must be positive");
-  check(length > 0, "`length` must be positive");
-  check(std::isfinite(least_speed) && least_speed >= 0, "`least_speed` must be at least 0");
-  check(most_steps >= 1, "`most_steps` must be at least 1");
+  check_argument(!tolerance || (std::isfinite(*tolerance) && *tolerance > 0), "`tolerance` must be a positive length");
+  check_argument(!step || (std::isfinite(*step) && *step > 0), "`step` must be a positive length");
+  check_argument(duration > 0, "`duration` must be positive");
+  check_argument(length > 0, "`length` must be positive");
+  check_argument(std::isfinite(least_speed) && least_speed >= 0, "`least_speed` must be at least 0");
+  check_argument(most_steps >= 1, "`most_steps` must be at least 1");
 }
 
 Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments) {

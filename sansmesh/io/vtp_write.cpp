@@ -80,7 +80,19 @@ class VtpFile {
     line(depth, "</Points>");
   }
 
+  /// All down to the arrays of points.
+  void begin(std::size_t points, std::size_t vertices, std::size_t lines, std::size_t polygons) {
+    line(0, "<?xml version=\"1.0\"?>");
+    line(0, "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
+    line(1, "<PolyData>");
+    line(2, fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
+                        "NumberOfPolys=\"{}\">",
+                        points, vertices, lines, polygons));
+  }
+
   std::vector<std::string> finish() {
+    line(2, "</Piece>");
+    line(1, "</PolyData>");
     if (!ascii_) {
       line(1, "<AppendedData encoding=\"raw\">");
       xml_ += "   _";
@@ -111,13 +123,8 @@ std::vector<std::string> to_vtp(const OutputContent& c, bool mesh, const WriteOp
   const std::size_t n = c.positions.size(), faces = c.triangles.size();
   const WorldCoordinates world(c.origin, c.positions);
   VtpFile file(options.ascii);
-  file.line(0, "<?xml version=\"1.0\"?>");
-  file.line(0, "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
-  file.line(1, "<PolyData>");
   // Points without faces are one vertex cell, or no viewer would draw them.
-  file.line(2, fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
-                           "NumberOfPolys=\"{}\">",
-                           n, mesh ? 0 : 1, faces));
+  file.begin(n, mesh ? 0 : 1, 0, faces);
   file.line(3, fmt::format("<PointData{}{}>", c.normals.empty() ? "" : " Normals=\"Normals\"",
                            c.colors.empty() ? "" : " Scalars=\"RGB\""));
   if (!c.normals.empty()) file.array(4, "Normals", 3, 3 * n, [&](std::size_t i) { return c.normals[i / 3][i % 3]; });
@@ -142,8 +149,6 @@ std::vector<std::string> to_vtp(const OutputContent& c, bool mesh, const WriteOp
     });
   }
   file.line(3, mesh ? "</Polys>" : "</Verts>");
-  file.line(2, "</Piece>");
-  file.line(1, "</PolyData>");
   return file.finish();
 }
 
@@ -157,12 +162,7 @@ std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptio
   const std::size_t n = lines.positions.size();
   const WorldCoordinates world(lines.origin, lines.positions);
   VtpFile file(options.ascii);
-  file.line(0, "<?xml version=\"1.0\"?>");
-  file.line(0, "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">");
-  file.line(1, "<PolyData>");
-  file.line(2, fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
-                           "NumberOfPolys=\"0\">",
-                           n, lines.size()));
+  file.begin(n, 0, lines.size(), 0);
   file.attributes(3, "PointData", lines.attributes);
   file.attributes(3, "CellData", lines.line_attributes);
   file.points(3, world, n);
@@ -173,8 +173,6 @@ std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptio
     file.array(4, "offsets", 1, lines.size(), [&](std::size_t i) { return static_cast<Index>(lines.offsets[i + 1]); });
   });
   file.line(3, "</Lines>");
-  file.line(2, "</Piece>");
-  file.line(1, "</PolyData>");
   return file.finish();
 }
 

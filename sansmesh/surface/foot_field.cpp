@@ -151,20 +151,7 @@ void FootField::evaluate_in_domain(std::span<const Vec3> x, std::span<double> va
       }
     });
   });
-  if (beyond_ == nullptr) return;
-  std::vector<Vec3> undefined;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (inside[i] == 0) undefined.push_back(x[i]);
-  if (undefined.empty()) return;
-  std::vector<double> other(undefined.size());
-  std::vector<Vec3> slopes(gradients.empty() ? 0 : undefined.size());
-  beyond_->evaluate(undefined, other, slopes);
-  for (std::size_t i = 0, k = 0; i < x.size(); ++i) {
-    if (inside[i] != 0) continue;
-    values[i] = other[k];
-    if (!gradients.empty()) gradients[i] = slopes[k];
-    ++k;
-  }
+  if (beyond_ != nullptr) detail::fill_undefined(*beyond_, x, inside, values, gradients);
 }
 
 BallUnion FootField::balls() const {

@@ -43,6 +43,8 @@ TEST(Seeds, SeveralMakeOneSetAndFilesAreNamed) {
   EXPECT_FALSE(both.curve);
   EXPECT_EQ(parse_seeds("points(a b.csv)", kBox).file, "a b.csv");
   EXPECT_TRUE(parse_seeds("loop(ring.csv)", kBox).closed);
+  EXPECT_TRUE(parse_seeds("mesh(body.ply)", kBox).mesh);
+  EXPECT_FALSE(parse_seeds("points(mesh.csv)", kBox).mesh);
 }
 
 TEST(Seeds, MistakesAreNamed) {
