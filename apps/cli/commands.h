@@ -37,6 +37,7 @@ Command add_volume_surface(CommandLine& volume);
 /// The commands of `flow`.
 std::vector<Command> add_flow(CommandLine& app);
 Command add_flow_lines(CommandLine& flow);
+Command add_flow_render(CommandLine& flow);
 Command add_flow_surface(CommandLine& flow);
 
 /// Throws FileError early if no function file of that name can be written.

@@ -84,6 +84,11 @@ class OpenVolume {
   ReconstructionChoice suited_;
 };
 
+/// What --color-by names: of vectors the length, unless a component is said.
+ArrayChoice color_choice(const std::string& name, OpenVolume& volume);
+/// The axes of the lattice are not those of space: its box does not tell where it ends.
+bool turned(const Lattice& lattice);
+
 /// How raw files and those of several steps are read: --dims, --type, …
 void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 

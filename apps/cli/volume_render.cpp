@@ -8,12 +8,10 @@
 
 #include "commands.h"
 #include "option_groups.h"
+#include "picture_contents.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/baked_volume.h"
-#include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
@@ -26,7 +24,8 @@ namespace {
 struct VolumeRenderArguments {
   VolumeInput input;
   std::string output, transfer, save_transfer, opacity_by, background = "gradient";
-  std::vector<std::string> isos, cuts, meshes, clouds;
+  std::vector<std::string> isos, cuts;
+  PictureContents contents;
   PictureArguments picture;
   VolumePictureOptions options;
   int frames = 0;
@@ -50,14 +49,6 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   return o;
 }
 
-/// The axes of the lattice are not those of space: its box does not tell where it ends.
-bool turned(const Lattice& lattice) {
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t c = 0; c < 3; ++c)
-      if (c != k && lattice.directions[k][c] != 0) return true;
-  return false;
-}
-
 /// A vector as a whole was chosen.
 bool of_vector(OpenVolume& volume) {
   const ArrayChoice& choice = volume.choice();
@@ -70,45 +61,7 @@ ArrayChoice shown(OpenVolume& volume, ArrayChoice choice) {
   return choice;
 }
 
-/// Samples of a surface, or a function, that is seen without a mesh.
-struct SeenSurface {
-  SurfaceModel model;
-  SurfaceCaster caster;
-
-  explicit SeenSurface(SurfaceModel made, Progress& progress) : model(std::move(made)), caster(cast(model, progress)) {}
-  static SurfaceCaster cast(const SurfaceModel& model, Progress& progress) {
-    return model.projection() ? SurfaceCaster(*model.projection(), model.balls(), {})
-                              : SurfaceCaster(model.field(progress), model.balls(), {});
-  }
-};
-
-/// The surfaces that stand in the volume; what they need is kept in `seen`.
-std::vector<PictureSurface> surfaces_of(const VolumeRenderArguments& a, const RenderOptions& options,
-                                        std::vector<std::unique_ptr<SeenSurface>>& seen, Console& console) {
-  std::vector<PictureSurface> surfaces;
-  Progress& progress = console.progress();
-  for (const std::string& file : a.meshes) try {
-      surfaces.push_back(surface_in_volume(read_mesh(file), options));
-    } catch (const DataError& error) {
-      throw FileError(file, error.what());
-    }
-  SurfaceRenderOptions surface;
-  static_cast<RenderOptions&>(surface) = options;
-  for (const std::string& file : a.clouds) try {
-      seen.push_back(std::make_unique<SeenSurface>(
-          is_function_file(file) ? make_surface_model(read_function(file))
-                                 : make_surface_model(read_points(file), SurfaceOptions{}, progress),
-          progress));
-      const SeenSurface& s = *seen.back();
-      console.warn(file, s.model.warnings());
-      surfaces.push_back(surface_in_volume(s.caster, s.model.place(), s.model.colors(), surface));
-    } catch (const DataError& error) {
-      throw FileError(file, error.what());
-    }
-  return surfaces;
-}
-
-void run_volume_render(const VolumeRenderArguments& a, Console& console) {
+void run_volume_render(VolumeRenderArguments& a, Console& console) {
   VolumePictureOptions options = chosen_options(a);
   check_writable(a.output, "image");
   if (!a.save_transfer.empty()) check_writable(a.save_transfer, "text");
@@ -119,7 +72,6 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();
   const auto samples = volume.samples();
-  std::vector<std::unique_ptr<SeenSurface>> seen;
   std::shared_ptr<const VolumeField> field, opacity;
   std::vector<std::string> files;
   VolumePictureReport report;
@@ -152,7 +104,7 @@ void run_volume_render(const VolumeRenderArguments& a, Console& console) {
     subject.image = samples->lattice.has_value();
     if (!a.picture.has_view())
       if (const auto view = view_of_layer(samples->bounds(), options.up)) options.view = *view;
-    subject.surfaces = surfaces_of(a, options, seen, console);
+    subject.surfaces = a.contents.read(options, console);
     if (options.color_title.empty())
       options.color_title = volume.array_name() + (of_vector(volume) ? " (magnitude)" : "");
     const VolumePicture picture(std::move(subject), progress);
@@ -221,10 +173,7 @@ Command add_volume_render(CommandLine& volume) {
   c.add_option("--cut", a.cuts, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")
       .repeated();
-  c.add_option("--mesh", a.meshes, "Mesh in the same picture; may be repeated").type_name("FILE").repeated();
-  c.add_option("--points", a.clouds, "Samples of a surface, or a function (.smf), in the same picture without a mesh")
-      .type_name("FILE")
-      .repeated();
+  a.contents.add_options(c);
   c.add_flag("--no-cut-faces", a.no_cut_faces, "Cut faces stay as clear as what is behind them");
   c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light");
   c.add_flag("--interactive", a.interactive, "Quick: from the field baked into bricks, whose error is reported");

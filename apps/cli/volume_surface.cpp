@@ -72,13 +72,6 @@ class ArrayColors : public ColorField {
   TransferFunction colors_;
 };
 
-/// What --color-by names: of vectors the length, unless a component is said.
-ArrayChoice color_choice(const std::string& name, OpenVolume& volume) {
-  ArrayChoice choice = volume.dataset().choose(name, "color_by");
-  choice.magnitude = choice.magnitude || (!choice.component && volume.dataset().array(choice.array).components > 1);
-  return choice;
-}
-
 VolumeSurfaceOptions chosen_options(const VolumeSurfaceArguments& a, OpenVolume& volume) {
   VolumeSurfaceOptions o = a.options;
   o.predictor = !a.corrector_only, o.corrector = !a.predictor_only;

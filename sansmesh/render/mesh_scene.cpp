@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -16,9 +17,13 @@ namespace {
 constexpr float kOffset = 2e-4f;          // of the diagonal: hides what floats cannot resolve
 constexpr float kDiscOverSpacing = 1.3f;  // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kBallOverSpacing = 0.8f;
+constexpr float kBehind = 1e-5f;       // of the diagonal: less would find the same triangle again
+constexpr float kSteepest = 0.1f;      // cosine from which on a sheet does not get thicker
+constexpr float kLeastLight = 0.002f;  // from behind that is worth a ray
+constexpr int kMostLayers = 256;
 
 /// Drops what cannot be drawn; keeps the order of what can.
-TriangleMesh drawable(const TriangleMesh& mesh) {
+Subject drawable(const TriangleMesh& mesh, std::span<const Vec3f> vectors) {
   const std::size_t count = mesh.vertices.size();
   std::vector<char> kept(count, mesh.triangles.empty());
   const auto finite = [&](std::uint32_t v) { return v < count && is_finite(mesh.vertices[v]); };
@@ -26,7 +31,8 @@ TriangleMesh drawable(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles)
     if (good(t)) kept[t[0]] = kept[t[1]] = kept[t[2]] = 1;
 
-  TriangleMesh result;
+  Subject subject;
+  TriangleMesh& result = subject.mesh;
   std::vector<std::uint32_t> place(count);
   for (std::size_t v = 0; v < count; ++v) {
     if (!kept[v] || !is_finite(mesh.vertices[v])) continue;
@@ -34,10 +40,11 @@ TriangleMesh drawable(const TriangleMesh& mesh) {
     result.vertices.push_back(mesh.vertices[v]);
     if (mesh.normals.size() == count) result.normals.push_back(mesh.normals[v]);
     if (mesh.colors.size() == count) result.colors.push_back(mesh.colors[v]);
+    if (vectors.size() == count) subject.vectors.push_back(vectors[v]);
   }
   for (const Triangle& t : mesh.triangles)
     if (good(t)) result.triangles.push_back({place[t[0]], place[t[1]], place[t[2]]});
-  return result;
+  return subject;
 }
 
 RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
@@ -57,8 +64,9 @@ RayScene make_rays(const Subject& subject, const Vec3f& toward_viewer) {
 namespace {
 
 /// `frame` for vertices as they stand in the mesh; null: that of their box.
-Subject placed_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame* frame) {
-  Subject subject{drawable(mesh), 0};
+Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const RenderOptions& options,
+                       const PictureFrame* frame) {
+  Subject subject = drawable(mesh, vectors);
   TriangleMesh& own = subject.mesh;
   if (own.vertices.empty()) throw DataError("nothing to draw: the mesh has no finite vertices");
   if (own.triangles.empty() && !mesh.triangles.empty())
@@ -88,12 +96,13 @@ Subject placed_subject(const TriangleMesh& mesh, const RenderOptions& options, c
 }  // namespace
 
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options) {
-  return placed_subject(mesh, options, nullptr);
+  return placed_subject(mesh, {}, options, nullptr);
 }
 
-Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame) {
+Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame,
+                     std::span<const Vec3f> vectors) {
   const PictureFrame own{frame.center - mesh.origin, frame.size};
-  return placed_subject(mesh, options, &own);
+  return placed_subject(mesh, vectors, options, &own);
 }
 
 MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)
@@ -124,6 +133,7 @@ SurfacePoint MeshScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
     point.color = {};
     for (std::size_t k = 0; k < 3; ++k) point.color += weight[k] * vertex_color(t[k]);
   }
+  for (std::size_t k = 0; k < 3 && !subject_.vectors.empty(); ++k) point.vector += weight[k] * subject_.vectors[t[k]];
   if (corner_normals_.empty()) return point;
 
   // The surface that the smooth normals suggest bulges out of the triangle. Rays towards the light start there: from
@@ -140,25 +150,73 @@ SurfacePoint MeshScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
   return point;
 }
 
-std::optional<SurfacePoint> MeshScene::closest(const Vec3f& origin, const Vec3f& direction) const {
-  const std::optional<RayHit> hit = rays_.closest(origin, direction);
-  if (!hit) return std::nullopt;
-  const Vec3f at = origin + hit->distance * direction;
+SurfacePoint MeshScene::seen(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const {
+  const Vec3f at = eye + hit.distance * direction;
   const bool cloud = subject_.mesh.triangles.empty();
-  SurfacePoint point = cloud ? SurfacePoint{at, hit->normal, color_} : on_triangle(*hit, at);
-  if (cloud && !subject_.mesh.colors.empty()) point.color = vertex_color(hit->primitive);
-  const float side = dot(hit->normal, direction) > 0 ? -1.0f : 1.0f;
+  SurfacePoint point = cloud ? SurfacePoint{at, hit.normal, color_} : on_triangle(hit, at);
+  if (cloud && !subject_.mesh.colors.empty()) point.color = vertex_color(hit.primitive);
+  const float side = dot(hit.normal, direction) > 0 ? -1.0f : 1.0f;
   // Seen from behind, the suggested surface lies on the far side.
   if (side < 0) point.position = at;
   point.normal = point.normal * side;
   // Discs and balls of a rough cloud pierce each other: their neighbours must not shade them.
-  point.position += hit->normal * (side * (kOffset + subject_.radius));
+  point.position += hit.normal * (side * (kOffset + subject_.radius));
+  if (subject_.opacity < 1 && !cloud) {
+    const float steep = std::max(kSteepest, std::abs(dot(point.normal, direction)));
+    point.opacity = 1 - std::pow(1 - subject_.opacity, 1 / steep);
+  }
   return point;
 }
 
 void MeshScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
                         std::span<std::optional<SurfacePoint>> points) const {
-  for (std::size_t i = 0; i < directions.size(); ++i) points[i] = closest(eye, directions[i]);
+  std::vector<std::optional<RayHit>> hits(directions.size());
+  rays_.closest(eye, directions, {}, hits);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    points[i].reset();
+    if (hits[i]) points[i] = seen(*hits[i], eye, directions[i]);
+  }
+}
+
+void MeshScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
+                       std::vector<SurfacePoint>& points) const {
+  if (!(subject_.opacity < 1) || subject_.mesh.triangles.empty())
+    return PictureScene::layers(eye, directions, first, points);
+  // Round after round from just behind what was found last.
+  struct Found {
+    std::uint32_t ray;
+    SurfacePoint point;
+  };
+  std::vector<Found> found;
+  std::vector<std::uint32_t> active(directions.size());
+  for (std::size_t i = 0; i < active.size(); ++i) active[i] = static_cast<std::uint32_t>(i);
+  std::vector<Vec3f> going(directions.begin(), directions.end());
+  std::vector<float> beyond(directions.size(), 0), left(directions.size(), 1);
+  std::vector<std::optional<RayHit>> hits;
+  for (int round = 0; round < kMostLayers && !active.empty(); ++round) {
+    hits.resize(active.size());
+    rays_.closest(eye, going, beyond, hits);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < active.size(); ++k) {
+      if (!hits[k]) continue;
+      const std::uint32_t ray = active[k];
+      found.push_back({ray, seen(*hits[k], eye, directions[ray])});
+      left[ray] *= 1 - found.back().point.opacity;
+      if (left[ray] < kLeastLight) continue;
+      active[kept] = ray;
+      going[kept] = directions[ray];
+      beyond[kept++] = hits[k]->distance + kBehind;
+    }
+    active.resize(kept), going.resize(kept), beyond.resize(kept);
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.ray < b.ray; });
+  first.assign(directions.size() + 1, 0);
+  points.clear();
+  for (const Found& f : found) {
+    ++first[f.ray + 1];
+    points.push_back(f.point);
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
 }
 
 void MeshScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {

@@ -1,6 +1,7 @@
 // What a picture shows: a mesh or cloud, cleaned, scaled to a handy size and ready for rays.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,14 +16,19 @@ namespace sansmesh {
 
 /// The part of a mesh that can be drawn, moved and scaled so that its box is centred at 0 with a diagonal of 1.
 struct Subject {
-  TriangleMesh mesh;  ///< finite vertices, used by triangles if there are any; corners exist
-  float radius = 0;   ///< of points; 0 for triangles
+  TriangleMesh mesh;           ///< finite vertices, used by triangles if there are any; corners exist
+  std::vector<Vec3f> vectors;  ///< of a flow at its vertices; may be empty
+  float radius = 0;            ///< of points; 0 for triangles
+  /// Of a sheet of triangles seen at right angles, 0..1; seen at others it is thicker.
+  float opacity = 1;
 };
 
 /// Throws DataError where nothing is left.
 Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options);
-/// The same in coordinates of the caller's choice, given for positions in the world.
-Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame);
+/// The same in coordinates of the caller's choice, given for positions in the world. `vectors` at the vertices of the
+/// mesh, or none.
+Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, const PictureFrame& frame,
+                     std::span<const Vec3f> vectors = {});
 
 class MeshScene : public PictureScene {
  public:
@@ -30,11 +36,13 @@ class MeshScene : public PictureScene {
   MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer);
   void closest(const Vec3f& eye, std::span<const Vec3f> directions,
                std::span<std::optional<SurfacePoint>> points) const override;
+  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
+              std::vector<SurfacePoint>& points) const override;
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
   const std::vector<Vec3f>& points() const { return subject_.mesh.vertices; }
 
  private:
-  std::optional<SurfacePoint> closest(const Vec3f& eye, const Vec3f& direction) const;
+  SurfacePoint seen(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const;
   SurfacePoint on_triangle(const RayHit& hit, const Vec3f& at) const;
   Vec3f vertex_color(std::uint32_t vertex) const;
 

@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <string>
 
@@ -12,37 +13,49 @@
 namespace sansmesh {
 namespace {
 
-/// What a query has found so far; Embree hands its first member back to the filter.
+constexpr std::size_t kPacket = 16;  // rays that go together
+
+/// What a query has found so far, for each of its rays by their ids; Embree hands its first member back to the filter.
 struct Query {
   RTCIntersectContext context;
-  float distance = std::numeric_limits<float>::infinity();
-  unsigned primitive = RTC_INVALID_GEOMETRY_ID;
-  std::vector<RayCrossing>* all = nullptr;  // where wanted, every hit, and the ray goes on
+  std::array<float, kPacket> distance;
+  std::array<unsigned, kPacket> primitive;
+  std::vector<RayCrossing>* all = nullptr;  // where wanted, every hit of the single ray, which goes on
+
+  Query() {
+    rtcInitIntersectContext(&context);
+    distance.fill(std::numeric_limits<float>::infinity());
+    primitive.fill(RTC_INVALID_GEOMETRY_ID);
+  }
 };
 
 /// Of hits at the same distance the lowest primitive counts: which one comes last depends on the tree, and the tree on
 /// the threads that built it.
 void settle_ties(const RTCFilterFunctionNArguments* arguments) {
   auto* query = reinterpret_cast<Query*>(arguments->context);
-  const float distance = RTCRayN_tfar(arguments->ray, arguments->N, 0);
-  const unsigned primitive = RTCHitN_primID(arguments->hit, arguments->N, 0);
-  if (query->all) {
-    RTCRayN* ray = arguments->ray;
-    RTCHitN* hit = arguments->hit;
-    const unsigned n = arguments->N;
-    const float along = RTCRayN_dir_x(ray, n, 0) * RTCHitN_Ng_x(hit, n, 0) +
-                        RTCRayN_dir_y(ray, n, 0) * RTCHitN_Ng_y(hit, n, 0) +
-                        RTCRayN_dir_z(ray, n, 0) * RTCHitN_Ng_z(hit, n, 0);
-    query->all->push_back({distance, primitive, along < 0});
-    arguments->valid[0] = 0;
-    return;
+  RTCRayN* ray = arguments->ray;
+  RTCHitN* hit = arguments->hit;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    const float distance = RTCRayN_tfar(ray, n, i);
+    const unsigned primitive = RTCHitN_primID(hit, n, i);
+    if (query->all) {
+      const float along = RTCRayN_dir_x(ray, n, i) * RTCHitN_Ng_x(hit, n, i) +
+                          RTCRayN_dir_y(ray, n, i) * RTCHitN_Ng_y(hit, n, i) +
+                          RTCRayN_dir_z(ray, n, i) * RTCHitN_Ng_z(hit, n, i);
+      query->all->push_back({distance, primitive, along < 0});
+      arguments->valid[i] = 0;
+      continue;
+    }
+    const std::size_t slot = RTCRayN_id(ray, n, i);
+    if (distance == query->distance[slot] && primitive > query->primitive[slot]) {
+      arguments->valid[i] = 0;
+      continue;
+    }
+    query->distance[slot] = distance;
+    query->primitive[slot] = primitive;
   }
-  if (distance == query->distance && primitive > query->primitive) {
-    arguments->valid[0] = 0;
-    return;
-  }
-  query->distance = distance;
-  query->primitive = primitive;
 }
 
 }  // namespace
@@ -157,7 +170,6 @@ RTCRay make_ray(const Vec3f& origin, const Vec3f& direction, float length) {
 
 std::optional<RayHit> RayScene::closest(const Vec3f& origin, const Vec3f& direction) const {
   Query query;
-  rtcInitIntersectContext(&query.context);
   RTCRayHit found{};
   found.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity());
   found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -167,11 +179,42 @@ std::optional<RayHit> RayScene::closest(const Vec3f& origin, const Vec3f& direct
                 found.hit.u, found.hit.v};
 }
 
+void RayScene::closest(const Vec3f& origin, std::span<const Vec3f> directions, std::span<const float> beyond,
+                       std::span<std::optional<RayHit>> hits) const {
+  for (std::size_t first = 0; first < directions.size(); first += kPacket) {
+    const std::size_t n = std::min(kPacket, directions.size() - first);
+    Query query;
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    RTCRayHit16 packet;
+    alignas(64) std::array<int, kPacket> valid{};
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      const Vec3f d = i < n ? directions[first + i] : Vec3f{};
+      valid[i] = i < n ? -1 : 0;
+      packet.ray.org_x[i] = origin.x, packet.ray.org_y[i] = origin.y, packet.ray.org_z[i] = origin.z;
+      packet.ray.dir_x[i] = d.x, packet.ray.dir_y[i] = d.y, packet.ray.dir_z[i] = d.z;
+      packet.ray.tnear[i] = i < n && !beyond.empty() ? beyond[first + i] : 0;
+      packet.ray.tfar[i] = std::numeric_limits<float>::infinity();
+      packet.ray.time[i] = 0;
+      packet.ray.mask[i] = 0xFFFFFFFFu;
+      packet.ray.id[i] = static_cast<unsigned>(i);
+      packet.ray.flags[i] = 0;
+      packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect16(valid.data(), state_->scene, &query.context, &packet);
+    for (std::size_t i = 0; i < n; ++i) {
+      std::optional<RayHit>& hit = hits[first + i];
+      hit.reset();
+      if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      hit = RayHit{packet.ray.tfar[i], normalized(Vec3f{packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]}),
+                   packet.hit.primID[i], packet.hit.u[i], packet.hit.v[i]};
+    }
+  }
+}
+
 void RayScene::crossings(const Vec3f& origin, const Vec3f& direction, std::vector<RayCrossing>& found) const {
   found.clear();
   Query query;
   query.all = &found;
-  rtcInitIntersectContext(&query.context);
   RTCRayHit hit{};
   hit.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity());
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;

@@ -41,6 +41,10 @@ class RayScene {
   ~RayScene();
 
   std::optional<RayHit> closest(const Vec3f& origin, const Vec3f& direction) const;
+  /// The same for rays from one place, each from a distance on (`beyond`; empty: 0). Neighbours in the picture in
+  /// neighbouring slots go fastest. Sizes must agree.
+  void closest(const Vec3f& origin, std::span<const Vec3f> directions, std::span<const float> beyond,
+               std::span<std::optional<RayHit>> hits) const;
   /// All of them, by distance, in place of what `found` held. Where a ray meets an edge or a corner, each triangle
   /// there may count.
   void crossings(const Vec3f& origin, const Vec3f& direction, std::vector<RayCrossing>& found) const;

@@ -14,11 +14,9 @@
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
-#include "sansmesh/render/mesh_scene.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/sample_pattern.h"
-#include "sansmesh/render/surface_scene.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_cells.h"
@@ -93,45 +91,7 @@ void turn_to(Camera& camera, const Vec3f& place) {
   camera.up = Vec3f(cross(normalized(away), normalized(right)));
 }
 
-/// A surface with a caster that has coordinates of its own.
-class PlacedScene : public PictureScene {
- public:
-  PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
-              const SurfaceRenderOptions& options)
-      : options_(options), scene_(caster, frame, camera, colors, options_) {}
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override {
-    scene_.closest(eye, directions, points);
-  }
-  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
-    scene_.blocked(rays, answers);
-  }
-
- private:
-  SurfaceRenderOptions options_;
-  SurfaceScene scene_;
-};
-
 }  // namespace
-
-PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& options) {
-  options.validate();
-  auto shared = std::make_shared<const TriangleMesh>(mesh);
-  return [shared, options](const PictureFrame& frame, const Camera& camera) {
-    return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera.backward);
-  };
-}
-
-PictureSurface surface_in_volume(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
-                                 const SurfaceRenderOptions& options) {
-  options.validate();
-  SurfaceRenderOptions own = options;
-  own.shadows = false;
-  return [&caster, place, colors, own](const PictureFrame& frame, const Camera& camera) {
-    const PictureFrame placed{place.from_input(frame.center), place.from_input(frame.size)};
-    return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
-  };
-}
 
 class VolumePicture::Work {
  public:
@@ -251,6 +211,9 @@ class VolumePicture::Work {
     if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper) || !(box.diagonal() > 0))
       throw DataError("nothing to draw: the volume has no extent");
     const PictureFrame frame{box.center(), box.diagonal()};
+    for (const Vec3& p : subject_.framed)
+      if (is_finite(p)) outline_.push_back(frame.to_picture(p));
+    if (!outline_.empty()) return frame;
     if (mesh && !mesh->triangles.empty()) {
       for (const Vec3f& p : mesh->vertices) outline_.push_back(frame.to_picture(mesh->origin + Vec3(p)));
     } else {

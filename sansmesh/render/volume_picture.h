@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,28 +10,14 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
-#include "sansmesh/data/placement.h"
 #include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/color_field.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
-#include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_options.h"
 
 namespace sansmesh {
-
-/// Makes a surface ready for a picture with this frame and camera.
-using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
-
-/// A mesh, or a cloud as discs or balls, in the coordinates of the volume. The mesh is copied. Throws DataError where
-/// there is nothing to draw.
-PictureSurface surface_in_volume(const TriangleMesh& mesh, const RenderOptions& options);
-/// A surface without a mesh, whose coordinates lie at `place` in those of the volume. Caster and colours (which may be
-/// null) must outlive the pictures.
-PictureSurface surface_in_volume(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
-                                 const SurfaceRenderOptions& options);
 
 /// What there is to see. All of it must outlive the picture.
 struct VolumeSubject {
@@ -42,10 +27,12 @@ struct VolumeSubject {
   /// exact only where the volume is that box: of all others, lattices included whose directions are not the axes, the
   /// sides become ragged without a boundary (volume_boundary() has it).
   const TriangleMesh* boundary = nullptr;
-  std::vector<PictureSurface> surfaces;  ///< opaque surfaces in the same picture
+  std::vector<PictureSurface> surfaces;  ///< in the same picture
   /// Known to be in the volume or on its boundary, such as its samples: where a volume fills so little of its box that
   /// hardly a point of a lattice hits it, values are looked for there. Without, the vertices of the boundary are taken.
   std::span<const Vec3> places = {};
+  /// Points that the picture is to show all of; default: the boundary, or the box of the field.
+  std::span<const Vec3> framed = {};
   /// Values may be those of an image (CT, MR): materials are looked for where the transfer function is to be suggested.
   bool image = true;
 };

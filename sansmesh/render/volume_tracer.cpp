@@ -53,10 +53,18 @@ struct VolumeTracer::Walk {
   double t = 0;
   double retry = 0;  // a place before t that is to be seen first; 0: none
   Sample before;
-  double surface = std::numeric_limits<double>::infinity();
-  Vec3f surface_light;
+  std::optional<RayStretch> rest;     // of a stretch in which a surface stands: what is behind that
+  std::size_t layer = 0, layers = 0;  // the next of the surfaces, and where they end
   Vec3 light;
   double left = 1;
+};
+
+/// A surface in the way.
+struct VolumeTracer::Layer {
+  double t = 0;
+  Vec3f light;
+  float opacity = 1;
+  std::uint32_t ray = 0;
 };
 
 struct VolumeTracer::Root {
@@ -72,6 +80,7 @@ struct VolumeTracer::Scratch {
   std::vector<Walk> walks;
   std::vector<RayStretch> stretches;
   std::vector<std::uint32_t> first;
+  std::vector<Layer> layers;  // by ray and distance
   std::vector<std::uint32_t> active;
   std::vector<Vec3> x, gradients, other_gradients;
   std::vector<double> values, others;
@@ -122,14 +131,30 @@ double VolumeTracer::step_at(std::size_t cell, double t) const {
   return std::max(std::min(step, most), 0.5 * static_cast<double>(footprint_) * t);
 }
 
+/// Goes on to the volume behind, through the surfaces on the way there; false: there is none, or nothing more to see.
+bool VolumeTracer::next_stretch(Walk& walk, const Scratch& s) const {
+  const bool more = walk.rest || walk.stretch != walk.last;
+  const RayStretch next = walk.rest ? *walk.rest : more ? s.stretches[walk.stretch] : RayStretch{};
+  for (; walk.layer != walk.layers && (!more || s.layers[walk.layer].t <= next.begin); ++walk.layer) {
+    lay(walk, s.layers[walk.layer].light, static_cast<double>(s.layers[walk.layer].opacity));
+    if (walk.left <= options_.least_light) walk.left = 0;
+  }
+  if (!more || walk.left == 0) return false;
+  if (!walk.rest) ++walk.stretch;
+  walk.rest.reset();
+  walk.now = next;
+  if (walk.layer != walk.layers && s.layers[walk.layer].t < next.end) {
+    walk.rest = RayStretch{s.layers[walk.layer].t, next.end, false, next.ends_at_cut};
+    walk.now.end = walk.rest->begin, walk.now.ends_at_cut = false;
+  }
+  return true;
+}
+
 /// Finds out where the walk is to be evaluated next; false: it is at its end.
 bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
   for (;;) {
     if (!walk.within) {
-      if (walk.stretch == walk.last || walk.left == 0) return false;
-      walk.now = scratch.stretches[walk.stretch++];
-      if (walk.now.begin >= walk.surface) return false;
-      if (walk.now.end > walk.surface) walk.now.end = walk.surface, walk.now.ends_at_cut = false;
+      if (!next_stretch(walk, scratch)) return false;
       walk.within = walk.begun = true;
       walk.started = false;
       walk.t = walk.now.begin;
@@ -423,6 +448,35 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
   return count;
 }
 
+/// Where surfaces stand in the way of the rays, and how they look.
+void VolumeTracer::find_layers(std::span<const Vec3f> directions, Scratch& s) const {
+  std::vector<std::size_t> first;
+  std::vector<SurfacePoint> points;
+  for (const PictureScene* scene : volume_.surfaces) {
+    scene->layers(camera_.position, directions, first, points);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
+        const SurfacePoint& p = points[k];
+        Pixel pixel;
+        pixel.color = p.color, pixel.ambient = lighting_.ambient(p.normal), pixel.open = pixel.lit = 1;
+        pixel.facing = std::max(0.0f, dot(p.normal, lighting_.key));
+        pixel.fill = std::max(0.0f, dot(p.normal, lighting_.fill));
+        pixel.shine = pixel.facing > 0 ? p.gloss * lighting_.shine(p.normal, directions[i]) : 0;
+        pixel.sheen = p.gloss * lighting_.sheen(p.normal, directions[i]);
+        pixel.beyond = p.beyond;
+        s.layers.push_back({dot(Vec3(p.position) - eye_, s.walks[i].direction), surface_light(pixel), p.opacity,
+                            static_cast<std::uint32_t>(i)});
+      }
+  }
+  std::stable_sort(s.layers.begin(), s.layers.end(),
+                   [](const Layer& a, const Layer& b) { return a.ray != b.ray ? a.ray < b.ray : a.t < b.t; });
+  for (std::size_t k = 0; k < s.layers.size(); ++k) {
+    Walk& walk = s.walks[s.layers[k].ray];
+    if (walk.layers == 0) walk.layer = k;
+    walk.layers = k + 1;
+  }
+}
+
 std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<TracedLight> lights) const {
   Scratch s;
   s.walks.resize(directions.size());
@@ -436,26 +490,7 @@ std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<Tra
     walk.slot = static_cast<std::uint32_t>(i);
     walk.stretch = s.first[i], walk.last = s.first[i + 1];
   }
-  std::vector<std::optional<SurfacePoint>> points(directions.size());
-  for (const PictureScene* scene : volume_.surfaces) {
-    scene->closest(camera_.position, directions, points);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!points[i]) continue;
-      const SurfacePoint& p = *points[i];
-      Walk& walk = s.walks[i];
-      const double t = dot(Vec3(p.position) - eye_, walk.direction);
-      if (!(t < walk.surface)) continue;
-      walk.surface = t;
-      Pixel pixel;
-      pixel.color = p.color, pixel.ambient = lighting_.ambient(p.normal), pixel.open = pixel.lit = 1;
-      pixel.facing = std::max(0.0f, dot(p.normal, lighting_.key));
-      pixel.fill = std::max(0.0f, dot(p.normal, lighting_.fill));
-      pixel.shine = pixel.facing > 0 ? p.gloss * lighting_.shine(p.normal, directions[i]) : 0;
-      pixel.sheen = p.gloss * lighting_.sheen(p.normal, directions[i]);
-      pixel.beyond = p.beyond;
-      walk.surface_light = surface_light(pixel);
-    }
-  }
+  find_layers(directions, s);
 
   std::size_t count = 0;
   s.active.resize(directions.size());
@@ -514,11 +549,8 @@ std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<Tra
   }
   for (const Walk& walk : s.walks) {
     TracedLight& found = lights[walk.slot];
-    const Vec3 light = walk.surface < std::numeric_limits<double>::infinity()
-                           ? walk.light + Vec3(walk.surface_light) * walk.left
-                           : walk.light;
-    found.light = Vec3f(light);
-    found.left = walk.surface < std::numeric_limits<double>::infinity() ? 0 : static_cast<float>(walk.left);
+    found.light = Vec3f(walk.light);
+    found.left = static_cast<float>(walk.left);
   }
   return count;
 }

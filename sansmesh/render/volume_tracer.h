@@ -32,7 +32,7 @@ struct TracedVolume {
   bool bounded = false;                  ///< the stretches end at the boundary; else the field is asked what is inside
   const VolumeStretches* stretches = nullptr;
   const VolumeCells* cells = nullptr;
-  std::vector<const PictureScene*> surfaces;  ///< opaque, in the picture's coordinates
+  std::vector<const PictureScene*> surfaces;  ///< in the picture's coordinates
   PictureFrame frame;
 };
 
@@ -50,8 +50,11 @@ class VolumeTracer {
   struct Sample;
   struct Walk;
   struct Root;
+  struct Layer;
   struct Scratch;
 
+  void find_layers(std::span<const Vec3f> directions, Scratch& scratch) const;
+  bool next_stretch(Walk& walk, const Scratch& scratch) const;
   bool next_place(Walk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
   bool too_far(const Walk& walk, const Sample& now) const;

@@ -10,6 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/render/baked_volume.h"
+#include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_table.h"
 #include "sansmesh/render/volume_tracer.h"
 #include "sansmesh/volume/volume_boundary.h"
@@ -214,7 +215,7 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   VolumePictureOptions with_iso = options;
   with_iso.isos = {{0.4, options.surface_color, 1}};
   const Image iso = picture_of({&field, nullptr, nullptr, {}}, with_iso);
-  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_volume(sphere, options)}}, options);
+  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_picture(sphere, options)}}, options);
   double most = 0;
   std::size_t both = 0, one = 0;
   for (std::size_t i = 0; i < iso.pixels.size(); ++i) {
@@ -234,7 +235,7 @@ TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
   const FormulaVolume field = constant_volume(0.5);
   TriangleMesh wall = box_surface({0.1, 0.1, 0.4}, {0.9, 0.9, 0.5});
   VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
-  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_volume(wall, options)}};
+  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options)}};
   VolumePictureOptions clear = options;
   clear.opacity_scale = 0;
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};

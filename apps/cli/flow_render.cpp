@@ -1,0 +1,270 @@
+// sansmesh flow render: pictures of stream, path, streak and time surfaces.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "flow_surface_input.h"
+#include "option_groups.h"
+#include "picture_contents.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/volume/volume_boundary.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr double kDark = 0.45;  // of the range of values: colours that are left out below it
+
+struct FlowRenderArguments {
+  FlowSurfaceInput input;
+  std::string output, color_by = "time", label, title, background = "gradient", volume, preset;
+  std::vector<std::string> isos;
+  PictureContents contents;
+  PictureArguments picture;
+  FlowLook look;
+  FlowTextureOptions streaks;
+  double volume_opacity = 1, turn = 0;
+  bool smooth = false, no_bar = false;
+  int frames = 0;
+
+  bool in_volume() const { return !volume.empty() || !isos.empty(); }
+};
+
+/// The surface as it is drawn, with what its colours mean.
+struct DrawnSurface {
+  TriangleMesh mesh;
+  std::vector<Vec3f> vectors;
+  std::optional<TransferFunction> colors;
+  std::string title;
+};
+
+/// Values that the colours stand for; none without.
+std::vector<double> color_values(const std::string& by, const FlowSurface& surface, OpenFlow& flow) {
+  std::vector<double> values;
+  values.reserve(surface.points.size());
+  if (by == "time")
+    for (const FlowPoint& p : surface.points) values.push_back(p.t);
+  else if (by == "speed")
+    for (const FlowPoint& p : surface.points) values.push_back(norm(p.velocity));
+  else if (by == "seed")
+    for (const FlowPoint& p : surface.points) values.push_back(p.s);
+  else if (by != "none") {
+    OpenVolume* const volume = flow.volume();
+    require(volume != nullptr, "--color-by an array needs a steady flow of a file");
+    std::vector<Vec3> x;
+    x.reserve(surface.points.size());
+    for (const FlowPoint& p : surface.points) x.push_back(p.position);
+    values.resize(x.size());
+    volume->field(color_choice(by, *volume))->evaluate(x, {values, {}, {}, {}});
+  }
+  return values;
+}
+
+/// Those of the preset "flow" but for its darkest: on those neither light nor streaks would be seen.
+TransferFunction light_colors(const ValueHistogram& values) {
+  TransferFunction colors = transfer_function_preset("flow", values);
+  const auto [lower, upper] = colors.range();
+  const TransferFunction wide = colors.over(lower - kDark * (upper - lower), upper);
+  for (ColorPoint& p : colors.colors) p.color = wide.color(p.value);
+  return colors;
+}
+
+DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surface, OpenFlow& flow) {
+  DrawnSurface drawn{surface.mesh, {}, {}, a.label.empty() ? a.color_by : a.label};
+  double fastest = 0;
+  for (const FlowPoint& p : surface.points) fastest = std::max(fastest, norm(p.velocity));
+  drawn.vectors.reserve(surface.points.size());
+  for (const FlowPoint& p : surface.points)
+    drawn.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
+  const std::vector<double> values = color_values(a.color_by, surface, flow);
+  drawn.mesh.colors.clear();
+  if (values.empty()) return drawn;
+  const ValueHistogram histogram = value_histogram(values);
+  const bool signs = histogram.least < 0 && histogram.most > 0 && a.color_by != "time";
+  drawn.colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
+  drawn.mesh.colors.reserve(values.size());
+  for (const double v : values) {
+    const Vec3f c = drawn.colors->color(v);
+    drawn.mesh.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
+  }
+  return drawn;
+}
+
+RenderOptions chosen_look(const FlowRenderArguments& a, const Box3& box) {
+  RenderOptions o = a.picture.chosen();
+  set_background(o, a.background);
+  if (!a.picture.has_view())
+    if (const auto view = view_of_layer(box, o.up)) o.view = *view;
+  o.validate();
+  return o;
+}
+
+/// The volume that the surface stands in: seen through, with iso-surfaces.
+class VolumeAround {
+ public:
+  VolumeAround(const FlowRenderArguments& a, OpenVolume& volume, std::vector<PictureSurface> surfaces,
+               Progress& progress)
+      : samples_(volume.samples()) {
+    const std::string name = a.volume.empty() ? volume.choice().array : a.volume;
+    field_ = volume.field(color_choice(name, volume));
+    options_.color_title = name;
+    options_.color_bar = !a.no_bar && !a.volume.empty();
+    options_.opacity_scale = a.volume.empty() ? 0 : a.volume_opacity;
+    options_.preset = a.preset;
+    for (const std::string& text : a.isos) options_.isos.push_back(iso_surface_of(text));
+    VolumeSubject subject;
+    subject.field = field_.get();
+    subject.places = samples_->positions;
+    subject.image = false;
+    if (!samples_->lattice || turned(*samples_->lattice)) {
+      boundary_ = volume_boundary(*samples_);
+      subject.boundary = &boundary_;
+    }
+    subject.surfaces = std::move(surfaces);
+    picture_.emplace(std::move(subject), progress);
+  }
+  Image render(const RenderOptions& look, bool steady, Progress& progress) {
+    static_cast<RenderOptions&>(options_) = look;
+    options_.steady = steady;
+    return picture_->render(options_, progress);
+  }
+
+ private:
+  std::shared_ptr<const SampledVolume> samples_;
+  std::shared_ptr<const VolumeField> field_;
+  TriangleMesh boundary_;
+  VolumePictureOptions options_;
+  std::optional<VolumePicture> picture_;
+};
+
+void check_arguments(const FlowRenderArguments& a) {
+  check_writable(a.output, "image");
+  check_flow_surface(a.input);
+  require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
+  require(a.turn == 0 || a.frames > 0, "--turn needs --frames");
+  require(a.frames == 0 || !a.smooth || a.turn != 0, "--frames moves streaks: with --smooth it needs --turn");
+  require(!a.volume.empty() || (a.preset.empty() && a.volume_opacity == 1),
+          "--volume-preset and --volume-opacity need --volume");
+  require(!a.in_volume() || !a.input.flow.unsteady, "--volume and --iso need a steady flow");
+}
+
+void run_flow_render(FlowRenderArguments& a, Console& console) {
+  check_arguments(a);
+  if (a.smooth)
+    a.look.texture.reset();
+  else
+    a.look.texture = a.streaks;
+  a.look.validate();
+  Progress& progress = console.progress();
+  OpenFlow flow(a.input.flow, console);
+  require(!a.in_volume() || flow.volume(), "--volume and --iso need a flow of a file");
+  const FlowSurface surface = trace_flow_surface(a.input, flow, console);
+  if (surface.mesh.triangles.empty()) throw flow.error(DataError("the surface is empty"));
+  const DrawnSurface drawn = drawn_surface(a, surface, flow);
+  RenderOptions look = chosen_look(a, flow.field().bounds());
+  std::vector<PictureSurface> others = a.contents.read(look, console);
+  std::vector<Vec3> places;
+  places.reserve(surface.points.size());
+  for (const FlowPoint& p : surface.points) places.push_back(p.position);
+
+  std::vector<std::string> files;
+  const ViewDirection view = look.view;
+  std::optional<VolumeAround> around;
+  for (int k = 0; k < std::max(1, a.frames); ++k) try {
+      const double share = a.frames > 0 ? static_cast<double>(k) / a.frames : 0;
+      look.view.azimuth = view.azimuth + a.turn * share;
+      FlowLook frame = a.look;
+      if (frame.texture && a.frames > 0) frame.texture->phase = share;
+      std::vector<PictureSurface> surfaces = others;
+      surfaces.push_back(surface_in_picture(drawn.mesh, drawn.vectors, frame, look));
+      Image image;
+      if (a.in_volume()) {
+        around.emplace(a, *flow.volume(), std::move(surfaces), progress);
+        image = around->render(look, a.frames > 0, progress);
+      } else {
+        image = render_surfaces(surfaces, places, a.look.opacity<1, a.frames> 0, look, progress);
+      }
+      if (!a.title.empty()) draw_title(image, a.title);
+      if (drawn.colors && !a.no_bar) image = beside_value_bar(image, *drawn.colors, drawn.title);
+      files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
+      write_image(files.back(), image);
+    } catch (const DataError& error) {
+      throw flow.error(error);
+    }
+  progress.finish();
+  say_flow_surface(surface, flow, console);
+  console.say(fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, look.width, look.height));
+  console.say_json({{"input", flow.json()},
+                    {"surface", flow_surface_json(surface)},
+                    {"output", {{"files", files}, {"width", look.width}, {"height", look.height}}}});
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_flow_render(CommandLine& flow) {
+  CommandLine& c = flow.add_subcommand("render", "Flow and a seed curve → picture of the surface, with streaks");
+  auto shared = std::make_shared<FlowRenderArguments>();
+  FlowRenderArguments& a = *shared;
+  add_flow_surface_input(c, a.input);
+  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  const char* const look = "Look";
+  c.add_flag("--smooth", a.smooth, "Without streaks along the flow (line integral convolution)").group(look);
+  c.add_option("--streak-length", a.streaks.length, "Of the streaks, 1..1000 [40]").type_name("PIXELS").group(look);
+  c.add_option("--streak-width", a.streaks.grain, "Of the streaks, 0.5..100 [1.5]").type_name("PIXELS").group(look);
+  c.add_option("--streak-contrast", a.streaks.contrast, "Of the streaks, 0..1 [0.4]").type_name("SHARE").group(look);
+  c.add_option("--opacity", a.look.opacity, "Of the surface where it is seen at right angles, 0..1 [1]")
+      .type_name("SHARE")
+      .group(look);
+  c.add_option("--color-by", a.color_by, "time, speed, seed (place on the curve), none, or another array [time]")
+      .type_name("NAME")
+      .group(look);
+  c.add_option("--frames", a.frames, "So many pictures, NAME_000.png, …, in which the streaks move with the flow")
+      .type_name("COUNT")
+      .group(look);
+  c.add_option("--turn", a.turn, "With --frames: by so much the view goes around [0]").type_name("DEGREES").group(look);
+  const char* const beside = "Beside the surface";
+  c.add_option("--volume", a.volume, "Array that is seen through around it").type_name("NAME").group(beside);
+  c.add_option("--volume-preset", a.preset, "Its colours and opacities, as of volume render")
+      .type_name("NAME")
+      .group(beside);
+  c.add_option("--volume-opacity", a.volume_opacity, "Multiplies its opacity [1]").type_name("FACTOR").group(beside);
+  c.add_option("--iso", a.isos,
+               "Surface of a value of that array (else of the speed): V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated")
+      .type_name("VALUE")
+      .repeated()
+      .group(beside);
+  a.contents.add_options(c);
+  c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group("Picture");
+  c.add_option("--label", a.label, "Of the colour bar: what is shown, and its unit [what --color-by says]")
+      .type_name("TEXT")
+      .group("Picture");
+  c.add_option("--title", a.title, "Above the picture").type_name("TEXT").group("Picture");
+  c.add_option("--background", a.background, "gradient, white, black or transparent")
+      .one_of({"gradient", "white", "black", "transparent"})
+      .type_name("NAME")
+      .group("Picture");
+  add_picture_options(c, a.picture);
+  c.footer(std::string(kFlowsByFormula) +
+           "Examples:\n"
+           "  sansmesh flow render office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.png --mesh walls.ply\n"
+           "  sansmesh flow render tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --time 5 -o t.png "
+           "--opacity 0.5\n"
+           "  sansmesh flow render eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.png "
+           "--frames 24");
+  return {&c, [shared](Console& console) { run_flow_render(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,208 @@
+#include "sansmesh/render/flow_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kSide = 4;          // of a block, in pixels
+constexpr float kSameSheet = 8;   // steps in depth between neighbours
+constexpr float kAcross = 1e-3f;  // share of a vector that must lie along the surface
+constexpr float kDarkest = 0.1f, kBrightest = 2.2f;
+
+/// Evenly between −√3 and √3, another number for each cell of space and each level.
+float cell_noise(const std::array<std::int32_t, 3>& cell, std::int32_t level) {
+  std::uint32_t h = 0x9E3779B9u * static_cast<std::uint32_t>(level + 64);
+  for (const std::int32_t c : cell) {
+    h ^= static_cast<std::uint32_t>(c) * 0x85EBCA6Bu;
+    h ^= h >> 15, h *= 0x2C1B3C6Du;
+    h ^= h >> 12, h *= 0x297A2D39u;
+    h ^= h >> 15;
+  }
+  return (static_cast<float>(h >> 8) * 0x1p-23f - 1) * std::numbers::sqrt3_v<float>;
+}
+
+/// Solid noise whose cells are about `size` wide: between two octaves, so that nothing jumps where the size changes.
+float solid_noise(const Vec3f& at, float size) {
+  const float level = std::log2(size), low = std::floor(level), t = level - low;
+  float sum = 0;
+  for (int octave = 0; octave < 2; ++octave) {
+    const float scale = std::exp2(-(low + static_cast<float>(octave)));
+    std::array<std::int32_t, 3> cell;
+    // Off the origin: planes through it would lie between cells.
+    for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<std::int32_t>(std::floor((at[k] + 8) * scale + 0.37f));
+    sum += (octave == 0 ? 1 - t : t) * cell_noise(cell, static_cast<std::int32_t>(low) + octave);
+  }
+  return sum / std::sqrt(t * t + (1 - t) * (1 - t));
+}
+
+}  // namespace
+
+void FlowTextureOptions::validate() const {
+  check_range("length", length, 1, 1000);
+  check_range("grain", grain, 0.5, 100);
+  check_range("contrast", contrast, 0, 1);
+  if (phase) check_range("phase", *phase, 0, 1);
+}
+
+FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int width, int height)
+    : camera_(camera),
+      width_(width),
+      height_(height),
+      across_((width + kSide - 1) / kSide),
+      footprint_(2 * camera.half_height / static_cast<float>(height)) {
+  const auto rows = static_cast<std::size_t>((height + kSide - 1) / kSide);
+  const auto in_row = static_cast<std::size_t>(across_ * kSide * kSide);
+  struct Row {
+    std::vector<std::uint32_t> counts;
+    std::vector<Entry> entries;
+    std::vector<Vec3f> places;
+  };
+  std::vector<Row> found(rows);
+  parallel_for(0, rows, 1, [&](std::size_t r) {
+    std::vector<Vec3f> directions;
+    std::vector<std::size_t> slots, first;
+    std::vector<SurfacePoint> points;
+    const int top = static_cast<int>(r) * kSide;
+    for (std::size_t i = 0; i < in_row; ++i) {
+      const int place = static_cast<int>(i), x = place / (kSide * kSide) * kSide + place % kSide,
+                y = top + place / kSide % kSide;
+      if (x >= width || y >= height) continue;
+      slots.push_back(i);
+      directions.push_back(camera_.direction((2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1,
+                                             1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(height)));
+    }
+    scene.layers(camera_.position, directions, first, points);
+    Row& row = found[r];
+    row.counts.assign(in_row, 0);
+    for (std::size_t k = 0; k < slots.size(); ++k)
+      row.counts[slots[k]] = static_cast<std::uint32_t>(first[k + 1] - first[k]);
+    for (const SurfacePoint& p : points) {
+      row.entries.push_back(entry(p));
+      row.places.push_back(p.position);
+    }
+  });
+  first_.reserve(rows * in_row + 1);
+  first_.push_back(0);
+  for (const Row& row : found) {
+    for (const std::uint32_t n : row.counts) first_.push_back(first_.back() + n);
+    entries_.insert(entries_.end(), row.entries.begin(), row.entries.end());
+    places_.insert(places_.end(), row.places.begin(), row.places.end());
+  }
+}
+
+std::size_t FlowTexture::slot(int x, int y) const {
+  const int block = y / kSide * across_ + x / kSide;
+  return static_cast<std::size_t>(block * kSide * kSide + y % kSide * kSide + x % kSide);
+}
+
+FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point) const {
+  const Vec3f from = point.position - camera_.position;
+  Entry e;
+  e.depth = -dot(from, camera_.backward);
+  const Vec3f along = point.vector - dot(point.vector, point.normal) * point.normal;
+  const float length = norm(along);
+  if (!(e.depth > 0) || !(length > kAcross * norm(point.vector))) return e;
+  // One pixel's width in space, as it is seen.
+  const float step = footprint_ * e.depth / length;
+  const float away = -dot(along, camera_.backward);
+  const float x = dot(from, camera_.right) / e.depth, y = dot(from, camera_.up) / e.depth;
+  e.du =
+      step * (dot(along, camera_.right) - x * away) / e.depth * static_cast<float>(width_) / (2 * camera_.half_width);
+  e.dv = -step * (dot(along, camera_.up) - y * away) / e.depth / footprint_;
+  return e;
+}
+
+const FlowTexture::Entry* FlowTexture::nearest(int x, int y, float depth) const {
+  const std::size_t i = slot(x, y);
+  const Entry* best = nullptr;
+  for (const Entry *e = entries_.data() + first_[i], *last = entries_.data() + first_[i + 1]; e != last; ++e)
+    if (!best || std::abs(e->depth - depth) < std::abs(best->depth - depth)) best = e;
+  return best;
+}
+
+void FlowTexture::grain(double pixels) {
+  if (grain_ == pixels) return;
+  grain_ = pixels;
+  parallel_for(0, entries_.size(), 4096, [&](std::size_t i) {
+    entries_[i].noise = solid_noise(places_[i], footprint_ * entries_[i].depth * static_cast<float>(pixels));
+  });
+}
+
+float FlowTexture::sum(int x, int y, const Entry& from) const {
+  const int steps = static_cast<int>(kernel_.size() / 2);
+  const float* weights = kernel_.data() + steps;
+  float light = weights[0] * from.noise, power = weights[0] * weights[0];
+  const auto right = static_cast<float>(width_), bottom = static_cast<float>(height_);
+  for (const int way : {-1, 1}) {
+    const Entry* now = &from;
+    float u = static_cast<float>(x) + 0.5f, v = static_cast<float>(y) + 0.5f;
+    int i = x, j = y;
+    for (int k = way; k != way * (steps + 1); k += way) {
+      u += static_cast<float>(way) * now->du, v += static_cast<float>(way) * now->dv;
+      if (!(u >= 0 && v >= 0 && u < right && v < bottom)) break;
+      const int iu = static_cast<int>(u), jv = static_cast<int>(v);
+      if (iu != i || jv != j) {
+        i = iu, j = jv;
+        const Entry* next = nearest(i, j, now->depth);
+        if (!next || std::abs(next->depth - now->depth) > kSameSheet * footprint_ * now->depth) break;
+        if (next->du == 0 && next->dv == 0) break;
+        now = next;
+      }
+      light += weights[k] * now->noise;
+      power += weights[k] * weights[k];
+    }
+  }
+  // Short lines, too, get the full contrast: what counts is the variance of the sum.
+  return power > 0 ? light / std::sqrt(power) : 0;
+}
+
+void FlowTexture::convolve(const FlowTextureOptions& options) {
+  options.validate();
+  grain(options.grain);
+  const int steps = std::max(1, static_cast<int>(std::lround(options.length / 2)));
+  kernel_.clear();
+  for (int k = -steps; k <= steps; ++k) {
+    const float at = static_cast<float>(k) / static_cast<float>(steps + 1), pi = std::numbers::pi_v<float>;
+    float w = 0.5f * (1 + std::cos(pi * at));
+    if (options.phase) w *= 0.5f * (1 + std::cos(2 * pi * (at + static_cast<float>(*options.phase))));
+    kernel_.push_back(w);
+  }
+  // Steps within a cell of the noise add up.
+  const float gain = static_cast<float>(options.contrast / std::sqrt(std::max(1.0, options.grain)));
+  factors_.assign(entries_.size(), 1);
+  parallel_for(0, static_cast<std::size_t>((height_ + kSide - 1) / kSide), 1, [&](std::size_t r) {
+    const int top = static_cast<int>(r) * kSide, bottom = std::min(top + kSide, height_);
+    for (int left = 0; left < width_; left += kSide)
+      for (int y = top; y < bottom; ++y)
+        for (int x = left; x < std::min(left + kSide, width_); ++x) {
+          const std::size_t i = slot(x, y);
+          for (std::uint32_t e = first_[i]; e < first_[i + 1]; ++e)
+            if (entries_[e].du != 0 || entries_[e].dv != 0)
+              factors_[e] = std::clamp(1 + gain * sum(x, y, entries_[e]), kDarkest, kBrightest);
+        }
+  });
+}
+
+float FlowTexture::factor(const Vec3f& direction, const SurfacePoint& point) const {
+  if (point.vector == Vec3f{}) return 1;
+  const float ahead = -dot(direction, camera_.backward);
+  const float u = dot(direction, camera_.right) / (ahead * camera_.half_width),
+              v = dot(direction, camera_.up) / (ahead * camera_.half_height);
+  const int x = static_cast<int>(std::floor(0.5f * (1 + u) * static_cast<float>(width_))),
+            y = static_cast<int>(std::floor(0.5f * (1 - v) * static_cast<float>(height_)));
+  // Painters ask a little beyond the picture's border, too.
+  const Entry* e = nearest(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1),
+                           -dot(point.position - camera_.position, camera_.backward));
+  return e ? factors_[static_cast<std::size_t>(e - entries_.data())] : 1;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,66 @@
+// Line integral convolution on whatever a picture shows (METHODS §5.2): streaks that run along a flow.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/render/camera.h"
+#include "sansmesh/render/picture_scene.h"
+
+namespace sansmesh {
+
+struct FlowTextureOptions {
+  double length = 40;     ///< of the streaks: pixels, 1..1000 (where the surface is seen at right angles)
+  double grain = 1.5;     ///< width of the streaks: pixels, 0.5..100
+  double contrast = 0.4;  ///< 0..1
+  /// Waves run along the streaks with the flow, by one wave as this goes from 0 to 1. Default: none.
+  std::optional<double> phase;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// The texture of one picture: a solid noise around the surface is summed along the flow, for each pixel and each layer
+/// that is seen there. Steps are as long as a pixel is wide, in space; each leads to the pixel that it is seen in, as
+/// long as this shows the same sheet, and on by the vector that the scene has there. (So the flow elsewhere in space
+/// does not count, and of unsteady flows each place goes by the vector of its own time.) The same numbers for any
+/// number of threads.
+class FlowTexture {
+ public:
+  /// `camera` in the coordinates of the scene. Casts a ray through the middle of each pixel.
+  FlowTexture(const PictureScene& scene, const Camera& camera, int width, int height);
+
+  /// Makes the texture; another phase costs no rays. Throws ArgumentError for bad options.
+  void convolve(const FlowTextureOptions& options);
+
+  /// What the light of a point that the scene found along a unit direction is multiplied by: 1 on average and where
+  /// nothing flows.
+  float factor(const Vec3f& direction, const SurfacePoint& point) const;
+
+ private:
+  /// A sheet in a pixel.
+  struct Entry {
+    float du = 0, dv = 0;  // a step along the flow: pixels to the right and down; both 0 where nothing flows
+    float depth = 0;       // from the camera, along its axis
+    float noise = 0;       // mean 0, variance 1
+  };
+  /// Pixels are numbered in blocks, in which neighbours are near each other.
+  std::size_t slot(int x, int y) const;
+  const Entry* nearest(int x, int y, float depth) const;
+  Entry entry(const SurfacePoint& point) const;
+  void grain(double pixels);
+  float sum(int x, int y, const Entry& from) const;
+
+  Camera camera_;
+  int width_, height_, across_;  // blocks in a row
+  float footprint_;              // of a pixel at depth 1
+  std::vector<std::uint32_t> first_;
+  std::vector<Entry> entries_;  // of slot i first_[i] up to first_[i + 1], front to back
+  std::vector<Vec3f> places_;
+  std::vector<float> factors_;
+  std::vector<float> kernel_;  // weights of steps, from the last against the flow to the last along it
+  double grain_ = 0;
+};
+
+}  // namespace sansmesh

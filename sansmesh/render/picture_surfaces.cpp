@@ -1,0 +1,250 @@
+#include "sansmesh/render/picture_surfaces.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <utility>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/render/mesh_scene.h"
+#include "sansmesh/render/painter.h"
+#include "sansmesh/render/surface_scene.h"
+#include "sansmesh/render/volume_picture.h"
+
+namespace sansmesh {
+namespace {
+
+/// A surface with a caster that has coordinates of its own.
+class PlacedScene final : public PictureScene {
+ public:
+  PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
+              const SurfaceRenderOptions& options)
+      : options_(options), scene_(caster, frame, camera, colors, options_) {}
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override {
+    scene_.closest(eye, directions, points);
+  }
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
+    scene_.blocked(rays, answers);
+  }
+
+ private:
+  SurfaceRenderOptions options_;
+  SurfaceScene scene_;
+};
+
+/// A scene with streaks along its flow.
+class TexturedScene final : public PictureScene {
+ public:
+  TexturedScene(std::shared_ptr<const PictureScene> scene, const Camera& camera, const FlowTextureOptions& options,
+                const RenderOptions& picture)
+      : scene_(std::move(scene)), texture_(*scene_, camera, picture.width, picture.height) {
+    texture_.convolve(options);
+  }
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override {
+    scene_->closest(eye, directions, points);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      if (points[i]) points[i]->color *= texture_.factor(directions[i], *points[i]);
+  }
+  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
+              std::vector<SurfacePoint>& points) const override {
+    scene_->layers(eye, directions, first, points);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      for (std::size_t k = first[i]; k < first[i + 1]; ++k)
+        points[k].color *= texture_.factor(directions[i], points[k]);
+  }
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
+    scene_->blocked(rays, answers);
+  }
+
+ private:
+  std::shared_ptr<const PictureScene> scene_;
+  FlowTexture texture_;
+};
+
+/// A scene that others share.
+class SharedScene final : public PictureScene {
+ public:
+  explicit SharedScene(std::shared_ptr<const PictureScene> scene) : scene_(std::move(scene)) {}
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override {
+    scene_->closest(eye, directions, points);
+  }
+  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
+              std::vector<SurfacePoint>& points) const override {
+    scene_->layers(eye, directions, first, points);
+  }
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
+    scene_->blocked(rays, answers);
+  }
+
+ private:
+  std::shared_ptr<const PictureScene> scene_;
+};
+
+class CombinedScene final : public PictureScene {
+ public:
+  explicit CombinedScene(std::vector<std::unique_ptr<PictureScene>> scenes) : scenes_(std::move(scenes)) {}
+  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
+               std::span<std::optional<SurfacePoint>> points) const override {
+    scenes_[0]->closest(eye, directions, points);
+    std::vector<std::optional<SurfacePoint>> others(directions.size());
+    for (std::size_t s = 1; s < scenes_.size(); ++s) {
+      scenes_[s]->closest(eye, directions, others);
+      for (std::size_t i = 0; i < directions.size(); ++i)
+        if (others[i] &&
+            (!points[i] || squared_norm(others[i]->position - eye) < squared_norm(points[i]->position - eye)))
+          points[i] = others[i];
+    }
+  }
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
+    scenes_[0]->blocked(rays, answers);
+    std::vector<std::uint8_t> others(rays.size());
+    for (std::size_t s = 1; s < scenes_.size(); ++s) {
+      scenes_[s]->blocked(rays, others);
+      for (std::size_t i = 0; i < rays.size(); ++i) answers[i] |= others[i];
+    }
+  }
+
+ private:
+  std::vector<std::unique_ptr<PictureScene>> scenes_;
+};
+
+/// A volume that nothing is to be seen of, around translucent surfaces.
+class ClearVolume final : public VolumeField {
+ public:
+  explicit ClearVolume(const Box3& box) : box_(box) {}
+  std::size_t components() const override { return 1; }
+  Box3 bounds() const override { return box_; }
+  void evaluate(std::span<const Vec3> /*x*/, const VolumeAnswers& answers) const override {
+    std::fill(answers.values.begin(), answers.values.end(), 0.0);
+    std::fill(answers.gradients.begin(), answers.gradients.end(), Vec3{});
+    std::fill(answers.inside.begin(), answers.inside.end(), std::uint8_t{1});
+    std::fill(answers.degrees.begin(), answers.degrees.end(), std::uint8_t{0});
+  }
+  void spacing(std::span<const Vec3> /*x*/, std::span<double> found) const override {
+    std::fill(found.begin(), found.end(), box_.diagonal());
+  }
+  void ranges(std::span<const Box3> /*boxes*/, std::span<ValueRange> found) const override {
+    std::fill(found.begin(), found.end(), ValueRange{0, 0});
+  }
+
+ private:
+  Box3 box_;
+};
+
+/// What pictures with the same frame share of a surface.
+struct FlowSurfaceState {
+  TriangleMesh mesh;
+  std::vector<Vec3f> vectors;
+  FlowLook look;
+  RenderOptions options;
+  std::mutex mutex;
+  PictureFrame frame;
+  std::shared_ptr<const PictureScene> scene;
+
+  std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera) {
+    const std::lock_guard lock(mutex);
+    if (!scene || frame.center != wanted.center || frame.size != wanted.size) {
+      Subject subject = make_subject(mesh, options, wanted, vectors);
+      subject.opacity = static_cast<float>(look.opacity);
+      scene = std::make_shared<const MeshScene>(std::move(subject), options, camera.backward);
+      frame = wanted;
+    }
+    return scene;
+  }
+};
+
+}  // namespace
+
+void FlowLook::validate() const {
+  if (texture) texture->validate();
+  check_range("opacity", opacity, 0, 1);
+}
+
+PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options) {
+  options.validate();
+  auto shared = std::make_shared<const TriangleMesh>(mesh);
+  return [shared, options](const PictureFrame& frame, const Camera& camera) {
+    return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera.backward);
+  };
+}
+
+PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
+                                  const SurfaceRenderOptions& options) {
+  options.validate();
+  SurfaceRenderOptions own = options;
+  own.shadows = false;
+  return [&caster, place, colors, own](const PictureFrame& frame, const Camera& camera) {
+    const PictureFrame placed{place.from_input(frame.center), place.from_input(frame.size)};
+    return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
+  };
+}
+
+PictureSurface surface_in_picture(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const FlowLook& look,
+                                  const RenderOptions& options) {
+  options.validate();
+  look.validate();
+  check_argument(vectors.size() == mesh.vertices.size(), "there must be a vector for each vertex");
+  auto state = std::make_shared<FlowSurfaceState>();
+  state->mesh = mesh;
+  state->vectors.assign(vectors.begin(), vectors.end());
+  state->look = look;
+  state->options = options;
+  return [state](const PictureFrame& frame, const Camera& camera) -> std::unique_ptr<PictureScene> {
+    auto scene = state->scene_of(frame, camera);
+    if (!state->look.texture) return std::make_unique<SharedScene>(std::move(scene));
+    return std::make_unique<TexturedScene>(std::move(scene), camera, *state->look.texture, state->options);
+  };
+}
+
+Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+                      bool steady, const RenderOptions& options, Progress& progress) {
+  options.validate();
+  Box3 box;
+  for (const Vec3& p : points)
+    if (is_finite(p)) box.extend(p);
+  if (surfaces.empty() || box.empty()) throw DataError("nothing to draw: no finite points");
+  const double size = box.diagonal();
+  if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
+  if (translucent) {
+    const Vec3 rim{1e-3 * size, 1e-3 * size, 1e-3 * size};  // what is flat has no inside
+    const ClearVolume field({box.lower - rim, box.upper + rim});
+    VolumePictureOptions o;
+    static_cast<RenderOptions&>(o) = options;
+    o.opacity_scale = 0;
+    o.cut_faces = false;
+    o.transfer = TransferFunction{{}, {{0, {}}, {1, {}}}, {{0, 0}, {1, 0}}};
+    o.steady = steady;
+    VolumeSubject subject;
+    subject.field = &field;
+    subject.framed = points;
+    subject.surfaces.assign(surfaces.begin(), surfaces.end());
+    return render_volume(subject, o, progress);
+  }
+  const PictureFrame frame{box.center(), size};
+  std::vector<Vec3f> placed;
+  double reach = 0;
+  for (const Vec3& p : points) {
+    if (!is_finite(p)) continue;
+    placed.push_back(frame.to_picture(p));
+    reach = std::max(reach, static_cast<double>(norm(placed.back())));
+  }
+  const Vec3f middle;
+  const Camera camera = frame_camera(
+      steady ? std::span(&middle, 1) : std::span<const Vec3f>(placed), options.view, options.up, options.field_of_view,
+      static_cast<double>(options.width) / options.height, kPictureMargin, steady ? reach : 0);
+  progress.begin("preparing");
+  std::vector<std::unique_ptr<PictureScene>> scenes;
+  for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));
+  const CombinedScene scene(std::move(scenes));
+  Painter painter(scene, camera, options);
+  if (options.ground) painter.add_ground(placed, 0);
+  return painter.paint(progress);
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,49 @@
+// Surfaces of all kinds that stand in one picture.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/data/placement.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/color_field.h"
+#include "sansmesh/render/flow_texture.h"
+#include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/render_options.h"
+#include "sansmesh/render/surface_caster.h"
+
+namespace sansmesh {
+
+/// A mesh, or a cloud as discs or balls. The mesh is copied. Throws DataError where there is nothing to draw.
+PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
+/// A surface without a mesh, whose coordinates lie at `place` in those of the picture. Caster and colours (which may be
+/// null) must outlive the pictures.
+PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
+                                  const SurfaceRenderOptions& options);
+
+/// How a surface with a flow along it looks.
+struct FlowLook {
+  std::optional<FlowTextureOptions> texture = FlowTextureOptions{};  ///< none: smooth
+  /// Share of the light from behind that is kept back where the surface is seen at right angles, 0..1; at others it is
+  /// more, as of a sheet of glass.
+  double opacity = 1;
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+/// A mesh with the vectors of a flow at its vertices, which is copied. Pictures with the same frame share what they
+/// can. Throws ArgumentError unless there is a vector for each vertex.
+PictureSurface surface_in_picture(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const FlowLook& look,
+                                  const RenderOptions& options);
+
+/// Surfaces alone, lit as render_mesh() does, shadows included. `points` frame them (at least one finite), in the
+/// coordinates of the surfaces. With `translucent` light comes through those with an opacity below 1: then without
+/// shadows and ground. `steady`: the view does not zoom with the direction. Throws DataError where there is nothing to
+/// frame, ArgumentError for bad options.
+Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+                      bool steady, const RenderOptions& options, Progress& progress);
+
+}  // namespace sansmesh
