@@ -44,8 +44,7 @@ struct FlowRenderArguments {
 
 /// The surface as it is drawn, with what its colours mean.
 struct DrawnSurface {
-  TriangleMesh mesh;
-  std::vector<Vec3f> vectors;
+  FlowSubject subject;
   std::optional<TransferFunction> colors;
   std::string title;
 };
@@ -82,22 +81,24 @@ TransferFunction light_colors(const ValueHistogram& values) {
 }
 
 DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surface, OpenFlow& flow) {
-  DrawnSurface drawn{surface.mesh, {}, {}, a.label.empty() ? a.color_by : a.label};
+  DrawnSurface drawn{{surface.mesh, {}, {}}, {}, a.label.empty() ? a.color_by : a.label};
+  FlowSubject& subject = drawn.subject;
   double fastest = 0;
   for (const FlowPoint& p : surface.points) fastest = std::max(fastest, norm(p.velocity));
-  drawn.vectors.reserve(surface.points.size());
-  for (const FlowPoint& p : surface.points)
-    drawn.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
+  for (const FlowPoint& p : surface.points) {
+    subject.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
+    subject.fronts.push_back(p.front);
+  }
   const std::vector<double> values = color_values(a.color_by, surface, flow);
-  drawn.mesh.colors.clear();
+  subject.mesh.colors.clear();
   if (values.empty()) return drawn;
   const ValueHistogram histogram = value_histogram(values);
   const bool signs = histogram.least < 0 && histogram.most > 0 && a.color_by != "time";
   drawn.colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
-  drawn.mesh.colors.reserve(values.size());
+  subject.mesh.colors.reserve(values.size());
   for (const double v : values) {
     const Vec3f c = drawn.colors->color(v);
-    drawn.mesh.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
+    subject.mesh.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
   }
   return drawn;
 }
@@ -188,7 +189,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
       FlowLook frame = a.look;
       if (frame.texture && a.frames > 0) frame.texture->phase = share;
       std::vector<PictureSurface> surfaces = others;
-      surfaces.push_back(surface_in_picture(drawn.mesh, drawn.vectors, frame, look));
+      surfaces.push_back(surface_in_picture(drawn.subject, frame, look));
       Image image;
       if (a.in_volume()) {
         around.emplace(a, *flow.volume(), std::move(surfaces), progress);
@@ -225,6 +226,7 @@ Command add_flow_render(CommandLine& flow) {
   c.add_option("--streak-length", a.streaks.length, "Of the streaks, 1..1000 [40]").type_name("PIXELS").group(look);
   c.add_option("--streak-width", a.streaks.grain, "Of the streaks, 0.5..100 [1.5]").type_name("PIXELS").group(look);
   c.add_option("--streak-contrast", a.streaks.contrast, "Of the streaks, 0..1 [0.4]").type_name("SHARE").group(look);
+  c.add_flag("--splats", a.look.splats, "Particles as discs that blend, as in the source, not the mesh").group(look);
   c.add_option("--opacity", a.look.opacity, "Of the surface where it is seen at right angles, 0..1 [1]")
       .type_name("SHARE")
       .group(look);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <numeric>
+#include <utility>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
@@ -53,7 +53,7 @@ void FlowTextureOptions::validate() const {
   if (phase) check_range("phase", *phase, 0, 1);
 }
 
-FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int width, int height)
+FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int width, int height, bool keep)
     : camera_(camera),
       width_(width),
       height_(height),
@@ -65,6 +65,7 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
     std::vector<std::uint32_t> counts;
     std::vector<Entry> entries;
     std::vector<Vec3f> places;
+    std::vector<SurfacePoint> points;
   };
   std::vector<Row> found(rows);
   parallel_for(0, rows, 1, [&](std::size_t r) {
@@ -89,6 +90,7 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
       row.entries.push_back(entry(p));
       row.places.push_back(p.position);
     }
+    if (keep) row.points = std::move(points);
   });
   first_.reserve(rows * in_row + 1);
   first_.push_back(0);
@@ -96,12 +98,24 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
     for (const std::uint32_t n : row.counts) first_.push_back(first_.back() + n);
     entries_.insert(entries_.end(), row.entries.begin(), row.entries.end());
     places_.insert(places_.end(), row.places.begin(), row.places.end());
+    points_.insert(points_.end(), row.points.begin(), row.points.end());
   }
 }
 
-std::size_t FlowTexture::slot(int x, int y) const {
-  const int block = y / kSide * across_ + x / kSide;
-  return static_cast<std::size_t>(block * kSide * kSide + y % kSide * kSide + x % kSide);
+inline std::size_t FlowTexture::slot(int x, int y) const {
+  const auto u = static_cast<unsigned>(x), v = static_cast<unsigned>(y);  // whose division is a shift
+  const unsigned block = v / kSide * static_cast<unsigned>(across_) + u / kSide;
+  return block * kSide * kSide + v % kSide * kSide + u % kSide;
+}
+
+/// Of a place beyond the picture's border the nearest: painters look a little beyond it.
+std::size_t FlowTexture::slot(const Vec3f& direction) const {
+  const float ahead = -dot(direction, camera_.backward);
+  const float u = dot(direction, camera_.right) / (ahead * camera_.half_width),
+              v = dot(direction, camera_.up) / (ahead * camera_.half_height);
+  const int x = static_cast<int>(std::floor(0.5f * (1 + u) * static_cast<float>(width_))),
+            y = static_cast<int>(std::floor(0.5f * (1 - v) * static_cast<float>(height_)));
+  return slot(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1));
 }
 
 FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point) const {
@@ -121,11 +135,12 @@ FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point) const {
   return e;
 }
 
-const FlowTexture::Entry* FlowTexture::nearest(int x, int y, float depth) const {
-  const std::size_t i = slot(x, y);
-  const Entry* best = nullptr;
-  for (const Entry *e = entries_.data() + first_[i], *last = entries_.data() + first_[i + 1]; e != last; ++e)
-    if (!best || std::abs(e->depth - depth) < std::abs(best->depth - depth)) best = e;
+inline const FlowTexture::Entry* FlowTexture::nearest(std::size_t slot, float depth) const {
+  const Entry *e = entries_.data() + first_[slot], *last = entries_.data() + first_[slot + 1];
+  if (e == last) return nullptr;
+  const Entry* best = e;
+  for (++e; e != last; ++e)
+    if (std::abs(e->depth - depth) < std::abs(best->depth - depth)) best = e;
   return best;
 }
 
@@ -152,7 +167,7 @@ float FlowTexture::sum(int x, int y, const Entry& from) const {
       const int iu = static_cast<int>(u), jv = static_cast<int>(v);
       if (iu != i || jv != j) {
         i = iu, j = jv;
-        const Entry* next = nearest(i, j, now->depth);
+        const Entry* next = nearest(slot(i, j), now->depth);
         if (!next || std::abs(next->depth - now->depth) > kSameSheet * footprint_ * now->depth) break;
         if (next->du == 0 && next->dv == 0) break;
         now = next;
@@ -194,15 +209,16 @@ void FlowTexture::convolve(const FlowTextureOptions& options) {
 
 float FlowTexture::factor(const Vec3f& direction, const SurfacePoint& point) const {
   if (point.vector == Vec3f{}) return 1;
-  const float ahead = -dot(direction, camera_.backward);
-  const float u = dot(direction, camera_.right) / (ahead * camera_.half_width),
-              v = dot(direction, camera_.up) / (ahead * camera_.half_height);
-  const int x = static_cast<int>(std::floor(0.5f * (1 + u) * static_cast<float>(width_))),
-            y = static_cast<int>(std::floor(0.5f * (1 - v) * static_cast<float>(height_)));
-  // Painters ask a little beyond the picture's border, too.
-  const Entry* e = nearest(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1),
-                           -dot(point.position - camera_.position, camera_.backward));
+  const Entry* e = nearest(slot(direction), -dot(point.position - camera_.position, camera_.backward));
   return e ? factors_[static_cast<std::size_t>(e - entries_.data())] : 1;
+}
+
+std::optional<SurfacePoint> FlowTexture::first_point(const Vec3f& direction) const {
+  const std::size_t i = slot(direction);
+  if (first_[i] == first_[i + 1]) return std::nullopt;
+  SurfacePoint point = points_[first_[i]];
+  point.color *= factors_[first_[i]];
+  return point;
 }
 
 }  // namespace sansmesh

@@ -28,8 +28,9 @@ struct FlowTextureOptions {
 /// number of threads.
 class FlowTexture {
  public:
-  /// `camera` in the coordinates of the scene. Casts a ray through the middle of each pixel.
-  FlowTexture(const PictureScene& scene, const Camera& camera, int width, int height);
+  /// `camera` in the coordinates of the scene. Casts a ray through the middle of each pixel. `keep`: first_point() will
+  /// be asked.
+  FlowTexture(const PictureScene& scene, const Camera& camera, int width, int height, bool keep = false);
 
   /// Makes the texture; another phase costs no rays. Throws ArgumentError for bad options.
   void convolve(const FlowTextureOptions& options);
@@ -37,6 +38,8 @@ class FlowTexture {
   /// What the light of a point that the scene found along a unit direction is multiplied by: 1 on average and where
   /// nothing flows.
   float factor(const Vec3f& direction, const SurfacePoint& point) const;
+  /// What the scene showed in the middle of the pixel that a unit direction leads to, its colour times the factor.
+  std::optional<SurfacePoint> first_point(const Vec3f& direction) const;
 
  private:
   /// A sheet in a pixel.
@@ -47,7 +50,8 @@ class FlowTexture {
   };
   /// Pixels are numbered in blocks, in which neighbours are near each other.
   std::size_t slot(int x, int y) const;
-  const Entry* nearest(int x, int y, float depth) const;
+  std::size_t slot(const Vec3f& direction) const;
+  const Entry* nearest(std::size_t slot, float depth) const;
   Entry entry(const SurfacePoint& point) const;
   void grain(double pixels);
   float sum(int x, int y, const Entry& from) const;
@@ -59,7 +63,8 @@ class FlowTexture {
   std::vector<Entry> entries_;  // of slot i first_[i] up to first_[i + 1], front to back
   std::vector<Vec3f> places_;
   std::vector<float> factors_;
-  std::vector<float> kernel_;  // weights of steps, from the last against the flow to the last along it
+  std::vector<SurfacePoint> points_;  // if kept
+  std::vector<float> kernel_;         // weights of steps, from the last against the flow to the last along it
   double grain_ = 0;
 };
 

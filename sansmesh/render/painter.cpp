@@ -60,7 +60,8 @@ class Painter::Work {
         key_frame_(lighting_.key),
         spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, options.occlusion_rays))),
         footprint_(2 * camera.half_height / static_cast<float>(options.height)),
-        rim_(smooth_light ? kSmooth : 0) {}
+        rim_(smooth_light ? kSmooth : 0),
+        paper_(opaque_color(Pixel{}, linear_color(options.background_color))) {}
 
   /// Lets shadows fall on the plane that far below the lowest point.
   void add_ground(std::span<const Vec3f> points, float below) {
@@ -201,6 +202,7 @@ class Painter::Work {
 
   Rgba finish(const Pixel& pixel, int x, int y) const {
     if (options_.background == RenderOptions::Background::transparent) return transparent_color(pixel);
+    if (options_.background == RenderOptions::Background::solid && pixel.cover == 0 && pixel.dark == 0) return paper_;
     Rgba color = opaque_color(pixel, background(x, y));
     if (options_.background == RenderOptions::Background::solid || pixel.cover > 0) return color;
     // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
@@ -291,6 +293,7 @@ class Painter::Work {
   Vec3f foot_;
   float footprint_ = 0;  // of a pixel at distance 1
   int rim_ = kSmooth;    // pixels around a tile
+  Rgba paper_;           // where there is nothing on a solid background
   float floor_ = 0, shadow_reach_ = 1;
   bool ground_ = false;
 };

@@ -11,6 +11,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/render/mesh_scene.h"
 #include "sansmesh/render/painter.h"
+#include "sansmesh/render/splat_scene.h"
 #include "sansmesh/render/surface_scene.h"
 #include "sansmesh/render/volume_picture.h"
 
@@ -41,11 +42,17 @@ class TexturedScene final : public PictureScene {
  public:
   TexturedScene(std::shared_ptr<const PictureScene> scene, const Camera& camera, const FlowTextureOptions& options,
                 const RenderOptions& picture)
-      : scene_(std::move(scene)), texture_(*scene_, camera, picture.width, picture.height) {
+      : scene_(std::move(scene)),
+        one_a_pixel_(picture.samples == 1),
+        texture_(*scene_, camera, picture.width, picture.height, one_a_pixel_) {
     texture_.convolve(options);
   }
   void closest(const Vec3f& eye, std::span<const Vec3f> directions,
                std::span<std::optional<SurfacePoint>> points) const override {
+    if (one_a_pixel_) {
+      for (std::size_t i = 0; i < directions.size(); ++i) points[i] = texture_.first_point(directions[i]);
+      return;
+    }
     scene_->closest(eye, directions, points);
     for (std::size_t i = 0; i < directions.size(); ++i)
       if (points[i]) points[i]->color *= texture_.factor(directions[i], *points[i]);
@@ -63,6 +70,7 @@ class TexturedScene final : public PictureScene {
 
  private:
   std::shared_ptr<const PictureScene> scene_;
+  bool one_a_pixel_;  // its ray has been cast already
   FlowTexture texture_;
 };
 
@@ -139,8 +147,7 @@ class ClearVolume final : public VolumeField {
 
 /// What pictures with the same frame share of a surface.
 struct FlowSurfaceState {
-  TriangleMesh mesh;
-  std::vector<Vec3f> vectors;
+  FlowSubject subject;
   FlowLook look;
   RenderOptions options;
   std::mutex mutex;
@@ -149,11 +156,16 @@ struct FlowSurfaceState {
 
   std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera) {
     const std::lock_guard lock(mutex);
-    if (!scene || frame.center != wanted.center || frame.size != wanted.size) {
-      Subject subject = make_subject(mesh, options, wanted, vectors);
-      subject.opacity = static_cast<float>(look.opacity);
-      scene = std::make_shared<const MeshScene>(std::move(subject), options, camera.backward);
-      frame = wanted;
+    if (scene && frame.center == wanted.center && frame.size == wanted.size) return scene;
+    frame = wanted;
+    const auto opacity = static_cast<float>(look.opacity);
+    if (look.splats) {
+      Splats splats = splats_at_vertices(subject.mesh, subject.vectors, subject.fronts, options, frame);
+      scene = std::make_shared<const SplatScene>(std::move(splats), opacity);
+    } else {
+      Subject drawn = make_subject(subject.mesh, options, frame, subject.vectors);
+      drawn.opacity = opacity;
+      scene = std::make_shared<const MeshScene>(std::move(drawn), options, camera.backward);
     }
     return scene;
   }
@@ -185,14 +197,14 @@ PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& 
   };
 }
 
-PictureSurface surface_in_picture(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const FlowLook& look,
-                                  const RenderOptions& options) {
+PictureSurface surface_in_picture(FlowSubject subject, const FlowLook& look, const RenderOptions& options) {
   options.validate();
   look.validate();
-  check_argument(vectors.size() == mesh.vertices.size(), "there must be a vector for each vertex");
+  const std::size_t n = subject.mesh.vertices.size();
+  check_argument(subject.vectors.size() == n, "there must be a vector for each vertex");
+  check_argument(!look.splats || subject.fronts.size() == n, "splats need a front for each vertex");
   auto state = std::make_shared<FlowSurfaceState>();
-  state->mesh = mesh;
-  state->vectors.assign(vectors.begin(), vectors.end());
+  state->subject = std::move(subject);
   state->look = look;
   state->options = options;
   return [state](const PictureFrame& frame, const Camera& camera) -> std::unique_ptr<PictureScene> {
@@ -242,7 +254,8 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   std::vector<std::unique_ptr<PictureScene>> scenes;
   for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));
   const CombinedScene scene(std::move(scenes));
-  Painter painter(scene, camera, options);
+  const bool soft = options.shadows || options.ground || options.occlusion_rays > 0;
+  Painter painter(scene, camera, options, soft);
   if (options.ground) painter.add_ground(placed, 0);
   return painter.paint(progress);
 }

@@ -1,6 +1,7 @@
 // Surfaces of all kinds that stand in one picture.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,14 +31,21 @@ struct FlowLook {
   /// Share of the light from behind that is kept back where the surface is seen at right angles, 0..1; at others it is
   /// more, as of a sheet of glass.
   double opacity = 1;
+  bool splats = false;  ///< draws the vertices as discs that blend (SplatScene), not the triangles
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// A mesh with the vectors of a flow at its vertices, which is copied. Pictures with the same frame share what they
-/// can. Throws ArgumentError unless there is a vector for each vertex.
-PictureSurface surface_in_picture(const TriangleMesh& mesh, std::span<const Vec3f> vectors, const FlowLook& look,
-                                  const RenderOptions& options);
+/// A surface with a flow along it.
+struct FlowSubject {
+  TriangleMesh mesh;
+  std::vector<Vec3f> vectors;        ///< at its vertices, of any length; of unsteady flows those of their own time
+  std::vector<std::int32_t> fronts;  ///< of its vertices: neighbouring numbers are neighbours in time; only for splats
+};
+
+/// Pictures with the same frame share what they can. Throws ArgumentError unless there is a vector, and with splats a
+/// front, for each vertex.
+PictureSurface surface_in_picture(FlowSubject subject, const FlowLook& look, const RenderOptions& options);
 
 /// Surfaces alone, lit as render_mesh() does, shadows included. `points` frame them (at least one finite), in the
 /// coordinates of the surfaces. With `translucent` light comes through those with an opacity below 1: then without

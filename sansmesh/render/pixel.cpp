@@ -23,7 +23,8 @@ Vec3f surface_light(const Pixel& pixel) {
 
 Rgba opaque_color(const Pixel& pixel, const Vec3f& background) {
   const float beside = 1 - pixel.cover;
-  const Vec3f color = surface_light(pixel) * pixel.cover + background * (beside * (1 - pixel.dark));
+  Vec3f color = background * (beside * (1 - pixel.dark));
+  if (pixel.cover > 0) color += surface_light(pixel) * pixel.cover;
   return {srgb(color.x), srgb(color.y), srgb(color.z), 1};
 }
 

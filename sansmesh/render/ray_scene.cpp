@@ -211,12 +211,13 @@ void RayScene::closest(const Vec3f& origin, std::span<const Vec3f> directions, s
   }
 }
 
-void RayScene::crossings(const Vec3f& origin, const Vec3f& direction, std::vector<RayCrossing>& found) const {
+void RayScene::crossings(const Vec3f& origin, const Vec3f& direction, float length,
+                         std::vector<RayCrossing>& found) const {
   found.clear();
   Query query;
   query.all = &found;
   RTCRayHit hit{};
-  hit.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity());
+  hit.ray = make_ray(origin, direction, length);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(state_->scene, &query.context, &hit);
   std::sort(found.begin(), found.end(), [](const RayCrossing& a, const RayCrossing& b) {

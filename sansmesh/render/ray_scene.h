@@ -45,9 +45,9 @@ class RayScene {
   /// neighbouring slots go fastest. Sizes must agree.
   void closest(const Vec3f& origin, std::span<const Vec3f> directions, std::span<const float> beyond,
                std::span<std::optional<RayHit>> hits) const;
-  /// All of them, by distance, in place of what `found` held. Where a ray meets an edge or a corner, each triangle
-  /// there may count.
-  void crossings(const Vec3f& origin, const Vec3f& direction, std::vector<RayCrossing>& found) const;
+  /// All of them up to a distance, by distance, in place of what `found` held. Where a ray meets an edge or a corner,
+  /// each triangle there may count.
+  void crossings(const Vec3f& origin, const Vec3f& direction, float length, std::vector<RayCrossing>& found) const;
   bool blocked(const Vec3f& origin, const Vec3f& direction, float length) const;
 
  private:

@@ -59,7 +59,7 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
   std::vector<Doubt> doubts;
   std::vector<RayCrossing> hits;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    boundary_->crossings(Vec3f(rays[i].origin), Vec3f(rays[i].direction), hits);
+    boundary_->crossings(Vec3f(rays[i].origin), Vec3f(rays[i].direction), std::numeric_limits<float>::infinity(), hits);
     // Triangles that share an edge or corner may report it each.
     std::vector<RayCrossing> crossings;
     for (const RayCrossing& hit : hits)

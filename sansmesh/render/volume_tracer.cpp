@@ -357,7 +357,7 @@ void VolumeTracer::go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> 
 
 /// Places where iso-surfaces cross the steps of this round; by walk and distance.
 std::size_t VolumeTracer::find_roots(Scratch& s) const {
-  constexpr int kParts = 4;  // of a step that are looked at for a change of sign: a cubic has up to three roots
+  constexpr int kRootParts = 4;  // of a step that are looked at for a change of sign: a cubic has up to three roots
   s.roots.clear();
   for (std::size_t i = 0; i < s.active.size(); ++i) {
     const Walk& walk = s.walks[s.active[i]];
@@ -369,12 +369,12 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
     for (std::size_t k = 0; k < options_.isos.size(); ++k) {
       const double level = options_.isos[k].value;
       double low = a.value - level;
-      for (int p = 1; p <= kParts; ++p) {
-        const double high = (p == kParts ? b.value : value(p / double(kParts))) - level;
+      for (int p = 1; p <= kRootParts; ++p) {
+        const double high = (p == kRootParts ? b.value : value(p / double(kRootParts))) - level;
         if ((low >= 0) != (high >= 0)) {
           Root root;
           root.walk = static_cast<std::uint32_t>(i), root.iso = static_cast<std::uint32_t>(k);
-          root.low = a.t + d * (p - 1) / kParts, root.high = p == kParts ? b.t : a.t + d * p / kParts;
+          root.low = a.t + d * (p - 1) / kRootParts, root.high = p == kRootParts ? b.t : a.t + d * p / kRootParts;
           root.low_value = low, root.high_value = high, root.d = d;
           // Of a single change the ends of the step are as good as those of the part, and known for certain.
           if ((a.value >= level) != (b.value >= level)) root.sure = true;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -41,6 +42,40 @@ TEST(RayScene, ClosedMeshIsHitFromInsideInEveryDirection) {
     EXPECT_FALSE(scene.blocked({0, 0, 0}, d, 0.9f));
     EXPECT_FALSE(scene.closest(2.0f * d, d));
     EXPECT_FALSE(scene.blocked(2.0f * d, d, kEndless));
+  }
+}
+
+TEST(RayScene, PacketsFindWhatSingleRaysFind) {
+  TriangleMesh mesh = test::octasphere(4);
+  const std::size_t count = mesh.triangles.size();
+  for (std::size_t i = 0; i < count; ++i) mesh.triangles.push_back(mesh.triangles[(i * 77 + 5) % count]);
+  const RayScene scene = RayScene::triangles(mesh.vertices, mesh.triangles);
+  const Vec3f eye{0.3f, -0.2f, 3};
+  std::vector<Vec3f> directions;
+  for (int y = 0; y < 41; ++y)
+    for (int x = 0; x < 41; ++x)
+      directions.push_back(
+          normalized(Vec3f{0.02f * static_cast<float>(x - 20), 0.02f * static_cast<float>(y - 20), -1}));
+  std::vector<std::optional<RayHit>> hits(directions.size()), behind(directions.size());
+  scene.closest(eye, directions, {}, hits);
+  std::size_t met = 0;
+  std::vector<float> beyond;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const auto single = scene.closest(eye, directions[i]);
+    beyond.push_back(single ? single->distance + 1e-3f : 0);
+    ASSERT_EQ(hits[i].has_value(), single.has_value()) << i;
+    if (!single) continue;
+    ++met;
+    EXPECT_EQ(hits[i]->primitive, single->primitive);
+    EXPECT_NEAR(hits[i]->distance, single->distance, 1e-5f);
+    EXPECT_LT(norm(hits[i]->normal - single->normal), 1e-5f);
+  }
+  EXPECT_GT(met, 500u);
+  scene.closest(eye, directions, beyond, behind);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    if (!hits[i] || dot(hits[i]->normal, directions[i]) > -0.2f) continue;
+    ASSERT_TRUE(behind[i]) << "the far side";
+    EXPECT_GT(dot(behind[i]->normal, directions[i]), 0);
   }
 }
 

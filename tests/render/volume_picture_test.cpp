@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
@@ -244,6 +245,29 @@ TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
   EXPECT_NEAR(hidden[0] / along(subject, clear, a, b)[0], std::pow(0.7, 4), 2e-3);
   const auto beside = along(subject, options, {0.05, 0.5, 0}, {0.05, 0.5, 1});
   EXPECT_NEAR(beside[3], std::pow(0.7, 10), 1e-5);
+}
+
+TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
+  const FormulaVolume field = constant_volume(0.5);
+  VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
+  const auto sheet = [&](float z, double opacity) {
+    FlowSubject subject;
+    subject.mesh.vertices = {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}};
+    subject.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    subject.vectors.resize(4);
+    return surface_in_picture(subject, {std::nullopt, opacity, false}, options);
+  };
+  const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
+  VolumePictureOptions clear = options;
+  clear.opacity_scale = 0;
+  const double own = along({&field, nullptr, nullptr, {sheet(0.4f, 1)}}, clear, a, b)[0];
+  for (const bool swapped : {false, true}) {
+    const PictureSurface near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
+    VolumeSubject subject{&field, nullptr, nullptr, {swapped ? far : near, swapped ? near : far}};
+    const auto seen = along(subject, options, a, b);
+    EXPECT_NEAR(seen[3], std::pow(0.7, 10) * 0.5 * 0.75, 1e-4);
+    EXPECT_NEAR(seen[0] / own, std::pow(0.7, 4) * 0.5 + std::pow(0.7, 7) * 0.5 * 0.25, 2e-3);
+  }
 }
 
 TEST(VolumePicture, HolesOfABoundaryAreEmpty) {

@@ -1,0 +1,80 @@
+// Pictures of flow surfaces: frames a second, without and with streaks (METHODS §5.2: 63.9 and 26.4 on a graphics
+// card).
+//
+//   benchmark_flow_frames [SIZE] [FRAMES]
+//
+// The stream surface of 256 particles on 256 fronts in a tornado, seen from FRAMES (40) sides, SIZE × SIZE (512)
+// pixels. A frame is everything from rays to shaded pixels, one ray a pixel, without shadows; the surface and the tree
+// over it come before.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow/flow_surface.h"
+#include "sansmesh/render/picture_surfaces.h"
+
+namespace {
+
+using namespace sansmesh;
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+void run(int size, int frames) {
+  const auto flow = analytic_flow("tornado");
+  FlowSurfaceOptions options;
+  options.duration = 3;
+  options.front_step = 3.0 / 255;
+  Progress progress;
+  const FlowSurface surface = flow_surface(*flow, {{{0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}}, false}, options, progress);
+  FlowSubject subject{surface.mesh, {}, {}};
+  std::vector<Vec3> places;
+  for (const FlowPoint& p : surface.points) {
+    subject.vectors.emplace_back(p.velocity);
+    subject.fronts.push_back(p.front);
+    places.push_back(p.position);
+  }
+  RenderOptions look;
+  look.width = look.height = size;
+  look.shadows = look.ground = false;
+  look.samples = 1;
+  look.occlusion_rays = 0;
+  look.up = UpAxis::z;
+  look.background = RenderOptions::Background::solid;
+  fmt::print("{} triangles, {} x {} pixels, {} threads\n", surface.mesh.triangles.size(), size, size, thread_count());
+  for (const bool splats : {false, true})
+    for (const bool streaks : {false, true}) {
+      FlowLook flow_look;
+      flow_look.splats = splats;
+      if (!streaks) flow_look.texture.reset();
+      const PictureSurface drawn = surface_in_picture(subject, flow_look, look);
+      std::vector<double> times;
+      double cpu = 0, covered = 0;
+      for (int k = 0; k <= frames; ++k) {
+        look.view = {360.0 * k / frames, 20};
+        const double begin = seconds(), before = process_cpu_seconds();
+        const Image image = render_surfaces({&drawn, 1}, places, false, true, look, progress);
+        if (k == 0) continue;  // the tree
+        times.push_back(seconds() - begin);
+        cpu += process_cpu_seconds() - before;
+        for (const Rgba& p : image.pixels) covered += p != image.pixels[0];
+      }
+      std::sort(times.begin(), times.end());
+      const double median = times[times.size() / 2];
+      fmt::print("{:6} {:10} {:7.1f} ms a frame (median), {:6.1f} a second; {:7.1f} CPU ms; {:4.1f} % covered\n",
+                 splats ? "splats" : "mesh", streaks ? "streaks" : "smooth", 1e3 * median, 1 / median,
+                 1e3 * cpu / frames, 100 * covered / frames / size / size);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  run(argc > 1 ? std::atoi(argv[1]) : 512, argc > 2 ? std::atoi(argv[2]) : 40);
+  return 0;
+}
