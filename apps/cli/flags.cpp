@@ -29,6 +29,9 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"classes", "--class"},
                                   {"samples", "--antialiasing"},
                                   {"time_step", "--step"},
+                                  {"opacity_scale", "--volume-opacity"},
+                                  {"opacity_scale", "--opacity"},
+                                  {"preset", "--volume-preset"},
                                   {"view.azimuth", "--azimuth"},
                                   {"view.elevation", "--elevation"}};
 

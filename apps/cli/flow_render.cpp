@@ -223,9 +223,15 @@ Command add_flow_render(CommandLine& flow) {
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   const char* const look = "Look";
   c.add_flag("--smooth", a.smooth, "Without streaks along the flow (line integral convolution)").group(look);
-  c.add_option("--streak-length", a.streaks.length, "Of the streaks, 1..1000 [40]").type_name("PIXELS").group(look);
-  c.add_option("--streak-width", a.streaks.grain, "Of the streaks, 0.5..100 [1.5]").type_name("PIXELS").group(look);
-  c.add_option("--streak-contrast", a.streaks.contrast, "Of the streaks, 0..1 [0.4]").type_name("SHARE").group(look);
+  c.add_option("--streak-length", a.streaks.streak_length, "Of the streaks, 1..1000 [40]")
+      .type_name("PIXELS")
+      .group(look);
+  c.add_option("--streak-width", a.streaks.streak_width, "Of the streaks, 0.5..100 [1.5]")
+      .type_name("PIXELS")
+      .group(look);
+  c.add_option("--streak-contrast", a.streaks.streak_contrast, "Of the streaks, 0..1 [0.4]")
+      .type_name("SHARE")
+      .group(look);
   c.add_flag("--splats", a.look.splats, "Particles as discs that blend, as in the source, not the mesh").group(look);
   c.add_option("--opacity", a.look.opacity, "Of the surface where it is seen at right angles, 0..1 [1]")
       .type_name("SHARE")

@@ -47,9 +47,9 @@ float solid_noise(const Vec3f& at, float size) {
 }  // namespace
 
 void FlowTextureOptions::validate() const {
-  check_range("length", length, 1, 1000);
-  check_range("grain", grain, 0.5, 100);
-  check_range("contrast", contrast, 0, 1);
+  check_range("streak_length", streak_length, 1, 1000);
+  check_range("streak_width", streak_width, 0.5, 100);
+  check_range("streak_contrast", streak_contrast, 0, 1);
   if (phase) check_range("phase", *phase, 0, 1);
 }
 
@@ -182,8 +182,8 @@ float FlowTexture::sum(int x, int y, const Entry& from) const {
 
 void FlowTexture::convolve(const FlowTextureOptions& options) {
   options.validate();
-  grain(options.grain);
-  const int steps = std::max(1, static_cast<int>(std::lround(options.length / 2)));
+  grain(options.streak_width);
+  const int steps = std::max(1, static_cast<int>(std::lround(options.streak_length / 2)));
   kernel_.clear();
   for (int k = -steps; k <= steps; ++k) {
     const float at = static_cast<float>(k) / static_cast<float>(steps + 1), pi = std::numbers::pi_v<float>;
@@ -192,7 +192,7 @@ void FlowTexture::convolve(const FlowTextureOptions& options) {
     kernel_.push_back(w);
   }
   // Steps within a cell of the noise add up.
-  const float gain = static_cast<float>(options.contrast / std::sqrt(std::max(1.0, options.grain)));
+  const float gain = static_cast<float>(options.streak_contrast / std::sqrt(std::max(1.0, options.streak_width)));
   factors_.assign(entries_.size(), 1);
   parallel_for(0, static_cast<std::size_t>((height_ + kSide - 1) / kSide), 1, [&](std::size_t r) {
     const int top = static_cast<int>(r) * kSide, bottom = std::min(top + kSide, height_);

@@ -12,9 +12,9 @@
 namespace sansmesh {
 
 struct FlowTextureOptions {
-  double length = 40;     ///< of the streaks: pixels, 1..1000 (where the surface is seen at right angles)
-  double grain = 1.5;     ///< width of the streaks: pixels, 0.5..100
-  double contrast = 0.4;  ///< 0..1
+  double streak_length = 40;     ///< pixels, 1..1000 (where the surface is seen at right angles)
+  double streak_width = 1.5;     ///< pixels, 0.5..100
+  double streak_contrast = 0.4;  ///< 0..1
   /// Waves run along the streaks with the flow, by one wave as this goes from 0 to 1. Default: none.
   std::optional<double> phase;
   /// Throws ArgumentError naming the field.

@@ -132,7 +132,7 @@ TEST(FlowTexture, WithoutAFlowThereIsNothing) {
 TEST(FlowTexture, WavesRunWithTheFlow) {
   const auto scene = scene_of(square(2, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}));
   FlowTextureOptions options;
-  options.length = 30;
+  options.streak_length = 30;
   const auto at = [&](double phase) {
     options.phase = phase;
     return factors(*scene, from_above(), options);
