@@ -121,7 +121,7 @@ class VolumeAround {
     const std::string name = a.volume.empty() ? volume.choice().array : a.volume;
     field_ = volume.field(color_choice(name, volume));
     options_.color_title = name;
-    options_.color_bar = !a.no_bar && !a.volume.empty();
+    options_.color_bar = !a.no_bar && !a.volume.empty() && a.volume_opacity > 0;
     options_.opacity_scale = a.volume.empty() ? 0 : a.volume_opacity;
     options_.preset = a.preset;
     for (const std::string& text : a.isos) options_.isos.push_back(iso_surface_of(text));
