@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
@@ -153,22 +154,39 @@ class TubeMaker {
   std::vector<Vec3> around_;
 };
 
-TubePart tube_of_line(const PolylineSet& lines, std::size_t line, const TubeMaker& maker, double radius) {
-  TubePart part;
+/// The points of one tube, with their numbers.
+struct TubePoints {
   std::vector<Vec3> x;
   std::vector<std::uint32_t> rows;
+};
+
+TubePart tube_of_line(const PolylineSet& lines, std::size_t line, const TubeMaker& maker, const TubeOptions& options) {
+  const double same = kSamePoint * options.radius, step = std::max(same, options.least_step);
+  TubePart part;
+  TubePoints kept;
+  std::optional<std::uint32_t> left_out;  // since the last one that was kept
+  const auto finish = [&] {
+    // The tube ends where the line does.
+    if (const std::size_t n = kept.x.size(); left_out && n > 1) {
+      const Vec3 end(lines.positions[*left_out]);
+      if (norm(end - kept.x[n - 2]) > same) kept.x[n - 1] = end, kept.rows[n - 1] = *left_out;
+    }
+    maker.add(kept.x, kept.rows, part);
+    kept = {}, left_out.reset();
+  };
   for (std::size_t i = lines.offsets[line]; i < lines.offsets[line + 1]; ++i) {
     if (!is_finite(lines.positions[i])) {
-      maker.add(x, rows, part);
-      x.clear(), rows.clear();
+      finish();
       continue;
     }
     const Vec3 p(lines.positions[i]);
-    if (!x.empty() && !(norm(p - x.back()) > kSamePoint * radius)) continue;
-    x.push_back(p);
-    rows.push_back(static_cast<std::uint32_t>(i));
+    const auto row = static_cast<std::uint32_t>(i);
+    if (kept.x.empty() || norm(p - kept.x.back()) > step)
+      kept.x.push_back(p), kept.rows.push_back(row), left_out.reset();
+    else
+      left_out = row;
   }
-  maker.add(x, rows, part);
+  finish();
   return part;
 }
 
@@ -177,6 +195,7 @@ TubePart tube_of_line(const PolylineSet& lines, std::size_t line, const TubeMake
 void TubeOptions::validate() const {
   check_argument(std::isfinite(radius) && radius > 0, "`radius` must be positive");
   check_range("sides", sides, 3, 256);
+  check_argument(std::isfinite(least_step) && least_step >= 0, "`least_step` must not be negative");
 }
 
 TriangleMesh tubes(const PolylineSet& lines, const TubeOptions& options) {
@@ -184,7 +203,7 @@ TriangleMesh tubes(const PolylineSet& lines, const TubeOptions& options) {
   if (lines.positions.size() > std::numeric_limits<std::uint32_t>::max()) throw DataError("too many points for tubes");
   const TubeMaker maker(options);
   std::vector<TubePart> parts(lines.size());
-  parallel_for(0, lines.size(), 1, [&](std::size_t i) { parts[i] = tube_of_line(lines, i, maker, options.radius); });
+  parallel_for(0, lines.size(), 1, [&](std::size_t i) { parts[i] = tube_of_line(lines, i, maker, options); });
 
   TriangleMesh mesh;
   mesh.origin = lines.origin;

@@ -145,6 +145,27 @@ TEST(Tubes, OfTightCurvesStayWithinTheirRadius) {
   }
 }
 
+/// A line that winds up without end where it stops takes no more points than it is long, and the tube ends with it.
+TEST(Tubes, LeaveOutPointsNearerThanTheLeastStep) {
+  std::vector<Vec3> x;
+  for (int i = 0; i < 4000; ++i) {
+    const double r = std::exp(-0.005 * i);
+    x.push_back({r * std::cos(0.05 * i), r * std::sin(0.05 * i), 0});
+  }
+  const TriangleMesh all = tubes(line_of(x), {.radius = 0.02}),
+                     some = tubes(line_of(x), {.radius = 0.02, .sides = 8, .least_step = 0.01});
+  expect_solid(some, 1);
+  EXPECT_LT(some.vertices.size(), all.vertices.size() / 3);
+  for (const Vec3f& v : some.vertices) EXPECT_LT(foot_on(x, Vec3(v)).distance, 0.02 * 1.1);
+  EXPECT_LT(norm(Vec3(some.vertices.back()) - x.back()), 0.0201);
+  // Straight: the end stays where it is.
+  const TriangleMesh two =
+      tubes(line_of({{0, 0, 0}, {1, 0, 0}, {1.4, 0, 0}}), {.radius = 0.1, .sides = 8, .least_step = 0.5});
+  EXPECT_EQ(two.vertices.size(), 16u);
+  EXPECT_NEAR(two.vertices.back().x, 1.4, 1e-6);
+  EXPECT_TRUE(tubes(line_of({{0, 0, 0}, {1, 0, 0}}), {.radius = 0.1, .sides = 8, .least_step = 2}).triangles.empty());
+}
+
 TEST(Tubes, CarryAttributesAndLeaveOutWhatIsNoLine) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   PolylineSet lines;
@@ -185,6 +206,7 @@ TEST(Tubes, RefuseBadOptions) {
   EXPECT_THROW(tubes(lines, {.radius = 0}), ArgumentError);
   EXPECT_THROW(tubes(lines, {.radius = std::numeric_limits<double>::quiet_NaN()}), ArgumentError);
   EXPECT_THROW(tubes(lines, {.radius = 1, .sides = 2}), ArgumentError);
+  EXPECT_THROW(tubes(lines, {.radius = 1, .sides = 8, .least_step = -1}), ArgumentError);
   EXPECT_TRUE(tubes({}, {.radius = 1}).triangles.empty());
 }
 
