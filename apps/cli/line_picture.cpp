@@ -4,12 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_notes.h"
@@ -21,7 +27,7 @@ namespace {
 
 constexpr double kRadius = 1.0 / 400;  // of the diagonal of the lines
 constexpr double kBothSigns = 0.1;     // of the larger side, on the smaller one
-constexpr double kScaleEnds = 0.02;    // of the lines' length, at each end of the scale
+constexpr double kScaleEnds = 0.01;    // of the tubes' area, at each end of the scale
 constexpr double kStep = 0.5;          // between points that are drawn, in radii
 /// Pixels that are left for the lines beside the colour bar, at least.
 constexpr int kLeastBesideBar = 100;
@@ -46,26 +52,27 @@ std::vector<double> numbers_of(const Attribute& a) {
   return values;
 }
 
-/// Each value counts as much as the line is long there: where particles are slow their points crowd. The ends of the
-/// scale leave out what few places have, which would take the colours from all others.
-TransferFunction colors_for(const std::vector<double>& values, const PolylineSet& lines) {
-  std::vector<std::pair<double, double>> weighted;  // value, length
+/// Each value counts as much as it has of the tubes, whose vertices are of these points: where particles are slow or
+/// turn round and round their points crowd. The ends of the scale leave out what little of the tubes has, which would
+/// take the colours from all others.
+TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uint32_t>& points,
+                            const std::vector<double>& values) {
+  std::vector<std::pair<double, double>> weighted;  // value, area
   double whole = 0;
-  for (std::size_t line = 0; line < lines.size(); ++line)
-    for (std::size_t i = lines.offsets[line]; i + 1 < lines.offsets[line + 1]; ++i) {
-      const double length = norm(Vec3(lines.positions[i + 1]) - Vec3(lines.positions[i]));
-      const double value = 0.5 * (values[i] + values[i + 1]);
-      if (std::isfinite(value) && length > 0) weighted.emplace_back(value, length), whole += length;
-    }
+  for (const Triangle& t : mesh.triangles) {
+    const double area = triangle_area(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]));
+    const double value = (values[points[t[0]]] + values[points[t[1]]] + values[points[t[2]]]) / 3;
+    if (std::isfinite(value) && area > 0) weighted.emplace_back(value, area), whole += area;
+  }
   if (weighted.empty()) throw DataError("no line has two places and values there: there is nothing to draw");
   std::sort(weighted.begin(), weighted.end());
   ValueHistogram h;
   h.lower = weighted.front().first, h.upper = weighted.back().first;
   double so_far = 0;
-  for (const auto& [value, length] : weighted) {
+  for (const auto& [value, area] : weighted) {
     if (so_far <= kScaleEnds * whole) h.lower = value;
     if (so_far <= (1 - kScaleEnds) * whole) h.upper = value;
-    so_far += length;
+    so_far += area;
   }
   const bool signs =
       h.lower < 0 && h.upper > 0 && std::min(-h.lower, h.upper) > kBothSigns * std::max(-h.lower, h.upper);
@@ -94,27 +101,25 @@ LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, 
   for (const Vec3f& p : lines.positions)
     if (is_finite(p)) box.extend(Vec3(p));
   const std::vector<double> values = numbers_of(array);
-  const TransferFunction colors = colors_for(values, lines);
-  std::tie(drawn.lower, drawn.upper) = colors.range();
   drawn.radius = a.radius.value_or(kRadius * box.diagonal());
   if (!(drawn.radius > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
 
   progress.begin("tubes");
-  PolylineSet bare;  // of all attributes only the colours are seen
+  PolylineSet bare;  // which point a vertex is of is all that is needed
   bare.origin = lines.origin, bare.positions = lines.positions, bare.offsets = lines.offsets;
-  std::vector<std::uint8_t> bytes(3 * values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const Vec3f c = colors.color(values[i]);
-    for (std::size_t k = 0; k < 3; ++k) bytes[3 * i + k] = to_byte(c[k]);
-  }
-  bare.attributes.set("color", std::move(bytes), 3);
+  std::vector<std::uint32_t> numbers(lines.positions.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  bare.attributes.set("point", std::move(numbers));
   TriangleMesh mesh = tubes(bare, {.radius = drawn.radius, .sides = 8, .least_step = kStep * drawn.radius});
-  if (mesh.triangles.empty()) throw DataError("no line has two points: there is nothing to draw");
   drawn.triangles = mesh.triangles.size();
-  const std::vector<std::uint8_t>& of_vertices = *mesh.attributes.find<std::uint8_t>("color");
-  mesh.colors.resize(mesh.vertices.size());
-  for (std::size_t v = 0; v < mesh.colors.size(); ++v)
-    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = of_vertices[3 * v + k];
+  const std::vector<std::uint32_t>& points = *mesh.attributes.find<std::uint32_t>("point");
+  const TransferFunction colors = colors_for(mesh, points, values);
+  std::tie(drawn.lower, drawn.upper) = colors.range();
+  mesh.colors.resize(points.size());
+  parallel_for(0, points.size(), 4096, [&](std::size_t v) {
+    const Vec3f c = colors.color(values[points[v]]);
+    mesh.colors[v] = {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
+  });
 
   RenderOptions look = a.picture.chosen();
   // Colours are to be read: no shadow on the ground or on other lines.
