@@ -65,7 +65,8 @@ void carry(const std::vector<std::pair<std::string, ArrayChoice>>& arrays, OpenV
 
 void run_flow_lines(FlowLinesArguments& a, Console& console) {
   check_writable(a.output, "lines");
-  a.preview.check();
+  const std::string usual_color = a.options.kind == FlowLineKind::path ? "speed" : "time";
+  a.preview.check(usual_color);
   a.options.forward = a.direction != "backward", a.options.backward = a.direction != "forward";
   OpenFlow flow(a.input, console);
   const TimeRange times = flow.field().times();
@@ -80,9 +81,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
     PolylineSet lines = flow_lines(flow.field(), seeds.points, a.options, console.progress(), &report);
     carry(arrays, flow.volume(), lines, console.progress());
     std::optional<LinePicture> picture;
-    if (!a.preview.file.empty())
-      picture =
-          draw_lines(lines, a.preview, a.options.kind == FlowLineKind::path ? "speed" : "time", console.progress());
+    if (!a.preview.file.empty()) picture = draw_lines(lines, a.preview, usual_color, console.progress());
     console.progress().begin("write");
     write_lines(a.output, lines, {a.ascii});
     if (picture) write_image(a.preview.file, picture->image);

@@ -29,6 +29,8 @@ constexpr double kRadius = 1.0 / 400;  // of the diagonal of the lines
 constexpr double kBothSigns = 0.1;     // of the larger side, on the smaller one
 constexpr double kScaleEnds = 0.01;    // of the tubes' area, at each end of the scale
 constexpr double kStep = 0.5;          // between points that are drawn, in radii
+constexpr double kWidestNumbers = 1.2e-100;
+constexpr const char* kMagnitude = " (magnitude)";
 /// Pixels that are left for the lines beside the colour bar, at least.
 constexpr int kLeastBesideBar = 100;
 
@@ -81,14 +83,22 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
 
 }  // namespace
 
-void LinePictureArguments::check() const {
+void LinePictureArguments::check(const std::string& usual) const {
   if (file.empty()) {
     require(color_by.empty() && !radius && background.empty() && !picture.has_view(),
             "--color-by, --tube-radius, --background and views need --preview");
     return;
   }
   require(!radius || (std::isfinite(*radius) && *radius > 0), "--tube-radius must be positive");
-  picture.chosen().validate();
+  const RenderOptions look = picture.chosen();
+  look.validate();
+  ValueHistogram widest;  // no numbers are wider than those of such a range
+  widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
+  const int bar = value_bar_width(look.height, transfer_function_preset("diverging", widest),
+                                  (color_by.empty() ? usual : color_by) + kMagnitude);
+  if (bar > 0 && look.width < bar + kLeastBesideBar)
+    throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its colour bar, or more",
+                                    look.width, look.height, bar + kLeastBesideBar));
   check_writable(file, "image");
 }
 
@@ -130,12 +140,8 @@ LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, 
   if (a.background == "gradient") look.background = RenderOptions::Background::gradient;
   if (!a.picture.has_view())
     if (const auto view = view_of_layer(box, look.up)) look.view = *view;
-  const std::string title = drawn.color_by + (array.components > 1 ? " (magnitude)" : "");
-  const int bar = value_bar_width(look.height, colors, title);
-  if (bar > 0 && look.width < bar + kLeastBesideBar)
-    throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its colour bar, or more",
-                                    look.width, look.height, bar + kLeastBesideBar));
-  look.width -= bar;
+  const std::string title = drawn.color_by + (array.components > 1 ? kMagnitude : "");
+  look.width -= value_bar_width(look.height, colors, title);
   drawn.image = beside_value_bar(render_mesh(mesh, look, progress), colors, title);
   return drawn;
 }

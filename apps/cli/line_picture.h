@@ -18,7 +18,8 @@ struct LinePictureArguments {
   PictureArguments picture;
 
   /// Throws ArgumentError for bad options and for some that need --preview, FileError where it cannot be written.
-  void check() const;
+  /// `usual`: what colours are by without --color-by.
+  void check(const std::string& usual) const;
 };
 
 /// What was drawn, and how.
@@ -33,7 +34,7 @@ struct LinePicture {
 void add_line_picture(CommandLine& command, LinePictureArguments& arguments);
 
 /// Colours by --color-by, an array of the points, of vectors their lengths; without it by `usual`. Throws ArgumentError
-/// naming the arrays where there is none of that name.
+/// naming the arrays where there is none of that name, DataError where there is nothing to draw.
 LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& arguments, const std::string& usual,
                        Progress& progress);
 
