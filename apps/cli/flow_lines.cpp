@@ -75,6 +75,9 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
       a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
   a.options.closed = seeds.closed;
   const auto arrays = carried_along(a, flow);
+  std::vector<std::string> names = {"time", "speed", "velocity", "vorticity"};
+  for (const auto& array : arrays) names.push_back(array.first);
+  a.preview.check_color(names);
   Json json = {{"input", flow.json()}};
   try {
     FlowLineReport report;

@@ -1,6 +1,7 @@
 #include "line_picture.h"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,14 +34,6 @@ constexpr double kWidestNumbers = 1.2e-100;
 constexpr const char* kMagnitude = " (magnitude)";
 /// Pixels that are left for the lines beside the colour bar, at least.
 constexpr int kLeastBesideBar = 100;
-
-const Attribute& array_of(const PolylineSet& lines, const std::string& name) {
-  if (const Attribute* const a = lines.attributes.find(name)) return *a;
-  std::string names;
-  for (const Attribute& a : lines.attributes) names += (names.empty() ? "" : ", ") + a.name;
-  throw ArgumentError(
-      fmt::format("--color-by {}: the lines have {}; --carry adds arrays of the data", printable(name, 40), names));
-}
 
 /// A number for each row: of vectors their length.
 std::vector<double> numbers_of(const Attribute& a) {
@@ -102,11 +95,17 @@ void LinePictureArguments::check(const std::string& usual) const {
   check_writable(file, "image");
 }
 
+void LinePictureArguments::check_color(const std::vector<std::string>& arrays) const {
+  if (color_by.empty() || std::find(arrays.begin(), arrays.end(), color_by) != arrays.end()) return;
+  throw ArgumentError(fmt::format("--color-by {}: the lines have {}; --carry adds arrays of the data",
+                                  printable(color_by, 40), fmt::join(arrays, ", ")));
+}
+
 LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, const std::string& usual,
                        Progress& progress) {
   LinePicture drawn;
   drawn.color_by = a.color_by.empty() ? usual : a.color_by;
-  const Attribute& array = array_of(lines, drawn.color_by);
+  const Attribute& array = *lines.attributes.find(drawn.color_by);
   Box3 box;
   for (const Vec3f& p : lines.positions)
     if (is_finite(p)) box.extend(Vec3(p));

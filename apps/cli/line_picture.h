@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_line.h"
 #include "option_groups.h"
@@ -20,6 +21,8 @@ struct LinePictureArguments {
   /// Throws ArgumentError for bad options and for some that need --preview, FileError where it cannot be written.
   /// `usual`: what colours are by without --color-by.
   void check(const std::string& usual) const;
+  /// Throws ArgumentError unless --color-by is one of these arrays, or absent.
+  void check_color(const std::vector<std::string>& arrays) const;
 };
 
 /// What was drawn, and how.
@@ -33,8 +36,8 @@ struct LinePicture {
 /// --preview, --color-by, --tube-radius, --background and those of add_picture_options
 void add_line_picture(CommandLine& command, LinePictureArguments& arguments);
 
-/// Colours by --color-by, an array of the points, of vectors their lengths; without it by `usual`. Throws ArgumentError
-/// naming the arrays where there is none of that name, DataError where there is nothing to draw.
+/// Colours by --color-by, an array of the points, of vectors their lengths; without it by `usual`, of which
+/// there must be one. Throws DataError where there is nothing to draw.
 LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& arguments, const std::string& usual,
                        Progress& progress);
 
