@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "flow_input.h"
+#include "line_picture.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/flow/flow_lines.h"
@@ -27,6 +28,7 @@ struct FlowLinesArguments {
   std::optional<double> start;
   std::string output, direction = "forward", carry = "none";
   bool ascii = false;
+  LinePictureArguments preview;
 };
 
 /// What --carry names, by name.
@@ -63,6 +65,8 @@ void carry(const std::vector<std::pair<std::string, ArrayChoice>>& arrays, OpenV
 
 void run_flow_lines(FlowLinesArguments& a, Console& console) {
   check_writable(a.output, "lines");
+  const std::string usual_color = a.options.kind == FlowLineKind::path ? "speed" : "time";
+  a.preview.check(usual_color);
   a.options.forward = a.direction != "backward", a.options.backward = a.direction != "forward";
   OpenFlow flow(a.input, console);
   const TimeRange times = flow.field().times();
@@ -71,13 +75,19 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
       a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
   a.options.closed = seeds.closed;
   const auto arrays = carried_along(a, flow);
+  std::vector<std::string> names = {"time", "speed", "velocity", "vorticity"};
+  for (const auto& array : arrays) names.push_back(array.first);
+  a.preview.check_color(names);
   Json json = {{"input", flow.json()}};
   try {
     FlowLineReport report;
     PolylineSet lines = flow_lines(flow.field(), seeds.points, a.options, console.progress(), &report);
     carry(arrays, flow.volume(), lines, console.progress());
+    std::optional<LinePicture> picture;
+    if (!a.preview.file.empty()) picture = draw_lines(lines, a.preview, usual_color, console.progress());
     console.progress().begin("write");
     write_lines(a.output, lines, {a.ascii});
+    if (picture) write_image(a.preview.file, picture->image);
     console.progress().finish();
     if (report.outside > 0)
       console.warn(a.input.volume.name(), {fmt::format("{} of {} outside of the flow", grouped(report.outside),
@@ -96,10 +106,16 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
     if (!said.empty()) console.say("ended by " + said);
     console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(lines.positions.size(), "point"),
                             length(report.longest)));
+    if (picture)
+      console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview.file,
+                              picture->color_by, picture->lower, picture->upper, length(picture->radius)));
     json["seeds"] = {{"count", report.seeds}, {"outside", report.outside}};
     json["ends"] = ends;
     json["output"] = {
         {"file", a.output}, {"lines", lines.size()}, {"points", lines.positions.size()}, {"longest", report.longest}};
+    if (picture)
+      json["preview"] = {{"file", a.preview.file},  {"color_by", picture->color_by}, {"lower", picture->lower},
+                         {"upper", picture->upper}, {"radius", picture->radius},     {"triangles", picture->triangles}};
   } catch (const DataError& error) {
     throw flow.error(error);
   }
@@ -143,6 +159,7 @@ Command add_flow_lines(CommandLine& flow) {
   c.add_option("--carry", a.carry, "Other arrays at the points: names with commas, all or none [none]")
       .type_name("NAMES");
   add_ascii_flag(c, a.ascii);
+  add_line_picture(c, a.preview);
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"
            "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"

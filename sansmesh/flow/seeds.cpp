@@ -47,11 +47,22 @@ std::size_t count_of(std::string_view text, double value, double least) {
 
 std::vector<Vec3> in_box(const Box3& box, std::size_t n) {
   const Vec3 size = box.size();
-  const double volume = std::max(size.x, 1e-300) * std::max(size.y, 1e-300) * std::max(size.z, 1e-300);
-  const double step = std::cbrt(volume / static_cast<double>(n));
+  // Directions thinner than the step have one layer, and all seeds are for the others.
+  bool thin[3] = {};
+  double step = 0;
+  for (int pass = 0; pass < 3; ++pass) {
+    double product = 1;
+    int wide = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!thin[k]) product *= std::max(size[k], 1e-100), ++wide;
+    if (wide == 0) break;
+    step = std::pow(product / static_cast<double>(n), 1.0 / wide);
+    for (std::size_t k = 0; k < 3; ++k) thin[k] = thin[k] || size[k] < 0.5 * step;
+  }
   std::size_t counts[3];
   for (std::size_t k = 0; k < 3; ++k)
-    counts[k] = static_cast<std::size_t>(std::clamp(std::round(size[k] / step), 1.0, static_cast<double>(n)));
+    counts[k] =
+        thin[k] ? 1 : static_cast<std::size_t>(std::clamp(std::round(size[k] / step), 1.0, static_cast<double>(n)));
   std::vector<Vec3> points;
   for (std::size_t k = 0; k < counts[2]; ++k)
     for (std::size_t j = 0; j < counts[1]; ++j)

@@ -12,6 +12,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/core/vec.h"
+#include "support/png_file.h"
 
 namespace sansmesh::test {
 namespace {
@@ -138,6 +139,60 @@ TEST_F(FlowLinesTool, LinesAreWrittenInEveryFormat) {
     }
 }
 
+/// Pixels that differ much from the first one, and those of them that have a colour.
+std::pair<std::size_t, std::size_t> drawn_and_coloured(const PngPicture& p, std::size_t columns) {
+  std::size_t drawn = 0, coloured = 0;
+  const auto paper = p.at(0, 0);
+  for (std::size_t y = 0; y < p.height; ++y)
+    for (std::size_t x = 0; x < columns; ++x) {
+      const auto c = p.at(x, y);
+      drawn += std::abs(c[0] - paper[0]) + std::abs(c[1] - paper[1]) + std::abs(c[2] - paper[2]) > 60;
+      coloured += std::abs(c[0] - c[1]) + std::abs(c[1] - c[2]) > 40;
+    }
+  return {drawn, coloured};
+}
+
+TEST_F(FlowLinesTool, PreviewsShowTheLinesAsTubes) {
+  const auto preview = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = more;
+    arguments.insert(arguments.end(), {"-o", path("l.vtp"), "--preview", path("l.png"), "--json"});
+    const Outcome outcome = lines(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(path("l.vtp")));
+    return nlohmann::json::parse(outcome.out)["preview"];
+  };
+  // A layer is looked at straight, so that a circle is as wide as high; the bar lies within the width.
+  image("turn", [](const Vec3& x) { return Vec3{-x.y, x.x, 0}; });
+  auto json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)",
+                       "--time", "6", "--width", "400", "--height", "300", "--tube-radius", "0.02"});
+  EXPECT_EQ(json["color_by"], "speed");
+  EXPECT_NEAR(json["radius"].get<double>(), 0.02, 1e-12);
+  EXPECT_NEAR(json["lower"].get<double>(), 0.4, 0.02);
+  EXPECT_NEAR(json["upper"].get<double>(), 0.8, 0.02);
+  PngPicture p = read_png(path("l.png"));
+  ASSERT_EQ(p.width, 400u);
+  ASSERT_EQ(p.height, 300u);
+  std::size_t left = 400, right = 0, top = 300, bottom = 0;
+  for (std::size_t y = 0; y < 300; ++y)
+    for (std::size_t x = 0; x < 300; ++x)
+      if (std::abs(p.at(x, y)[0] - p.at(0, 0)[0]) + std::abs(p.at(x, y)[2] - p.at(0, 0)[2]) > 60)
+        left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+  EXPECT_GT(right - left, 150u);
+  EXPECT_NEAR(static_cast<double>(right - left), static_cast<double>(bottom - top), 8);  // one side is lit
+  const auto [drawn, coloured] = drawn_and_coloured(p, 300);
+  EXPECT_GT(drawn, 1000u);
+  EXPECT_LT(drawn, 30000u);
+  EXPECT_GT(coloured, 500u);
+  // Wider tubes, other colours, streaks.
+  json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)", "--time",
+                  "6", "--width", "400", "--height", "300", "--tube-radius", "0.06", "--color-by", "vorticity"});
+  EXPECT_EQ(json["color_by"], "vorticity");
+  EXPECT_GT(drawn_and_coloured(read_png(path("l.png")), 300).first, 2 * drawn);
+  json = preview({"abc", "--kind", "streak", "--seeds", "box(4)", "--time", "5", "--width", "300", "--height", "200"});
+  EXPECT_EQ(json["color_by"], "time");
+  EXPECT_GT(drawn_and_coloured(read_png(path("l.png")), 200).first, 200u);
+}
+
 TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   const auto surface = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"flow", "surface"};
@@ -192,6 +247,11 @@ TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
   refused({"nowhere"}, "no flow by formula");
   refused({path("still.mhd"), "--unsteady"}, "one step in time");
   refused({"rotation", "--kind", "streak", "--direction", "both"}, "one way");
+  refused({"rotation", "--color-by", "speed"}, "need --preview");
+  refused({"rotation", "--preview", path("p.png"), "--color-by", "heat"}, "time, speed, velocity, vorticity");
+  refused({"rotation", "--preview", path("p.png"), "--tube-radius", "0"}, "--tube-radius");
+  refused({"rotation", "--preview", path("p.png"), "--width", "50"}, "--width 50");
+  refused({"rotation", "--preview", path("p.jpg")}, "p.jpg");
   refused({"rotation", "--seeds", "points(" + path("no.csv") + ")"}, "no.csv");
 }
 

@@ -1,0 +1,166 @@
+#include "line_picture.h"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/mesh/tubes.h"
+#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/render/value_histogram.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr double kRadius = 1.0 / 400;  // of the diagonal of the lines
+constexpr double kBothSigns = 0.1;     // of the larger side, on the smaller one
+constexpr double kScaleEnds = 0.01;    // of the tubes' area, at each end of the scale
+constexpr double kStep = 0.5;          // between points that are drawn, in radii
+constexpr double kWidestNumbers = 1.2e-100;
+constexpr const char* kMagnitude = " (magnitude)";
+/// Pixels that are left for the lines beside the colour bar, at least.
+constexpr int kLeastBesideBar = 100;
+
+/// A number for each row: of vectors their length.
+std::vector<double> numbers_of(const Attribute& a) {
+  std::vector<double> values(a.rows());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    double square = 0;
+    for (std::size_t c = 0; c < a.components; ++c)
+      square += a.number(i * a.components + c) * a.number(i * a.components + c);
+    values[i] = a.components == 1 ? a.number(i) : std::sqrt(square);
+  }
+  return values;
+}
+
+/// Each value counts as much as it has of the tubes, whose vertices are of these points: where particles are slow or
+/// turn round and round their points crowd. The ends of the scale leave out what little of the tubes has, which would
+/// take the colours from all others.
+TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uint32_t>& points,
+                            const std::vector<double>& values) {
+  std::vector<std::pair<double, double>> weighted;  // value, area
+  double whole = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const double area = triangle_area(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]));
+    const double value = (values[points[t[0]]] + values[points[t[1]]] + values[points[t[2]]]) / 3;
+    if (std::isfinite(value) && area > 0) weighted.emplace_back(value, area), whole += area;
+  }
+  if (weighted.empty()) throw DataError("no line has two places and values there: there is nothing to draw");
+  std::sort(weighted.begin(), weighted.end());
+  ValueHistogram h;
+  h.lower = weighted.front().first, h.upper = weighted.back().first;
+  double so_far = 0;
+  for (const auto& [value, area] : weighted) {
+    if (so_far <= kScaleEnds * whole) h.lower = value;
+    if (so_far <= (1 - kScaleEnds) * whole) h.upper = value;
+    so_far += area;
+  }
+  const bool signs =
+      h.lower < 0 && h.upper > 0 && std::min(-h.lower, h.upper) > kBothSigns * std::max(-h.lower, h.upper);
+  return transfer_function_preset(signs ? "diverging" : "flow", h);
+}
+
+}  // namespace
+
+void LinePictureArguments::check(const std::string& usual) const {
+  if (file.empty()) {
+    require(color_by.empty() && !radius && background.empty() && !picture.has_view(),
+            "--color-by, --tube-radius, --background and views need --preview");
+    return;
+  }
+  require(!radius || (std::isfinite(*radius) && *radius > 0), "--tube-radius must be positive");
+  const RenderOptions look = picture.chosen();
+  look.validate();
+  ValueHistogram widest;  // no numbers are wider than those of such a range
+  widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
+  const int bar = value_bar_width(look.height, transfer_function_preset("diverging", widest),
+                                  (color_by.empty() ? usual : color_by) + kMagnitude);
+  if (bar > 0 && look.width < bar + kLeastBesideBar)
+    throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its colour bar, or more",
+                                    look.width, look.height, bar + kLeastBesideBar));
+  check_writable(file, "image");
+}
+
+void LinePictureArguments::check_color(const std::vector<std::string>& arrays) const {
+  if (color_by.empty() || std::find(arrays.begin(), arrays.end(), color_by) != arrays.end()) return;
+  throw ArgumentError(fmt::format("--color-by {}: the lines have {}; --carry adds arrays of the data",
+                                  printable(color_by, 40), fmt::join(arrays, ", ")));
+}
+
+LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, const std::string& usual,
+                       Progress& progress) {
+  LinePicture drawn;
+  drawn.color_by = a.color_by.empty() ? usual : a.color_by;
+  const Attribute& array = *lines.attributes.find(drawn.color_by);
+  Box3 box;
+  for (const Vec3f& p : lines.positions)
+    if (is_finite(p)) box.extend(Vec3(p));
+  const std::vector<double> values = numbers_of(array);
+  drawn.radius = a.radius.value_or(kRadius * box.diagonal());
+  if (!(drawn.radius > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
+
+  progress.begin("tubes");
+  PolylineSet bare;  // which point a vertex is of is all that is needed
+  bare.origin = lines.origin, bare.positions = lines.positions, bare.offsets = lines.offsets;
+  std::vector<std::uint32_t> numbers(lines.positions.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  bare.attributes.set("point", std::move(numbers));
+  TriangleMesh mesh = tubes(bare, {.radius = drawn.radius, .sides = 8, .least_step = kStep * drawn.radius});
+  drawn.triangles = mesh.triangles.size();
+  const std::vector<std::uint32_t>& points = *mesh.attributes.find<std::uint32_t>("point");
+  const TransferFunction colors = colors_for(mesh, points, values);
+  std::tie(drawn.lower, drawn.upper) = colors.range();
+  mesh.colors.resize(points.size());
+  parallel_for(0, points.size(), 4096, [&](std::size_t v) {
+    const Vec3f c = colors.color(values[points[v]]);
+    mesh.colors[v] = {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
+  });
+
+  RenderOptions look = a.picture.chosen();
+  // Colours are to be read: no shadow on the ground or on other lines.
+  look.background = RenderOptions::Background::solid;
+  look.background_color = {0.93f, 0.94f, 0.95f};
+  look.shadows = look.ground = false;
+  if (!a.background.empty()) set_background(look, a.background);
+  if (a.background == "gradient") look.background = RenderOptions::Background::gradient;
+  if (!a.picture.has_view())
+    if (const auto view = view_of_layer(box, look.up)) look.view = *view;
+  const std::string title = drawn.color_by + (array.components > 1 ? kMagnitude : "");
+  look.width -= value_bar_width(look.height, colors, title);
+  drawn.image = beside_value_bar(render_mesh(mesh, look, progress), colors, title);
+  return drawn;
+}
+
+void add_line_picture(CommandLine& c, LinePictureArguments& a) {
+  add_preview_option(c, a.file, "the lines as tubes");
+  const char* const group = "Picture";
+  c.add_option("--color-by", a.color_by,
+               "speed, time, vorticity, or an array of --carry; of vectors their length [speed; of streak and time "
+               "lines time]")
+      .type_name("NAME")
+      .group(group);
+  c.add_option("--tube-radius", a.radius, "Of the tubes [1/400 of the lines' diagonal]")
+      .type_name("LENGTH")
+      .group(group);
+  c.add_option("--background", a.background, "gradient, white, black or transparent [light gray]")
+      .one_of({"gradient", "white", "black", "transparent"})
+      .type_name("NAME")
+      .group(group);
+  add_picture_options(c, a.picture);
+}
+
+}  // namespace sansmesh::cli
