@@ -16,6 +16,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/arrows.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_presets.h"
@@ -27,6 +28,10 @@ namespace {
 
 constexpr double kDark = 0.45;  // of the range of values: colours that are left out below it
 
+constexpr double kArrowSpacing = 0.06;  // of the surface's diagonal
+constexpr double kArrowLength = 0.7;    // of their distance
+constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
+
 struct FlowRenderArguments {
   FlowSurfaceInput input;
   std::string output, color_by = "time", label, title, background = "gradient", volume, preset;
@@ -37,6 +42,7 @@ struct FlowRenderArguments {
   FlowTextureOptions streaks;
   double volume_opacity = 1, turn = 0;
   bool smooth = false, no_bar = false;
+  std::optional<double> arrows;  // distance between them; 0: of our choice
   int frames = 0;
 
   bool in_volume() const { return !volume.empty() || !isos.empty(); }
@@ -103,6 +109,20 @@ DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surf
   return drawn;
 }
 
+/// Arrows along the flow, half sunk into the surface: they are seen from both sides.
+TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
+  if (spacing == 0) spacing = kArrowSpacing * bounds(surface.mesh).diagonal();
+  std::vector<Vec3> positions, vectors;
+  for (const std::uint32_t v : spread_vertices(surface.mesh, spacing)) {
+    const FlowPoint& p = surface.points[v];
+    vectors.push_back(p.velocity);
+    positions.push_back(p.position - normalized(p.velocity) * (0.5 * kArrowLength * spacing));
+  }
+  ArrowOptions options;
+  options.length = kArrowLength * spacing;
+  return arrows(positions, vectors, options);
+}
+
 RenderOptions chosen_look(const FlowRenderArguments& a, const Box3& box) {
   RenderOptions o = a.picture.chosen();
   set_background(o, a.background);
@@ -154,6 +174,7 @@ void check_arguments(const FlowRenderArguments& a) {
   check_writable(a.output, "image");
   check_flow_surface(a.input);
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
+  require(!a.arrows || (std::isfinite(*a.arrows) && *a.arrows >= 0), "--arrows must be a positive length");
   require(a.turn == 0 || a.frames > 0, "--turn needs --frames");
   require(a.frames == 0 || !a.smooth || a.turn != 0, "--frames moves streaks: with --smooth it needs --turn");
   require(!a.volume.empty() || (a.preset.empty() && a.volume_opacity == 1),
@@ -176,6 +197,11 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   const DrawnSurface drawn = drawn_surface(a, surface, flow);
   RenderOptions look = chosen_look(a, flow.field().bounds());
   std::vector<PictureSurface> others = a.contents.read(look, console);
+  if (a.arrows) {
+    RenderOptions dark = look;
+    dark.surface_color = kArrowColor;
+    others.push_back(surface_in_picture(arrows_on(surface, *a.arrows), dark));
+  }
   std::vector<Vec3> places;
   places.reserve(surface.points.size());
   for (const FlowPoint& p : surface.points) places.push_back(p.position);
@@ -235,6 +261,10 @@ Command add_flow_render(CommandLine& flow) {
   c.add_flag("--splats", a.look.splats, "Particles as discs that blend, as in the source, not the mesh").group(look);
   c.add_option("--opacity", a.look.opacity, "Of the surface where it is seen at right angles, 0..1 [1]")
       .type_name("SHARE")
+      .group(look);
+  c.add_option("--arrows", a.arrows, "Arrows along the flow, so far apart [without a value: from the surface's size]")
+      .type_name("LENGTH")
+      .without_value("0")
       .group(look);
   c.add_option("--color-by", a.color_by, "time, speed, seed (place on the curve), none, or another array [time]")
       .type_name("NAME")
