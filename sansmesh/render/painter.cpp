@@ -21,12 +21,14 @@ namespace {
 
 constexpr int kTile = 64;
 constexpr int kBlock = 17;               // pixels whose rays go together: a quarter of a tile with its rim
+constexpr int kCoherent = 4;             // of which a square's rays stand in a row
 constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
 constexpr float kBounce = 0.22f;         // light that what blocks the sky sends instead
 
 /// Rays of a block, and their answers.
 struct Batch {
+  std::vector<std::pair<int, int>> pixels;
   std::vector<Vec3f> directions;
   std::vector<std::optional<SurfacePoint>> points;
   std::vector<ShadowRay> rays;
@@ -93,44 +95,63 @@ class Painter::Work {
 
  private:
   void paint_tile(int left, int top, Image& image) const {
-    constexpr int kStride = kTile + 2 * kSmooth;
     const int right = std::min(left + kTile, image.width), bottom = std::min(top + kTile, image.height);
-    std::vector<Pixel> pixels(static_cast<std::size_t>(kStride) * kStride);
+    Batch batch;
+    std::vector<Pixel> pixels;
+    if (rim_ == 0) {  // each block is done with once it has been looked at
+      constexpr int kStride = kBlock - 1;
+      pixels.resize(static_cast<std::size_t>(kStride) * kStride);
+      for (int v = top; v < bottom; v += kStride)
+        for (int u = left; u < right; u += kStride) {
+          const auto at = [&](int x, int y) -> Pixel& {
+            return pixels[static_cast<std::size_t>((y - v) * kStride + x - u)];
+          };
+          look(u, v, std::min(u + kStride, right), std::min(v + kStride, bottom), batch, at);
+          for (const auto& [x, y] : batch.pixels) image.at(x, y) = finish(at(x, y), x, y);
+        }
+      return;
+    }
+    constexpr int kStride = kTile + 2 * kSmooth;
+    pixels.resize(static_cast<std::size_t>(kStride) * kStride);
     const auto at = [&](int x, int y) -> Pixel& {
       return pixels[static_cast<std::size_t>((y - top + kSmooth) * kStride + x - left + kSmooth)];
     };
     // A rim around the tile serves to smooth, beyond the picture's border as well.
-    Batch batch;
     for (int y = top - rim_; y < bottom + rim_; y += kBlock)
       for (int x = left - rim_; x < right + rim_; x += kBlock)
         look(x, y, std::min(x + kBlock, right + rim_), std::min(y + kBlock, bottom + rim_), batch, at);
     for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x) image.at(x, y) = finish(rim_ > 0 ? smoothed(at, x, y) : at(x, y), x, y);
+      for (int x = left; x < right; ++x) image.at(x, y) = finish(smoothed(at, x, y), x, y);
   }
 
   /// All pixels of a block, whose rays go together.
   template <class At>
   void look(int left, int top, int right, int bottom, Batch& batch, const At& at) const {
     const int n = options_.samples;
+    batch.pixels.clear();
+    for (int v = top; v < bottom; v += kCoherent)
+      for (int u = left; u < right; u += kCoherent)
+        for (int y = v; y < std::min(v + kCoherent, bottom); ++y)
+          for (int x = u; x < std::min(u + kCoherent, right); ++x) batch.pixels.emplace_back(x, y);
     batch.directions.clear();
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x)
-        for (int s = 0; s < n * n; ++s) {
-          const int column = s % n, row = s / n;
-          const float fx = static_cast<float>(x) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n);
-          const float fy = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n);
-          batch.directions.push_back(camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
-                                                       1 - 2 * fy / static_cast<float>(options_.height)));
-        }
+    for (const auto& [x, y] : batch.pixels)
+      for (int s = 0; s < n * n; ++s) {
+        const int column = s % n, row = s / n;
+        const float fx = static_cast<float>(x) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n);
+        const float fy = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n);
+        batch.directions.push_back(camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
+                                                     1 - 2 * fy / static_cast<float>(options_.height)));
+      }
     batch.points.resize(batch.directions.size());
     scene_.closest(camera_.position, batch.directions, batch.points);
 
     batch.rays.clear();
     const auto all_pixels = [&](auto& blocked) {
       std::size_t first = 0;
-      for (int y = top; y < bottom; ++y)
-        for (int x = left; x < right; ++x, first += static_cast<std::size_t>(n * n))
-          at(x, y) = pixel(x, y, &batch.directions[first], &batch.points[first], blocked);
+      for (const auto& [x, y] : batch.pixels) {
+        at(x, y) = pixel(x, y, &batch.directions[first], &batch.points[first], blocked);
+        first += static_cast<std::size_t>(n * n);
+      }
     };
     Recorder recorder{batch.rays};
     all_pixels(recorder);
