@@ -19,10 +19,11 @@ struct FlowInput {
   bool unsteady = false;      ///< all steps of the file, or the files one after the other
   std::vector<double> times;  ///< of files that are the steps; empty: 0, 1, 2, … or as the file says
   TimeInterpolation interpolation = TimeInterpolation::linear;
+  std::optional<double> memory;  ///< GiB for steps that were read
   std::string seeds;
 };
 
-/// DATA, --array and --method, --unsteady, --times, --time-interpolation and --seeds.
+/// DATA, --array and --method, --unsteady, --times, --time-interpolation, --memory and --seeds.
 void add_flow_input(CommandLine& command, FlowInput& input);
 
 /// --integrator, --tolerance, --step-length
@@ -49,6 +50,8 @@ class OpenFlow {
 
  private:
   void open_series(Console& console);
+  /// As --times says; 0, 1, 2, … without.
+  std::vector<double> times_of_files() const;
 
   const FlowInput& input_;
   std::unique_ptr<OpenVolume> volume_;

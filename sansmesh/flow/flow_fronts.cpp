@@ -447,9 +447,24 @@ double least_seed_distance(const VectorField& field, const TraceOptions& options
 
 void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
                    const TraceOptions& options) {
-  parallel_ranges(0, which.size(), kPart, [&](std::size_t first, std::size_t last) {
-    move_particles(field, particles, which.subspan(first, last - first), time, options);
-  });
+  const auto move = [&](std::span<const std::uint32_t> those, double to) {
+    parallel_ranges(0, those.size(), kPart, [&](std::size_t first, std::size_t last) {
+      move_particles(field, particles, those.subspan(first, last - first), to, options);
+    });
+  };
+  // All to the same moment of the field before any goes on: a part that is ahead of others asks for other steps.
+  const auto before = [&](double a, double b) { return options.backward ? a > b : a < b; };
+  const std::span<const double> moments = field.moments();
+  std::vector<std::uint32_t> those;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const double to = options.backward ? moments[moments.size() - 1 - k] : moments[k];
+    if (!before(to, time)) break;
+    those.clear();
+    for (const std::uint32_t i : which)
+      if (!particles.ends[i] && before(particles.times[i], to)) those.push_back(i);
+    move(those, to);
+  }
+  move(which, time);
 }
 
 double front_time(std::vector<double> speeds, double spacing) {
