@@ -16,6 +16,7 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/point_table.h"
 
@@ -87,8 +88,8 @@ class StepReader {
       FlowStep read{dataset.field(choice_, method_, progress, &report), 0};
       read.bytes = report.bytes;
       if (read.field->components() != array_.components)
-        throw DataError(fmt::format("{} has {} components, in the first step {}", array_.name, read.field->components(),
-                                    array_.components));
+        throw DataError(fmt::format("{} holds vectors of {} components, the first step of {}", array_.name,
+                                    read.field->components(), array_.components));
       return read;
     } catch (const ArgumentError& error) {
       throw FileError(file, step + error.what());
@@ -217,10 +218,11 @@ void OpenFlow::open_series(Console& console) {
   first.read.time_step = files ? given.read.time_step : 0;
   first.files = {given.files[0]};
   if (!files && given.read.time_step > 0) throw ArgumentError("`time_step`: --unsteady takes all steps of the file");
-  std::vector<double> times;
+  for (const std::string& file : given.files)
+    if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
   OpenVolume volume(first, console);
   choice_ = vectors_of(volume, first);
-  times = files ? times_of_files() : volume.dataset().times();
+  std::vector<double> times = files ? times_of_files() : volume.dataset().times();
   if (times.size() < 2) throw FileError(given.name(), "holds one step in time: nothing changes (leave out --unsteady)");
   FlowStep step{volume.field(choice_), 0};
   step.bytes = volume.report().bytes;
@@ -250,7 +252,7 @@ std::vector<double> OpenFlow::times_of_files() const {
   return times;
 }
 
-Seeds OpenFlow::seeds(std::size_t count) const {
+Seeds OpenFlow::seeds(std::size_t count, Console& console) const {
   Seeds seeds = parse_seeds(input_.seeds.empty() ? fmt::format("box({})", count) : input_.seeds, field_->bounds());
   if (seeds.file.empty()) return seeds;
   if (seeds.mesh) {
@@ -259,8 +261,23 @@ Seeds OpenFlow::seeds(std::size_t count) const {
   } else {
     seeds.points = read_point_table(seeds.file);
   }
+  const std::size_t all = seeds.points.size();
   std::erase_if(seeds.points, [](const Vec3& x) { return !is_finite(x); });
   if (seeds.points.empty()) throw FileError(seeds.file, "holds no finite points");
+  if (const std::size_t gone = all - seeds.points.size(); gone > 0)
+    console.warn(seeds.file, {fmt::format("{} of {} not finite, and left out", grouped(gone), counted(all, "seed"))});
+  return seeds;
+}
+
+Seeds OpenFlow::seed_curve(Console& console) const {
+  Seeds seeds = this->seeds(0, console);
+  if (!seeds.curve) throw ArgumentError("--seeds must be a curve: line, circle, curve(FILE) or loop(FILE)");
+  try {
+    SeedCurve{seeds.points, seeds.closed}.validate();
+  } catch (const ArgumentError& error) {
+    if (seeds.file.empty()) throw ArgumentError(fmt::format("--seeds: {}", error.what()));
+    throw FileError(seeds.file, error.what());
+  }
   return seeds;
 }
 

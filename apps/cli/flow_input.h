@@ -42,8 +42,11 @@ class OpenFlow {
   const std::string& name() const { return name_; }
   /// The volume of a steady flow; null of others.
   OpenVolume* volume() { return volume_.get(); }
-  /// As --seeds says, those of files read; without it `count` seeds in the box of the flow.
-  Seeds seeds(std::size_t count) const;
+  /// As --seeds says, those of files read (what is not finite there is left out, with a warning); without it `count`
+  /// seeds in the box of the flow.
+  Seeds seeds(std::size_t count, Console& console) const;
+  /// The same, which must be a curve.
+  Seeds seed_curve(Console& console) const;
   /// The same with the name of the file, and where the flow lies.
   FileError error(const DataError& error) const;
   Json json() const;

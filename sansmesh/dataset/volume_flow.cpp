@@ -162,6 +162,9 @@ class FlowInTime final : public VectorField {
       first = std::min(first, shares[i].first);
       last = std::max(last, shares[i].first + shares[i].count);
     }
+    // Of particles on the way to the next step some arrive before others: it belongs to the same window.
+    const bool on_the_way = std::any_of(part.t.begin(), part.t.end(), [&](double t) { return t > times_[interval]; });
+    if (on_the_way) last = std::max(last, interval + 2);
     const std::vector<Loaded> loaded = steps({first, last});
     std::vector<std::size_t> which;
     std::vector<Vec3> x, v;
@@ -174,6 +177,7 @@ class FlowInTime final : public VectorField {
         if (k < shares[i].first || k >= shares[i].first + shares[i].count) continue;
         which.push_back(i), x.push_back(part.x[i]), t.push_back(part.t[i]);
       }
+      if (which.empty()) continue;
       v.resize(which.size()), there.resize(which.size()), j.resize(derivatives ? which.size() : 0);
       loaded[k - first]->evaluate(x, t, v, there, j);
       for (std::size_t w = 0; w < which.size(); ++w) {
@@ -205,8 +209,10 @@ class FlowInTime final : public VectorField {
     const std::lock_guard lock(mutex_);
     std::vector<Loaded> found;
     for (std::size_t k = wanted.first; k < wanted.last; ++k) found.push_back(step(k));
-    if (wanted.first != latest_.first) back_ = wanted.first < latest_.first;
-    latest_ = wanted;
+    if (wanted.first < latest_.first || wanted.last > latest_.last) {  // else a moment at one of the same steps
+      back_ = wanted.last <= latest_.last;
+      latest_ = wanted;
+    }
     const std::size_t next = back_ ? wanted.first - 1 : wanted.last;  // below the first one wraps around, to beyond
     if (next < times_.size() && !ahead_.valid() && !is_kept(next)) {
       ahead_step_ = next;

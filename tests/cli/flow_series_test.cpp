@@ -402,21 +402,25 @@ TEST_F(FlowSeriesTool, ASampledFlowIsFollowedAsItsFormulaIs) {
     cubic_error = std::max(cubic_error, norm(cubic[i] - exact[i]));
     linear_error = std::max(linear_error, norm(linear[i] - exact[i]));
   }
-  EXPECT_LT(cubic_error, 1e-3);
-  EXPECT_LT(linear_error, 2e-2);
-  EXPECT_LT(cubic_error, linear_error);
+  // Steps are a twentieth of the period apart, and the flow tears neighbours apart.
+  EXPECT_LT(cubic_error, 5e-3);
+  EXPECT_LT(linear_error, 6e-2);
+  EXPECT_LT(5 * cubic_error, linear_error);
 }
 
 TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
-  const auto image = [](double t, int channels = 3) {
+  const Box box;
+  const auto image = [&](double t, std::size_t channels = 3) {
     std::string bytes;
-    for (std::size_t i = 0; i < 75 * static_cast<std::size_t>(channels); ++i) {
-      const auto f = static_cast<float>(1 + t + 0.01 * static_cast<double>(i));
+    const std::vector<double> vectors = box.vectors(t);
+    for (std::size_t i = 0; i < 75 * channels; ++i) {
+      const auto f = static_cast<float>(vectors[i]);
       bytes.append(reinterpret_cast<const char*>(&f), sizeof f);
     }
     return fmt::format(
-               "ObjectType = Image\nNDims = 3\nDimSize = 5 5 3\nElementType = MET_FLOAT\n"
-               "ElementNumberOfChannels = {}\nElementByteOrderMSB = False\nElementDataFile = LOCAL\n",
+               "ObjectType = Image\nNDims = 3\nDimSize = 5 5 3\nElementSpacing = 0.5 0.5 0.25\nOffset = -1 -1 0\n"
+               "ElementType = MET_FLOAT\nElementNumberOfChannels = {}\nElementByteOrderMSB = False\nElementDataFile = "
+               "LOCAL\n",
                channels) +
            bytes;
   };
@@ -426,7 +430,7 @@ TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
   write("points.csv", "x,y,z,p\n0,0,0,1\n1,0,0,2\n0,1,0,3\n0,0,1,4\n1,1,1,5\n");
   const auto command = [](std::vector<std::string> files, const std::vector<std::string>& more = {}) {
     files.insert(files.begin(), {"flow", "lines"});
-    files.insert(files.end(), {"--unsteady", "-o", "x.csv"});
+    files.insert(files.end(), {"--unsteady", "--seeds", "point(0.5,0,0.25)", "--method", "linear", "-o", "x.csv"});
     files.insert(files.end(), more.begin(), more.end());
     return files;
   };
@@ -436,7 +440,7 @@ TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
       {command({"a.mha", "b.mha", "cut.mha"}), 1, {"cut.mha"}},
       {command({"a.mha", "b.mha", "no.mha"}), 1, {"no.mha"}},
       {command({"a.mha", "points.csv"}), 1, {"points.csv", "no array"}},
-      {command({"a.mha", "b.mha", "two.mha"}), 1, {"two.mha", "2 components", "3"}},
+      {command({"a.mha", "b.mha", "two.mha"}), 1, {"two.mha", "vectors of 2 components, the first step of 3"}},
       {command({"a.mha", "b.mha", "c.mha"}, {"--times", "0,2,1"}), 1, {"a.mha and 2 other files", "step 2 is of 1"}},
       {command({"a.mha", "b.mha", "c.mha"}, {"--times", "0,0"}), 1, {"must increase"}},
       {command({"a.mha", "b.mha", "c.mha"}, {"--times", "0,1,2,3"}), 2, {"--times has 4 numbers for 3 files"}},
