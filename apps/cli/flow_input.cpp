@@ -65,11 +65,12 @@ std::uint64_t usual_memory() {
 /// The steps of a series, read one at a time.
 class StepReader {
  public:
-  StepReader(VolumeInput input, DatasetArray array, ArrayChoice choice, ReconstructionOptions method, FlowStep first)
+  StepReader(VolumeInput input, DatasetArray array, ArrayChoice choice, const ReconstructionOptions& method,
+             FlowStep first)
       : input_(std::move(input)),
         array_(std::move(array)),
         choice_(std::move(choice)),
-        method_(std::move(method)),
+        method_(method),
         first_(std::move(first)) {}
 
   FlowStep read(std::size_t i) {
@@ -247,8 +248,8 @@ std::vector<double> OpenFlow::times_of_files() const {
     throw ArgumentError(
         fmt::format("--times has {} numbers for {} files: as many, or the first and the step", input_.times.size(), n));
   const double from = input_.times.empty() ? 0 : input_.times[0], step = input_.times.empty() ? 1 : input_.times[1];
-  std::vector<double> times;
-  for (std::size_t i = 0; i < n; ++i) times.push_back(from + step * static_cast<double>(i));
+  std::vector<double> times(n);
+  for (std::size_t i = 0; i < n; ++i) times[i] = from + step * static_cast<double>(i);
   return times;
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -216,7 +217,10 @@ class FlowInTime final : public VectorField {
     const std::size_t next = back_ ? wanted.first - 1 : wanted.last;  // below the first one wraps around, to beyond
     if (next < times_.size() && !ahead_.valid() && !is_kept(next)) {
       ahead_step_ = next;
-      ahead_ = std::async(std::launch::async, [this, next] { return read(next); });
+      ahead_ = std::async(std::launch::async, [this, next, threads = thread_count()] {
+        const ThreadScope scope(std::min(threads, ThreadScope::kMost));
+        return read(next);
+      });
     }
     return found;
   }

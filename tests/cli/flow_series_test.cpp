@@ -221,7 +221,7 @@ std::string nek_step(double t) {
       for (std::size_t c = 0; c < 2; ++c)
         for (int j = 0; j < 4; ++j)
           for (int i = 0; i < 4; ++i) {
-            const Vec3 x{e % 2 - 1 + nodes[i], e / 2 - 1 + nodes[j], 0};
+            const Vec3 x{(e % 2 == 0 ? -1 : 0) + nodes[i], (e < 2 ? -1 : 0) + nodes[j], 0};
             add(static_cast<float>(velocity ? spin(x, t)[c] : x[c]));
           }
   return bytes;
