@@ -81,7 +81,7 @@ void move_particles(const VectorField& field, Particles& particles, std::span<co
                     const TraceOptions& options);
 
 /// move_particles(), in parts on several threads (the particles do not see each other), all together from one moment of
-/// the field to the next.
+/// the field to the next; `most_steps` counts between two of them.
 void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
                    const TraceOptions& options);
 
