@@ -32,6 +32,9 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"opacity_scale", "--volume-opacity"},
                                   {"opacity_scale", "--opacity"},
                                   {"preset", "--volume-preset"},
+                                  {"duration", "--time"},
+                                  {"step", "--step-length"},
+                                  {"seeds", "--particles"},
                                   {"view.azimuth", "--azimuth"},
                                   {"view.elevation", "--elevation"}};
 

@@ -2,20 +2,28 @@
 
 #include <fmt/core.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <set>
 #include <utility>
 
 #include "command_line.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/point_table.h"
 
 namespace sansmesh::cli {
 namespace {
+
+constexpr double kGib = 1024.0 * 1024 * 1024;
 
 std::string flow_names() {
   std::string names;
@@ -43,6 +51,84 @@ ArrayChoice vectors_of(OpenVolume& volume, const VolumeInput& input) {
   throw FileError(input.name(),
                   names.empty() ? "holds no arrays" : "holds no vectors; its arrays and their components: " + names);
 }
+
+/// A quarter of the memory that this process may use, in bytes.
+std::uint64_t usual_memory() {
+  const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
+               page = static_cast<double>(::sysconf(_SC_PAGESIZE));
+  double most = pages > 0 && page > 0 ? pages * page : 4.0 * kGib;
+  // Of a container; the file holds a word where there is no limit.
+  if (double limit = 0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) most = std::min(most, limit);
+  return static_cast<std::uint64_t>(most / 4);
+}
+
+/// The steps of a series, read one at a time.
+class StepReader {
+ public:
+  StepReader(VolumeInput input, DatasetArray array, ArrayChoice choice, const ReconstructionOptions& method,
+             FlowStep first)
+      : input_(std::move(input)),
+        array_(std::move(array)),
+        choice_(std::move(choice)),
+        method_(method),
+        first_(std::move(first)) {}
+
+  FlowStep read(std::size_t i) {
+    if (i == 0 && first_.field) return std::exchange(first_, {});
+    const bool files = input_.files.size() > 1;
+    const std::string& file = input_.files[files ? i : 0];
+    VolumeReadOptions options = input_.read;
+    options.time_step = files ? input_.read.time_step : i;
+    const std::string step = files ? "" : fmt::format("step {}: ", i);
+    Progress progress;
+    try {
+      GridData data = read_volumes({file}, options);
+      keep_array(data, file, step);
+      VolumeDataset dataset(std::move(data));
+      ReconstructionReport report;
+      FlowStep read{dataset.field(choice_, method_, progress, &report), 0};
+      read.bytes = report.bytes;
+      if (read.field->components() != array_.components)
+        throw DataError(fmt::format("{} holds vectors of {} components, the first step of {}", array_.name,
+                                    read.field->components(), array_.components));
+      return read;
+    } catch (const ArgumentError& error) {
+      throw FileError(file, step + error.what());
+    } catch (const DataError& error) {
+      throw FileError(file, step + error.what());
+    }
+  }
+
+ private:
+  /// Nothing else is needed of a step.
+  void keep_array(GridData& data, const std::string& file, const std::string& step) const {
+    bool found = false;
+    std::set<std::string> others;
+    const auto keep = [&](AttributeTable& arrays, Association of) {
+      std::vector<std::string> names;
+      for (const Attribute& a : arrays) {
+        if (a.name == array_.name && of == array_.of)
+          found = true;
+        else
+          names.push_back(a.name);
+      }
+      for (const std::string& name : names) arrays.erase(name), others.insert(name);
+    };
+    for (GridBlock& block : data.blocks)
+      keep(block.point_arrays, Association::points), keep(block.cell_arrays, Association::cells);
+    if (found) return;
+    std::string names;
+    for (const std::string& name : others) names += (names.empty() ? "; those there are: " : ", ") + name;
+    throw FileError(file, fmt::format("{}has no array {} of {}, as the first step has{}", step, array_.name,
+                                      array_.of == Association::points ? "points" : "cells", names));
+  }
+
+  VolumeInput input_;
+  DatasetArray array_;
+  ArrayChoice choice_;
+  ReconstructionOptions method_;
+  FlowStep first_;
+};
 
 }  // namespace
 
@@ -74,6 +160,9 @@ void add_flow_input(CommandLine& c, FlowInput& input) {
                                    {"cubic", TimeInterpolation::cubic}},
                                   "Between steps: constant, linear or cubic [linear]")
       .type_name("NAME");
+  c.add_option("--memory", input.memory,
+               "Steps of a series are kept in so many GiB to be used again [a quarter of the machine's]")
+      .type_name("GIB");
   c.add_option("--seeds", input.seeds,
                "line(a, b, n), circle(c, normal, r, n), plane(o, u, v, nu, nv), box(n), point(x,y,z), points(FILE), "
                "curve(FILE), loop(FILE), mesh(FILE), with numbers for a, b, …; several with ; between them")
@@ -107,6 +196,7 @@ OpenFlow::OpenFlow(const FlowInput& input, Console& console) : input_(input) {
     throw FileError(input.volume.files[0], "no such file, and no flow by formula: " + flow_names());
   const bool series = input.unsteady && input.volume.files.size() > 1;
   if (!input.times.empty() && !series) throw ArgumentError("--times needs --unsteady and several files");
+  if (input.memory && !(*input.memory >= 0)) throw ArgumentError("--memory must be at least 0");
   if (input.unsteady) {
     open_series(console);
     return;
@@ -123,55 +213,47 @@ OpenFlow::OpenFlow(const FlowInput& input, Console& console) : input_(input) {
 
 void OpenFlow::open_series(Console& console) {
   // The first step says which array, which method and, of a file of several, when the others are.
-  const bool files = input_.volume.files.size() > 1;
-  VolumeInput first = input_.volume;
-  first.read.time_step = 0;
-  if (files) first.files = {input_.volume.files[0]};
-  std::vector<double> times;
-  ReconstructionOptions method;
-  {
-    OpenVolume volume(first, console);
-    choice_ = vectors_of(volume, first);
-    volume.field(choice_);
-    method = volume.report().options;
-    times = volume.dataset().times();
-  }
-  if (files) {
-    const std::size_t n = input_.volume.files.size();
-    if (input_.times.size() == n)
-      times = input_.times;
-    else if (input_.times.empty() || input_.times.size() == 2) {
-      const double from = input_.times.empty() ? 0 : input_.times[0], step = input_.times.empty() ? 1 : input_.times[1];
-      times.clear();
-      for (std::size_t i = 0; i < n; ++i) times.push_back(from + step * static_cast<double>(i));
-    } else {
-      throw ArgumentError(fmt::format("--times has {} numbers for {} files: as many, or the first and the step",
-                                      input_.times.size(), n));
-    }
-  }
-  if (times.size() < 2)
-    throw FileError(input_.volume.name(), "holds one step in time: nothing changes (leave out --unsteady)");
-  name_ = fmt::format("{} of {}, {} steps", choice_.array, input_.volume.name(), times.size());
-  const auto load = [input = input_.volume, files, choice = choice_, method](std::size_t i) {
-    std::vector<std::string> names = files ? std::vector<std::string>{input.files[i]} : input.files;
-    VolumeReadOptions read = input.read;
-    read.time_step = files ? input.read.time_step : i;
-    Progress progress;
-    VolumeDataset dataset(read_volumes(names, read));
-    try {
-      return dataset.field(choice, method, progress);
-    } catch (const DataError& error) {
-      throw FileError(names[0], error.what());
-    }
-  };
+  const VolumeInput& given = input_.volume;
+  const bool files = given.files.size() > 1;
+  VolumeInput first = given;
+  first.read.time_step = files ? given.read.time_step : 0;
+  first.files = {given.files[0]};
+  if (!files && given.read.time_step > 0) throw ArgumentError("`time_step`: --unsteady takes all steps of the file");
+  for (const std::string& file : given.files)
+    if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
+  OpenVolume volume(first, console);
+  choice_ = vectors_of(volume, first);
+  std::vector<double> times = files ? times_of_files() : volume.dataset().times();
+  if (times.size() < 2) throw FileError(given.name(), "holds one step in time: nothing changes (leave out --unsteady)");
+  FlowStep step{volume.field(choice_), 0};
+  step.bytes = volume.report().bytes;
+  name_ = fmt::format("{} of {}, {} steps", choice_.array, given.name(), times.size());
+  const auto reader = std::make_shared<StepReader>(given, volume.dataset().array(choice_.array), choice_,
+                                                   volume.report().options, std::move(step));
+  FlowSeriesOptions options;
+  options.interpolation = input_.interpolation;
+  options.memory = input_.memory ? static_cast<std::uint64_t>(std::min(*input_.memory * kGib, 1e18)) : usual_memory();
   try {
-    field_ = flow_in_time(std::move(times), load, input_.interpolation);
+    field_ = flow_in_time(
+        std::move(times), [reader](std::size_t i) { return reader->read(i); }, options);
   } catch (const ArgumentError& error) {
-    throw FileError(input_.volume.name(), error.what());
+    throw FileError(given.name(), error.what());
   }
 }
 
-Seeds OpenFlow::seeds(std::size_t count) const {
+std::vector<double> OpenFlow::times_of_files() const {
+  const std::size_t n = input_.volume.files.size();
+  if (input_.times.size() == n) return input_.times;
+  if (!input_.times.empty() && input_.times.size() != 2)
+    throw ArgumentError(
+        fmt::format("--times has {} numbers for {} files: as many, or the first and the step", input_.times.size(), n));
+  const double from = input_.times.empty() ? 0 : input_.times[0], step = input_.times.empty() ? 1 : input_.times[1];
+  std::vector<double> times(n);
+  for (std::size_t i = 0; i < n; ++i) times[i] = from + step * static_cast<double>(i);
+  return times;
+}
+
+Seeds OpenFlow::seeds(std::size_t count, Console& console) const {
   Seeds seeds = parse_seeds(input_.seeds.empty() ? fmt::format("box({})", count) : input_.seeds, field_->bounds());
   if (seeds.file.empty()) return seeds;
   if (seeds.mesh) {
@@ -180,8 +262,23 @@ Seeds OpenFlow::seeds(std::size_t count) const {
   } else {
     seeds.points = read_point_table(seeds.file);
   }
+  const std::size_t all = seeds.points.size();
   std::erase_if(seeds.points, [](const Vec3& x) { return !is_finite(x); });
   if (seeds.points.empty()) throw FileError(seeds.file, "holds no finite points");
+  if (const std::size_t gone = all - seeds.points.size(); gone > 0)
+    console.warn(seeds.file, {fmt::format("{} of {} not finite, and left out", grouped(gone), counted(all, "seed"))});
+  return seeds;
+}
+
+Seeds OpenFlow::seed_curve(Console& console) const {
+  Seeds seeds = this->seeds(0, console);
+  if (!seeds.curve) throw ArgumentError("--seeds must be a curve: line, circle, curve(FILE) or loop(FILE)");
+  try {
+    SeedCurve{seeds.points, seeds.closed}.validate();
+  } catch (const ArgumentError& error) {
+    if (seeds.file.empty()) throw ArgumentError(fmt::format("--seeds: {}", error.what()));
+    throw FileError(seeds.file, error.what());
+  }
   return seeds;
 }
 

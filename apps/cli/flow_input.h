@@ -19,10 +19,11 @@ struct FlowInput {
   bool unsteady = false;      ///< all steps of the file, or the files one after the other
   std::vector<double> times;  ///< of files that are the steps; empty: 0, 1, 2, … or as the file says
   TimeInterpolation interpolation = TimeInterpolation::linear;
+  std::optional<double> memory;  ///< GiB for steps that were read
   std::string seeds;
 };
 
-/// DATA, --array and --method, --unsteady, --times, --time-interpolation and --seeds.
+/// DATA, --array and --method, --unsteady, --times, --time-interpolation, --memory and --seeds.
 void add_flow_input(CommandLine& command, FlowInput& input);
 
 /// --integrator, --tolerance, --step-length
@@ -41,14 +42,19 @@ class OpenFlow {
   const std::string& name() const { return name_; }
   /// The volume of a steady flow; null of others.
   OpenVolume* volume() { return volume_.get(); }
-  /// As --seeds says, those of files read; without it `count` seeds in the box of the flow.
-  Seeds seeds(std::size_t count) const;
+  /// As --seeds says, those of files read (what is not finite there is left out, with a warning); without it `count`
+  /// seeds in the box of the flow.
+  Seeds seeds(std::size_t count, Console& console) const;
+  /// The same, which must be a curve.
+  Seeds seed_curve(Console& console) const;
   /// The same with the name of the file, and where the flow lies.
   FileError error(const DataError& error) const;
   Json json() const;
 
  private:
   void open_series(Console& console);
+  /// As --times says; 0, 1, 2, … without.
+  std::vector<double> times_of_files() const;
 
   const FlowInput& input_;
   std::unique_ptr<OpenVolume> volume_;

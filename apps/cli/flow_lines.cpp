@@ -70,7 +70,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   a.options.forward = a.direction != "backward", a.options.backward = a.direction != "forward";
   OpenFlow flow(a.input, console);
   const TimeRange times = flow.field().times();
-  const Seeds seeds = flow.seeds(kDefaultSeeds);
+  const Seeds seeds = flow.seeds(kDefaultSeeds, console);
   a.options.start =
       a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
   a.options.closed = seeds.closed;

@@ -58,8 +58,7 @@ FlowSurface trace_flow_surface(const FlowSurfaceInput& a, const OpenFlow& flow, 
   if (a.interpolated) o.insertion = FlowInsertion::interpolated;
   if (a.time) o.duration = *a.time;
   if (!a.sweep.empty()) o.sweep = {a.sweep[0], a.sweep[1], a.sweep[2]};
-  const Seeds seeds = flow.seeds(0);
-  require(seeds.curve, "--seeds must be a curve: line, circle, curve(FILE) or loop(FILE)");
+  const Seeds seeds = flow.seed_curve(console);
   if (a.particles)
     o.seeds = *a.particles;
   else if (seeds.file.empty())
@@ -70,6 +69,9 @@ FlowSurface trace_flow_surface(const FlowSurfaceInput& a, const OpenFlow& flow, 
     if (!surface.report.complete)
       console.warn(a.flow.volume.name(),
                    {"ended after as many fronts or particles as are allowed: --time gives an end"});
+    if (const std::size_t outside = surface.report.ends[static_cast<std::size_t>(TraceEnd::outside)]; outside > 0)
+      console.warn(a.flow.volume.name(), {fmt::format("{} of {} began outside of the flow", grouped(outside),
+                                                      counted(surface.report.particles, "particle"))});
     return surface;
   } catch (const DataError& error) {
     throw flow.error(error);

@@ -1,15 +1,16 @@
 #include "sansmesh/dataset/volume_flow.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 #include <future>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -46,14 +47,17 @@ class VolumeFlow final : public VectorField {
 
 class FlowInTime final : public VectorField {
  public:
-  FlowInTime(std::vector<double> times, std::function<std::shared_ptr<const VolumeField>(std::size_t)> load,
-             TimeInterpolation interpolation)
-      : times_(std::move(times)), load_(std::move(load)), interpolation_(interpolation) {
+  FlowInTime(std::vector<double> times, std::function<FlowStep(std::size_t)> load, const FlowSeriesOptions& options)
+      : times_(std::move(times)), load_(std::move(load)), options_(options) {
     if (times_.size() < 2) throw ArgumentError("a flow in time needs two steps at least");
-    for (std::size_t i = 0; i < times_.size(); ++i)
-      if (!std::isfinite(times_[i]) || (i > 0 && !(times_[i] > times_[i - 1])))
-        throw ArgumentError("the times of the steps must increase");
-    bounds_ = step(0)->bounds();
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+      if (!std::isfinite(times_[i])) throw ArgumentError(fmt::format("the time of step {} is not known", i));
+      if (i > 0 && !(times_[i] > times_[i - 1]))
+        throw ArgumentError(
+            fmt::format("the times of the steps must increase: step {} is of {:.9g}, the one before of {:.9g}", i,
+                        times_[i], times_[i - 1]));
+    }
+    bounds_ = steps({0, 1})[0]->bounds();
   }
   ~FlowInTime() override {
     if (ahead_.valid()) ahead_.wait();
@@ -94,6 +98,8 @@ class FlowInTime final : public VectorField {
   }
 
  private:
+  using Loaded = std::shared_ptr<const VectorField>;
+
   struct Part {
     std::vector<Vec3> x;
     std::vector<double> t;
@@ -115,8 +121,11 @@ class FlowInTime final : public VectorField {
   };
   Shares shares_at(std::size_t interval, double t) const {
     const double a = times_[interval], b = times_[interval + 1], u = (t - a) / (b - a);
-    if (interpolation_ == TimeInterpolation::constant) return {u < 1 ? interval : interval + 1, 1, {1}};
-    if (interpolation_ == TimeInterpolation::linear) return {interval, 2, {1 - u, u}};
+    // Alone at their own moments: particles arrive there, and the step after is not needed yet.
+    if (u <= 0) return {interval, 1, {1}};
+    if (u >= 1) return {interval + 1, 1, {1}};
+    if (options_.interpolation == TimeInterpolation::constant) return {interval, 1, {1}};
+    if (options_.interpolation == TimeInterpolation::linear) return {interval, 2, {1 - u, u}};
     // Hermite's cubic with the slopes of parabolas through three steps, at the ends of one through two.
     const std::size_t first = interval > 0 ? interval - 1 : 0, last = std::min(interval + 2, times_.size() - 1);
     Shares s{first, last - first + 1, {}};
@@ -154,17 +163,30 @@ class FlowInTime final : public VectorField {
       first = std::min(first, shares[i].first);
       last = std::max(last, shares[i].first + shares[i].count);
     }
-    std::vector<Vec3> v(n);
-    std::vector<std::uint8_t> there(n);
-    std::vector<Jacobian> j(part.jacobian.size());
+    // Of particles on the way to the next step some arrive before others: it belongs to the same window.
+    const bool on_the_way = std::any_of(part.t.begin(), part.t.end(), [&](double t) { return t > times_[interval]; });
+    if (on_the_way) last = std::max(last, interval + 2);
+    const std::vector<Loaded> loaded = steps({first, last});
+    std::vector<std::size_t> which;
+    std::vector<Vec3> x, v;
+    std::vector<double> t;
+    std::vector<std::uint8_t> there;
+    std::vector<Jacobian> j;
     for (std::size_t k = first; k < last; ++k) {
-      step(k)->evaluate(part.x, part.t, v, there, j);
+      which.clear(), x.clear(), t.clear();
       for (std::size_t i = 0; i < n; ++i) {
-        const Shares& s = shares[i];
-        if (k < s.first || k >= s.first + s.count) continue;
-        if (there[i] == 0) part.inside[i] = 0;
-        part.vectors[i] += v[i] * s.of[k - s.first];
-        for (std::size_t c = 0; c < 3 && derivatives; ++c) part.jacobian[i][c] += j[i][c] * s.of[k - s.first];
+        if (k < shares[i].first || k >= shares[i].first + shares[i].count) continue;
+        which.push_back(i), x.push_back(part.x[i]), t.push_back(part.t[i]);
+      }
+      if (which.empty()) continue;
+      v.resize(which.size()), there.resize(which.size()), j.resize(derivatives ? which.size() : 0);
+      loaded[k - first]->evaluate(x, t, v, there, j);
+      for (std::size_t w = 0; w < which.size(); ++w) {
+        const std::size_t i = which[w];
+        const double share = shares[i].of[k - shares[i].first];
+        if (there[w] == 0) part.inside[i] = 0;
+        part.vectors[i] += v[w] * share;
+        for (std::size_t c = 0; c < 3 && derivatives; ++c) part.jacobian[i][c] += j[w][c] * share;
       }
     }
     for (std::size_t i = 0; i < n; ++i) {
@@ -174,56 +196,87 @@ class FlowInTime final : public VectorField {
     }
   }
 
-  using Loaded = std::shared_ptr<const VectorField>;
+  struct Range {
+    std::size_t first, last;  // the last is not in it
+  };
+  struct Read {
+    std::size_t step;
+    Loaded field;
+    std::size_t bytes;
+  };
 
-  /// One of the steps; the next one in the same direction is read meanwhile.
-  Loaded step(std::size_t k) const {
+  /// Steps side by side; the one after them in the direction of the calls is read meanwhile.
+  std::vector<Loaded> steps(Range wanted) const {
     const std::lock_guard lock(mutex_);
-    const auto kept = std::find_if(kept_.begin(), kept_.end(), [&](const auto& e) { return e.first == k; });
-    if (kept != kept_.end()) {
-      auto entry = std::move(*kept);
-      kept_.erase(kept);
-      kept_.push_back(std::move(entry));
-      return kept_.back().second;
+    std::vector<Loaded> found;
+    for (std::size_t k = wanted.first; k < wanted.last; ++k) found.push_back(step(k));
+    if (wanted.first < latest_.first || wanted.last > latest_.last) {  // else a moment at one of the same steps
+      back_ = wanted.last <= latest_.last;
+      latest_ = wanted;
     }
-    Loaded loaded;
-    if (ahead_.valid()) {
-      Loaded other = ahead_.get();
-      if (ahead_step_ == k)
-        loaded = std::move(other);
-      else
-        keep(ahead_step_, std::move(other));
-    }
-    if (!loaded) loaded = read(k);
-    const bool back = latest_ && k < *latest_;
-    latest_ = k;
-    keep(k, loaded);
-    const std::size_t next = back ? k - 1 : k + 1;  // wraps around below the first, which is beyond the last
-    const bool known = std::any_of(kept_.begin(), kept_.end(), [&](const auto& e) { return e.first == next; });
-    if (next < times_.size() && !known) {
+    const std::size_t next = back_ ? wanted.first - 1 : wanted.last;  // below the first one wraps around, to beyond
+    if (next < times_.size() && !ahead_.valid() && !is_kept(next)) {
       ahead_step_ = next;
-      ahead_ = std::async(std::launch::async, [this, next] { return read(next); });
+      ahead_ = std::async(std::launch::async, [this, next, threads = thread_count()] {
+        const ThreadScope scope(std::min(threads, ThreadScope::kMost));
+        return read(next);
+      });
     }
-    return loaded;
+    return found;
   }
 
-  Loaded read(std::size_t k) const { return volume_flow(load_(k)); }
+  bool is_kept(std::size_t k) const {
+    return std::any_of(kept_.begin(), kept_.end(), [&](const Read& r) { return r.step == k; });
+  }
 
-  void keep(std::size_t k, Loaded loaded) const {
-    const std::size_t most = interpolation_ == TimeInterpolation::cubic ? 4 : 2;
-    kept_.emplace_back(k, std::move(loaded));
-    while (kept_.size() > most) kept_.pop_front();
+  Loaded step(std::size_t k) const {
+    if (!is_kept(k)) {
+      if (ahead_.valid()) {
+        const bool right = ahead_step_ == k;
+        try {
+          keep(ahead_.get());
+        } catch (...) {
+          if (right) throw;  // else nobody asked for it
+        }
+      }
+      if (!is_kept(k)) keep(read(k));
+    }
+    // To the end: used last.
+    const auto at = std::find_if(kept_.begin(), kept_.end(), [&](const Read& r) { return r.step == k; });
+    std::rotate(at, at + 1, kept_.end());
+    return kept_.back().field;
+  }
+
+  Read read(std::size_t k) const {
+    FlowStep step = load_(k);
+    return {k, volume_flow(std::move(step.field)), step.bytes};
+  }
+
+  void keep(Read read) const {
+    largest_ = std::max<std::uint64_t>(largest_, read.bytes);
+    total_ += read.bytes;
+    kept_.push_back(std::move(read));
+    // Of those that the moment does not need the one that was used last: calls go through the steps in one direction,
+    // and begin again at the start.
+    const std::size_t needed = options_.interpolation == TimeInterpolation::cubic ? 4 : 2;
+    while (kept_.size() > needed && total_ + largest_ > options_.memory) {
+      const auto gone = kept_.end() - static_cast<std::ptrdiff_t>(needed) - 1;
+      total_ -= gone->bytes;
+      kept_.erase(gone);
+    }
   }
 
   std::vector<double> times_;
-  std::function<std::shared_ptr<const VolumeField>(std::size_t)> load_;
-  TimeInterpolation interpolation_;
+  std::function<FlowStep(std::size_t)> load_;
+  FlowSeriesOptions options_;
   Box3 bounds_;
   mutable std::mutex mutex_;
-  mutable std::deque<std::pair<std::size_t, Loaded>> kept_;  ///< the last that was asked for at the end
-  mutable std::future<Loaded> ahead_;
+  mutable std::vector<Read> kept_;  ///< the last that was asked for at the end
+  mutable std::uint64_t total_ = 0, largest_ = 0;
+  mutable std::future<Read> ahead_;
   mutable std::size_t ahead_step_ = 0;
-  mutable std::optional<std::size_t> latest_;
+  mutable Range latest_{0, 0};
+  mutable bool back_ = false;
 };
 
 }  // namespace
@@ -232,10 +285,9 @@ std::unique_ptr<VectorField> volume_flow(std::shared_ptr<const VolumeField> fiel
   return std::make_unique<VolumeFlow>(std::move(field));
 }
 
-std::unique_ptr<VectorField> flow_in_time(std::vector<double> times,
-                                          std::function<std::shared_ptr<const VolumeField>(std::size_t)> load,
-                                          TimeInterpolation interpolation) {
-  return std::make_unique<FlowInTime>(std::move(times), std::move(load), interpolation);
+std::unique_ptr<VectorField> flow_in_time(std::vector<double> times, std::function<FlowStep(std::size_t)> load,
+                                          const FlowSeriesOptions& options) {
+  return std::make_unique<FlowInTime>(std::move(times), std::move(load), options);
 }
 
 }  // namespace sansmesh

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/flow/particles_ahead.h"
 
 namespace sansmesh {
 namespace {
@@ -23,10 +23,10 @@ constexpr double kRim = 1.0 / 64;
 /// Gaps that cross where there is no flow are filled until they are so narrow, over Δ₀: beside a round obstacle they
 /// pass it then.
 constexpr double kObstacle = 1.0 / 8;
+/// Gaps wider than this part of the widest may need a particle before those that need one now are halved again.
+constexpr double kAhead = 1.0 / 4;
 /// From one front to the next their distance in time changes by no more than this factor.
 constexpr double kChange = 2;
-/// Particles that a thread moves together: many enough for what a batch costs.
-constexpr std::size_t kPart = 128;
 
 /// A particle of a front, between its neighbours.
 struct Member {
@@ -53,7 +53,7 @@ class Fronts {
 
   void run(bool backward, Progress& progress) {
     trace_.backward = backward;
-    particles_ = seeds_, members_ = first_, names_.clear(), moments_.clear();
+    particles_ = seeds_, members_ = first_, names_.clear(), moments_.clear(), ahead_ = {};
     for (std::size_t i = 0; i < options_.seeds; ++i) names_.push_back(static_cast<std::uint32_t>(i));
     const TimeRange times = field_.times();
     const double sign = backward ? -1 : 1;
@@ -136,6 +136,7 @@ class Fronts {
       next_[i].before = static_cast<std::uint32_t>(i);
     }
     move_in_parts(field_, particles_, which, to, trace_);
+    ahead_.move(field_, to, trace_);
     moments_.push_back(from);
     inserted_ = 0;
     fill_gaps(from, to);
@@ -168,7 +169,13 @@ class Fronts {
   }
 
   /// Length of the seed curve from a to the next member b.
-  double span(const Member& a, const Member& b) const { return b.s > a.s ? b.s - a.s : b.s + length_ - a.s; }
+  double span(const Member& a, const Member& b) const { return span(a.s, b.s); }
+  double span(double a, double b) const { return b > a ? b - a : b + length_ - a; }
+  /// Half-way on the seed curve.
+  double middle(double a, double b) const {
+    const double s = a + 0.5 * span(a, b);
+    return s >= length_ && curve_.closed ? s - length_ : s;
+  }
 
   /// Puts particles into gaps until none is too wide that can be filled.
   void fill_gaps(double from, double to) {
@@ -207,28 +214,21 @@ class Fronts {
   void insert(std::span<const std::uint32_t> wide, double from, double to, bool needed) {
     const std::size_t n = wide.size();
     std::vector<Member> fresh(n);
-    std::vector<Vec3> middle(n);
+    std::vector<Vec3> halfway(n);
     std::vector<double> s(n);
     for (std::size_t k = 0; k < n; ++k) {
-      const Member &a = next_[wide[k]], &b = next_[wide[k] + 1 < next_.size() ? wide[k] + 1 : 0];
-      s[k] = a.s + 0.5 * span(a, b);
-      if (s[k] >= length_ && curve_.closed) s[k] -= length_;
+      const Member &a = next_[wide[k]], &b = after(wide[k]);
+      s[k] = middle(a.s, b.s);
       fresh[k].s = s[k], fresh[k].joined = true, fresh[k].needed = needed;
-      fresh[k].was = (a.was + b.was) * 0.5, middle[k] = (place(a) + place(b)) * 0.5;
+      fresh[k].was = (a.was + b.was) * 0.5, halfway[k] = (place(a) + place(b)) * 0.5;
     }
     Particles p;
     if (options_.insertion == FlowInsertion::traced) {
-      std::vector<std::uint32_t> all(n);
-      for (std::size_t k = 0; k < n; ++k) all[k] = static_cast<std::uint32_t>(k);
-      p = particles_at(field_, curve_.at(s), std::vector<double>(n, start_));
-      // With the steps that its neighbours made, where steps make a difference.
-      if (trace_.integrator == Integrator::euler)
-        for (const double moment : moments_) move_in_parts(field_, p, all, moment, trace_);
-      move_in_parts(field_, p, all, from, trace_);
-      for (std::size_t k = 0; k < n; ++k) fresh[k].was = p.positions[k];
-      move_in_parts(field_, p, all, to, trace_);
+      std::vector<Vec3> was;
+      find(s, wide, from, to, p, was);
+      for (std::size_t k = 0; k < n; ++k) fresh[k].was = was[k];
     } else {
-      p = particles_at(field_, middle, std::vector<double>(n, to));
+      p = particles_at(field_, halfway, std::vector<double>(n, to));
     }
     std::vector<Member> filled;
     filled.reserve(next_.size() + n);
@@ -249,12 +249,56 @@ class Fronts {
     next_ = std::move(filled);
   }
 
+  const Member& after(std::size_t i) const { return next_[i + 1 < next_.size() ? i + 1 : 0]; }
+
+  /// Particles from s on the seed curve, those in the middles of the gaps `wide`, and where they were at the front
+  /// before.
+  void find(const std::vector<double>& s, std::span<const std::uint32_t> wide, double from, double to, Particles& p,
+            std::vector<Vec3>& was) {
+    if (field_.moments().empty()) return trace(s, from, to, p, was);
+    const auto is_there = [this](double place) { return ahead_.has(place); };
+    if (!std::all_of(s.begin(), s.end(), is_there)) {
+      // Those in the middles of gaps are kept, and of the wider ones and of the halves of those that get one traced.
+      std::vector<double> kept(s), wanted(s);
+      for (std::size_t i = 0, k = 0; i < next_.size(); ++i) {
+        const Member &a = next_[i], &b = after(i);
+        if (k < wide.size() && wide[k] == i) {
+          wanted.insert(wanted.end(), {middle(a.s, s[k]), middle(s[k], b.s)});
+          ++k;
+        } else if (a.joined) {
+          kept.push_back(middle(a.s, b.s));
+          const bool near = !(norm(place(b) - place(a)) > kAhead * options_.alpha * spacing_);
+          if (!near && !at_rim(a, b) && span(a, b) > least_span_) wanted.push_back(kept.back());
+        }
+      }
+      std::sort(kept.begin(), kept.end());
+      ahead_.keep(kept);
+      std::sort(wanted.begin(), wanted.end());
+      wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+      std::erase_if(wanted, is_there);
+      Particles traced;
+      std::vector<Vec3> were;
+      trace(wanted, from, to, traced, were);
+      ahead_.add(wanted, traced, were);
+    }
+    for (const double place : s) ahead_.take(place, p, was);
+  }
+
+  /// From the seed curve to the front before, and to this one.
+  void trace(const std::vector<double>& s, double from, double to, Particles& p, std::vector<Vec3>& was) {
+    std::vector<std::uint32_t> all(s.size());
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<std::uint32_t>(k);
+    p = particles_at(field_, curve_.at(s), std::vector<double>(s.size(), start_));
+    // With the steps that its neighbours made, where steps make a difference.
+    if (trace_.integrator == Integrator::euler)
+      for (const double moment : moments_) move_in_parts(field_, p, all, moment, trace_);
+    move_in_parts(field_, p, all, from, trace_);
+    was = p.positions;
+    move_in_parts(field_, p, all, to, trace_);
+  }
+
   std::uint32_t append(const Particles& from, std::size_t k) {
-    particles_.positions.push_back(from.positions[k]);
-    particles_.times.push_back(from.times[k]);
-    particles_.velocities.push_back(from.velocities[k]);
-    particles_.steps.push_back(from.steps[k]);
-    particles_.ends.push_back(from.ends[k]);
+    append_particle(particles_, from, k);
     names_.push_back(static_cast<std::uint32_t>(sheet_.report.particles++));
     return static_cast<std::uint32_t>(particles_.positions.size() - 1);
   }
@@ -436,6 +480,7 @@ class Fronts {
   std::vector<std::uint32_t> names_;  // of particles_, the same in both directions
   std::vector<Member> members_, next_, first_;
   std::vector<double> moments_;  // of the fronts up to the one before
+  ParticlesAhead ahead_;         // of this direction
   std::size_t front_ = 0, inserted_ = 0;
 };
 
@@ -443,13 +488,6 @@ class Fronts {
 
 double least_seed_distance(const VectorField& field, const TraceOptions& options) {
   return 2 * options.tolerance.value_or(1e-6 * field.bounds().diagonal());
-}
-
-void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
-                   const TraceOptions& options) {
-  parallel_ranges(0, which.size(), kPart, [&](std::size_t first, std::size_t last) {
-    move_particles(field, particles, which.subspan(first, last - first), time, options);
-  });
 }
 
 double front_time(std::vector<double> speeds, double spacing) {

@@ -26,10 +26,6 @@ struct FlowSheet {
 FlowSheet advance_fronts(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
                          Progress& progress);
 
-/// move_particles(), in parts on several threads: the particles do not see each other.
-void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
-                   const TraceOptions& options);
-
 /// Time in which a particle of median speed goes as far as Δ₀ = `spacing`. Throws DataError where the flow stands
 /// still.
 double front_time(std::vector<double> speeds, double spacing);

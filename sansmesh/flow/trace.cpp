@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kAtBoundary = 1e-7;
 constexpr double kCaution = 0.9, kMostShrink = 0.2, kMostGrowth = 5;
 /// Lines have points between the ends of steps: no farther apart than this, over the longest step; so many at most.
 constexpr double kSegment = 0.25, kMostParts = 64;
+/// Particles that a thread moves together: many enough for what a batch costs.
+constexpr std::size_t kPart = 128;
 constexpr std::size_t kStages = 7;
 
 // Dormand & Prince 1980; the interpolation between both ends of a step is Shampine's, as Hairer, Nørsett & Wanner give
@@ -333,6 +336,28 @@ void move_particles(const VectorField& field, Particles& particles, std::span<co
       field, stepper, particles, active, until, {}, options, [](const Step&) {}, nullptr);
   for (const std::uint32_t i : active)
     if (particles.ends[i] == TraceEnd::time && particles.times[i] == time) particles.ends[i].reset();
+}
+
+void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
+                   const TraceOptions& options) {
+  const auto move = [&](std::span<const std::uint32_t> those, double to) {
+    parallel_ranges(0, those.size(), kPart, [&](std::size_t first, std::size_t last) {
+      move_particles(field, particles, those.subspan(first, last - first), to, options);
+    });
+  };
+  // All to the same moment of the field before any goes on: a part that is ahead of others asks for other steps.
+  const auto before = [&](double a, double b) { return options.backward ? a > b : a < b; };
+  const std::span<const double> moments = field.moments();
+  std::vector<std::uint32_t> those;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const double to = options.backward ? moments[moments.size() - 1 - k] : moments[k];
+    if (!before(to, time)) break;
+    those.clear();
+    for (const std::uint32_t i : which)
+      if (!particles.ends[i] && before(particles.times[i], to)) those.push_back(i);
+    move(those, to);
+  }
+  move(which, time);
 }
 
 Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments,

@@ -80,4 +80,9 @@ Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, st
 void move_particles(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
                     const TraceOptions& options);
 
+/// move_particles(), in parts on several threads (the particles do not see each other), all together from one moment of
+/// the field to the next; `most_steps` counts between two of them.
+void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
+                   const TraceOptions& options);
+
 }  // namespace sansmesh

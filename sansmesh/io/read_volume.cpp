@@ -29,6 +29,7 @@ enum class VolumeFormat : std::uint8_t {
   plot3d,
   points,
   pvd,
+  series,
   vtk_xml,
   vtk_legacy,
   exodus,
@@ -58,6 +59,7 @@ constexpr VolumeEnding volume_endings[] = {
     {" cgns ", VolumeFormat::cgns},
     {" foam ", VolumeFormat::openfoam},
     {" pvd ", VolumeFormat::pvd},
+    {" series ", VolumeFormat::series},
     {" dcm dicom ", VolumeFormat::dicom},
     {" nek5000 nek3d nek2d ", VolumeFormat::nek_series},
     {" smv ", VolumeFormat::fitted},
@@ -194,6 +196,7 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       only_step();
       return scattered_points(file, report);
     case VolumeFormat::pvd:
+    case VolumeFormat::series:
       if (inside_collection) in.fail("is a collection inside another one");
       return read_collection(in, options, report);
     case VolumeFormat::vtk_xml:
@@ -242,7 +245,8 @@ void append_blocks(GridData& all, GridData part, const std::string& name) {
 }
 
 GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report) {
-  const std::vector<io::PvdEntry> entries = io::read_pvd(in);
+  const bool series = format_of_ending(io::ending(in.file)) == VolumeFormat::series;
+  const std::vector<io::PvdEntry> entries = series ? io::read_file_series(in) : io::read_pvd(in);
   GridData all;
   for (const io::PvdEntry& e : entries) all.times.push_back(e.time);
   std::sort(all.times.begin(), all.times.end());
@@ -253,7 +257,7 @@ GridData read_collection(const Input& in, const VolumeReadOptions& options, Read
     if (e.time != *all.time) continue;
     append_blocks(all, read_any_volume(e.file, {}, report, true), std::filesystem::path(e.file).stem().string());
   }
-  all.format = "ParaView collection, " + all.format;
+  all.format = (series ? "series of files, " : "ParaView collection, ") + all.format;
   return all;
 }
 

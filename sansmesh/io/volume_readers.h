@@ -37,5 +37,7 @@ struct PvdEntry {
   std::string file;
 };
 std::vector<PvdEntry> read_pvd(const Input& in);
+/// The same of a series of files (.vtu.series, .vtk.series, …).
+std::vector<PvdEntry> read_file_series(const Input& in);
 
 }  // namespace sansmesh::io

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <variant>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
@@ -111,6 +112,27 @@ void check_heeded(const ReconstructionOptions& options, const ReconstructionInfo
   if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : 4);
 }
 
+template <class... Arrays>
+std::size_t bytes_in(const Arrays&... arrays) {
+  return (std::size_t{0} + ... + (arrays.size() * sizeof(arrays[0])));
+}
+
+std::size_t bytes_of_samples(const SampledVolume& v) {
+  std::size_t sum = bytes_in(v.positions, v.cells.shapes, v.cells.corners, v.cells.first, v.corners, v.cell_sample,
+                             v.stars.entries, v.stars.first, v.part, v.block, v.level);
+  for (const Attribute& a : v.attributes)
+    sum += std::visit([](const auto& values) { return bytes_in(values); }, a.values);
+  if (v.lattice)
+    for (const auto& axis : v.lattice->axes) sum += bytes_in(axis);
+  constexpr std::size_t kLocated = 40;  // the boxes of the locator's tree, and their order, a cell
+  return sum + kLocated * v.cells.size();
+}
+
+std::size_t bytes_of_coefficients(const ReconstructionCoefficients& c) {
+  const LocalPolynomials& p = c.polynomials;
+  return bytes_in(p.metrics, p.constants, p.degrees, p.first, p.coefficients, p.trust, c.radii);
+}
+
 }  // namespace
 
 std::span<const ReconstructionInfo> reconstruction_methods() {
@@ -152,9 +174,12 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   if (!values.filled.empty())
     told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
                                      values.filled.size(), volume->size()));
-  ReconstructionCoefficients none;
-  return entry.make(
-      {std::move(volume), std::move(values), options, progress, told, coefficients ? *coefficients : none});
+  ReconstructionCoefficients own_coefficients;
+  ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
+  const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
+  auto field = entry.make({std::move(volume), std::move(values), options, progress, told, used});
+  told.bytes = bytes + bytes_of_coefficients(used);
+  return field;
 }
 
 }  // namespace sansmesh

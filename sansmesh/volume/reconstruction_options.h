@@ -46,6 +46,7 @@ struct ReconstructionReport {
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< polynomials of each degree that there are, where there are any
   double noise = 0;                    ///< of the values, where it was estimated (unit of the array)
+  std::size_t bytes = 0;               ///< of memory that the field takes with its samples and cells, about
 };
 
 }  // namespace sansmesh

@@ -229,6 +229,57 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   }
 }
 
+TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
+  write("gap.csv", "x,y,z\n0.5,0,0\nnan,0,0\n0.9,0,0\n0.9,0,0\n1,0,0\n");
+  write("nan.csv", "x,y,z\nnan,0,0\n0,nan,0\n");
+  write("equal.csv", "x,y,z\n0.5,0,0\n0.5,0,0\n");
+  write("one.csv", "x,y,z\n0.5,0,0\n");
+  write("far.csv", "x,y,z\n8,0,0\n9,0,0\n");
+  std::string mesh =
+      "ply\nformat ascii 1.0\nelement vertex 5000\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int i = 0; i < 5000; ++i) mesh += std::to_string(0.0002 * (i + 1)) + " 0 0\n";
+  write("many.ply", mesh + "3 0 1 2\n");
+  const auto told = [&](std::vector<std::string> arguments, const std::string& warning) {
+    arguments.insert(arguments.begin(), "flow");
+    arguments.insert(arguments.end(), {"--time", "0.5", "-o", path("o.ply"), "--json"});
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.empty(), warning.empty()) << outcome.err;
+    EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  EXPECT_EQ(
+      told({"lines", "rotation", "--seeds", "points(gap.csv)"}, "gap.csv: 1 of 5 seeds not finite")["seeds"]["count"],
+      4);
+  told({"lines", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 seeds outside");
+  EXPECT_EQ(told({"lines", "rotation", "--seeds", "mesh(many.ply)"}, "")["output"]["lines"], 5000);
+  // Points twice on the curve are no matter; those on the boundary of the flow are inside.
+  const auto ring = told({"surface", "rotation", "--seeds", "curve(gap.csv)", "--particles", "50"}, "1 of 5 seeds");
+  EXPECT_NEAR(ring["area"].get<double>(), 0.25 * (1 - 0.25), 1e-3);
+  EXPECT_EQ(told({"surface", "rotation", "--seeds", "line(0,0,2, 1,0,2, 20)"}, "")["surface"]["tears"], 0);
+  told({"surface", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 particles began outside");
+
+  const auto surface = [&](const std::string& seeds) {
+    return std::vector<std::string>{"flow", "surface", "rotation", "--seeds", seeds, "--time", "1", "-o", "x.ply"};
+  };
+  const auto some_lines = [&](const std::string& seeds, const std::string& time = "1") {
+    return std::vector<std::string>{"flow", "lines", "rotation", "--seeds", seeds, "--time", time, "-o", "x.ply"};
+  };
+  expect_failures({
+      {some_lines("points(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
+      {some_lines("points(far.csv)"), 1, {"rotation: no seed lies in the flow"}},
+      {some_lines("point(0.5,0,0)", "nan"), 2, {"--time must be positive"}},
+      {surface("curve(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
+      {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve lies in the flow"}},
+      {surface("curve(equal.csv)"), 1, {"equal.csv: the points of the seed curve coincide"}},
+      {surface("curve(one.csv)"), 1, {"one.csv: a seed curve has at least two points"}},
+      {surface("loop(equal.csv)"), 1, {"equal.csv: a closed seed curve has at least three points"}},
+      {surface("line(1,0,0, 1,0,0, 9)"), 2, {"--seeds: the points of the seed curve coincide"}},
+      {surface("mesh(many.ply)"), 2, {"--seeds must be a curve"}},
+  });
+}
+
 TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
   image("still", [](const Vec3&) { return Vec3{}; });
   write("points.csv", "x,y,z,v\n0,0,0,1\n1,0,0,2\n0,1,0,3\n0,0,1,4\n1,1,1,5\n");

@@ -49,6 +49,27 @@ TEST(VolumeDataset, KnowsComponentsByNumberAndName) {
   EXPECT_TRUE(dataset.choose("where:magnitude").magnitude);
 }
 
+TEST(VolumeDataset, TellsTheMemoryOfAField) {
+  VolumeDataset dataset(with_arrays());
+  const auto bytes_of = [&](ReconstructionMethod method) {
+    ReconstructionOptions options;
+    options.method = method;
+    Progress progress;
+    ReconstructionReport report;
+    dataset.field({"where", {}, false}, options, progress, &report);
+    return report.bytes;
+  };
+  // All arrays of the samples, the axes of the lattice, and the numbers of the one that was reconstructed.
+  std::size_t arrays = 0;
+  Progress progress;
+  for (const Attribute& a : dataset.volume(Association::points, progress)->attributes)
+    std::visit([&](const auto& values) { arrays += values.size() * sizeof(values[0]); }, a.values);
+  const std::size_t linear = bytes_of(ReconstructionMethod::linear), numbers = 5 * 6 * 7 * 3;
+  EXPECT_NEAR(static_cast<double>(linear), static_cast<double>(arrays + (5 + 6 + 7 + numbers) * sizeof(double)), 100);
+  // At least a constant and three slopes a sample and component more.
+  EXPECT_GT(bytes_of(ReconstructionMethod::mls_detail), linear + numbers * (8 + 3 * 4));
+}
+
 TEST(VolumeDataset, SaysWhatThereIsWhereANameIsWrong) {
   const VolumeDataset dataset(with_arrays());
   const auto message_of = [&](const std::string& text) {

@@ -265,5 +265,41 @@ TEST(VolumeFiles, CollectionsHaveTimesAndParts) {
   for (std::size_t n = 0; n + 12 < text.size(); n += 13) expect_no_volume(folder.put("all.pvd", text.substr(0, n)), "");
 }
 
+TEST(VolumeFiles, SeriesOfFilesHaveTimes) {
+  const Folder folder;
+  const auto image = [](char c) {
+    return "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + std::string(8, c);
+  };
+  folder.put("a.mha", image(1)), folder.put("b.mha", image(2));
+  const std::string text =
+      "{\"file-series-version\": \"1.0\", \"files\": [\n{\"name\": \"b.mha\", \"time\": 2.5},\n{\"name\": \"a.mha\", "
+      "\"time\": 1}]}";
+  const std::string file = folder.put("all.mha.series", text);
+  const GridData first = read_volume(file), second = read_volume(file, {.time_step = 1});
+  EXPECT_EQ(first.times, (std::vector<double>{1, 2.5}));
+  EXPECT_EQ(number(first.blocks[0].point_arrays, "value", 0), 1);
+  EXPECT_EQ(second.time, 2.5);
+  EXPECT_EQ(number(second.blocks[0].point_arrays, "value", 0), 2);
+  EXPECT_THROW(read_volume(file, {.time_step = 2}), ArgumentError);
+  for (std::size_t n = 1; n < text.size(); n += 7)
+    expect_no_volume(folder.put("all.mha.series", text.substr(0, n)), "is no series of files");
+  const auto refused = [&](const std::string& content, const std::string& why) {
+    expect_no_volume(folder.put("bad.series", content), why);
+  };
+  refused("[1, 2]", "no list \"files\"");
+  refused("{\"files\": {}}", "no list \"files\"");
+  refused("{\"files\": []}", "names no files");
+  refused("{\"files\": [{\"time\": 1}]}", "without a file");
+  refused("{\"files\": [{\"name\": \"a.mha\", \"time\": \"soon\"}]}", "time that is not a number");
+  // The file that is named is the one that is wrong.
+  folder.put("inner.series", text);
+  for (const auto& [name, why] :
+       {std::pair{"no.mha", "no.mha: no such file"}, {"inner.series", "inside another one"}}) {
+    const std::string outer =
+        folder.put("bad.series", "{\"files\": [{\"name\": \"" + std::string(name) + "\", \"time\": 1}]}");
+    expect_file_error(folder / name, why, [&] { read_volume(outer); });
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh
