@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,7 @@ namespace {
 
 constexpr double kDark = 0.45;  // of the range of values: colours that are left out below it
 
+constexpr double kScaleEnd = 0.01;      // share of the particles beyond each end of the scale of colours
 constexpr double kArrowSpacing = 0.06;  // of the surface's diagonal
 constexpr double kArrowLength = 0.7;    // of their distance
 constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
@@ -77,6 +80,17 @@ std::vector<double> color_values(const std::string& by, const FlowSurface& surfa
   return values;
 }
 
+/// Without what few particles have, which would take the colours from all others.
+std::pair<double, double> scale_ends(std::vector<double> values) {
+  const auto at = [&](double share) {
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+  };
+  const double lower = at(kScaleEnd), upper = at(1 - kScaleEnd);
+  return lower < upper ? std::pair(lower, upper) : std::pair(at(0), at(1));
+}
+
 /// Those of the preset "flow" but for its darkest: on those neither light nor streaks would be seen.
 TransferFunction light_colors(const ValueHistogram& values) {
   TransferFunction colors = transfer_function_preset("flow", values);
@@ -98,7 +112,12 @@ DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surf
   const std::vector<double> values = color_values(a.color_by, surface, flow);
   subject.mesh.colors.clear();
   if (values.empty()) return drawn;
-  const ValueHistogram histogram = value_histogram(values);
+  ValueHistogram histogram = value_histogram(values);
+  if (a.color_by != "time" && a.color_by != "seed") {
+    std::tie(histogram.lower, histogram.upper) = scale_ends(values);
+    histogram.least = std::max(histogram.least, histogram.lower);
+    histogram.most = std::min(histogram.most, histogram.upper);
+  }
   const bool signs = histogram.least < 0 && histogram.most > 0 && a.color_by != "time";
   drawn.colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
   subject.mesh.colors.reserve(values.size());
