@@ -135,7 +135,7 @@ class Fronts {
       next_[i].was = place(next_[i]);
       next_[i].before = static_cast<std::uint32_t>(i);
     }
-    move_in_parts(field_, particles_, which, to, trace_);
+    move_particles(field_, particles_, which, to, trace_);
     ahead_.move(field_, to, trace_);
     moments_.push_back(from);
     inserted_ = 0;
@@ -291,10 +291,10 @@ class Fronts {
     p = particles_at(field_, curve_.at(s), std::vector<double>(s.size(), start_));
     // With the steps that its neighbours made, where steps make a difference.
     if (trace_.integrator == Integrator::euler)
-      for (const double moment : moments_) move_in_parts(field_, p, all, moment, trace_);
-    move_in_parts(field_, p, all, from, trace_);
+      for (const double moment : moments_) move_particles(field_, p, all, moment, trace_);
+    move_particles(field_, p, all, from, trace_);
     was = p.positions;
-    move_in_parts(field_, p, all, to, trace_);
+    move_particles(field_, p, all, to, trace_);
   }
 
   std::uint32_t append(const Particles& from, std::size_t k) {
