@@ -29,29 +29,31 @@ class LinearField final : public detail::LocatedField {
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
     const std::size_t n = components();
     const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
-    const bool plain = volume().lattice && wanted.values.size() == x.size() * n &&
-                       fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size()) &&
-                       wanted.degrees.empty();
-    if (plain && n == 1) return in_lattice<1>(x, wanted);
-    if (plain && n == 2) return in_lattice<2>(x, wanted);
-    if (plain && n == 3) return in_lattice<3>(x, wanted);
+    const bool lattice = volume().lattice && fits(wanted.values.size(), x.size() * n) &&
+                         fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size()) &&
+                         fits(wanted.degrees.size(), x.size());
+    if (lattice && n == 1) return in_lattice<1>(x, wanted);
+    if (lattice && n == 2) return in_lattice<2>(x, wanted);
+    if (lattice && n == 3) return in_lattice<3>(x, wanted);
     LocatedField::evaluate(x, wanted);
   }
 
  private:
-  /// What is asked for most, values and gradients in lattices, goes the shortest way.
+  /// What is asked for most, a few components in lattices, goes the shortest way.
   template <std::size_t N>
   void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
     const double slack = 1e-9 * bounds().diagonal();  // as the locator has it
     const std::vector<std::uint32_t> order = locality_order(x);
     parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
-      std::array<Vec3, N> slopes;
+      std::array<double, N> value_store;
+      std::array<Vec3, N> slope_store;
       for (std::size_t k = first; k < last; ++k) {
         const std::size_t i = order.empty() ? k : order[k];
-        Vec3* const gradients = wanted.gradients.empty() ? slopes.data() : wanted.gradients.data() + i * N;
-        const bool inside =
-            at_lattice<N>(x[i], slack, wanted.values.data() + i * N, gradients, !wanted.gradients.empty());
+        double* const values = wanted.values.empty() ? value_store.data() : wanted.values.data() + i * N;
+        Vec3* const gradients = wanted.gradients.empty() ? slope_store.data() : wanted.gradients.data() + i * N;
+        const bool inside = at_lattice<N>(x[i], slack, values, gradients, !wanted.gradients.empty());
         if (!wanted.inside.empty()) wanted.inside[i] = inside;
+        if (!wanted.degrees.empty()) wanted.degrees[i] = is_finite(x[i]) ? 1 : 0;
       }
     });
   }
