@@ -424,7 +424,8 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
   Followed with;
   with.until.resize(n);
   if (std::isfinite(options.length)) with.length.assign(n, options.length);
-  if (options.least_speed > 0) with.anchors.resize(n);
+  // Where a flow changes from moment to moment steps end there, however slow: they tell nothing.
+  if (options.least_speed > 0 && field.moments().empty()) with.anchors.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     with.until[i] = moments[i] + (options.backward ? -options.duration : options.duration);
     if (p.ends[i]) continue;

@@ -40,8 +40,8 @@ struct TraceOptions {
   std::optional<double> step;
   double duration = std::numeric_limits<double>::infinity();  ///< time, > 0
   double length = std::numeric_limits<double>::infinity();    ///< of the line, > 0
-  /// Length per time, >= 0: slower ones have arrived at a critical point. Where this is not 0 so have lines of dopri5
-  /// that do not get farther than 32 tolerances in 64 steps.
+  /// Length per time, >= 0: slower ones have arrived at a critical point. Where this is not 0, and the field has no
+  /// moments(), so have lines of dopri5 that do not get farther than 32 tolerances in 64 steps.
   double least_speed = 0;
   std::size_t most_steps = 20'000;  ///< >= 1, tries included
   /// Throws ArgumentError naming the field.
