@@ -3,9 +3,9 @@
 //   benchmark_flow_surfaces [seconds|drift|lines [VOLUME]]
 //
 // seconds: 256 particles on 256 fronts, of flows by formula and of a lattice of 256 × 128 × 256 samples by linear
-// interpolation, the best of five. drift: how far the points of a surface are from where their seeds go. lines: 22³ stream
-// lines of two diagonals, with all that is told along them, of the lattice of a tornado of 128³ samples and of the first
-// vectors of a file (by default the Blunt Fin of ../shared/data, where that is), the best of five.
+// interpolation, the best of five. drift: how far the points of a surface are from where their seeds go. lines: 22³
+// stream lines of two diagonals, with all that is told along them, of the lattice of a tornado of 128³ samples and of
+// the first vectors of a file (by default the Blunt Fin of ../shared/data, where that is), the best of five.
 #include <fmt/core.h>
 
 #include <algorithm>

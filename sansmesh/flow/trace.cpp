@@ -317,8 +317,8 @@ struct Followed {
 };
 
 /// Moves the particles that have not ended until each is at its moment `until` or ended; none that is at its moment
-/// already ends by that. Between the moments of the field all go together, so that it is asked for few of its steps at a
-/// time. `made` is called from several threads, for each particle from one.
+/// already ends by that. Between the moments of the field all go together, so that it is asked for few of its steps at
+/// a time. `made` is called from several threads, for each particle from one.
 void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> active, Followed& with,
             const TraceOptions& options, const std::function<void(const Step&)>& made, Progress* progress) {
   const std::span<const double> moments = field.moments(), until = with.until;

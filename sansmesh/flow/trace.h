@@ -61,8 +61,9 @@ struct Traces {
 
 /// Stream lines (in steady fields) or path lines from the seeds, each from its moment. Sizes must agree. Lines are as
 /// fine as the steps, and finer, by the integrator's own interpolation, where these turn: by no more than 0.2 radians
-/// from point to point, chords being off by no more than 2·10⁻⁴ of the diagonal; points nearer than that are left out. The particles do not see
-/// each other: the same bytes whatever the batch and the number of threads. Throws ArgumentError for bad options.
+/// from point to point, chords being off by no more than 2·10⁻⁴ of the diagonal; points nearer than that are left out.
+/// The particles do not see each other: the same bytes whatever the batch and the number of threads. Throws
+/// ArgumentError for bad options.
 Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments,
                    const TraceOptions& options, Progress& progress);
 
