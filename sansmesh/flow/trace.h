@@ -80,8 +80,8 @@ struct Particles {
 Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments);
 
 /// Moves those of `which` that have not ended to the moment `time` (later than theirs; earlier with `backward`), or to
-/// their ends. `duration` and `length` of the options do not count. In parts
-/// on several threads, all together from one moment of the field to the next.
+/// their ends. `duration` and `length` of the options do not count. In parts on several threads, all together from one
+/// moment of the field to the next.
 void move_particles(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
                     const TraceOptions& options);
 
