@@ -1,14 +1,17 @@
-// Surfaces of flows: seconds, particles and points; exact and interpolated insertion.
+// Surfaces and lines of flows: seconds, particles and points; exact and interpolated insertion.
 //
-//   benchmark_flow_surfaces [seconds|drift]
+//   benchmark_flow_surfaces [seconds|drift|lines [VOLUME]]
 //
 // seconds: 256 particles on 256 fronts, of flows by formula and of a lattice of 256 × 128 × 256 samples by linear
-// interpolation, the best of five. drift: how far the points of a surface are from where their seeds go.
+// interpolation, the best of five. drift: how far the points of a surface are from where their seeds go. lines: 22³
+// stream lines of two diagonals, with all that is told along them, of the lattice of a tornado of 128³ samples and of
+// the first vectors of a file (by default the Blunt Fin of ../shared/data, where that is), the best of five.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -17,15 +20,21 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/progress.h"
+#include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow/flow_lines.h"
 #include "sansmesh/flow/flow_surface.h"
+#include "sansmesh/flow/seeds.h"
+#include "sansmesh/io/read_volume.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 
 namespace {
 
 using namespace sansmesh;
+
+constexpr const char* kBluntFin = "../shared/data/volumes/plot3d/bluntfinxyz.bin";
 
 /// A flow by formula sampled on a lattice.
 std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std::size_t, 3> dims) {
@@ -157,10 +166,43 @@ void drift() {
   }
 }
 
+void time_lines(const std::string& what, const VectorField& flow) {
+  Progress progress;
+  FlowLineOptions options;
+  options.length = 2 * flow.bounds().diagonal();
+  const Seeds seeds = parse_seeds("box(10648)", flow.bounds());
+  double best = 1e9, cpu = 0;
+  PolylineSet lines;
+  for (int k = 0; k < 5; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    const double before = process_cpu_seconds();
+    lines = flow_lines(flow, seeds.points, options, progress);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (seconds < best) best = seconds, cpu = process_cpu_seconds() - before;
+  }
+  fmt::print("{:44} {:7.3f} s {:7.3f} CPU s {:8} lines {:9} points\n", what, best, cpu, lines.size(),
+             lines.positions.size());
+}
+
+void lines(const std::string& file) {
+  time_lines("tornado, lattice of 128^3", *on_lattice(*analytic_flow("tornado"), {128, 128, 128}));
+  time_lines("tornado, formula", *analytic_flow("tornado"));
+  if (file == kBluntFin && !std::filesystem::exists(file)) return;
+  Progress progress;
+  VolumeDataset volume(read_volumes({file}));
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::linear;
+  for (const DatasetArray& array : volume.arrays())
+    if (array.components == 3)
+      return time_lines(std::filesystem::path(file).filename().string(),
+                        *volume_flow(volume.field({array.name, {}, false}, options, progress)));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string_view what = argc > 1 ? argv[1] : "";
   if (what.empty() || what == "seconds") seconds();
   if (what.empty() || what == "drift") drift();
+  if (what.empty() || what == "lines") lines(argc > 2 ? argv[2] : kBluntFin);
 }

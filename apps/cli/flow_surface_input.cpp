@@ -25,6 +25,9 @@ void add_flow_surface_input(CommandLine& c, FlowSurfaceInput& a) {
       .type_name("NAME");
   c.add_option("--start", a.options.start, "Moment at which particles leave [the first of the flow]").type_name("TIME");
   c.add_option("--time", a.time, "How long they are followed [to the end of the flow]").type_name("DURATION");
+  c.add_option("--length", a.options.length,
+               "How far, of stream and path surfaces [five diagonals, without --time and where the flow has no end]")
+      .type_name("LENGTH");
   c.add_option("--particles", a.particles, "On the seed curve, evenly [the number of seeds; 256]").type_name("COUNT");
   c.add_option("--sweep", a.sweep, "Of time surfaces: the seeds are the curve moved by 0..1 of this")
       .numbers(3)
@@ -68,7 +71,7 @@ FlowSurface trace_flow_surface(const FlowSurfaceInput& a, const OpenFlow& flow, 
     FlowSurface surface = flow_surface(flow.field(), {seeds.points, seeds.closed}, o, console.progress());
     if (!surface.report.complete)
       console.warn(a.flow.volume.name(),
-                   {"ended after as many fronts or particles as are allowed: --time gives an end"});
+                   {"ended after as many fronts or particles as are allowed: --time or --length gives an end"});
     if (const std::size_t outside = surface.report.ends[static_cast<std::size_t>(TraceEnd::outside)]; outside > 0)
       console.warn(a.flow.volume.name(), {fmt::format("{} of {} began outside of the flow", grouped(outside),
                                                       counted(surface.report.particles, "particle"))});

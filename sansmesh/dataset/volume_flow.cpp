@@ -29,16 +29,16 @@ class VolumeFlow final : public VectorField {
     std::vector<double> values(n * components);
     std::vector<Vec3> gradients(jacobian.empty() ? 0 : n * components);
     field_->evaluate(x, {values, gradients, inside, {}});
-    for (std::size_t i = 0; i < n; ++i) {
+    parallel_for(0, n, 4096, [&](std::size_t i) {
       inside[i] = inside[i] != 0 && std::isfinite(t[i]);
       vectors[i] = {};
       if (!jacobian.empty()) jacobian[i] = {};
-      if (inside[i] == 0) continue;
+      if (inside[i] == 0) return;
       for (std::size_t c = 0; c < components; ++c) {
         vectors[i][c] = values[i * components + c];
         for (std::size_t k = 0; k < 3 && !jacobian.empty(); ++k) jacobian[i][k][c] = gradients[i * components + c][k];
       }
-    }
+    });
   }
 
  private:

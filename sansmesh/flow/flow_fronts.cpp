@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/flow/particles_ahead.h"
 
 namespace sansmesh {
@@ -60,9 +62,10 @@ class Fronts {
     const double left_in_field = backward ? start_ - times.first : times.last - start_;
     const double duration = std::min(options_.duration, left_in_field);
     const double end = start_ + sign * duration;
-    double t = start_, step = 0;
+    const double most_way = options_.length.value_or(std::numeric_limits<double>::infinity());
+    double t = start_, step = 0, way = 0;
     progress.begin(backward ? "fronts backward" : "fronts", options_.most_fronts);
-    for (front_ = 1; !members_.empty() && t != end; ++front_) {
+    for (front_ = 1; !members_.empty() && t != end && way < most_way; ++front_) {
       if (front_ > options_.most_fronts || sheet_.points.size() >= options_.most_points) {
         sheet_.report.complete = false;
         break;
@@ -72,7 +75,7 @@ class Fronts {
       const double left = std::abs(end - t), steps = std::ceil(left / step * (1 - 1e-9));
       const double to = steps <= 1 ? end : t + sign * (std::isfinite(left) ? left / steps : step);
       if (to == t) break;
-      advance(t, to);
+      way += advance(t, to);
       t = to;
       progress.advance();
     }
@@ -126,7 +129,8 @@ class Fronts {
     return std::clamp(spacing_ / *middle, last / kChange, last * kChange);
   }
 
-  void advance(double from, double to) {
+  /// To the next front. Returns how far particles went.
+  double advance(double from, double to) {
     std::vector<std::uint32_t> which;
     which.reserve(members_.size());
     for (const Member& m : members_) which.push_back(m.particle);
@@ -135,7 +139,7 @@ class Fronts {
       next_[i].was = place(next_[i]);
       next_[i].before = static_cast<std::uint32_t>(i);
     }
-    move_in_parts(field_, particles_, which, to, trace_);
+    move_particles(field_, particles_, which, to, trace_);
     ahead_.move(field_, to, trace_);
     moments_.push_back(from);
     inserted_ = 0;
@@ -145,10 +149,21 @@ class Fronts {
     remove_needless();
     ++sheet_.report.fronts;
     sheet_.report.inserted += inserted_;
+    const double gone = median_step();
     const bool moved = make_points();
     make_triangles();
     keep_those_that_go_on();
     if (!moved) members_.clear();
+    return gone;
+  }
+
+  /// Since the front before, of those that moved.
+  double median_step() const {
+    std::vector<double> steps;
+    steps.reserve(next_.size());
+    for (const Member& m : next_)
+      if (const double step = norm(place(m) - m.was); step > kAtRest * spacing_) steps.push_back(step);
+    return median(steps);
   }
 
   enum class Gap : std::uint8_t { good, wide, torn };
@@ -291,10 +306,10 @@ class Fronts {
     p = particles_at(field_, curve_.at(s), std::vector<double>(s.size(), start_));
     // With the steps that its neighbours made, where steps make a difference.
     if (trace_.integrator == Integrator::euler)
-      for (const double moment : moments_) move_in_parts(field_, p, all, moment, trace_);
-    move_in_parts(field_, p, all, from, trace_);
+      for (const double moment : moments_) move_particles(field_, p, all, moment, trace_);
+    move_particles(field_, p, all, from, trace_);
     was = p.positions;
-    move_in_parts(field_, p, all, to, trace_);
+    move_particles(field_, p, all, to, trace_);
   }
 
   std::uint32_t append(const Particles& from, std::size_t k) {

@@ -8,6 +8,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -16,6 +17,7 @@ constexpr double kDiagonals = 5;
 constexpr double kStill = 1e-6;  // least speed, of the median of the seeds
 constexpr double kStreakParts = 100, kTimeParts = 10;
 constexpr double kMostParticles = 2e8;
+constexpr std::size_t kBlock = 65'536;  // points that the field is asked for at once, along lines
 
 /// Lines before they are told apart from their points: of each its places, moments, and number.
 struct Builder {
@@ -207,19 +209,33 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
   const std::size_t n = made.positions.size();
 
   progress.begin("along lines");
-  const std::vector<double> moments = made.now ? std::vector<double>(n, *made.now) : made.times;
-  std::vector<Vec3> velocities(n);
-  std::vector<std::uint8_t> inside(n);
-  std::vector<Jacobian> jacobian(n);
-  field.evaluate(made.positions, moments, velocities, inside, jacobian);
   std::vector<float> speed(n), velocity(3 * n), vorticity(3 * n);
-  for (std::size_t i = 0; i < n; ++i) {
-    speed[i] = static_cast<float>(norm(velocities[i]));
-    const Vec3 turn = curl(jacobian[i]);
-    for (std::size_t c = 0; c < 3; ++c) {
-      velocity[3 * i + c] = static_cast<float>(velocities[i][c]);
-      vorticity[3 * i + c] = static_cast<float>(turn[c]);
-    }
+  // A block after the other: derivatives of all points at a time would be most of the memory. But of a flow in time at
+  // once, so that each of its steps is read once.
+  const std::size_t block = field.moments().empty() ? kBlock : n;
+  std::vector<Vec3> velocities;
+  std::vector<std::uint8_t> inside;
+  std::vector<Jacobian> jacobian;
+  std::vector<double> moments;
+  for (std::size_t first = 0; first < n; first += block) {
+    const std::size_t count = std::min(block, n - first);
+    velocities.resize(count), inside.resize(count), jacobian.resize(count);
+    if (made.now)
+      moments.assign(count, *made.now);
+    else
+      moments.assign(made.times.begin() + static_cast<std::ptrdiff_t>(first),
+                     made.times.begin() + static_cast<std::ptrdiff_t>(first + count));
+    field.evaluate(std::span(made.positions).subspan(first, count), moments, velocities, inside, jacobian);
+    parallel_for(0, count, 4096, [&](std::size_t k) {
+      const std::size_t i = first + k;
+      speed[i] = static_cast<float>(norm(velocities[k]));
+      const Vec3 turn = curl(jacobian[k]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        velocity[3 * i + c] = static_cast<float>(velocities[k][c]);
+        vorticity[3 * i + c] = static_cast<float>(turn[c]);
+      }
+    });
+    progress.check();
   }
   PolylineSet lines;
   lines.offsets = made.offsets;

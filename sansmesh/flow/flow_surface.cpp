@@ -14,6 +14,8 @@
 namespace sansmesh {
 namespace {
 
+constexpr double kMostDiagonals = 5;  // where nothing else ends a surface
+
 bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
 
 /// A flow that stays as it was at a moment.
@@ -107,7 +109,11 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
   if (!times.contains(*known.start)) throw ArgumentError("`start` must lie in the times of the flow");
   FlowSurface surface;
   FlowSheet sheet;
+  const auto end_somewhere = [&] {
+    if (!known.length && !std::isfinite(known.duration)) known.length = kMostDiagonals * field.bounds().diagonal();
+  };
   if (options.kind == FlowSurfaceKind::stream) {
+    end_somewhere();
     const FlowAtOneMoment steady(field, *known.start);
     sheet = advance_fronts(steady, curve, known, progress);
   } else {
@@ -119,6 +125,7 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     known.duration = std::min(known.duration, left);
     if (is_released(options.kind) && !std::isfinite(known.duration))
       throw ArgumentError("`duration` of streak and time surfaces is needed");
+    if (!is_released(options.kind)) end_somewhere();
     sheet = is_released(options.kind) ? released_sheet(field, curve, known, progress)
                                       : advance_fronts(field, curve, known, progress);
   }

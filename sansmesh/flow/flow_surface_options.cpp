@@ -16,6 +16,8 @@ void FlowSurfaceOptions::validate() const {
                  "`delta` must be at least 0, below 1 and at most half `alpha`");
   check_argument(!start || std::isfinite(*start), "`start` must be finite");
   check_argument(duration > 0, "`duration` must be positive");
+  check_argument(!length || *length > 0, "`length` must be positive");
+  check_argument(!length || !released, "`length` is for stream and path surfaces");
   check_argument(!front_step || (std::isfinite(*front_step) && *front_step > 0),
                  "`front_step` must be a positive time");
   check_argument(most_fronts >= 1, "`most_fronts` must be at least 1");

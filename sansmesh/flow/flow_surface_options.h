@@ -43,6 +43,10 @@ struct FlowSurfaceOptions {
   /// How long particles are followed (time, > 0), in each direction. Streak and time surfaces need one, or a field that
   /// ends.
   double duration = std::numeric_limits<double>::infinity();
+  /// Stream and path surfaces end with the front at which particles have gone so far (length, > 0): the sum of the
+  /// medians of their steps from front to front, without those at rest. Default where neither `duration` nor the field
+  /// gives an end: five diagonals of its bounds, as of flow_lines(); else none.
+  std::optional<double> length;
   /// Time between fronts, > 0. Default: one Δ₀ at the median speed of the particles on each. Of streak surfaces between
   /// releases; of no use to time surfaces.
   std::optional<double> front_step;

@@ -47,7 +47,7 @@ void ParticlesAhead::move(const VectorField& field, double time, const TraceOpti
     which.push_back(i);
     was_[i] = particles_.positions[i];
   }
-  move_in_parts(field, particles_, which, time, options);
+  move_particles(field, particles_, which, time, options);
 }
 
 }  // namespace sansmesh

@@ -75,7 +75,7 @@ class ReleasedSheet {
     Particles p = particles_at(field_, seeds, moments);
     std::vector<std::uint32_t> all(s.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
-    move_in_parts(field_, p, all, end_, trace_);
+    move_particles(field_, p, all, end_, trace_);
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(s_, s), append(row_, rows);
     append(particles_.positions, p.positions), append(particles_.velocities, p.velocities);

@@ -16,12 +16,20 @@ namespace {
 constexpr double kTolerance = 1e-5, kStep = 1e-3, kLongestStep = 0.02;  // of the diagonal
 /// Steps that leave the field are halved until they are shorter than this, of the diagonal: then that is its boundary.
 constexpr double kAtBoundary = 1e-7;
+/// Those after one that left go so much of the straight way to the side of the field's box.
+constexpr double kNearlyOut = 0.98;
 /// Dormand and Prince's next step: what the error allows, a little less, and no sudden changes.
 constexpr double kCaution = 0.9, kMostShrink = 0.2, kMostGrowth = 5;
-/// Lines have points between the ends of steps: no farther apart than this, over the longest step; so many at most.
-constexpr double kSegment = 0.25, kMostParts = 64;
+/// Lines have points between the ends of steps, so that they turn by no more than this from one to the next (radians),
+/// and are no farther from their chords than this, of the diagonal; so many parts of a step at most. A point as near as
+/// that to the one before the last replaces the last.
+constexpr double kTurn = 0.2, kSag = 2e-4, kMostParts = 64;
+/// After so many steps errors may have summed up to as many tolerances: a particle that is still within this many of
+/// them of where it was circles about a critical point that it cannot get nearer to.
+constexpr std::uint32_t kCircling = 64;
+constexpr double kCircle = 32;
 /// Particles that a thread moves together: many enough for what a batch costs.
-constexpr std::size_t kPart = 128;
+constexpr std::size_t kTogether = 128;
 constexpr std::size_t kStages = 7;
 
 // Dormand & Prince 1980; the interpolation between both ends of a step is Shampine's, as Hairer, Nørsett & Wanner give
@@ -56,16 +64,26 @@ struct Step {
   }
 };
 
-/// How far particles may go.
+/// Where a particle was some steps ago, and how many.
+struct Anchor {
+  Vec3 place;
+  std::uint32_t steps = 0;
+};
+
+/// How far particles may go. Entries are those of the particles.
 struct Limits {
   std::span<const double> until;   // moments
   std::span<const double> length;  // that is left to each, if not empty
+  std::span<std::uint32_t> tries;  // made so far
+  std::span<double> gone;          // moments by which they had left the field; infinite where that is not known
+  std::span<Anchor> anchors;       // if not empty those that circle have arrived
 };
 
 class Stepper {
  public:
   Stepper(const VectorField& field, const TraceOptions& options) : field_(field), options_(options) {
-    const double diagonal = field.bounds().diagonal();
+    box_ = field.bounds();
+    const double diagonal = box_.diagonal();
     const bool adaptive = options.integrator == Integrator::dopri5;
     tolerance_ = options.tolerance.value_or(kTolerance * diagonal);
     reach_ = options.step.value_or((adaptive ? kLongestStep : kStep) * diagonal);
@@ -73,8 +91,6 @@ class Stepper {
     direction_ = options.backward ? -1 : 1;
     times_ = field.times();
   }
-
-  double longest_step() const { return reach_; }
 
   /// One step, or a shorter try, of each of the particles that move; those that came to an end leave `active`. `made`
   /// hears of every step, in the order of the particles.
@@ -95,7 +111,7 @@ class Stepper {
         dormand_prince(p, active);
         break;
     }
-    finish(p, active, made);
+    finish(p, active, limits, made);
   }
 
  private:
@@ -116,6 +132,10 @@ class Stepper {
       ends_[a] = TraceEnd::critical_point;
       return;
     }
+    if (limits.tries[i]++ >= options_.most_steps) {
+      ends_[a] = TraceEnd::steps;
+      return;
+    }
     double h = reach_ / speed;
     if (p.steps[i] > 0) h = std::min(h, p.steps[i]);
     if (!limits.length.empty()) {
@@ -125,11 +145,24 @@ class Stepper {
       }
       h = std::min(h, limits.length[i] / speed);
     }
+    if (const double ahead = direction_ * (limits.gone[i] - p.times[i]); ahead > 0 && std::isfinite(ahead)) {
+      const double out = time_to_side(p.positions[i], p.velocities[i] * direction_);
+      h = std::min(h, std::max(out < ahead ? kNearlyOut * out : 0.5 * ahead, 0.5 * boundary_ / speed));
+    }
     // No sliver of a step at the end.
     const bool arrives = h >= left;
     if (!arrives && h > 0.5 * left) h = 0.5 * left;
     h_[a] = direction_ * (arrives ? left : h);
     to_[a] = arrives ? last : p.times[i] + h_[a];
+  }
+
+  /// Until a particle leaves the box of the field, if it goes straight on.
+  double time_to_side(const Vec3& x, const Vec3& velocity) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k)
+      if (velocity[k] != 0)
+        least = std::min(least, ((velocity[k] > 0 ? box_.upper[k] : box_.lower[k]) - x[k]) / velocity[k]);
+    return std::max(least, 0.0);
   }
 
   void drop_ended(Particles& p, std::vector<std::uint32_t>& active) {
@@ -196,7 +229,15 @@ class Stepper {
     }
   }
 
-  void finish(Particles& p, std::vector<std::uint32_t>& active, const std::function<void(const Step&)>& made) {
+  /// Whether a particle that is at x now has come no farther for long.
+  bool circles(const Vec3& x, Anchor& anchor) const {
+    const double near = std::min(kCircle * tolerance_, 0.25 * kCircling * reach_);
+    if (squared_norm(x - anchor.place) > near * near) anchor = {x, 0};
+    return ++anchor.steps > kCircling;
+  }
+
+  void finish(Particles& p, std::vector<std::uint32_t>& active, const Limits& limits,
+              const std::function<void(const Step&)>& made) {
     const bool adaptive = options_.integrator == Integrator::dopri5;
     std::size_t left = 0;
     for (std::size_t a = 0; a < active.size(); ++a) {
@@ -207,7 +248,7 @@ class Stepper {
         if (h * norm(p.velocities[i]) < boundary_)
           p.ends[i] = TraceEnd::boundary;
         else
-          p.steps[i] = 0.5 * h, active[left++] = i;
+          p.steps[i] = 0.5 * h, limits.gone[i] = to_[a], active[left++] = i;
         continue;
       }
       if (adaptive) {
@@ -225,7 +266,10 @@ class Stepper {
         p.steps[i] = 2 * h;
       p.positions[i] = step.end, p.times[i] = step.to, p.velocities[i] = step.last;
       made(step);
-      active[left++] = i;
+      if (adaptive && !limits.anchors.empty() && circles(step.end, limits.anchors[i]))
+        p.ends[i] = TraceEnd::critical_point;
+      else
+        active[left++] = i;
     }
     active.resize(left);
   }
@@ -233,6 +277,7 @@ class Stepper {
   const VectorField& field_;
   const TraceOptions& options_;
   TimeRange times_;
+  Box3 box_;
   double tolerance_ = 0, reach_ = 0, boundary_ = 0, direction_ = 1;
   std::vector<std::optional<TraceEnd>> ends_;
   std::vector<double> h_, to_, moments_, error_;
@@ -251,19 +296,39 @@ double moment_beyond(std::span<const double> moments, double t, bool backward) {
   return found == moments.end() ? std::numeric_limits<double>::infinity() : *found;
 }
 
+/// Into how many parts a step of a line is cut.
+int parts_of(const Step& step, double sag) {
+  const Vec3 chord = step.end - step.start, middle = step.at(0.5);
+  // The angles between its ways at the start, over both halves, and at the end, as chords of the unit circle.
+  const std::array<Vec3, 4> ways{normalized(step.velocity), normalized(middle - step.start),
+                                 normalized(step.end - middle), normalized(step.last)};
+  const double sign = step.to < step.from ? -1 : 1;  // velocities point against steps backward
+  const double turn = norm(ways[1] - ways[0] * sign) + norm(ways[2] - ways[1]) + norm(ways[3] * sign - ways[2]);
+  const double parts = std::max(turn / kTurn, std::sqrt(norm(chord) * turn / (8 * sag)));
+  return static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostParts));
+}
+
+/// What goes with the particles that are followed; see Limits.
+struct Followed {
+  std::vector<double> until, length;
+  std::vector<std::uint32_t> tries;
+  std::vector<double> gone;
+  std::vector<Anchor> anchors;
+};
+
 /// Moves the particles that have not ended until each is at its moment `until` or ended; none that is at its moment
-/// already ends by that. Between the moments of the field all go together.
-void follow(const VectorField& field, Stepper& stepper, Particles& p, std::vector<std::uint32_t> active,
-            std::span<const double> until, std::span<const double> length, const TraceOptions& options,
-            const std::function<void(const Step&)>& made, Progress* progress) {
-  const std::span<const double> moments = field.moments();
+/// already ends by that. Between the moments of the field all go together, so that it is asked for few of its steps at
+/// a time. `made` is called from several threads, for each particle from one.
+void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> active, Followed& with,
+            const TraceOptions& options, const std::function<void(const Step&)>& made, Progress* progress) {
+  const std::span<const double> moments = field.moments(), until = with.until;
   const bool backward = options.backward;
   const auto before = [&](double a, double b) { return backward ? a > b : a < b; };
   std::vector<double> target(p.positions.size());
-  Limits limits;
-  limits.until = target, limits.length = length;
+  with.tries.resize(p.positions.size());
+  with.gone.assign(p.positions.size(), std::numeric_limits<double>::infinity());
+  const Limits limits{target, with.length, with.tries, with.gone, with.anchors};
   std::vector<std::uint32_t> now, later;
-  std::size_t rounds = 0;
   while (!active.empty()) {
     double first = p.times[active[0]];
     for (const std::uint32_t i : active)
@@ -274,15 +339,19 @@ void follow(const VectorField& field, Stepper& stepper, Particles& p, std::vecto
       target[i] = before(next, until[i]) ? next : until[i];
       (before(p.times[i], target[i]) || !before(p.times[i], until[i]) ? now : later).push_back(i);
     }
-    const std::vector<std::uint32_t> moved = now;
-    for (; rounds < options.most_steps && !now.empty(); ++rounds) {
-      stepper.round(p, now, limits, made);
-      if (progress) progress->check();
-    }
-    for (const std::uint32_t i : now) p.ends[i] = TraceEnd::steps;
+    parallel_ranges(0, now.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+      Stepper stepper(field, options);
+      std::vector<std::uint32_t> these(now.begin() + static_cast<std::ptrdiff_t>(begin),
+                                       now.begin() + static_cast<std::ptrdiff_t>(end));
+      while (!these.empty()) {
+        stepper.round(p, these, limits, made);
+        if (progress) progress->check();
+      }
+      if (progress && moments.empty()) progress->advance(end - begin);
+    });
     const std::size_t all = active.size();
     active = later;
-    for (const std::uint32_t i : moved) {
+    for (const std::uint32_t i : now) {
       if (p.ends[i] != TraceEnd::time || !before(p.times[i], until[i]) || !field.times().contains(p.times[i])) continue;
       const bool last = backward ? !(p.times[i] > field.times().first) : !(p.times[i] < field.times().last);
       if (last) continue;
@@ -290,11 +359,7 @@ void follow(const VectorField& field, Stepper& stepper, Particles& p, std::vecto
       active.push_back(i);
     }
     std::sort(active.begin(), active.end());
-    if (progress) progress->advance(all - active.size());
-    if (rounds >= options.most_steps) {
-      for (const std::uint32_t i : active) p.ends[i] = TraceEnd::steps;
-      active.clear();
-    }
+    if (progress && !moments.empty()) progress->advance(all - active.size());
   }
 }
 
@@ -330,34 +395,12 @@ void move_particles(const VectorField& field, Particles& particles, std::span<co
   std::vector<std::uint32_t> active;
   for (const std::uint32_t i : which)
     if (!particles.ends[i]) active.push_back(i);
-  Stepper stepper(field, options);
-  const std::vector<double> until(particles.positions.size(), time);
+  Followed with;
+  with.until.assign(particles.positions.size(), time);
   follow(
-      field, stepper, particles, active, until, {}, options, [](const Step&) {}, nullptr);
+      field, particles, active, with, options, [](const Step&) {}, nullptr);
   for (const std::uint32_t i : active)
     if (particles.ends[i] == TraceEnd::time && particles.times[i] == time) particles.ends[i].reset();
-}
-
-void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
-                   const TraceOptions& options) {
-  const auto move = [&](std::span<const std::uint32_t> those, double to) {
-    parallel_ranges(0, those.size(), kPart, [&](std::size_t first, std::size_t last) {
-      move_particles(field, particles, those.subspan(first, last - first), to, options);
-    });
-  };
-  // All to the same moment of the field before any goes on: a part that is ahead of others asks for other steps.
-  const auto before = [&](double a, double b) { return options.backward ? a > b : a < b; };
-  const std::span<const double> moments = field.moments();
-  std::vector<std::uint32_t> those;
-  for (std::size_t k = 0; k < moments.size(); ++k) {
-    const double to = options.backward ? moments[moments.size() - 1 - k] : moments[k];
-    if (!before(to, time)) break;
-    those.clear();
-    for (const std::uint32_t i : which)
-      if (!particles.ends[i] && before(particles.times[i], to)) those.push_back(i);
-    move(those, to);
-  }
-  move(which, time);
 }
 
 Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments,
@@ -369,35 +412,43 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
     std::vector<Vec3> positions;
     std::vector<double> times;
     std::vector<Vec3> velocities;
+    void add(const Vec3& x, double t, const Vec3& v, double near) {
+      const std::size_t n = positions.size();
+      if (n > 1 && squared_norm(x - positions[n - 2]) < near * near)
+        positions.pop_back(), times.pop_back(), velocities.pop_back();
+      positions.push_back(x), times.push_back(t), velocities.push_back(v);
+    }
   };
   std::vector<Line> lines(n);
   std::vector<std::uint32_t> active;
-  std::vector<double> until(n), left(n, options.length);
+  Followed with;
+  with.until.resize(n);
+  if (std::isfinite(options.length)) with.length.assign(n, options.length);
+  // Where a flow changes from moment to moment steps end there, however slow: they tell nothing.
+  if (options.least_speed > 0 && field.moments().empty()) with.anchors.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    until[i] = moments[i] + (options.backward ? -options.duration : options.duration);
+    with.until[i] = moments[i] + (options.backward ? -options.duration : options.duration);
     if (p.ends[i]) continue;
     active.push_back(static_cast<std::uint32_t>(i));
     lines[i] = {{p.positions[i]}, {p.times[i]}, {p.velocities[i]}};
+    if (!with.anchors.empty()) with.anchors[i].place = p.positions[i];
   }
-  Stepper stepper(field, options);
-  const double segment = kSegment * stepper.longest_step();
+  const double sag = kSag * field.bounds().diagonal();
   const auto keep = [&](const Step& step) {
     Line& line = lines[step.particle];
-    const double chord = norm(step.end - step.start);
-    const auto parts = static_cast<int>(std::clamp(std::ceil(chord / segment), 1.0, kMostParts));
+    const int parts = parts_of(step, sag);
+    Vec3 last = step.start;
     for (int k = 1; k <= parts; ++k) {
       const double share = static_cast<double>(k) / parts;
       const Vec3 x = k == parts ? step.end : step.at(share);
-      left[step.particle] -= norm(x - line.positions.back());
-      line.positions.push_back(x);
-      line.times.push_back(k == parts ? step.to : step.from + share * (step.to - step.from));
-      line.velocities.push_back(step.velocity + (step.last - step.velocity) * share);
+      if (!with.length.empty()) with.length[step.particle] -= norm(x - last);
+      last = x;
+      line.add(x, k == parts ? step.to : step.from + share * (step.to - step.from),
+               step.velocity + (step.last - step.velocity) * share, sag);
     }
   };
   progress.begin("trace", n);
-  follow(field, stepper, p, active, until,
-         std::isfinite(options.length) ? std::span<const double>(left) : std::span<const double>(), options, keep,
-         &progress);
+  follow(field, p, active, with, options, keep, &progress);
 
   Traces traces;
   for (std::size_t i = 0; i < n; ++i) {

@@ -25,7 +25,7 @@ enum class TraceEnd : std::uint8_t {
   time,            ///< the moment asked for, or the last one of the field
   length,          ///< the length asked for
   boundary,        ///< where the field ends
-  critical_point,  ///< slower than `least_speed`
+  critical_point,  ///< slower than `least_speed`, or no farther for long
   steps,           ///< more steps than `most_steps`
   outside          ///< it began where there is no field
 };
@@ -40,7 +40,9 @@ struct TraceOptions {
   std::optional<double> step;
   double duration = std::numeric_limits<double>::infinity();  ///< time, > 0
   double length = std::numeric_limits<double>::infinity();    ///< of the line, > 0
-  double least_speed = 0;           ///< length per time, >= 0: slower ones have arrived at a critical point
+  /// Length per time, >= 0: slower ones have arrived at a critical point. Where this is not 0, and the field has no
+  /// moments(), so have lines of dopri5 that do not get farther than 32 tolerances in 64 steps.
+  double least_speed = 0;
   std::size_t most_steps = 20'000;  ///< >= 1, tries included
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -58,8 +60,10 @@ struct Traces {
 };
 
 /// Stream lines (in steady fields) or path lines from the seeds, each from its moment. Sizes must agree. Lines are as
-/// fine as the steps, and finer, by the integrator's own interpolation, where these are long. The particles do not see
-/// each other: the same bytes whatever the batch and the number of threads. Throws ArgumentError for bad options.
+/// fine as the steps, and finer, by the integrator's own interpolation, where these turn: by no more than 0.2 radians
+/// from point to point, chords being off by no more than 2·10⁻⁴ of the diagonal; points nearer than that are left out.
+/// The particles do not see each other: the same bytes whatever the batch and the number of threads. Throws
+/// ArgumentError for bad options.
 Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments,
                    const TraceOptions& options, Progress& progress);
 
@@ -76,13 +80,9 @@ struct Particles {
 Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments);
 
 /// Moves those of `which` that have not ended to the moment `time` (later than theirs; earlier with `backward`), or to
-/// their ends. `duration` and `length` of the options do not count.
+/// their ends. `duration` and `length` of the options do not count. In parts on several threads, all together from one
+/// moment of the field to the next.
 void move_particles(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
                     const TraceOptions& options);
-
-/// move_particles(), in parts on several threads (the particles do not see each other), all together from one moment of
-/// the field to the next; `most_steps` counts between two of them.
-void move_in_parts(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
-                   const TraceOptions& options);
 
 }  // namespace sansmesh

@@ -7,13 +7,18 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_interpolant.h"
+#include "sansmesh/volume/point_order.h"
 #include "sansmesh/volume/pointwise_field.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 
 namespace sansmesh {
 namespace {
+
+constexpr std::size_t kInLattice = 1024;  // points that a thread answers together
 
 class LinearField final : public detail::LocatedField {
  public:
@@ -21,12 +26,105 @@ class LinearField final : public detail::LocatedField {
     if (volume().in_cells && !volume().lattice) between_cells_.emplace(volume(), samples());
   }
 
+  void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
+    const std::size_t n = components();
+    const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
+    const bool lattice = volume().lattice && fits(wanted.values.size(), x.size() * n) &&
+                         fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size()) &&
+                         fits(wanted.degrees.size(), x.size());
+    if (lattice && n == 1) return in_lattice<1>(x, wanted);
+    if (lattice && n == 2) return in_lattice<2>(x, wanted);
+    if (lattice && n == 3) return in_lattice<3>(x, wanted);
+    LocatedField::evaluate(x, wanted);
+  }
+
  private:
+  /// What is asked for most, a few components in lattices, goes the shortest way.
+  template <std::size_t N>
+  void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+    const double slack = 1e-9 * bounds().diagonal();  // as the locator has it
+    const std::vector<std::uint32_t> order = locality_order(x);
+    parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
+      std::array<double, N> value_store;
+      std::array<Vec3, N> slope_store;
+      for (std::size_t k = first; k < last; ++k) {
+        const std::size_t i = order.empty() ? k : order[k];
+        double* const values = wanted.values.empty() ? value_store.data() : wanted.values.data() + i * N;
+        Vec3* const gradients = wanted.gradients.empty() ? slope_store.data() : wanted.gradients.data() + i * N;
+        const bool inside = at_lattice<N>(x[i], slack, values, gradients, !wanted.gradients.empty());
+        if (!wanted.inside.empty()) wanted.inside[i] = inside;
+        if (!wanted.degrees.empty()) wanted.degrees[i] = is_finite(x[i]) ? 1 : 0;
+      }
+    });
+  }
+
+  /// Values at x, gradients if they are wanted; whether it is inside. Outside as answer_at().
+  template <std::size_t N>
+  bool at_lattice(const Vec3& x, double slack, double* values, Vec3* gradients, bool wanted) const {
+    if (!is_finite(x)) {
+      std::fill_n(values, N, 0.0), std::fill_n(gradients, N, Vec3{});
+      return false;
+    }
+    const Lattice& l = *volume().lattice;
+    const Vec3 a = l.to_axes(x);
+    std::array<std::size_t, 3> cell;
+    Vec3 u, per_step, nearest;
+    bool inside = true;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      inside = inside && a[k] >= l.lower[k] - slack && a[k] <= l.upper[k] + slack;
+      nearest[k] = std::clamp(a[k], l.lower[k], l.upper[k]);
+      cell[k] = interval_of(l.axes[k], l.uniform, nearest[k]);
+      const double from = l.axes[k][cell[k]], step = l.axes[k][cell[k] + 1] - from;
+      per_step[k] = 1 / step, least = std::min(least, step);
+      u[k] = (nearest[k] - from) / step;
+    }
+    const std::size_t row = l.axes[0].size(), slab = row * l.axes[1].size();
+    const double* const f = samples().values.data() + (cell[0] + row * cell[1] + slab * cell[2]) * N;
+    const std::array<const double*, 4> rows{f, f + row * N, f + slab * N, f + (slab + row) * N};
+    const double p = 1 - u.x, q = 1 - u.y, o = 1 - u.z;
+    const std::array<double, 4> shares{q * o, u.y * o, q * u.z, u.y * u.z};
+    for (std::size_t c = 0; c < N; ++c) {
+      double value = 0;
+      for (std::size_t r = 0; r < 4; ++r) value += (p * rows[r][c] + u.x * rows[r][N + c]) * shares[r];
+      values[c] = value;
+    }
+    if (inside && !wanted) return true;
+    for (std::size_t c = 0; c < N; ++c) {
+      std::array<double, 4> line;
+      double by_x = 0;
+      for (std::size_t r = 0; r < 4; ++r) {
+        line[r] = p * rows[r][c] + u.x * rows[r][N + c];
+        by_x += (rows[r][N + c] - rows[r][c]) * shares[r];
+      }
+      const double by_y = (line[1] - line[0]) * o + (line[3] - line[2]) * u.z;
+      const double by_z = (line[2] - line[0]) * q + (line[3] - line[1]) * u.y;
+      gradients[c] = l.directions[0] * (by_x * per_step.x) + l.directions[1] * (by_y * per_step.y) +
+                     l.directions[2] * (by_z * per_step.z);
+    }
+    if (inside) return true;
+    Vec3 beyond = x - l.from_axes(nearest);
+    const double length = norm(beyond);
+    if (length > least / 2) beyond *= std::isfinite(length) ? least / 2 / length : 0;
+    for (std::size_t c = 0; c < N; ++c)
+      if (const double more = dot(gradients[c], beyond); std::isfinite(more)) values[c] += more;
+    return false;
+  }
+
   void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
     if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
     if (!wanted.degrees.empty()) wanted.degrees[i] = 1;
     if (wanted.values.empty() && wanted.gradients.empty()) return;
     const std::size_t n = samples().components;
+    if (place.inside && wanted.gradients.empty() && !between_cells_) {
+      double* const v = wanted.values.data() + i * n;
+      std::fill_n(v, n, 0.0);
+      for (std::size_t c = 0; c < place.corner_count; ++c) {
+        const double* const of = samples().values.data() + place.corners[c] * n;
+        for (std::size_t k = 0; k < n; ++k) v[k] += place.weights[c] * of[k];
+      }
+      return;
+    }
     // Outside the place that counts is the nearest one, from where the function goes on a little.
     Vec3 beyond, at = x;
     if (!place.inside) {

@@ -12,7 +12,7 @@
 namespace sansmesh::detail {
 namespace {
 
-constexpr std::size_t kLocatedGrain = 256;
+constexpr std::size_t kLocatedGrain = 256, kAtOnce = 32;  // of a thread; whose places are kept
 
 }  // namespace
 
@@ -25,17 +25,20 @@ LocatedField::LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeVa
 template <class Visit>
 void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) const {
   const std::vector<std::uint32_t> order = locality_order(x);
-  parallel_ranges(0, x.size(), kLocatedGrain, [&](std::size_t first, std::size_t last) {
-    std::array<VolumePlace, kLocatedGrain> places;
-    std::array<Vec3, kLocatedGrain> sorted;
-    const std::size_t count = last - first;
-    if (order.empty()) {
-      locator_.locate(x.subspan(first, count), std::span(places).first(count));
-    } else {
-      for (std::size_t k = 0; k < count; ++k) sorted[k] = x[order[first + k]];
-      locator_.locate(std::span(sorted).first(count), std::span(places).first(count));
+  parallel_ranges(0, x.size(), kLocatedGrain, [&](std::size_t begin, std::size_t end) {
+    std::array<VolumePlace, kAtOnce> places;
+    std::array<Vec3, kAtOnce> sorted;
+    for (std::size_t first = begin, count; first < end; first += count) {
+      count = std::min(kAtOnce, end - first);
+      const std::span<VolumePlace> found = std::span(places).first(count);
+      if (order.empty()) {
+        locator_.locate(x.subspan(first, count), found);
+      } else {
+        for (std::size_t k = 0; k < count; ++k) sorted[k] = x[order[first + k]];
+        locator_.locate(std::span(sorted).first(count), found);
+      }
+      for (std::size_t k = 0; k < count; ++k) visit(order.empty() ? first + k : order[first + k], places[k]);
     }
-    for (std::size_t k = 0; k < count; ++k) visit(order.empty() ? first + k : order[first + k], places[k]);
   });
 }
 

@@ -190,10 +190,12 @@ struct VolumeLocator::State {
       const std::size_t count = corners_of(cell, x, corners);
       const std::span<const Vec3> these = std::span(corners).first(count);
       const CellMap map(shape, these);
-      if (!map.may_reach(tolerance)) continue;
+      // Of one cell it is as quick to find the place.
+      const bool only = candidates.size() == 1;
+      if (!only && !map.may_reach(tolerance)) continue;
       Vec3 u;
       if (!map.invert(u)) {
-        failed = true;
+        failed = !only || map.may_reach(tolerance);
         continue;
       }
       if (parameters_within(shape, u, kStrict)) {
@@ -311,8 +313,11 @@ void shape_gradients(const SampledVolume& volume, const VolumePlace& place, cons
     for (std::size_t k = 0; k < 3; ++k) j[k] += edge * by_parameter[c][k];
   }
   const Matrix3 jacobian{j[0], j[1], j[2]};
+  const Vec3 by_r = jacobian.solve_transposed({1, 0, 0}), by_s = jacobian.solve_transposed({0, 1, 0}),
+             by_t = jacobian.solve_transposed({0, 0, 1});
   for (std::size_t c = 0; c < count; ++c) {
-    gradients[c] = jacobian.solve_transposed(by_parameter[c]);
+    const Vec3& d = by_parameter[c];
+    gradients[c] = by_r * d.x + by_s * d.y + by_t * d.z;
     if (!is_finite(gradients[c])) {
       std::fill(gradients.begin(), gradients.end(), Vec3{});
       return;

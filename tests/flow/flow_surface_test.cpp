@@ -454,6 +454,31 @@ TEST(FlowSurface, EndsWithTheFieldAndWhereItStandsStill) {
   for (const FlowPoint& p : half.points) EXPECT_GT(p.s, 0.75);
 }
 
+TEST(FlowSurface, EndsAfterFiveDiagonalsWhereNothingElseEndsIt) {
+  // Round and round for ever: the particle in the middle goes at unit speed.
+  const SeedCurve curve = seed_line({0.9, 0, 0}, {1.1, 0, 0});
+  const double five = 5 * analytic_flow("rotation")->bounds().diagonal();
+  FlowSurfaceOptions options;
+  options.seeds = 3;
+  for (const FlowSurfaceKind kind : {FlowSurfaceKind::stream, FlowSurfaceKind::path}) {
+    options.kind = kind;
+    const FlowSurface whole = surface_of("rotation", curve, options);
+    EXPECT_TRUE(whole.report.complete);
+    double last = 0;
+    for (const FlowPoint& p : whole.points) last = std::max(last, p.t);
+    EXPECT_GE(last, five * (1 - 1e-3));
+    EXPECT_LE(last, five + 0.2);
+  }
+  // Not sooner than asked for, and not later.
+  options.length = 2, options.duration = 100;
+  double last = 0;
+  for (const FlowPoint& p : surface_of("rotation", curve, options).points) last = std::max(last, p.t);
+  EXPECT_NEAR(last, 2, 0.2);
+  options.length = {}, options.duration = five + 10;
+  for (const FlowPoint& p : surface_of("rotation", curve, options).points) last = std::max(last, p.t);
+  EXPECT_EQ(last, five + 10);
+}
+
 TEST(FlowSurface, IsTheSameForAnyNumberOfThreads) {
   for (const auto kind : {FlowSurfaceKind::path, FlowSurfaceKind::streak}) {
     FlowSurfaceOptions options = surface_for(0.8, 40);
@@ -491,6 +516,8 @@ TEST(FlowSurface, RefusesBadOptionsAndSeeds) {
            [](FlowSurfaceOptions& o) { o.seeds = 1; }, [](FlowSurfaceOptions& o) { o.alpha = 1; },
            [](FlowSurfaceOptions& o) { o.beta = 0; }, [](FlowSurfaceOptions& o) { o.delta = 1; },
            [](FlowSurfaceOptions& o) { o.delta = 0.8, o.alpha = 1.5; }, [](FlowSurfaceOptions& o) { o.duration = 0; },
+           [](FlowSurfaceOptions& o) { o.length = 0; },
+           [](FlowSurfaceOptions& o) { o.kind = FlowSurfaceKind::streak, o.duration = 1, o.length = 1; },
            [](FlowSurfaceOptions& o) { o.front_step = 0; }, [](FlowSurfaceOptions& o) { o.most_fronts = 0; },
            [](FlowSurfaceOptions& o) { o.most_points = 0; }, [](FlowSurfaceOptions& o) { o.trace.tolerance = -1; },
            [](FlowSurfaceOptions& o) { o.kind = FlowSurfaceKind::time; },

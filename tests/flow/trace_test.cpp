@@ -123,6 +123,93 @@ TEST(Trace, EndsAtCriticalPointsAfterALengthAndOfSteps) {
   EXPECT_EQ(traced(*around, {{1, 0, 0}}, few).ends[0], TraceEnd::steps);
 }
 
+/// A sink at the origin, round which particles spiral.
+class Spiral final : public VectorField {
+ public:
+  Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
+  void evaluate(std::span<const Vec3> x, std::span<const double>, std::span<Vec3> vectors,
+                std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      inside[i] = bounds().contains(x[i]);
+      // Ever faster decay in some directions: steps are as long as stability allows, and no nearer than the tolerance.
+      vectors[i] = inside[i] != 0 ? Vec3{-x[i].x - x[i].y, x[i].x - x[i].y, -30 * x[i].z} : Vec3{};
+      if (!jacobian.empty()) jacobian[i] = {};
+    }
+  }
+};
+
+TEST(Trace, ParticlesThatCannotGetNearerHaveArrived) {
+  const Spiral field;
+  TraceOptions options;
+  options.tolerance = 1e-3, options.least_speed = 1e-9, options.duration = 1e6;
+  const Traces t = traced(field, {{0.5, 0.2, 0.3}, {-0.7, 0.1, -0.4}}, options);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    EXPECT_EQ(t.ends[i], TraceEnd::critical_point);
+    EXPECT_LT(norm(t.positions[t.offsets[i + 1] - 1]), 0.032);
+    EXPECT_LT(t.offsets[i + 1] - t.offsets[i], 300u);
+  }
+  // Whoever sets no least speed wants to know where it is at that moment.
+  options.least_speed = 0, options.duration = 100;
+  EXPECT_EQ(traced(field, {{0.5, 0.2, 0.3}}, options).ends[0], TraceEnd::time);
+}
+
+TEST(Trace, BoundariesAreFoundInFewSteps) {
+  const auto flow = analytic_flow("saddle");
+  std::vector<Vec3> seeds;
+  for (int i = 0; i < 50; ++i) seeds.push_back({0.5 + 0.03 * i, 1, 0});
+  TraceOptions options;
+  options.most_steps = 40;
+  const Traces t = traced(*flow, seeds, options);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    EXPECT_EQ(t.ends[i], TraceEnd::boundary);
+    EXPECT_NEAR(t.positions[t.offsets[i + 1] - 1].x, 4, 2e-6);
+  }
+}
+
+/// Ten steps in time; fast eddies above, hardly any motion below.
+class FastAndSlow final : public VectorField {
+ public:
+  Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
+  TimeRange times() const override { return {0, 10}; }
+  std::span<const double> moments() const override { return moments_; }
+  void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
+                std::span<std::uint8_t> inside, std::span<Jacobian> /*jacobian*/) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      inside[i] = bounds().contains(x[i]) && times().contains(t[i]);
+      vectors[i] = inside[i] == 0 ? Vec3{} : x[i].y > 0 ? Vec3{20 * (0.5 - x[i].y), 20 * x[i].x, 0} : Vec3{0.01, 0, 0};
+    }
+  }
+
+ private:
+  std::vector<double> moments_{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+};
+
+TEST(Trace, TriesAreCountedForEachParticle) {
+  // One that needs many steps does not end the others.
+  const FastAndSlow field;
+  TraceOptions options;
+  options.most_steps = 100;
+  const Traces t = traced(field, {{0, -0.5, 0}, {0.3, 0.5, 0}}, options);
+  EXPECT_EQ(t.ends[0], TraceEnd::time);
+  EXPECT_EQ(t.ends[1], TraceEnd::steps);
+  EXPECT_NEAR(t.positions[t.offsets[1] - 1].x, 0.1, 1e-9);
+}
+
+TEST(Trace, LinesAreAsFineAsTheyTurn) {
+  const auto turning = analytic_flow("rotation"), straight = analytic_flow("saddle");
+  const Traces circle = traced(*turning, {{0.5, 0, 0}}, for_time(2 * kPi));
+  const std::size_t round = circle.positions.size();
+  EXPECT_GE(round, 31u);
+  EXPECT_LE(round, 80u);
+  for (std::size_t i = 0; i + 1 < round; ++i)
+    EXPECT_LT(norm(circle.positions[i + 1] - circle.positions[i]), 0.5 * 0.2 * 1.05);
+  TraceOptions options;
+  options.step = 0.4;
+  const Traces line = traced(*straight, {{0.5, 0, 0}}, options);
+  for (std::size_t i = 0; i + 12 < line.positions.size(); ++i)
+    EXPECT_GT(norm(line.positions[i + 1] - line.positions[i]), 0.02) << i;
+}
+
 TEST(Trace, SeedsOutsideHaveNoLine) {
   const auto flow = analytic_flow("past-sphere");
   const Traces t = traced(*flow, {{0, 0, 0}, {-3, 0.2, 0}, {9, 0, 0}}, for_time(20));
