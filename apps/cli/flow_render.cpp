@@ -23,7 +23,6 @@
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
-#include "sansmesh/volume/volume_boundary.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -31,6 +30,8 @@ namespace {
 constexpr double kDark = 0.45;  // of the range of values: colours that are left out below it
 
 constexpr double kScaleEnd = 0.01;      // share of the particles beyond each end of the scale of colours
+constexpr double kMostTurn = 3600;      // degrees
+constexpr int kLeastBesideBars = 100;   // pixels
 constexpr double kArrowSpacing = 0.06;  // of the surface's diagonal
 constexpr double kArrowLength = 0.7;    // of their distance
 constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
@@ -45,7 +46,8 @@ struct FlowRenderArguments {
   FlowTextureOptions streaks;
   double volume_opacity = 1, turn = 0;
   bool smooth = false, no_bar = false;
-  std::optional<double> arrows;  // distance between them; 0: of our choice
+  std::optional<double> arrows;          // distance between them; 0: of our choice
+  std::vector<IsoSurface> iso_surfaces;  // of `isos`
   int frames = 0;
 
   bool in_volume() const { return !volume.empty() || !isos.empty(); }
@@ -58,25 +60,30 @@ struct DrawnSurface {
   std::string title;
 };
 
+/// The array that --color-by names, if it is one. Throws ArgumentError.
+std::optional<ArrayChoice> color_array(const std::string& by, OpenFlow& flow) {
+  if (by == "time" || by == "speed" || by == "seed" || by == "none") return std::nullopt;
+  OpenVolume* const volume = flow.volume();
+  require(volume != nullptr, "--color-by an array needs a steady flow of a file");
+  return scalar_choice(by, *volume, "color_by");
+}
+
 /// Values that the colours stand for; none without.
-std::vector<double> color_values(const std::string& by, const FlowSurface& surface, OpenFlow& flow) {
+std::vector<double> color_values(const std::string& by, const std::optional<ArrayChoice>& array,
+                                 const FlowSurface& surface, OpenFlow& flow) {
   std::vector<double> values;
-  values.reserve(surface.points.size());
-  if (by == "time")
-    for (const FlowPoint& p : surface.points) values.push_back(p.t);
-  else if (by == "speed")
-    for (const FlowPoint& p : surface.points) values.push_back(norm(p.velocity));
-  else if (by == "seed")
-    for (const FlowPoint& p : surface.points) values.push_back(p.s);
-  else if (by != "none") {
-    OpenVolume* const volume = flow.volume();
-    require(volume != nullptr, "--color-by an array needs a steady flow of a file");
+  if (by == "none") return values;
+  values.resize(surface.points.size());
+  if (array) {
     std::vector<Vec3> x;
     x.reserve(surface.points.size());
     for (const FlowPoint& p : surface.points) x.push_back(p.position);
-    values.resize(x.size());
-    volume->field(color_choice(by, *volume))->evaluate(x, {values, {}, {}, {}});
+    flow.volume()->field(*array)->evaluate(x, {values, {}, {}, {}});
+    return values;
   }
+  std::transform(surface.points.begin(), surface.points.end(), values.begin(), [&](const FlowPoint& p) {
+    return by == "time" ? p.t : by == "seed" ? p.s : norm(p.velocity);
+  });
   return values;
 }
 
@@ -100,7 +107,8 @@ TransferFunction light_colors(const ValueHistogram& values) {
   return colors;
 }
 
-DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surface, OpenFlow& flow) {
+DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surface,
+                           const std::optional<ArrayChoice>& array, OpenFlow& flow) {
   DrawnSurface drawn{{surface.mesh, {}, {}}, {}, a.label.empty() ? a.color_by : a.label};
   FlowSubject& subject = drawn.subject;
   double fastest = 0;
@@ -109,7 +117,7 @@ DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surf
     subject.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
     subject.fronts.push_back(p.front);
   }
-  const std::vector<double> values = color_values(a.color_by, surface, flow);
+  const std::vector<double> values = color_values(a.color_by, array, surface, flow);
   subject.mesh.colors.clear();
   if (values.empty()) return drawn;
   ValueHistogram histogram = value_histogram(values);
@@ -130,7 +138,10 @@ DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surf
 
 /// Arrows along the flow, half sunk into the surface: they are seen from both sides.
 TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
-  if (spacing == 0) spacing = kArrowSpacing * bounds(surface.mesh).diagonal();
+  const double size = bounds(surface.mesh).diagonal();
+  if (spacing > size)
+    throw ArgumentError(fmt::format("--arrows {:g} is more than the surface's diagonal, {:.6g}", spacing, size));
+  if (spacing == 0) spacing = kArrowSpacing * size;
   std::vector<Vec3> positions, vectors;
   for (const std::uint32_t v : spread_vertices(surface.mesh, spacing)) {
     const FlowPoint& p = surface.points[v];
@@ -142,43 +153,36 @@ TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
   return arrows(positions, vectors, options);
 }
 
-RenderOptions chosen_look(const FlowRenderArguments& a, const Box3& box) {
-  RenderOptions o = a.picture.chosen();
-  set_background(o, a.background);
-  if (!a.picture.has_view())
-    if (const auto view = view_of_layer(box, o.up)) o.view = *view;
-  o.validate();
-  return o;
-}
-
 /// The volume that the surface stands in: seen through, with iso-surfaces.
 class VolumeAround {
  public:
-  VolumeAround(const FlowRenderArguments& a, OpenVolume& volume, std::vector<PictureSurface> surfaces,
-               Progress& progress)
-      : samples_(volume.samples()) {
+  VolumeAround(const FlowRenderArguments& a, OpenVolume& volume, Progress& progress) : samples_(volume.samples()) {
     const std::string name = a.volume.empty() ? volume.choice().array : a.volume;
-    field_ = volume.field(color_choice(name, volume));
+    field_ = volume.field(scalar_choice(name, volume, "volume"));
     options_.color_title = name;
     options_.color_bar = !a.no_bar && !a.volume.empty() && a.volume_opacity > 0;
     options_.opacity_scale = a.volume.empty() ? 0 : a.volume_opacity;
     options_.preset = a.preset;
-    for (const std::string& text : a.isos) options_.isos.push_back(iso_surface_of(text));
-    VolumeSubject subject;
+    options_.isos = a.iso_surfaces;
+    options_.validate();
+    VolumeSubject subject = volume_subject(*samples_, boundary_);
     subject.field = field_.get();
-    subject.places = samples_->positions;
     subject.image = false;
-    if (!samples_->lattice || turned(*samples_->lattice)) {
-      boundary_ = volume_boundary(*samples_);
-      subject.boundary = &boundary_;
-    }
-    subject.surfaces = std::move(surfaces);
     picture_.emplace(std::move(subject), progress);
+    if (!options_.preset.empty())
+      bar_ = transfer_function_preset(options_.preset, picture_->histogram());
+    else
+      bar_ = suggest_transfer_function(picture_->histogram(), false).function;
   }
-  Image render(const RenderOptions& look, bool steady, Progress& progress) {
+  Image render(const RenderOptions& look, bool steady, std::vector<PictureSurface> surfaces, Progress& progress) {
     static_cast<RenderOptions&>(options_) = look;
     options_.steady = steady;
+    picture_->set_surfaces(std::move(surfaces));
     return picture_->render(options_, progress);
+  }
+  /// Pixels that its colour bar takes.
+  int bar_width(int height) const {
+    return options_.color_bar ? value_bar_width(height, bar_, options_.color_title) : 0;
   }
 
  private:
@@ -186,75 +190,101 @@ class VolumeAround {
   std::shared_ptr<const VolumeField> field_;
   TriangleMesh boundary_;
   VolumePictureOptions options_;
+  TransferFunction bar_;
   std::optional<VolumePicture> picture_;
 };
 
-void check_arguments(const FlowRenderArguments& a) {
+/// What can be said before anything is read.
+void check_arguments(FlowRenderArguments& a) {
   check_writable(a.output, "image");
   check_flow_surface(a.input);
+  const FlowTextureOptions usual;
+  require(
+      !a.smooth || (a.streaks.streak_length == usual.streak_length && a.streaks.streak_width == usual.streak_width &&
+                    a.streaks.streak_contrast == usual.streak_contrast),
+      "--streak-length, --streak-width and --streak-contrast mean nothing with --smooth");
+  if (!a.smooth)
+    a.look.texture = a.streaks;
+  else
+    a.look.texture.reset();
+  a.look.validate();
+  a.picture.chosen().validate();
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
-  require(!a.arrows || (std::isfinite(*a.arrows) && *a.arrows >= 0), "--arrows must be a positive length");
+  require(!a.arrows || (std::isfinite(*a.arrows) && *a.arrows >= 0), "--arrows must be a length, or 0");
   require(a.turn == 0 || a.frames > 0, "--turn needs --frames");
+  require(std::abs(a.turn) <= kMostTurn, "--turn must be from -3600 to 3600");
   require(a.frames == 0 || !a.smooth || a.turn != 0, "--frames moves streaks: with --smooth it needs --turn");
   require(!a.volume.empty() || (a.preset.empty() && a.volume_opacity == 1),
           "--volume-preset and --volume-opacity need --volume");
   require(!a.in_volume() || !a.input.flow.unsteady, "--volume and --iso need a steady flow");
+  require(a.label.empty() || !(a.no_bar || a.color_by == "none"),
+          "--label stands at the colour bar: not with --no-bar, nor with --color-by none");
+  for (const std::string& text : a.isos) a.iso_surfaces.push_back(iso_surface_of(text));
 }
 
 void run_flow_render(FlowRenderArguments& a, Console& console) {
   check_arguments(a);
-  if (a.smooth)
-    a.look.texture.reset();
-  else
-    a.look.texture = a.streaks;
-  a.look.validate();
   Progress& progress = console.progress();
   OpenFlow flow(a.input.flow, console);
   require(!a.in_volume() || flow.volume(), "--volume and --iso need a flow of a file");
-  const FlowSurface surface = trace_flow_surface(a.input, flow, console);
-  if (surface.mesh.triangles.empty()) throw flow.error(DataError("the surface is empty"));
-  const DrawnSurface drawn = drawn_surface(a, surface, flow);
-  RenderOptions look = chosen_look(a, flow.field().bounds());
-  std::vector<PictureSurface> others = a.contents.read(look, console);
-  if (a.arrows) {
-    RenderOptions dark = look;
-    dark.surface_color = kArrowColor;
-    others.push_back(surface_in_picture(arrows_on(surface, *a.arrows), dark));
-  }
-  std::vector<Vec3> places;
-  places.reserve(surface.points.size());
-  for (const FlowPoint& p : surface.points) places.push_back(p.position);
-
+  const std::optional<ArrayChoice> color = color_array(a.color_by, flow);
+  RenderOptions look = a.picture.chosen();
+  set_background(look, a.background);
+  std::vector<PictureSurface> beside = a.contents.read(look, console);
   std::vector<std::string> files;
-  const ViewDirection view = look.view;
-  std::optional<VolumeAround> around;
-  for (int k = 0; k < std::max(1, a.frames); ++k) try {
+  try {
+    std::optional<VolumeAround> around;
+    if (a.in_volume()) around.emplace(a, *flow.volume(), progress);
+    const FlowSurface surface = trace_flow_surface(a.input, flow, console);
+    if (surface.mesh.triangles.empty()) throw DataError("the surface is empty");
+    DrawnSurface drawn = drawn_surface(a, surface, color, flow);
+    std::vector<Vec3> places;
+    Box3 box;
+    places.reserve(surface.points.size());
+    for (const FlowPoint& p : surface.points) {
+      places.push_back(p.position);
+      box.extend(p.position);
+    }
+    if (!a.picture.has_view())
+      if (const auto view = view_of_layer(box, look.up)) look.view = *view;
+    const bool bar = drawn.colors && !a.no_bar;
+    const int bars = (bar ? value_bar_width(look.height, *drawn.colors, drawn.title) : 0) +
+                     (around ? around->bar_width(look.height) : 0);
+    if (look.width < bars + kLeastBesideBars)
+      throw ArgumentError(fmt::format("--width {} is too narrow: colour bars take {} of it", look.width, bars));
+    look.width -= bars;
+    if (a.arrows) {
+      RenderOptions dark = look;
+      dark.surface_color = kArrowColor;
+      beside.push_back(surface_in_picture(arrows_on(surface, *a.arrows), dark));
+    }
+    const DrawnFlow sheet(std::move(drawn.subject), look);
+    const ViewDirection first = look.view;
+    const bool steady = a.turn != 0, translucent = a.look.opacity < 1;
+    for (int k = 0; k < std::max(1, a.frames); ++k) {
       const double share = a.frames > 0 ? static_cast<double>(k) / a.frames : 0;
-      look.view.azimuth = view.azimuth + a.turn * share;
+      look.view.azimuth = first.azimuth + std::remainder(a.turn * share, 360);
       FlowLook frame = a.look;
       if (frame.texture && a.frames > 0) frame.texture->phase = share;
-      std::vector<PictureSurface> surfaces = others;
-      surfaces.push_back(surface_in_picture(drawn.subject, frame, look));
-      Image image;
-      if (a.in_volume()) {
-        around.emplace(a, *flow.volume(), std::move(surfaces), progress);
-        image = around->render(look, a.frames > 0, progress);
-      } else {
-        image = render_surfaces(surfaces, places, a.look.opacity<1, a.frames> 0, look, progress);
-      }
+      std::vector<PictureSurface> surfaces = beside;
+      surfaces.push_back(sheet.surface(frame));
+      Image image = around ? around->render(look, steady, std::move(surfaces), progress)
+                           : render_surfaces(surfaces, places, translucent, steady, look, progress);
       if (!a.title.empty()) draw_title(image, a.title);
-      if (drawn.colors && !a.no_bar) image = beside_value_bar(image, *drawn.colors, drawn.title);
+      if (bar) image = beside_value_bar(image, *drawn.colors, drawn.title);
       files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
       write_image(files.back(), image);
-    } catch (const DataError& error) {
-      throw flow.error(error);
     }
-  progress.finish();
-  say_flow_surface(surface, flow, console);
-  console.say(fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, look.width, look.height));
-  console.say_json({{"input", flow.json()},
-                    {"surface", flow_surface_json(surface)},
-                    {"output", {{"files", files}, {"width", look.width}, {"height", look.height}}}});
+    progress.finish();
+    say_flow_surface(surface, flow, console);
+    console.say(
+        fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, look.width + bars, look.height));
+    console.say_json({{"input", flow.json()},
+                      {"surface", flow_surface_json(surface)},
+                      {"output", {{"files", files}, {"width", look.width + bars}, {"height", look.height}}}});
+  } catch (const DataError& error) {
+    throw flow.error(error);
+  }
   console.print_timings();
 }
 
@@ -281,7 +311,8 @@ Command add_flow_render(CommandLine& flow) {
   c.add_option("--opacity", a.look.opacity, "Of the surface where it is seen at right angles, 0..1 [1]")
       .type_name("SHARE")
       .group(look);
-  c.add_option("--arrows", a.arrows, "Arrows along the flow, so far apart [without a value: from the surface's size]")
+  c.add_option("--arrows", a.arrows,
+               "Arrows along the flow, so far apart, as --arrows=0.1 [0 or no value: from the surface's size]")
       .type_name("LENGTH")
       .without_value("0")
       .group(look);

@@ -294,17 +294,9 @@ NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   return named;
 }
 
-ArrayChoice color_choice(const std::string& name, OpenVolume& volume) {
-  ArrayChoice choice = volume.dataset().choose(name, "color_by");
+ArrayChoice as_scalar(ArrayChoice choice, OpenVolume& volume) {
   choice.magnitude = choice.magnitude || (!choice.component && volume.dataset().array(choice.array).components > 1);
   return choice;
-}
-
-bool turned(const Lattice& lattice) {
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t c = 0; c < 3; ++c)
-      if (c != k && lattice.directions[k][c] != 0) return true;
-  return false;
 }
 
 }  // namespace sansmesh::cli

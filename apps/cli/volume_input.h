@@ -84,10 +84,12 @@ class OpenVolume {
   ReconstructionChoice suited_;
 };
 
-/// What --color-by names: of vectors the length, unless a component is said.
-ArrayChoice color_choice(const std::string& name, OpenVolume& volume);
-/// The axes of the lattice are not those of space: its box does not tell where it ends.
-bool turned(const Lattice& lattice);
+/// Of vectors the length, unless a component is said.
+ArrayChoice as_scalar(ArrayChoice choice, OpenVolume& volume);
+/// The array of that name so; `field` is what errors call it.
+inline ArrayChoice scalar_choice(const std::string& name, OpenVolume& volume, const char* field) {
+  return as_scalar(volume.dataset().choose(name, field), volume);
+}
 
 /// How raw files and those of several steps are read: --dims, --type, …
 void add_raw_options(CommandLine& command, VolumeReadOptions& options);

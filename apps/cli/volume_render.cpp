@@ -15,7 +15,6 @@
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
-#include "sansmesh/volume/volume_boundary.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -55,12 +54,6 @@ bool of_vector(OpenVolume& volume) {
   return volume.dataset().array(choice.array).components > 1 && !choice.component && !choice.magnitude;
 }
 
-/// What is shown of an array: of vectors that nobody chose a component of, their magnitude.
-ArrayChoice shown(OpenVolume& volume, ArrayChoice choice) {
-  if (volume.dataset().array(choice.array).components > 1 && !choice.component) choice.magnitude = true;
-  return choice;
-}
-
 void run_volume_render(VolumeRenderArguments& a, Console& console) {
   VolumePictureOptions options = chosen_options(a);
   check_writable(a.output, "image");
@@ -78,12 +71,11 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   std::unique_ptr<BakedVolume> baked, baked_opacity;
   try {
     volume.dataset().default_array();  // there must be one
-    field = volume.field(shown(volume, volume.choice()));
-    if (!a.opacity_by.empty())
-      opacity = volume.field(shown(volume, volume.dataset().choose(a.opacity_by, "opacity_by")));
-    VolumeSubject subject;
+    field = volume.field(as_scalar(volume.choice(), volume));
+    if (!a.opacity_by.empty()) opacity = volume.field(scalar_choice(a.opacity_by, volume, "opacity_by"));
+    TriangleMesh boundary;
+    VolumeSubject subject = volume_subject(*samples, boundary);
     subject.field = field.get(), subject.opacity = opacity.get();
-    subject.places = samples->positions;
     if (a.interactive) {
       BakeOptions bake;
       bake.tolerance = a.bake_error;
@@ -96,12 +88,6 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
         subject.opacity = baked_opacity.get();
       }
     }
-    TriangleMesh boundary;
-    if (!samples->lattice || turned(*samples->lattice)) {
-      boundary = volume_boundary(*samples);
-      subject.boundary = &boundary;
-    }
-    subject.image = samples->lattice.has_value();
     if (!a.picture.has_view())
       if (const auto view = view_of_layer(samples->bounds(), options.up)) options.view = *view;
     subject.surfaces = a.contents.read(options, console);

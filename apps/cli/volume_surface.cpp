@@ -121,7 +121,7 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
     if (a.color_range) o.range = curvature_range(*a.color_range, o.quantity, place.unit);
     colors = std::make_unique<CurvatureColors>(points, o, progress);
   } else if (!a.color_by.empty()) {
-    auto of_array = std::make_unique<ArrayColors>(volume.field(color_choice(a.color_by, volume)), place);
+    auto of_array = std::make_unique<ArrayColors>(volume.field(scalar_choice(a.color_by, volume, "color_by")), place);
     const std::vector<Vec3> x(points.positions.begin(), points.positions.end());
     of_array->span(x);
     json["colors"] = {{"array", a.color_by}, {"lower", of_array->range().first}, {"upper", of_array->range().second}};
@@ -176,7 +176,7 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   volume.dataset().default_array();
   const VolumeSurfaceOptions options = chosen_options(a, volume);
   options.validate();
-  if (!a.color_by.empty() && !is_curvature(a.color_by)) color_choice(a.color_by, volume);
+  if (!a.color_by.empty() && !is_curvature(a.color_by)) scalar_choice(a.color_by, volume, "color_by");
   const auto samples = volume.samples();
   const VolumeTraits& traits = volume.traits();
   const std::vector<double> values = chosen_values(*samples, volume.choice());

@@ -86,10 +86,11 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
     row.counts.assign(in_row, 0);
     for (std::size_t k = 0; k < slots.size(); ++k)
       row.counts[slots[k]] = static_cast<std::uint32_t>(first[k + 1] - first[k]);
-    for (const SurfacePoint& p : points) {
-      row.entries.push_back(entry(p));
-      row.places.push_back(p.position);
-    }
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
+        row.places.push_back(camera_.position + points[k].distance * directions[i]);
+        row.entries.push_back(entry(points[k], row.places.back()));
+      }
     if (keep) row.points = std::move(points);
   });
   first_.reserve(rows * in_row + 1);
@@ -118,8 +119,8 @@ std::size_t FlowTexture::slot(const Vec3f& direction) const {
   return slot(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1));
 }
 
-FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point) const {
-  const Vec3f from = point.position - camera_.position;
+FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point, const Vec3f& place) const {
+  const Vec3f from = place - camera_.position;
   Entry e;
   e.depth = -dot(from, camera_.backward);
   const Vec3f along = point.vector - dot(point.vector, point.normal) * point.normal;
@@ -155,11 +156,24 @@ void FlowTexture::grain(double pixels) {
 float FlowTexture::sum(int x, int y, const Entry& from) const {
   const int steps = static_cast<int>(kernel_.size() / 2);
   const float* weights = kernel_.data() + steps;
-  float light = weights[0] * from.noise, power = weights[0] * weights[0];
+  float light = 0, power = 0;
+  // Steps that stay in a pixel see the same noise: it counts once, with all their weights.
+  const auto lay = [&](const Entry& entry, float weight) {
+    light += weight * entry.noise;
+    power += weight * weight;
+  };
+  float middle = weights[0];
   const auto right = static_cast<float>(width_), bottom = static_cast<float>(height_);
   for (const int way : {-1, 1}) {
     const Entry* now = &from;
-    float u = static_cast<float>(x) + 0.5f, v = static_cast<float>(y) + 0.5f;
+    float u = static_cast<float>(x) + 0.5f, v = static_cast<float>(y) + 0.5f, weight = 0;
+    const auto leave = [&] {
+      if (now == &from)
+        middle += weight;
+      else
+        lay(*now, weight);
+      weight = 0;
+    };
     int i = x, j = y;
     for (int k = way; k != way * (steps + 1); k += way) {
       u += static_cast<float>(way) * now->du, v += static_cast<float>(way) * now->dv;
@@ -170,12 +184,14 @@ float FlowTexture::sum(int x, int y, const Entry& from) const {
         const Entry* next = nearest(slot(i, j), now->depth);
         if (!next || std::abs(next->depth - now->depth) > kSameSheet * footprint_ * now->depth) break;
         if (next->du == 0 && next->dv == 0) break;
+        leave();
         now = next;
       }
-      light += weights[k] * now->noise;
-      power += weights[k] * weights[k];
+      weight += weights[k];
     }
+    leave();
   }
+  lay(from, middle);
   // Short lines, too, get the full contrast: what counts is the variance of the sum.
   return power > 0 ? light / std::sqrt(power) : 0;
 }
@@ -209,7 +225,7 @@ void FlowTexture::convolve(const FlowTextureOptions& options) {
 
 float FlowTexture::factor(const Vec3f& direction, const SurfacePoint& point) const {
   if (point.vector == Vec3f{}) return 1;
-  const Entry* e = nearest(slot(direction), -dot(point.position - camera_.position, camera_.backward));
+  const Entry* e = nearest(slot(direction), -point.distance * dot(direction, camera_.backward));
   return e ? factors_[static_cast<std::size_t>(e - entries_.data())] : 1;
 }
 

@@ -52,7 +52,7 @@ class FlowTexture {
   std::size_t slot(int x, int y) const;
   std::size_t slot(const Vec3f& direction) const;
   const Entry* nearest(std::size_t slot, float depth) const;
-  Entry entry(const SurfacePoint& point) const;
+  Entry entry(const SurfacePoint& point, const Vec3f& place) const;
   void grain(double pixels);
   float sum(int x, int y, const Entry& from) const;
 

@@ -27,9 +27,7 @@ Lighting::Lighting(const Camera& camera)
       sky(normalized(camera.up + 0.5f * camera.backward)) {}
 
 float Lighting::shine(const Vec3f& normal, const Vec3f& direction) const {
-  const float x = std::max(0.0f, dot(normal, normalized(key - direction)));
-  const float x2 = x * x, x4 = x2 * x2, x8 = x4 * x4, x16 = x8 * x8;
-  return 0.10f * x4 * x16 * x16;
+  return highlight(dot(normal, normalized(key - direction)));
 }
 
 float Lighting::sheen(const Vec3f& normal, const Vec3f& direction) const {

@@ -16,6 +16,13 @@ Vec3f shoulder(const Vec3f& light);
 inline Vec3f product(const Vec3f& a, const Vec3f& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 inline Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + (b - a) * t; }
 
+/// Mirrored light at a cosine between the normal and the direction half-way between eye and light: about its 36th
+/// power, by products.
+inline float highlight(float cosine) {
+  const float x = cosine > 0 ? cosine : 0, x2 = x * x, x4 = x2 * x2, x8 = x4 * x4, x16 = x8 * x8;
+  return 0.10f * x4 * x16 * x16;
+}
+
 /// Lights go with the camera: any view is lit from its upper left. Light in front of a white card: 1 is white in the
 /// picture.
 struct Lighting {

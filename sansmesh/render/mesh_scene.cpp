@@ -17,10 +17,7 @@ namespace {
 constexpr float kOffset = 2e-4f;          // of the diagonal: hides what floats cannot resolve
 constexpr float kDiscOverSpacing = 1.3f;  // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kBallOverSpacing = 0.8f;
-constexpr float kBehind = 1e-5f;       // of the diagonal: less would find the same triangle again
-constexpr float kSteepest = 0.1f;      // cosine from which on a sheet does not get thicker
-constexpr float kLeastLight = 0.002f;  // from behind that is worth a ray
-constexpr int kMostLayers = 256;
+constexpr float kBehind = 1e-5f;  // of the diagonal: less would find the same triangle again
 
 /// Drops what cannot be drawn; keeps the order of what can.
 Subject drawable(const TriangleMesh& mesh, std::span<const Vec3f> vectors) {
@@ -128,7 +125,7 @@ SurfacePoint MeshScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
   const TriangleMesh& mesh = subject_.mesh;
   const Triangle& t = mesh.triangles[hit.primitive];
   const float weight[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-  SurfacePoint point{at, hit.normal, color_};
+  SurfacePoint point{hit.distance, at, hit.normal, color_};
   if (!mesh.colors.empty()) {
     point.color = {};
     for (std::size_t k = 0; k < 3; ++k) point.color += weight[k] * vertex_color(t[k]);
@@ -153,7 +150,7 @@ SurfacePoint MeshScene::on_triangle(const RayHit& hit, const Vec3f& at) const {
 SurfacePoint MeshScene::seen(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const {
   const Vec3f at = eye + hit.distance * direction;
   const bool cloud = subject_.mesh.triangles.empty();
-  SurfacePoint point = cloud ? SurfacePoint{at, hit.normal, color_} : on_triangle(hit, at);
+  SurfacePoint point = cloud ? SurfacePoint{hit.distance, at, hit.normal, color_} : on_triangle(hit, at);
   if (cloud && !subject_.mesh.colors.empty()) point.color = vertex_color(hit.primitive);
   const float side = dot(hit.normal, direction) > 0 ? -1.0f : 1.0f;
   // Seen from behind, the suggested surface lies on the far side.
@@ -161,10 +158,7 @@ SurfacePoint MeshScene::seen(const RayHit& hit, const Vec3f& eye, const Vec3f& d
   point.normal = point.normal * side;
   // Discs and balls of a rough cloud pierce each other: their neighbours must not shade them.
   point.position += hit.normal * (side * (kOffset + subject_.radius));
-  if (subject_.opacity < 1 && !cloud) {
-    const float steep = std::max(kSteepest, std::abs(dot(point.normal, direction)));
-    point.opacity = 1 - std::pow(1 - subject_.opacity, 1 / steep);
-  }
+  if (subject_.opacity < 1 && !cloud) point.opacity = sheet_opacity(subject_.opacity, dot(point.normal, direction));
   return point;
 }
 
@@ -193,7 +187,7 @@ void MeshScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std:
   std::vector<Vec3f> going(directions.begin(), directions.end());
   std::vector<float> beyond(directions.size(), 0), left(directions.size(), 1);
   std::vector<std::optional<RayHit>> hits;
-  for (int round = 0; round < kMostLayers && !active.empty(); ++round) {
+  for (int round = 0; round < kMostSheets && !active.empty(); ++round) {
     hits.resize(active.size());
     rays_.closest(eye, going, beyond, hits);
     std::size_t kept = 0;
@@ -202,7 +196,7 @@ void MeshScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std:
       const std::uint32_t ray = active[k];
       found.push_back({ray, seen(*hits[k], eye, directions[ray])});
       left[ray] *= 1 - found.back().point.opacity;
-      if (left[ray] < kLeastLight) continue;
+      if (left[ray] < kLeastThrough) continue;
       active[kept] = ray;
       going[kept] = directions[ray];
       beyond[kept++] = hits[k]->distance + kBehind;

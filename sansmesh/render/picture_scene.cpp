@@ -1,6 +1,14 @@
 #include "sansmesh/render/picture_scene.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace sansmesh {
+
+float sheet_opacity(float opacity, float cosine) {
+  constexpr float kSteepest = 0.1f;  // from which on it does not get thicker
+  return 1 - std::pow(1 - opacity, 1 / std::max(kSteepest, std::abs(cosine)));
+}
 
 void PictureScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
                           std::vector<SurfacePoint>& points) const {

@@ -24,13 +24,14 @@ struct PictureFrame {
 
 /// Where a ray from the eye ends.
 struct SurfacePoint {
-  Vec3f position;     ///< just off the surface on the viewer's side: further rays start here
-  Vec3f normal;       ///< for shading, unit, on the viewer's side
-  Vec3f color;        ///< share of light reflected, linear
-  float gloss = 1;    ///< strength of highlights
-  Vec3f beyond{};     ///< light that mirrors and clear bodies send, linear; comes on top
-  float opacity = 1;  ///< share of the light from behind that is kept back; counts in layers() only
-  Vec3f vector{};     ///< of a flow there; 0 where there is none
+  float distance = 0;  ///< from the eye to the surface itself: what is in front of what goes by it
+  Vec3f position;      ///< just off the surface on the viewer's side: further rays start here
+  Vec3f normal;        ///< for shading, unit, on the viewer's side
+  Vec3f color;         ///< share of light reflected, linear
+  float gloss = 1;     ///< strength of highlights
+  Vec3f beyond{};      ///< light that mirrors and clear bodies send, linear; comes on top
+  float opacity = 1;   ///< share of the light from behind that is kept back; counts in layers() only
+  Vec3f vector{};      ///< of a flow there; 0 where there is none
 };
 
 struct ShadowRay {
@@ -52,6 +53,13 @@ class PictureScene {
   /// 1 where the surface is in the way, else 0.
   virtual void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const = 0;
 };
+
+/// Opacity of a sheet that has `opacity` seen at right angles, at a cosine between ray and normal: a ray at an angle
+/// has a longer way through it.
+float sheet_opacity(float opacity, float cosine);
+/// Light from behind that is worth looking for, and so many sheets at most.
+constexpr float kLeastThrough = 0.002f;
+constexpr int kMostSheets = 256;
 
 /// Makes a surface ready for a picture with this frame and camera (in the frame's coordinates).
 using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;

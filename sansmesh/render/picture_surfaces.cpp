@@ -18,6 +18,11 @@
 namespace sansmesh {
 namespace {
 
+/// Whether a painter takes means over neighbouring pixels.
+bool soft_light(const RenderOptions& options) {
+  return options.shadows || options.ground || options.occlusion_rays > 0;
+}
+
 /// A surface with a caster that has coordinates of its own.
 class PlacedScene final : public PictureScene {
  public:
@@ -37,32 +42,34 @@ class PlacedScene final : public PictureScene {
   SurfaceScene scene_;
 };
 
-/// A scene with streaks along its flow.
-class TexturedScene final : public PictureScene {
+/// A scene that pictures share, with streaks along its flow or as it is.
+class FlowScene final : public PictureScene {
  public:
-  TexturedScene(std::shared_ptr<const PictureScene> scene, const Camera& camera, const FlowTextureOptions& options,
-                const RenderOptions& picture)
-      : scene_(std::move(scene)),
-        one_a_pixel_(picture.samples == 1),
-        texture_(*scene_, camera, picture.width, picture.height, one_a_pixel_) {
-    texture_.convolve(options);
+  FlowScene(std::shared_ptr<const PictureScene> scene, const Camera& camera,
+            const std::optional<FlowTextureOptions>& streaks, const RenderOptions& picture)
+      : scene_(std::move(scene)) {
+    if (!streaks) return;
+    // Then a pixel is asked for by the ray that the texture has cast, and pixels beyond the border are not.
+    one_a_pixel_ = picture.samples == 1 && !soft_light(picture);
+    texture_.emplace(*scene_, camera, picture.width, picture.height, one_a_pixel_);
+    texture_->convolve(*streaks);
   }
   void closest(const Vec3f& eye, std::span<const Vec3f> directions,
                std::span<std::optional<SurfacePoint>> points) const override {
     if (one_a_pixel_) {
-      for (std::size_t i = 0; i < directions.size(); ++i) points[i] = texture_.first_point(directions[i]);
+      for (std::size_t i = 0; i < directions.size(); ++i) points[i] = texture_->first_point(directions[i]);
       return;
     }
     scene_->closest(eye, directions, points);
-    for (std::size_t i = 0; i < directions.size(); ++i)
-      if (points[i]) points[i]->color *= texture_.factor(directions[i], *points[i]);
+    for (std::size_t i = 0; texture_ && i < directions.size(); ++i)
+      if (points[i]) points[i]->color *= texture_->factor(directions[i], *points[i]);
   }
   void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
               std::vector<SurfacePoint>& points) const override {
     scene_->layers(eye, directions, first, points);
-    for (std::size_t i = 0; i < directions.size(); ++i)
+    for (std::size_t i = 0; texture_ && i < directions.size(); ++i)
       for (std::size_t k = first[i]; k < first[i + 1]; ++k)
-        points[k].color *= texture_.factor(directions[i], points[k]);
+        points[k].color *= texture_->factor(directions[i], points[k]);
   }
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
     scene_->blocked(rays, answers);
@@ -70,28 +77,8 @@ class TexturedScene final : public PictureScene {
 
  private:
   std::shared_ptr<const PictureScene> scene_;
-  bool one_a_pixel_;  // its ray has been cast already
-  FlowTexture texture_;
-};
-
-/// A scene that others share.
-class SharedScene final : public PictureScene {
- public:
-  explicit SharedScene(std::shared_ptr<const PictureScene> scene) : scene_(std::move(scene)) {}
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override {
-    scene_->closest(eye, directions, points);
-  }
-  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
-              std::vector<SurfacePoint>& points) const override {
-    scene_->layers(eye, directions, first, points);
-  }
-  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
-    scene_->blocked(rays, answers);
-  }
-
- private:
-  std::shared_ptr<const PictureScene> scene_;
+  std::optional<FlowTexture> texture_;
+  bool one_a_pixel_ = false;
 };
 
 class CombinedScene final : public PictureScene {
@@ -104,9 +91,7 @@ class CombinedScene final : public PictureScene {
     for (std::size_t s = 1; s < scenes_.size(); ++s) {
       scenes_[s]->closest(eye, directions, others);
       for (std::size_t i = 0; i < directions.size(); ++i)
-        if (others[i] &&
-            (!points[i] || squared_norm(others[i]->position - eye) < squared_norm(points[i]->position - eye)))
-          points[i] = others[i];
+        if (others[i] && (!points[i] || others[i]->distance < points[i]->distance)) points[i] = others[i];
     }
   }
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
@@ -145,32 +130,6 @@ class ClearVolume final : public VolumeField {
   Box3 box_;
 };
 
-/// What pictures with the same frame share of a surface.
-struct FlowSurfaceState {
-  FlowSubject subject;
-  FlowLook look;
-  RenderOptions options;
-  std::mutex mutex;
-  PictureFrame frame;
-  std::shared_ptr<const PictureScene> scene;
-
-  std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera) {
-    const std::lock_guard lock(mutex);
-    if (scene && frame.center == wanted.center && frame.size == wanted.size) return scene;
-    frame = wanted;
-    const auto opacity = static_cast<float>(look.opacity);
-    if (look.splats) {
-      Splats splats = splats_at_vertices(subject.mesh, subject.vectors, subject.fronts, options, frame);
-      scene = std::make_shared<const SplatScene>(std::move(splats), opacity);
-    } else {
-      Subject drawn = make_subject(subject.mesh, options, frame, subject.vectors);
-      drawn.opacity = opacity;
-      scene = std::make_shared<const MeshScene>(std::move(drawn), options, camera.backward);
-    }
-    return scene;
-  }
-};
-
 }  // namespace
 
 void FlowLook::validate() const {
@@ -181,6 +140,7 @@ void FlowLook::validate() const {
 PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options) {
   options.validate();
   auto shared = std::make_shared<const TriangleMesh>(mesh);
+  make_subject(*shared, options);  // there is something to draw
   return [shared, options](const PictureFrame& frame, const Camera& camera) {
     return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera.backward);
   };
@@ -197,20 +157,48 @@ PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& 
   };
 }
 
-PictureSurface surface_in_picture(FlowSubject subject, const FlowLook& look, const RenderOptions& options) {
+struct DrawnFlow::State {
+  FlowSubject subject;
+  RenderOptions options;
+  std::mutex mutex;
+  PictureFrame frame;
+  bool splats = false;
+  double opacity = 1;
+  std::shared_ptr<const PictureScene> scene;  // of these
+
+  std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera, const FlowLook& look) {
+    const std::lock_guard lock(mutex);
+    if (scene && frame.center == wanted.center && frame.size == wanted.size && splats == look.splats &&
+        opacity == look.opacity)
+      return scene;
+    frame = wanted, splats = look.splats, opacity = look.opacity;
+    if (splats) {
+      scene = std::make_shared<const SplatScene>(
+          splats_at_vertices(subject.mesh, subject.vectors, subject.fronts, options, frame),
+          static_cast<float>(opacity));
+    } else {
+      Subject drawn = make_subject(subject.mesh, options, frame, subject.vectors);
+      drawn.opacity = static_cast<float>(opacity);
+      scene = std::make_shared<const MeshScene>(std::move(drawn), options, camera.backward);
+    }
+    return scene;
+  }
+};
+
+DrawnFlow::DrawnFlow(FlowSubject subject, const RenderOptions& options) : state_(std::make_shared<State>()) {
   options.validate();
+  check_argument(subject.vectors.size() == subject.mesh.vertices.size(), "there must be a vector for each vertex");
+  state_->subject = std::move(subject);
+  state_->options = options;
+}
+
+PictureSurface DrawnFlow::surface(const FlowLook& look) const {
   look.validate();
-  const std::size_t n = subject.mesh.vertices.size();
-  check_argument(subject.vectors.size() == n, "there must be a vector for each vertex");
-  check_argument(!look.splats || subject.fronts.size() == n, "splats need a front for each vertex");
-  auto state = std::make_shared<FlowSurfaceState>();
-  state->subject = std::move(subject);
-  state->look = look;
-  state->options = options;
-  return [state](const PictureFrame& frame, const Camera& camera) -> std::unique_ptr<PictureScene> {
-    auto scene = state->scene_of(frame, camera);
-    if (!state->look.texture) return std::make_unique<SharedScene>(std::move(scene));
-    return std::make_unique<TexturedScene>(std::move(scene), camera, *state->look.texture, state->options);
+  const FlowSubject& subject = state_->subject;
+  check_argument(!look.splats || subject.fronts.size() == subject.mesh.vertices.size(),
+                 "splats need a front for each vertex");
+  return [state = state_, look](const PictureFrame& frame, const Camera& camera) {
+    return std::make_unique<FlowScene>(state->scene_of(frame, camera, look), camera, look.texture, state->options);
   };
 }
 
@@ -220,7 +208,8 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   Box3 box;
   for (const Vec3& p : points)
     if (is_finite(p)) box.extend(p);
-  if (surfaces.empty() || box.empty()) throw DataError("nothing to draw: no finite points");
+  if (surfaces.empty()) throw DataError("nothing to draw: no surfaces");
+  if (box.empty()) throw DataError("nothing to draw: no finite points");
   const double size = box.diagonal();
   if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
   if (translucent) {
@@ -254,8 +243,7 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   std::vector<std::unique_ptr<PictureScene>> scenes;
   for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));
   const CombinedScene scene(std::move(scenes));
-  const bool soft = options.shadows || options.ground || options.occlusion_rays > 0;
-  Painter painter(scene, camera, options, soft);
+  Painter painter(scene, camera, options, soft_light(options));
   if (options.ground) painter.add_ground(placed, 0);
   return painter.paint(progress);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -43,9 +44,19 @@ struct FlowSubject {
   std::vector<std::int32_t> fronts;  ///< of its vertices: neighbouring numbers are neighbours in time; only for splats
 };
 
-/// Pictures with the same frame share what they can. Throws ArgumentError unless there is a vector, and with splats a
-/// front, for each vertex.
-PictureSurface surface_in_picture(FlowSubject subject, const FlowLook& look, const RenderOptions& options);
+/// A surface of a flow that is drawn several times: all pictures with the same frame share what they can.
+class DrawnFlow {
+ public:
+  /// `options`: those of the pictures, whose size the streaks have. Throws ArgumentError unless there is a vector for
+  /// each vertex.
+  DrawnFlow(FlowSubject subject, const RenderOptions& options);
+  /// Throws ArgumentError for a bad look, and unless for splats there is a front for each vertex.
+  PictureSurface surface(const FlowLook& look) const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
 
 /// Surfaces alone, lit as render_mesh() does, shadows included. `points` frame them (at least one finite), in the
 /// coordinates of the surfaces. With `translucent` light comes through those with an opacity below 1: then without

@@ -20,7 +20,6 @@ constexpr float kGamma = 0.5f;
 constexpr float kMostFronts = 100;
 constexpr float kLift = 0.5f;  // over h: rays towards the light start above the neighbours' discs
 constexpr float kSteepestSplat = 0.1f;
-constexpr float kLeastThrough = 0.002f;
 
 std::vector<float> radii(const Splats& splats) {
   std::vector<float> r;
@@ -37,20 +36,16 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
   const std::size_t n = mesh.vertices.size();
   const VertexCorners around(mesh.triangles, n);
   std::vector<Vec3f> places(n), normals(n);
-  std::vector<float> spacings(n), ways(n);  // to the next front
+  std::vector<float> spacings(n), slopes(n);  // of the fronts' numbers
   for (std::size_t v = 0; v < n; ++v) places[v] = frame.to_picture(mesh.origin + Vec3(mesh.vertices[v]));
   parallel_for(0, n, 1024, [&](std::size_t v) {
-    float farthest = 0, way = std::numeric_limits<float>::infinity();
+    float farthest = 0;
     Vec3f side;
     const auto corners = std::span(around.corner).subspan(around.first[v], around.first[v + 1] - around.first[v]);
     for (const std::uint32_t c : corners) {
       const Triangle& t = mesh.triangles[c / 3];
       side += cross(places[t[1]] - places[t[0]], places[t[2]] - places[t[0]]);
-      for (const std::uint32_t o : t) {
-        const float d = norm(places[o] - places[v]);
-        farthest = std::max(farthest, d);
-        if (fronts[o] != fronts[v]) way = std::min(way, d);
-      }
+      for (const std::uint32_t o : t) farthest = std::max(farthest, norm(places[o] - places[v]));
     }
     if (!(farthest > 0) || !is_finite(side)) return;
     Symmetric3 covariance;
@@ -72,7 +67,20 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
     if (dot(normal, side) < 0) normal = -normal;
     normals[v] = normal;
     spacings[v] = squared_norm(normal) > 0 ? farthest : 0;
-    ways[v] = way;
+    // Fronts are lines that the flow may have turned nearly along itself: how many of them a disc lies on follows from
+    // the slope of their numbers.
+    Vec3f a, b;
+    tangent_frame(normal, a, b);
+    double aa = 0, ab = 0, bb = 0, af = 0, bf = 0;
+    for (const std::uint32_t c : corners)
+      for (const std::uint32_t o : mesh.triangles[c / 3]) {
+        const double x = dot(places[o] - places[v], a), y = dot(places[o] - places[v], b), f = fronts[o] - fronts[v];
+        aa += x * x, ab += x * y, bb += y * y, af += x * f, bf += y * f;
+      }
+    const double det = aa * bb - ab * ab;
+    slopes[v] = det > 1e-12 * (aa + bb) * (aa + bb)
+                    ? static_cast<float>(std::hypot(bb * af - ab * bf, aa * bf - ab * af) / det)
+                    : 0;
   });
   Splats splats;
   const bool colored = options.use_colors && mesh.colors.size() == n;
@@ -82,7 +90,8 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
     splats.normals.push_back(normals[v]);
     splats.spacings.push_back(spacings[v]);
     splats.fronts.push_back(fronts[v]);
-    splats.reaches.push_back(1 + static_cast<std::int32_t>(std::min(kMostFronts, 2 * kRadius * spacings[v] / ways[v])));
+    splats.reaches.push_back(1 +
+                             static_cast<std::int32_t>(std::min(kMostFronts, 2 * kRadius * spacings[v] * slopes[v])));
     if (!vectors.empty()) splats.vectors.push_back(vectors[v]);
     Vec3f color = options.surface_color;
     if (colored) color = {from_byte(mesh.colors[v][0]), from_byte(mesh.colors[v][1]), from_byte(mesh.colors[v][2])};
@@ -94,13 +103,16 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
 SplatScene::SplatScene(Splats splats, float opacity)
     : splats_(std::move(splats)),
       opacity_(opacity),
-      rays_(RayScene::discs(splats_.centers, splats_.normals, radii(splats_))) {
-  for (const float h : splats_.spacings) deepest_ = std::max(deepest_, 2 * kGamma * h / kSteepestSplat);
-}
+      rays_(RayScene::discs(splats_.centers, splats_.normals, radii(splats_))) {}
 
 /// Cosine to the normal of a disc.
 float SplatScene::steepness(std::uint32_t splat, const Vec3f& direction) const {
   return std::max(kSteepestSplat, std::abs(dot(splats_.normals[splat], direction)));
+}
+
+/// How far behind a hit of a disc the ray may meet others of the same sheet.
+float SplatScene::depth(std::uint32_t splat, const Vec3f& direction) const {
+  return 2 * kGamma * splats_.spacings[splat] / steepness(splat, direction);
 }
 
 /// Moves the hits of the foremost sheet from `hits` (by distance) to `sheet`.
@@ -108,12 +120,12 @@ void SplatScene::take_first(const Vec3f& direction, std::vector<RayCrossing>& hi
                             std::vector<RayCrossing>& sheet) const {
   sheet.clear();
   const RayCrossing front = hits.front();
-  const float limit =
-      front.distance + 2 * kGamma * splats_.spacings[front.primitive] / steepness(front.primitive, direction);
+  const float limit = front.distance + depth(front.primitive, direction);
   std::size_t kept = 0;
   for (const RayCrossing& hit : hits) {
+    const std::int32_t reach = std::max(splats_.reaches[hit.primitive], splats_.reaches[front.primitive]);
     const bool same =
-        hit.distance <= limit && std::abs(splats_.fronts[hit.primitive] - splats_.fronts[front.primitive]) <= 1;
+        hit.distance <= limit && std::abs(splats_.fronts[hit.primitive] - splats_.fronts[front.primitive]) <= reach;
     if (same)
       sheet.push_back(hit);
     else
@@ -143,9 +155,9 @@ SurfacePoint SplatScene::blend(const Vec3f& eye, const Vec3f& direction, std::sp
   point.vector *= 1 / weights;
   point.normal = normalized(point.normal);
   if (dot(point.normal, direction) > 0) point.normal = -point.normal;
-  point.position = eye + (distance / weights) * direction + point.normal * (kLift * h);
-  const float steep = std::max(kSteepestSplat, -dot(point.normal, direction));
-  if (opacity_ < 1) point.opacity = 1 - std::pow(1 - opacity_, 1 / steep);
+  point.distance = distance / weights;
+  point.position = eye + point.distance * direction + point.normal * (kLift * h);
+  if (opacity_ < 1) point.opacity = sheet_opacity(opacity_, dot(point.normal, direction));
   return point;
 }
 
@@ -157,7 +169,7 @@ void SplatScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
   for (std::size_t i = 0; i < directions.size(); ++i) {
     points[i].reset();
     if (!hits[i]) continue;
-    rays_.crossings(eye, directions[i], hits[i]->distance + deepest_, all);
+    rays_.crossings(eye, directions[i], hits[i]->distance + depth(hits[i]->primitive, directions[i]), all);
     if (all.empty()) all.push_back({hits[i]->distance, hits[i]->primitive, true});
     take_first(directions[i], all, sheet);
     points[i] = blend(eye, directions[i], sheet);
@@ -172,9 +184,11 @@ void SplatScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std
   std::vector<RayCrossing> all, sheet;
   for (const Vec3f& direction : directions) {
     rays_.crossings(eye, direction, std::numeric_limits<float>::infinity(), all);
-    for (float left = 1; !all.empty() && left >= kLeastThrough; left *= 1 - points.back().opacity) {
+    float left = 1;
+    for (int n = 0; n < kMostSheets && !all.empty() && left >= kLeastThrough; ++n) {
       take_first(direction, all, sheet);
       points.push_back(blend(eye, direction, sheet));
+      left *= 1 - points.back().opacity;
     }
     first.push_back(points.size());
   }

@@ -48,11 +48,11 @@ class SplatScene final : public PictureScene {
  private:
   SurfacePoint blend(const Vec3f& eye, const Vec3f& direction, std::span<const RayCrossing> hits) const;
   float steepness(std::uint32_t splat, const Vec3f& direction) const;
+  float depth(std::uint32_t splat, const Vec3f& direction) const;
   void take_first(const Vec3f& direction, std::vector<RayCrossing>& hits, std::vector<RayCrossing>& sheet) const;
 
   Splats splats_;
   float opacity_;
-  float deepest_ = 0;  // along a ray, behind the first hit of a sheet
   RayScene rays_;
 };
 

@@ -132,7 +132,8 @@ void SurfaceScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
     if (!hit.hit) continue;
     const Vec3f normal = dot(hit.normal, directions[i]) > 0 ? -hit.normal : hit.normal;
     const Vec3f color = s.colors.empty() ? color_ : s.colors[hit_number];
-    points[i] = SurfacePoint{off_surface(hit, normal, share), normal, color * own_, gloss_};
+    points[i] = SurfacePoint{static_cast<float>(static_cast<double>(hit.distance) / frame_.size),
+                             off_surface(hit, normal, share), normal, color * own_, gloss_};
     ++hit_number;
     split(hit, directions[i], 1, i, s);
   }

@@ -156,6 +156,7 @@ class VolumePicture::Work {
     return map;
   }
 
+  void set_surfaces(std::vector<PictureSurface> surfaces) { subject_.surfaces = std::move(surfaces); }
   const Box3& box() const { return box_; }
   const PictureFrame& frame() const { return frame_; }
   const ValueHistogram& histogram() const { return histogram_; }
@@ -345,6 +346,7 @@ VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {
 }
 VolumePicture::~VolumePicture() = default;
 
+void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
 const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
 const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
 Camera VolumePicture::camera(const VolumePictureOptions& options) const {

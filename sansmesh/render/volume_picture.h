@@ -59,6 +59,9 @@ class VolumePicture {
   VolumePicture(const VolumePicture&) = delete;
   VolumePicture& operator=(const VolumePicture&) = delete;
 
+  /// From now on these stand in the picture.
+  void set_surfaces(std::vector<PictureSurface> surfaces);
+
   /// In perspective, framed by the boundary. Does not depend on the number of threads. `report` may be null;
   /// `check_steps` fills in the errors of the steps, which takes about a fiftieth of the time. Throws ArgumentError for
   /// bad options.

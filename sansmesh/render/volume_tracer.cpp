@@ -253,11 +253,7 @@ void VolumeTracer::shade(const Walk& walk, Sample& sample, bool surface) const {
     lit = mix(lit, light(-n), other);
   }
   sample.light = mix(Vec3f{1, 1, 1}, lit, share);
-  float shine = 0;  // as Lighting::shine, whose power takes longer than all the rest here
-  if (const float x = dot(n, walk.half); x > 0 && dot(n, lighting_.key) > 0) {
-    const float x2 = x * x, x4 = x2 * x2, x8 = x4 * x4, x16 = x8 * x8;
-    shine = 0.10f * x4 * x16 * x16;
-  }
+  const float shine = dot(n, lighting_.key) > 0 ? highlight(dot(n, walk.half)) : 0;
   sample.gloss = (Lighting::kKey * shine + Lighting::kSkyHigh * (surface ? lighting_.sheen(n, d) : 0)) * share;
 }
 
@@ -464,8 +460,8 @@ void VolumeTracer::find_layers(std::span<const Vec3f> directions, Scratch& s) co
         pixel.shine = pixel.facing > 0 ? p.gloss * lighting_.shine(p.normal, directions[i]) : 0;
         pixel.sheen = p.gloss * lighting_.sheen(p.normal, directions[i]);
         pixel.beyond = p.beyond;
-        s.layers.push_back({dot(Vec3(p.position) - eye_, s.walks[i].direction), surface_light(pixel), p.opacity,
-                            static_cast<std::uint32_t>(i)});
+        s.layers.push_back(
+            {static_cast<double>(p.distance), surface_light(pixel), p.opacity, static_cast<std::uint32_t>(i)});
       }
   }
   std::stable_sort(s.layers.begin(), s.layers.end(),

@@ -97,7 +97,7 @@ double streak_angle(const std::vector<double>& f) {
 }
 
 std::unique_ptr<PictureScene> scene_of(const FlowSubject& subject, const FlowLook& look = {std::nullopt, 1, false}) {
-  return surface_in_picture(subject, look, plain())({}, from_above());
+  return DrawnFlow(subject, plain()).surface(look)({}, from_above());
 }
 
 TEST(FlowTexture, StreaksFollowTheFlow) {
@@ -123,6 +123,19 @@ TEST(FlowTexture, StreaksFollowTheFlowAsItIsSeenAtAnAngle) {
   const auto scene = scene_of(square(2, {1.5f, 0, 0}, v * 3.0f, Vec3f{1, 0, 0} + v));
   // From afar: parallel lines stay parallel.
   EXPECT_NEAR(streak_angle(factors(*scene, from_above(100), {})), std::atan(0.5) * 180 / std::numbers::pi, 1);
+}
+
+TEST(FlowTexture, ContrastIsTheSameHoweverThePlaneLeans) {
+  for (const double degrees : {0.0, 60.0, 80.0}) {
+    const double a = degrees * std::numbers::pi / 180;
+    const Vec3f v(Vec3{0, std::cos(a), -std::sin(a)});
+    const auto scene = scene_of(square(2, {1, 0, 0}, v * static_cast<float>(1 / std::cos(a)), v));
+    double sum = 0, squares = 0, n = 0;
+    for (const double f : factors(*scene, from_above(100), {}))
+      if (f > 0) sum += f, squares += f * f, ++n;
+    EXPECT_GT(n, 0.9 * kSize * kSize);
+    EXPECT_NEAR(std::sqrt(squares / n - sum / n * sum / n), 0.38, 0.06) << degrees;
+  }
 }
 
 TEST(FlowTexture, WithoutAFlowThereIsNothing) {
@@ -188,7 +201,7 @@ TEST(FlowTexture, OptionsAreChecked) {
   EXPECT_THROW(texture.convolve({40, 1.5, 0.4, -0.1}), ArgumentError);
   FlowSubject wrong = square(2, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
   wrong.vectors.pop_back();
-  EXPECT_THROW(surface_in_picture(wrong, {}, plain()), ArgumentError);
+  EXPECT_THROW(DrawnFlow(wrong, plain()), ArgumentError);
 }
 
 /// The layers that a ray straight down at (x, y) meets.
@@ -240,7 +253,7 @@ TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
     for (int k = 0; k < sheets; ++k) {
       FlowSubject moved = subject;
       moved.mesh.origin = {0, 0, -0.01 * k};
-      surfaces.push_back(surface_in_picture(moved, look, options));
+      surfaces.push_back(DrawnFlow(moved, options).surface(look));
     }
     return render_surfaces(surfaces, places, true, false, options, progress);
   };
@@ -273,6 +286,35 @@ TEST(SplatScene, NeighboursInTimeBlendOthersDoNot) {
   EXPECT_EQ(crisp.vector, (Vec3f{1, 0, 0}));
 }
 
+TEST(SplatScene, FrontsThatDiscsCoverAreOneSheet) {
+  // Oblique fronts, nearer to each other than discs are wide.
+  FlowSubject subject = square(13, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
+  for (std::size_t k = 0; k < subject.fronts.size(); ++k)
+    subject.fronts[k] = static_cast<std::int32_t>(7 * (k % 13) + 3 * (k / 13));
+  const auto scene = scene_of(subject, {std::nullopt, 0.25, true});
+  for (float x = -0.7f; x < 0.7f; x += 0.11f) EXPECT_EQ(layers_at(*scene, x, 0.3f * x).size(), 1u) << x;
+}
+
+TEST(SplatScene, WhatStandsBeforeThemIsSeen) {
+  RenderOptions options = plain(32);
+  options.view = {0, 0};
+  FlowSubject sheet = square(4, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
+  sheet.mesh.colors.assign(sheet.mesh.vertices.size(), {255, 0, 0});
+  TriangleMesh before = square(2, {0.5f, 0, 0}, {0, 0.5f, 0}, {}).mesh;
+  before.origin = {0, 0, 0.02};  // far less than a disc is wide
+  before.colors.assign(before.vertices.size(), {0, 255, 0});
+  std::vector<Vec3> places;
+  for (const Vec3f& p : sheet.mesh.vertices) places.emplace_back(p);
+  Progress progress;
+  const std::vector<PictureSurface> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
+                                                surface_in_picture(before, options)};
+  for (const bool translucent : {false, true}) {
+    const Image image = render_surfaces(surfaces, places, translucent, false, options, progress);
+    EXPECT_GT(image.at(16, 16)[1], 2 * image.at(16, 16)[0]) << translucent;
+    EXPECT_GT(image.at(16, 6)[0], 2 * image.at(16, 6)[1]) << translucent;
+  }
+}
+
 TEST(SplatScene, NormalsAreThoseOfTheSurface) {
   TriangleMesh sphere = test::octasphere(5);
   const std::vector<std::int32_t> fronts(sphere.vertices.size(), 0);
@@ -302,7 +344,7 @@ TEST(FlowPicture, IsTheSameForAnyThreads) {
             Progress progress;
             FlowLook look;
             look.opacity = opacity, look.splats = splats;
-            const PictureSurface surface = surface_in_picture(subject, look, plain(64));
+            const PictureSurface surface = DrawnFlow(subject, plain(64)).surface(look);
             return render_surfaces({&surface, 1}, places, opacity < 1, false, plain(64), progress).pixels;
           },
           [](const auto& one, const auto& many) { EXPECT_TRUE(one == many); });

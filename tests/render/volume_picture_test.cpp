@@ -255,7 +255,7 @@ TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
     subject.mesh.vertices = {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}};
     subject.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     subject.vectors.resize(4);
-    return surface_in_picture(subject, {std::nullopt, opacity, false}, options);
+    return DrawnFlow(subject, options).surface({std::nullopt, opacity, false});
   };
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
   VolumePictureOptions clear = options;
