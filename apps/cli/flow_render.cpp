@@ -250,7 +250,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
     const bool bar = drawn.colors && !a.no_bar;
     const int bars = (bar ? value_bar_width(look.height, *drawn.colors, drawn.title) : 0) +
                      (around ? around->bar_width(look.height) : 0);
-    if (look.width < bars + kLeastBesideBars)
+    if (bars > 0 && look.width < bars + kLeastBesideBars)
       throw ArgumentError(fmt::format("--width {} is too narrow: colour bars take {} of it", look.width, bars));
     look.width -= bars;
     if (a.arrows) {
