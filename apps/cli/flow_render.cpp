@@ -27,8 +27,7 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr double kDark = 0.45;  // of the range of values: colours that are left out below it
-
+constexpr double kDark = 0.45;          // of the range of values: colours that are left out below it
 constexpr double kScaleEnd = 0.01;      // share of the particles beyond each end of the scale of colours
 constexpr double kMostTurn = 3600;      // degrees
 constexpr int kLeastBesideBars = 100;   // pixels
@@ -162,17 +161,15 @@ class VolumeAround {
     options_.color_title = name;
     options_.color_bar = !a.no_bar && !a.volume.empty() && a.volume_opacity > 0;
     options_.opacity_scale = a.volume.empty() ? 0 : a.volume_opacity;
-    options_.preset = a.preset;
     options_.isos = a.iso_surfaces;
     options_.validate();
     VolumeSubject subject = volume_subject(*samples_, boundary_);
     subject.field = field_.get();
     subject.image = false;
     picture_.emplace(std::move(subject), progress);
-    if (!options_.preset.empty())
-      bar_ = transfer_function_preset(options_.preset, picture_->histogram());
-    else
-      bar_ = suggest_transfer_function(picture_->histogram(), false).function;
+    const ValueHistogram& values = picture_->histogram();
+    options_.transfer = a.preset.empty() ? suggest_transfer_function(values, false).function
+                                         : transfer_function_preset(a.preset, values);
   }
   Image render(const RenderOptions& look, bool steady, std::vector<PictureSurface> surfaces, Progress& progress) {
     static_cast<RenderOptions&>(options_) = look;
@@ -182,7 +179,7 @@ class VolumeAround {
   }
   /// Pixels that its colour bar takes.
   int bar_width(int height) const {
-    return options_.color_bar ? value_bar_width(height, bar_, options_.color_title) : 0;
+    return options_.color_bar ? value_bar_width(height, *options_.transfer, options_.color_title) : 0;
   }
 
  private:
@@ -190,7 +187,6 @@ class VolumeAround {
   std::shared_ptr<const VolumeField> field_;
   TriangleMesh boundary_;
   VolumePictureOptions options_;
-  TransferFunction bar_;
   std::optional<VolumePicture> picture_;
 };
 
