@@ -1,11 +1,13 @@
 // Surfaces and lines of flows: seconds, particles and points; exact and interpolated insertion.
 //
-//   benchmark_flow_surfaces [seconds|drift|lines [VOLUME]]
+//   benchmark_flow_surfaces [seconds|reach|drift|lines [VOLUME]]
 //
 // seconds: 256 particles on 256 fronts, of flows by formula and of a lattice of 256 × 128 × 256 samples by linear
-// interpolation, the best of five. drift: how far the points of a surface are from where their seeds go. lines: 22³
-// stream lines of two diagonals, with all that is told along them, of the lattice of a tornado of 128³ samples and of
-// the first vectors of a file (by default the Blunt Fin of ../shared/data, where that is), the best of five.
+// interpolation, the best of five. reach: the same of that lattice and of 17 such steps in time, which are held in
+// memory (200 MB each), on two threads: surfaces a second, for METHODS §5.2. drift: how far the points of a surface are
+// from where their seeds go. lines: 22³ stream lines of two diagonals, with all that is told along them, of the lattice
+// of a tornado of 128³ samples and of the first vectors of a file (by default the Blunt Fin of ../shared/data, where
+// that is), the best of five.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -36,8 +38,8 @@ using namespace sansmesh;
 
 constexpr const char* kBluntFin = "../shared/data/volumes/plot3d/bluntfinxyz.bin";
 
-/// A flow by formula sampled on a lattice.
-std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std::size_t, 3> dims) {
+/// A flow by formula at a moment, sampled on a lattice; linear between the samples.
+std::shared_ptr<const VolumeField> sampled(const VectorField& flow, std::array<std::size_t, 3> dims, double moment) {
   GridData data;
   GridBlock& block = data.blocks.emplace_back();
   block.kind = GridKind::lattice;
@@ -45,22 +47,29 @@ std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std:
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t i = 0; i < dims[k]; ++i)
       block.axes[k].push_back(box.lower[k] + box.size()[k] * static_cast<double>(i) / static_cast<double>(dims[k] - 1));
-  std::vector<Vec3> places;
-  for (const double z : block.axes[2])
+  const std::size_t layer = dims[0] * dims[1];
+  std::vector<Vec3> places(layer), vectors(layer);
+  std::vector<std::uint8_t> inside(layer);
+  std::vector<float> values;
+  values.reserve(3 * layer * dims[2]);
+  for (const double z : block.axes[2]) {
+    places.clear();
     for (const double y : block.axes[1])
       for (const double x : block.axes[0]) places.emplace_back(x, y, z);
-  std::vector<Vec3> vectors(places.size());
-  std::vector<std::uint8_t> inside(places.size());
-  flow.evaluate(places, std::vector<double>(places.size(), 0.0), vectors, inside);
-  std::vector<float> values;
-  for (const Vec3& v : vectors)
-    for (std::size_t k = 0; k < 3; ++k) values.push_back(static_cast<float>(v[k]));
+    flow.evaluate(places, std::vector<double>(layer, moment), vectors, inside);
+    for (const Vec3& v : vectors)
+      for (std::size_t k = 0; k < 3; ++k) values.push_back(static_cast<float>(v[k]));
+  }
   block.point_arrays.set("v", std::move(values), 3);
   Progress progress;
   auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, Association::points, progress));
   ReconstructionOptions options;
   options.method = ReconstructionMethod::linear;
-  return volume_flow(reconstruct_volume(std::move(volume), "v", options, progress));
+  return reconstruct_volume(std::move(volume), "v", options, progress);
+}
+
+std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std::size_t, 3> dims) {
+  return volume_flow(sampled(flow, dims, 0));
 }
 
 void time_surface(const std::string& what, const VectorField& flow, const SeedCurve& curve,
@@ -77,8 +86,10 @@ void time_surface(const std::string& what, const VectorField& flow, const SeedCu
   }
   const FlowSurfaceReport& r = surface.report;
   fmt::print(
-      "{:44} {:7.3f} s {:7.3f} CPU s {:8} points {:8} triangles {:5} fronts {:6} inserted {:6} removed {:4} torn\n",
-      what, best, cpu, surface.points.size(), surface.mesh.triangles.size(), r.fronts, r.inserted, r.removed, r.tears);
+      "{:44} {:7.3f} s {:7.3f} CPU s {:5.1f}/s {:8} points {:8} triangles {:5} fronts {:6} inserted {:6} removed {:4} "
+      "torn\n",
+      what, best, cpu, 1 / best, surface.points.size(), surface.mesh.triangles.size(), r.fronts, r.inserted, r.removed,
+      r.tears);
 }
 
 void seconds() {
@@ -115,6 +126,46 @@ void seconds() {
   FlowSurfaceOptions whole;
   whole.duration = 4, whole.seeds = 100;
   time_surface("tornado 128^3, own steps", *cube, ground, whole);
+}
+
+void reach() {
+  constexpr std::array<std::size_t, 3> kDims{256, 128, 256};
+  constexpr std::size_t kSteps = 17, kFronts = 256;
+  constexpr double kDuration = 2;
+  const ThreadScope two(2);
+  const auto tornado = analytic_flow("tornado");
+  const SeedCurve ground{{{0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}}};
+  FlowSurfaceOptions options;
+  options.duration = kDuration, options.front_step = kDuration / (kFronts - 1);
+  std::vector<double> times;
+  std::vector<std::shared_ptr<const VolumeField>> steps;
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    times.push_back(kDuration * static_cast<double>(i) / (kSteps - 1));
+    steps.push_back(sampled(*tornado, kDims, times[i]));
+  }
+  constexpr std::size_t kBytes = 3 * sizeof(double) * kDims[0] * kDims[1] * kDims[2];
+  const auto load = [&](std::size_t i) { return FlowStep{steps[i], kBytes}; };
+  const auto in_time = [&](TimeInterpolation between) {
+    return flow_in_time(times, load, {between, (kSteps + 1) * kBytes});
+  };
+  struct Case {
+    const char* name;
+    FlowSurfaceKind kind;
+    std::unique_ptr<VectorField> field;
+  };
+  std::vector<Case> cases;
+  cases.push_back({"steady", FlowSurfaceKind::stream, volume_flow(steps[0])});
+  cases.push_back({"17 steps, constant between", FlowSurfaceKind::path, in_time(TimeInterpolation::constant)});
+  cases.push_back({"17 steps, linear between", FlowSurfaceKind::path, in_time(TimeInterpolation::linear)});
+  cases.push_back({"17 steps, cubic between", FlowSurfaceKind::path, in_time(TimeInterpolation::cubic)});
+  for (const Case& c : cases)
+    for (const auto& [name, integrator] :
+         {std::pair{"dopri5", Integrator::dopri5}, std::pair{"euler", Integrator::euler}}) {
+      options.kind = c.kind, options.trace = {};
+      options.trace.integrator = integrator;
+      if (integrator == Integrator::euler) options.trace.step = 0.01;  // one from front to front
+      time_surface(fmt::format("{}, {}", c.name, name), *c.field, ground, options);
+    }
 }
 
 void drift() {
@@ -203,6 +254,7 @@ void lines(const std::string& file) {
 int main(int argc, char** argv) {
   const std::string_view what = argc > 1 ? argv[1] : "";
   if (what.empty() || what == "seconds") seconds();
+  if (what.empty() || what == "reach") reach();
   if (what.empty() || what == "drift") drift();
   if (what.empty() || what == "lines") lines(argc > 2 ? argv[2] : kBluntFin);
 }
