@@ -71,41 +71,61 @@ class FlowInTime final : public VectorField {
 
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
+    // By the interval of time that each lies in, so that every step is read once. As a rule that is the same for all.
+    std::vector<std::size_t> interval(x.size());
+    bool alike = true;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      interval[i] = times().contains(t[i]) ? interval_of(t[i]) : kNever;
+      alike = alike && interval[i] == interval[0];
+    }
+    if (x.empty()) return;
+    if (alike && interval[0] != kNever) return blend(interval[0], x, t, {vectors, inside, jacobian});
     std::fill(vectors.begin(), vectors.end(), Vec3{});
     std::fill(inside.begin(), inside.end(), std::uint8_t{0});
     std::fill(jacobian.begin(), jacobian.end(), Jacobian{});
-    // By the interval of time that each lies in, so that every step is read once.
-    std::vector<std::pair<std::size_t, std::size_t>> order;
+    std::vector<std::size_t> order;
     for (std::size_t i = 0; i < x.size(); ++i)
-      if (times().contains(t[i])) order.emplace_back(interval_of(t[i]), i);
-    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (std::size_t first = 0; first < order.size();) {
-      std::size_t last = first;
-      while (last < order.size() && order[last].first == order[first].first) ++last;
-      Part part;
-      for (std::size_t k = first; k < last; ++k) {
-        part.x.push_back(x[order[k].second]);
-        part.t.push_back(t[order[k].second]);
+      if (interval[i] != kNever) order.push_back(i);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return interval[a] < interval[b]; });
+    Gathered part;
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+      while (last < order.size() && interval[order[last]] == interval[order[first]]) ++last;
+      const std::span which(order.data() + first, last - first);
+      part.gather(x, t, which, !jacobian.empty());
+      blend(interval[which[0]], part.x, part.t, part.answers());
+      for (std::size_t k = 0; k < which.size(); ++k) {
+        vectors[which[k]] = part.vectors[k], inside[which[k]] = part.inside[k];
+        if (!jacobian.empty()) jacobian[which[k]] = part.jacobian[k];
       }
-      blend(order[first].first, part, !jacobian.empty());
-      for (std::size_t k = first; k < last; ++k) {
-        const std::size_t i = order[k].second;
-        vectors[i] = part.vectors[k - first], inside[i] = part.inside[k - first];
-        if (!jacobian.empty()) jacobian[i] = part.jacobian[k - first];
-      }
-      first = last;
     }
   }
 
  private:
   using Loaded = std::shared_ptr<const VectorField>;
+  static constexpr std::size_t kNever = ~std::size_t{0};
 
-  struct Part {
+  struct Answers {
+    std::span<Vec3> vectors;
+    std::span<std::uint8_t> inside;
+    std::span<Jacobian> jacobian;  // empty: not wanted
+  };
+
+  /// Some of the places and moments of a batch, and room for their answers.
+  struct Gathered {
     std::vector<Vec3> x;
     std::vector<double> t;
     std::vector<Vec3> vectors;
     std::vector<std::uint8_t> inside;
     std::vector<Jacobian> jacobian;
+
+    void gather(std::span<const Vec3> from, std::span<const double> moments, std::span<const std::size_t> which,
+                bool derivatives) {
+      x.clear(), t.clear();
+      for (const std::size_t i : which) x.push_back(from[i]), t.push_back(moments[i]);
+      vectors.resize(which.size()), inside.resize(which.size()), jacobian.resize(derivatives ? which.size() : 0);
+    }
+    Answers answers() { return {vectors, inside, jacobian}; }
   };
 
   /// The step at or before a moment, but not the last.
@@ -152,47 +172,45 @@ class FlowInTime final : public VectorField {
     return s;
   }
 
-  void blend(std::size_t interval, Part& part, bool derivatives) const {
-    const std::size_t n = part.x.size();
-    part.vectors.assign(n, {}), part.inside.assign(n, 1);
-    part.jacobian.assign(derivatives ? n : 0, Jacobian{});
+  /// The answers at moments of one interval.
+  void blend(std::size_t interval, std::span<const Vec3> x, std::span<const double> t, const Answers& into) const {
+    const std::size_t n = x.size();
+    const bool derivatives = !into.jacobian.empty();
+    std::fill(into.vectors.begin(), into.vectors.end(), Vec3{});
+    std::fill(into.inside.begin(), into.inside.end(), std::uint8_t{1});
+    std::fill(into.jacobian.begin(), into.jacobian.end(), Jacobian{});
     std::vector<Shares> shares(n);
     std::size_t first = times_.size(), last = 0;
+    // Of particles on the way to the next step some arrive before others: it belongs to the same window.
+    bool on_the_way = false;
     for (std::size_t i = 0; i < n; ++i) {
-      shares[i] = shares_at(interval, part.t[i]);
+      shares[i] = shares_at(interval, t[i]);
       first = std::min(first, shares[i].first);
       last = std::max(last, shares[i].first + shares[i].count);
+      on_the_way = on_the_way || t[i] > times_[interval];
     }
-    // Of particles on the way to the next step some arrive before others: it belongs to the same window.
-    const bool on_the_way = std::any_of(part.t.begin(), part.t.end(), [&](double t) { return t > times_[interval]; });
-    if (on_the_way) last = std::max(last, interval + 2);
-    const std::vector<Loaded> loaded = steps({first, last});
+    const std::vector<Loaded> loaded = steps({first, on_the_way ? std::max(last, interval + 2) : last});
     std::vector<std::size_t> which;
-    std::vector<Vec3> x, v;
-    std::vector<double> t;
-    std::vector<std::uint8_t> there;
-    std::vector<Jacobian> j;
+    Gathered part;
     for (std::size_t k = first; k < last; ++k) {
-      which.clear(), x.clear(), t.clear();
-      for (std::size_t i = 0; i < n; ++i) {
-        if (k < shares[i].first || k >= shares[i].first + shares[i].count) continue;
-        which.push_back(i), x.push_back(part.x[i]), t.push_back(part.t[i]);
-      }
+      which.clear();
+      for (std::size_t i = 0; i < n; ++i)
+        if (k >= shares[i].first && k < shares[i].first + shares[i].count) which.push_back(i);
       if (which.empty()) continue;
-      v.resize(which.size()), there.resize(which.size()), j.resize(derivatives ? which.size() : 0);
-      loaded[k - first]->evaluate(x, t, v, there, j);
+      part.gather(x, t, which, derivatives);
+      loaded[k - first]->evaluate(part.x, part.t, part.vectors, part.inside, part.jacobian);
       for (std::size_t w = 0; w < which.size(); ++w) {
         const std::size_t i = which[w];
         const double share = shares[i].of[k - shares[i].first];
-        if (there[w] == 0) part.inside[i] = 0;
-        part.vectors[i] += v[w] * share;
-        for (std::size_t c = 0; c < 3 && derivatives; ++c) part.jacobian[i][c] += j[w][c] * share;
+        if (part.inside[w] == 0) into.inside[i] = 0;
+        into.vectors[i] += part.vectors[w] * share;
+        for (std::size_t c = 0; c < 3 && derivatives; ++c) into.jacobian[i][c] += part.jacobian[w][c] * share;
       }
     }
     for (std::size_t i = 0; i < n; ++i) {
-      if (part.inside[i] != 0) continue;
-      part.vectors[i] = {};
-      if (derivatives) part.jacobian[i] = {};
+      if (into.inside[i] != 0) continue;
+      into.vectors[i] = {};
+      if (derivatives) into.jacobian[i] = {};
     }
   }
 
