@@ -36,7 +36,8 @@ class StepField final : public VolumeField {
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Vec3 v = v_(x[i]);
       for (std::size_t c = 0; c < 3 && !wanted.values.empty(); ++c) wanted.values[3 * i + c] = v[c];
-      for (std::size_t c = 0; c < 3 && !wanted.gradients.empty(); ++c) wanted.gradients[3 * i + c] = {};
+      for (std::size_t c = 0; c < 3 && !wanted.gradients.empty(); ++c)
+        wanted.gradients[3 * i + c] = Vec3{1, 2, 3} * v[c];
       if (!wanted.inside.empty()) wanted.inside[i] = std::abs(x[i].x) <= 2 && std::abs(x[i].y) <= 2;
     }
   }
@@ -100,6 +101,31 @@ TEST(FlowInTime, InterpolatesBetweenStepsAndIsExactAtThem) {
     for (const auto* flow : {&linear, &cubic}) EXPECT_NEAR(at(**flow, t).y, t, 1e-12);
     if (u == 0)
       for (const auto* flow : {&constant, &linear, &cubic}) EXPECT_EQ(at(**flow, t), square({}, t));
+  }
+}
+
+/// Batches of one interval go another way than those of several.
+TEST(FlowInTime, AnAnswerDependsOnItsPlaceAndMomentAlone) {
+  for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
+    Series series(6, swaying);
+    const auto flow = series.flow(interpolation, 10 * kStepBytes);
+    const std::vector<double> t{3.25, 0.5, 3.25, -1, 5, 2, std::nan(""), 3.75, 0, 7, 4.5, 1.5};
+    std::vector<Vec3> x, vectors(t.size());
+    for (std::size_t i = 0; i < t.size(); ++i) x.push_back({0.2 * static_cast<double>(i), 1, 0});  // the last beyond 2
+    std::vector<std::uint8_t> inside(t.size(), 7);
+    std::vector<Jacobian> jacobian(t.size());
+    flow->evaluate(x, t, vectors, inside, jacobian);
+    EXPECT_EQ(inside, (std::vector<std::uint8_t>{1, 1, 1, 0, 1, 1, 0, 1, 1, 0, 1, 0}));
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      Vec3 v{1, 1, 1};
+      std::uint8_t in = 7;
+      Jacobian j{Vec3{1, 1, 1}};
+      flow->evaluate({&x[i], 1}, {&t[i], 1}, {&v, 1}, {&in, 1}, {&j, 1});
+      EXPECT_EQ(v, vectors[i]) << i;
+      EXPECT_EQ(in, inside[i]) << i;
+      EXPECT_EQ(j, jacobian[i]) << i;
+      if (in != 0) EXPECT_NE(norm(j[2]), 0) << i;
+    }
   }
 }
 
@@ -167,6 +193,27 @@ TEST(FlowInTime, KeepsAsManyStepsAsTheMemoryHolds) {
       EXPECT_LE(series.most, static_cast<int>(std::max<std::size_t>(room, 4)) + 1) << room;
     }
     EXPECT_EQ(*series.alive, 0);
+  }
+}
+
+TEST(FlowInTime, PathSurfacesOfStepsThatAreAlikeAreStreamSurfaces) {
+  const auto saddle = [](const Vec3& x, double) { return Vec3{x.x, -x.y, 0} * 0.5; };
+  const SeedCurve curve{{{-0.1, 1.5, 0}, {0.15, 1.5, 0.3}}, false};
+  for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
+    Series series(5, saddle);
+    const auto flow = series.flow(interpolation, 0);
+    FlowSurfaceOptions options;
+    options.seeds = 30, options.front_step = 0.1, options.duration = 4, options.trace.tolerance = 1e-9;
+    Progress progress;
+    const FlowSurface stream = flow_surface(*flow, curve, options, progress);
+    options.kind = FlowSurfaceKind::path;
+    const FlowSurface path = flow_surface(*flow, curve, options, progress);
+    EXPECT_GT(path.report.inserted, 10u);
+    EXPECT_EQ(path.report.tears, 0u);
+    EXPECT_EQ(path.mesh.triangles, stream.mesh.triangles);
+    ASSERT_EQ(path.points.size(), stream.points.size());
+    for (std::size_t i = 0; i < path.points.size(); ++i)
+      EXPECT_LT(norm(path.points[i].position - stream.points[i].position), 1e-7);
   }
 }
 

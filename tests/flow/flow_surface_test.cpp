@@ -151,6 +151,127 @@ TEST(FlowSurface, TearsWhereNeighboursPart) {
   EXPECT_EQ(surface_of("saddle", seed_line({-0.5, 1, 0}, {0.5, 1, 0}), options).report.tears, 0u);
 }
 
+/// A surface of each kind of flow: exact ones, and of those that stretch, fold and part what is around.
+struct Example {
+  const char* flow;
+  SeedCurve curve;
+  FlowSurfaceOptions options;
+  std::vector<Vec3> tears;  ///< places, about
+};
+
+std::vector<Example> examples() {
+  std::vector<Example> all;
+  const auto add = [&](const char* flow, const SeedCurve& curve, FlowSurfaceKind kind, double duration, double alpha,
+                       std::vector<Vec3> tears = {}) {
+    FlowSurfaceOptions options = surface_for(duration, 30);
+    options.kind = kind, options.alpha = alpha, options.trace.tolerance = 1e-8;
+    all.push_back({flow, curve, options, std::move(tears)});
+  };
+  const auto stream = FlowSurfaceKind::stream, path = FlowSurfaceKind::path;
+  // The particles in the middle are left behind by those on both sides.
+  add("saddle", seed_line({-0.5, 1, 0}, {0.5, 1, 0}), stream, 5, 2, {{}, {}});
+  add("saddle", seed_line({-0.5, 1, 0}, {0.5, 1.2, 0.3}), path, 5, 3, {{0, 0, 0.15}, {0, 0, 0.15}});
+  add("past-sphere", seed_line({-3, -1.2, 0}, {-3, 1.3, 0}), stream, 8, 2, {{-1, 0, 0}, {-1, 0, 0}});
+  add("past-sphere", seed_line({-3, -1.2, 0.03}, {-3, 1.3, -0.06}), stream, 8, 2, {{-1, 0, -0.05}, {-1, 0, -0.05}});
+  add("past-sphere", seed_line({-3, -1.2, 0.2}, {-3, 1.3, 0.2}), stream, 8, 2);
+  add("double-gyre", seed_line({0.9, 0.2, 0.3}, {1.1, 0.2, 0.7}), path, 12, 2);
+  add("abc", seed_line({0.5, 1, 0.2}, {1.5, 1.2, 0.8}), stream, 2.5, 1.5);
+  add("tornado", seed_line({0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}), path, 6, 2);
+  add("helix", seed_line({0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}), path, 4, 2);
+  return all;
+}
+
+/// Where ribbons end that both neighbours go on from: in the middle of edges along a front at the rim.
+std::vector<Vec3> torn_at(const FlowSurface& surface, const Box3& box) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> triangles;
+  for (const Triangle& t : surface.mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++triangles[std::minmax(t[k], t[(k + 1) % 3])];
+  std::int32_t last = 0;
+  for (const FlowPoint& p : surface.points) last = std::max(last, p.front);
+  std::vector<Vec3> places;
+  for (const auto& [edge, count] : triangles) {
+    const FlowPoint &a = surface.points[edge.first], &b = surface.points[edge.second];
+    if (count != 1 || a.front != b.front || a.front == 0 || a.front == last) continue;
+    const Vec3 middle = (a.position + b.position) * 0.5;
+    double to_side = INFINITY;
+    for (std::size_t k = 0; k < 3; ++k)
+      to_side = std::min({to_side, middle[k] - box.lower[k], box.upper[k] - middle[k]});
+    if (to_side > 1e-4) places.push_back(middle);
+  }
+  return places;
+}
+
+TEST(FlowSurface, GapsAreNarrowAndTearsAreAtSaddlesAndObstacles) {
+  for (const Example& e : examples()) {
+    SCOPED_TRACE(testing::Message() << e.flow << ' ' << e.options.alpha);
+    const FlowSurface surface = surface_of(e.flow, e.curve, e.options);
+    expect_sound(surface);
+    // Particles at rest keep their points: a thousandth of the spacing.
+    const double most = (e.options.alpha + 2e-3) * surface.report.spacing;
+    for (const Triangle& t : surface.mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const FlowPoint &a = surface.points[t[k]], &b = surface.points[t[(k + 1) % 3]];
+        if (a.front == b.front) EXPECT_LE(norm(a.position - b.position), most);
+      }
+    const std::vector<Vec3> torn = torn_at(surface, analytic_flow(e.flow)->bounds());
+    EXPECT_EQ(torn.size(), e.tears.size());
+    EXPECT_EQ(surface.report.tears, e.tears.size());
+    for (std::size_t i = 0; i < std::min(torn.size(), e.tears.size()); ++i) EXPECT_LT(norm(torn[i] - e.tears[i]), most);
+  }
+}
+
+TEST(FlowSurface, NoParticleIsOutsideAndNoneIsThereTwice) {
+  for (Example& e : examples()) {
+    SCOPED_TRACE(testing::Message() << e.flow << ' ' << e.options.alpha);
+    const FlowSurface surface = surface_of(e.flow, e.curve, e.options);
+    const std::size_t n = surface.points.size();
+    std::vector<Vec3> places(n), vectors(n);
+    std::vector<double> moments(n);
+    std::vector<std::uint8_t> inside(n);
+    std::set<std::pair<double, double>> born;
+    std::set<std::tuple<double, double, double>> seen;
+    for (std::size_t i = 0; i < n; ++i) {
+      const FlowPoint& p = surface.points[i];
+      places[i] = p.position, moments[i] = p.t;
+      EXPECT_TRUE(born.emplace(p.s, p.t).second) << i;
+      EXPECT_TRUE(seen.emplace(p.position.x, p.position.y, p.position.z).second) << i;
+    }
+    analytic_flow(e.flow)->evaluate(places, moments, vectors, inside);
+    EXPECT_EQ(std::count(inside.begin(), inside.end(), 1), static_cast<std::ptrdiff_t>(n));
+  }
+}
+
+/// Largest distance of a surface's points from where they should be, with n fronts and as many steps.
+double error_with(Integrator integrator, const char* flow, int n) {
+  FlowSurfaceOptions options = surface_for(1.5, 17);
+  options.front_step = options.duration / n;
+  options.trace.integrator = integrator;
+  // One step from front to front, about as long ones from the seed curve; no shorter ones.
+  options.trace.step = 3.2 * *options.front_step, options.trace.tolerance = 1e-3;
+  const bool saddle = flow == std::string("saddle");
+  const Vec3 a = saddle ? Vec3{-0.1, 3, 0} : Vec3{0.5, 0, 0}, b = saddle ? Vec3{0.15, 3, 0.5} : Vec3{1.5, 0, 0.3};
+  const FlowSurface surface = surface_of(flow, seed_line(a, b), options);
+  if (saddle) EXPECT_GT(surface.report.inserted, 3u);
+  double worst = 0;
+  for (const FlowPoint& p : surface.points) {
+    const Vec3 x = a + (b - a) * (p.s / norm(b - a));
+    const Vec3 truth = saddle ? Vec3{x.x * std::exp(p.t), x.y * std::exp(-p.t), x.z}
+                              : Vec3{x.x * std::cos(p.t), x.x * std::sin(p.t), x.z + p.t};
+    worst = std::max(worst, norm(p.position - truth));
+  }
+  return worst;
+}
+
+TEST(FlowSurface, ErrorsFallByTheOrderOfTheIntegrator) {
+  for (const char* flow : {"helix", "saddle"})
+    for (const auto& [integrator, order] :
+         {std::pair{Integrator::euler, 1}, std::pair{Integrator::rk4, 4}, std::pair{Integrator::dopri5, 5}}) {
+      const double a = error_with(integrator, flow, 16), b = error_with(integrator, flow, 32);
+      EXPECT_NEAR(std::log2(a / b), order, 0.3) << flow << ' ' << order;
+      EXPECT_LT(b, 0.3);
+    }
+}
+
 TEST(FlowSurface, NothingCrossesTheSphere) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same surfaces");
   // One surface is draped over the sphere, the other lies in a plane through its centre and parts.
@@ -327,6 +448,17 @@ TEST(FlowSurface, BackwardReturns) {
   SeedCurve end;
   for (const FlowPoint* p : last) end.points.push_back(p->position);
   ASSERT_EQ(last.front()->t, 8);
+  // Each particle, put in on the way or not, to where it began.
+  const auto flow = analytic_flow("double-gyre");
+  Particles particles = particles_at(*flow, end.points, std::vector<double>(last.size(), 8.0));
+  std::vector<std::uint32_t> all(last.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
+  TraceOptions against = options.trace;
+  against.backward = true;
+  move_particles(*flow, particles, all, 2, against);
+  EXPECT_GT(there.report.inserted, 0u);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_LT(norm(particles.positions[i] - (a + (b - a) * (last[i]->s / norm(b - a)))), 1e-6);
   options.direction = FlowDirection::backward, options.start = 8, options.seeds = 200;
   const FlowSurface back = surface_of("double-gyre", end, options);
   expect_sound(back);
