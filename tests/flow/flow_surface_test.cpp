@@ -157,15 +157,16 @@ struct Example {
   SeedCurve curve;
   FlowSurfaceOptions options;
   std::vector<Vec3> tears;  ///< places, about
+  FlowSurface surface;
 };
 
-std::vector<Example> examples() {
+std::vector<Example> make_examples() {
   std::vector<Example> all;
   const auto add = [&](const char* flow, const SeedCurve& curve, FlowSurfaceKind kind, double duration, double alpha,
                        std::vector<Vec3> tears = {}) {
     FlowSurfaceOptions options = surface_for(duration, 30);
     options.kind = kind, options.alpha = alpha, options.trace.tolerance = 1e-8;
-    all.push_back({flow, curve, options, std::move(tears)});
+    all.push_back({flow, curve, options, std::move(tears), surface_of(flow, curve, options)});
   };
   const auto stream = FlowSurfaceKind::stream, path = FlowSurfaceKind::path;
   // The particles in the middle are left behind by those on both sides.
@@ -178,6 +179,11 @@ std::vector<Example> examples() {
   add("abc", seed_line({0.5, 1, 0.2}, {1.5, 1.2, 0.8}), stream, 2.5, 1.5);
   add("tornado", seed_line({0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}), path, 6, 2);
   add("helix", seed_line({0.2, 0.5, 0.05}, {0.8, 0.45, 0.1}), path, 4, 2);
+  return all;
+}
+
+const std::vector<Example>& examples() {
+  static const std::vector<Example> all = make_examples();
   return all;
 }
 
@@ -204,7 +210,7 @@ std::vector<Vec3> torn_at(const FlowSurface& surface, const Box3& box) {
 TEST(FlowSurface, GapsAreNarrowAndTearsAreAtSaddlesAndObstacles) {
   for (const Example& e : examples()) {
     SCOPED_TRACE(testing::Message() << e.flow << ' ' << e.options.alpha);
-    const FlowSurface surface = surface_of(e.flow, e.curve, e.options);
+    const FlowSurface& surface = e.surface;
     expect_sound(surface);
     // Particles at rest keep their points: a thousandth of the spacing.
     const double most = (e.options.alpha + 2e-3) * surface.report.spacing;
@@ -221,9 +227,9 @@ TEST(FlowSurface, GapsAreNarrowAndTearsAreAtSaddlesAndObstacles) {
 }
 
 TEST(FlowSurface, NoParticleIsOutsideAndNoneIsThereTwice) {
-  for (Example& e : examples()) {
+  for (const Example& e : examples()) {
     SCOPED_TRACE(testing::Message() << e.flow << ' ' << e.options.alpha);
-    const FlowSurface surface = surface_of(e.flow, e.curve, e.options);
+    const FlowSurface& surface = e.surface;
     const std::size_t n = surface.points.size();
     std::vector<Vec3> places(n), vectors(n);
     std::vector<double> moments(n);
