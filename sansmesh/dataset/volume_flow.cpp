@@ -26,8 +26,16 @@ class VolumeFlow final : public VectorField {
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                 std::span<std::uint8_t> inside, std::span<Jacobian> jacobian) const override {
     const std::size_t n = x.size(), components = field_->components();
-    std::vector<double> values(n * components);
-    std::vector<Vec3> gradients(jacobian.empty() ? 0 : n * components);
+    // Particles ask for small batches again and again.
+    static thread_local std::vector<double> value_store;
+    static thread_local std::vector<Vec3> slope_store;
+    std::vector<double> many_values;
+    std::vector<Vec3> many_slopes;
+    constexpr std::size_t kSmall = 1024;
+    std::vector<double>& values = n <= kSmall ? value_store : many_values;
+    std::vector<Vec3>& gradients = n <= kSmall ? slope_store : many_slopes;
+    values.resize(n * components);
+    gradients.resize(jacobian.empty() ? 0 : n * components);
     field_->evaluate(x, {values, gradients, inside, {}});
     parallel_for(0, n, 4096, [&](std::size_t i) {
       inside[i] = inside[i] != 0 && std::isfinite(t[i]);

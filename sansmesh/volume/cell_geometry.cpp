@@ -176,25 +176,6 @@ bool CellMap::invert(Vec3& u) const {
   return false;
 }
 
-bool CellMap::may_reach(double distance) const {
-  if (shape_ == CellShape::tetrahedron) return true;  // invert() is as quick
-  // X(v + 1/2) = middle + J v + what is not linear, |v_k| <= 1/2.
-  const Vec3 half = a_[7] * 0.5, rs = a_[4] + half, st = a_[5] + half, rt = a_[6] + half;
-  const Vec3 quarter = a_[7] * 0.25, middle = at({0.5, 0.5, 0.5});
-  const Vec3 r = a_[1] + (a_[4] + a_[6]) * 0.5 + quarter, s = a_[2] + (a_[4] + a_[5]) * 0.5 + quarter,
-             t = a_[3] + (a_[5] + a_[6]) * 0.5 + quarter;
-  const Vec3 rows[3] = {cross(s, t), cross(t, r), cross(r, s)};  // of the inverse of J, but for the determinant
-  const double size = std::abs(dot(r, rows[0]));
-  if (!(size > 0)) return true;
-  for (const Vec3& row : rows) {
-    const double curved = 0.25 * (std::abs(dot(row, rs)) + std::abs(dot(row, st)) + std::abs(dot(row, rt))) +
-                          0.25 * std::abs(dot(row, half));
-    const double room = (0.5 + 1e-9) * size + curved + distance * norm(row);
-    if (std::abs(dot(row, middle)) > room) return false;
-  }
-  return true;
-}
-
 bool is_folded(CellShape shape, std::span<const Vec3> corners) {
   if (shape == CellShape::tetrahedron) return false;
   const CellMap map(shape, corners);

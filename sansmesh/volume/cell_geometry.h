@@ -16,6 +16,7 @@ namespace sansmesh {
 /// 1, those of tetrahedra in the simplex r, s, t ≥ 0, r + s + t ≤ 1: the shape functions are VTK's.
 class CellMap {
  public:
+  CellMap() = default;
   /// `corners` relative to where the map is asked: what is nearby keeps all its digits.
   CellMap(CellShape shape, std::span<const Vec3> corners);
 
@@ -27,12 +28,14 @@ class CellMap {
   /// cell.
   bool invert(Vec3& u) const;
 
-  /// False where the origin is certainly farther than `distance` from the cell: by the map's linear part about the
-  /// middle, and bounds of the rest. Much quicker than to find out by invert() that there is nothing.
-  bool may_reach(double distance) const;
+  /// The coefficients of what is not linear.
+  struct Curvature {
+    Vec3 rs, st, rt, rst;
+  };
+  Curvature curvature() const { return {a_[4], a_[5], a_[6], a_[7]}; }
 
  private:
-  CellShape shape_;
+  CellShape shape_ = CellShape::tetrahedron;
   std::array<Vec3, 8> a_;
 };
 

@@ -24,18 +24,24 @@ LocatedField::LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeVa
 
 template <class Visit>
 void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) const {
+  // Who asks for few points asks for what follows next: in each slot a particle, say. Where it was found the last time,
+  // be it by another field of the same thread, is where the search begins.
+  static thread_local std::array<std::uint32_t, kLocatedGrain> slots{};
   const std::vector<std::uint32_t> order = locality_order(x);
+  const bool few = x.size() <= slots.size();
   parallel_ranges(0, x.size(), kLocatedGrain, [&](std::size_t begin, std::size_t end) {
     std::array<VolumePlace, kAtOnce> places;
     std::array<Vec3, kAtOnce> sorted;
+    std::uint32_t before = 0;
     for (std::size_t first = begin, count; first < end; first += count) {
       count = std::min(kAtOnce, end - first);
       const std::span<VolumePlace> found = std::span(places).first(count);
+      const auto starts = few ? std::span(slots).subspan(first, count) : std::span(&before, 1);
       if (order.empty()) {
-        locator_.locate(x.subspan(first, count), found);
+        locator_.locate(x.subspan(first, count), found, starts);
       } else {
         for (std::size_t k = 0; k < count; ++k) sorted[k] = x[order[first + k]];
-        locator_.locate(std::span(sorted).first(count), found);
+        locator_.locate(std::span(sorted).first(count), found, starts);
       }
       for (std::size_t k = 0; k < count; ++k) visit(order.empty() ? first + k : order[first + k], places[k]);
     }

@@ -14,6 +14,8 @@
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_geometry.h"
+#include "sansmesh/volume/cell_inverse.h"
+#include "sansmesh/volume/familiar_cells.h"
 #include "sansmesh/volume/point_order.h"
 
 namespace sansmesh {
@@ -51,6 +53,7 @@ struct VolumeLocator::State {
   double tolerance;
   BoxTree cells;
   std::vector<std::uint8_t> folded;  ///< of each cell; empty if none is
+  std::unique_ptr<FamiliarCells> familiar;
 
   /// Faces without a cell on the other side, for points outside: found when the first one is asked for.
   struct Border {
@@ -75,6 +78,7 @@ struct VolumeLocator::State {
       folded[c] = is_folded(volume.cells.shapes[c], std::span(corners).first(count));
     });
     if (std::find(folded.begin(), folded.end(), 1) == folded.end()) folded = {};
+    familiar = std::make_unique<FamiliarCells>(volume, cells, folded);
   }
 
   Box3 widened(Box3 box) const {
@@ -157,11 +161,12 @@ struct VolumeLocator::State {
     for (const std::uint32_t cell : candidates) {
       std::array<Vec3, 8> corners;
       const CellShape shape = volume.cells.shapes[cell];
-      const CellMap map(shape, std::span<const Vec3>(corners).first(corners_of(cell, x, corners)));
+      const CellInverse inverse(shape, std::span<const Vec3>(corners).first(corners_of(cell, {}, corners)));
+      const Vec3 from_corner = x - corners[0];
       Vec3 u;
-      if (!map.may_reach(near) || !map.invert(u)) continue;
+      if (!inverse.may_reach(from_corner, near) || !inverse.invert(from_corner, u)) continue;
       u = clamped_parameters(shape, u);
-      const double d = squared_norm(map.at(u));
+      const double d = squared_norm(inverse.at(u) - from_corner);
       if (d < least || (d == least && cell < best)) least = d, best = cell, at = u;
     }
     if (best == kNoCell) return false;
@@ -170,14 +175,31 @@ struct VolumeLocator::State {
     return true;
   }
 
-  void locate(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
-    place.inside = false;
-    place.weights.fill(0);
+  /// `start` is a cell nearby, or none, and becomes the cell that was found.
+  void locate(const Vec3& x, VolumePlace& place, std::uint32_t& start, std::vector<std::uint32_t>& candidates) const {
     if (!is_finite(x)) {
+      place.inside = false;
+      place.weights.fill(0);
       set(place, 0);
       place.weights[0] = 1;
       return;
     }
+    Vec3 u;
+    if (const std::uint32_t cell = familiar->find(x, start, kStrict, u); cell != kNoCell) {
+      place.inside = true;
+      set(place, cell);
+      shape_functions(volume.cells.shapes[cell], u, place.weights);
+      start = cell;
+      return;
+    }
+    place.inside = false;
+    place.weights.fill(0);
+    search(x, place, candidates);
+    if (place.inside) familiar->count(place.cell);
+    start = place.cell;
+  }
+
+  void search(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     cells.containing(x, candidates);
     std::array<Vec3, 8> corners;
     // Held by a cell's inside, where the smallest counts, or only by its faces, where the first does.
@@ -187,15 +209,14 @@ struct VolumeLocator::State {
     bool failed = false;
     for (const std::uint32_t cell : candidates) {
       const CellShape shape = volume.cells.shapes[cell];
-      const std::size_t count = corners_of(cell, x, corners);
+      const std::size_t count = corners_of(cell, {}, corners);
       const std::span<const Vec3> these = std::span(corners).first(count);
-      const CellMap map(shape, these);
-      // Of one cell it is as quick to find the place.
-      const bool only = candidates.size() == 1;
-      if (!only && !map.may_reach(tolerance)) continue;
+      const CellInverse inverse(shape, these);
+      const Vec3 from_corner = x - corners[0];
+      if (!inverse.may_reach(from_corner, tolerance)) continue;
       Vec3 u;
-      if (!map.invert(u)) {
-        failed = !only || map.may_reach(tolerance);
+      if (!inverse.invert(from_corner, u)) {
+        failed = true;
         continue;
       }
       if (parameters_within(shape, u, kStrict)) {
@@ -205,14 +226,15 @@ struct VolumeLocator::State {
         }
         if (smallest < 0) {
           std::array<Vec3, 8> others;
-          const std::size_t n = corners_of(within, x, others);
+          const std::size_t n = corners_of(within, {}, others);
           smallest = std::abs(cell_volume(volume.cells.shapes[within], std::span(others).first(n)));
         }
         const double size = std::abs(cell_volume(shape, these));
         if (size < smallest || (size == smallest && cell < within)) within = cell, within_at = u, smallest = size;
       } else if (within == kNoCell && cell < touched) {
         const Vec3 nearest = clamped_parameters(shape, u);
-        if (squared_norm(nearest - u) < 0.25 && squared_norm(map.at(nearest)) <= tolerance * tolerance)
+        if (squared_norm(nearest - u) < 0.25 &&
+            squared_norm(inverse.at(nearest) - from_corner) <= tolerance * tolerance)
           touched = cell, touched_at = nearest;
         else if (!folded.empty() && folded[cell])
           failed = true;
@@ -248,8 +270,12 @@ VolumeLocator::~VolumeLocator() = default;
 
 const SampledVolume& VolumeLocator::volume() const { return state_->volume; }
 
-void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places) const {
-  if (x.size() != places.size()) throw ArgumentError("VolumeLocator: as many places as points are needed");
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places) const { locate(x, places, {}); }
+
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places,
+                           std::span<std::uint32_t> starts) const {
+  if (x.size() != places.size() || (starts.size() > 1 && starts.size() != x.size()))
+    throw ArgumentError("VolumeLocator: as many places as points are needed");
   const State& state = *state_;
   if (state.volume.lattice) {
     parallel_for(0, x.size(), 1024,
@@ -257,12 +283,15 @@ void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> place
     return;
   }
   const auto order = locality_order(x);
-  parallel_ranges(0, x.size(), 256, [&](std::size_t first, std::size_t last) {
-    std::vector<std::uint32_t> candidates;
+  constexpr std::size_t kGrain = 256;
+  parallel_ranges(0, x.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    static thread_local std::vector<std::uint32_t> candidates;
+    std::uint32_t before = starts.empty() ? kNoCell : starts[0];
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t i = order.empty() ? k : order[k];
-      state.locate(x[i], places[i], candidates);
+      state.locate(x[i], places[i], starts.size() > 1 ? starts[i] : before, candidates);
     }
+    if (starts.size() == 1 && x.size() <= kGrain) starts[0] = before;
   });
 }
 

@@ -1,0 +1,190 @@
+#include "sansmesh/volume/familiar_cells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/volume/cell_adjacency.h"
+#include "sansmesh/volume/cell_geometry.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::uint32_t kOften = 8;   // what it takes to know a cell is gained again by so many points
+constexpr std::size_t kMost = 65536;  // familiar cells: some hundred bytes each
+constexpr std::uint32_t kNever = ~std::uint32_t{0};
+constexpr int kMostSteps = 6;  // through faces; farther away a search is as quick
+/// Cells overlap by rounding. A place within a cell by the margin of its parameters lies deeper than that.
+constexpr double kRounding = 1e-13;
+
+/// The sides of the parameters' range as faces: whose corners all have that parameter. Only of tetrahedra and
+/// hexahedra.
+std::size_t side_count(CellShape shape) {
+  return shape == CellShape::hexahedron ? 6 : shape == CellShape::tetrahedron ? 4 : 0;
+}
+std::span<const std::uint8_t> corners_of_side(CellShape shape, std::size_t side) {
+  static constexpr std::uint8_t kHexahedron[6][4] = {{0, 3, 4, 7}, {1, 2, 5, 6}, {0, 1, 4, 5},
+                                                     {2, 3, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}};
+  static constexpr std::uint8_t kTetrahedron[4][3] = {{0, 2, 3}, {0, 1, 3}, {0, 1, 2}, {1, 2, 3}};
+  if (shape == CellShape::hexahedron) return kHexahedron[side];
+  return kTetrahedron[side];
+}
+
+/// The side that u is farthest beyond, if it is beyond one by more than -margin; else a number that no side has.
+std::size_t side_beyond(CellShape shape, const Vec3& u, double margin, double& most) {
+  std::size_t side = 6;
+  most = -margin;
+  const auto judge = [&](std::size_t which, double out) {
+    if (out > most) most = out, side = which;
+  };
+  if (shape == CellShape::tetrahedron) {
+    judge(0, -u.x), judge(1, -u.y), judge(2, -u.z), judge(3, u.x + u.y + u.z - 1);
+    return side;
+  }
+  for (std::size_t k = 0; k < 3; ++k) judge(2 * k, -u[k]), judge(2 * k + 1, u[k] - 1);
+  return side;
+}
+
+struct Extent {
+  double lower, upper;
+};
+Extent extent(std::span<const Vec3> x, const Vec3& normal) {
+  Extent e{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Vec3& p : x) {
+    const double d = dot(normal, p);
+    e.lower = std::min(e.lower, d), e.upper = std::max(e.upper, d);
+  }
+  return e;
+}
+
+}  // namespace
+
+FamiliarCells::FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded)
+    : volume_(volume),
+      boxes_(boxes),
+      folded_(folded),
+      most_(std::min(kMost, volume.cells.size())),
+      state_(volume.cells.size()),
+      cells_(most_) {}
+
+FamiliarCells::~FamiliarCells() = default;
+
+const FamiliarCells::Cell* FamiliarCells::known(std::uint32_t cell) const {
+  const std::uint32_t state = state_[cell].load(std::memory_order_acquire);
+  return state < kOften || state == kNever ? nullptr : cells_[state - kOften].get();
+}
+
+std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const {
+  for (int step = 0; step < kMostSteps && from < state_.size(); ++step) {
+    const Cell* const cell = known(from);
+    if (!cell) return kNoCell;
+    const CellShape shape = cell->inverse.shape();
+    const Vec3 at = x - cell->corner;
+    // What is far outside by the linear part is so by the rest.
+    constexpr double kFar = 0.5;
+    double out = 0;
+    std::size_t side = side_beyond(shape, cell->inverse.guess(at), margin, out);
+    if (!(out > kFar)) {
+      if (!cell->inverse.invert(at, u)) return kNoCell;
+      if (parameters_within(shape, u, margin)) {
+        for (const Rival& rival : cell->rivals)
+          if (!(dot(rival.normal, at) < rival.from)) return kNoCell;
+        return from;
+      }
+      side = side_beyond(shape, u, margin, out);
+      if (!(out > margin)) return kNoCell;  // on a face, where others count as well
+    }
+    if (side >= side_count(shape)) return kNoCell;
+    from = cell->beyond[side];
+  }
+  return kNoCell;
+}
+
+void FamiliarCells::count(std::uint32_t cell) const {
+  std::uint32_t state = state_[cell].load(std::memory_order_relaxed);
+  if (state >= kOften) return;
+  if (state + 1 < kOften) {  // a count that gets lost between threads does no harm
+    state_[cell].compare_exchange_weak(state, state + 1, std::memory_order_relaxed);
+    return;
+  }
+  if (!state_[cell].compare_exchange_strong(state, kNever, std::memory_order_relaxed)) return;
+  const std::uint32_t slot = used_.fetch_add(1, std::memory_order_relaxed);
+  if (slot >= most_) {
+    used_.store(static_cast<std::uint32_t>(most_), std::memory_order_relaxed);
+    return;
+  }
+  cells_[slot] = familiar(cell);
+  state_[cell].store(kOften + slot, std::memory_order_release);
+}
+
+std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t number) const {
+  if (!folded_.empty() && folded_[number] != 0) return nullptr;  // where parameters may not be those of the search
+  const CellList& cells = volume_.cells;
+  std::array<Vec3, 8> own, other;
+  const auto corners_of = [&](std::uint32_t cell, std::array<Vec3, 8>& into) {
+    const auto points = cells[cell];
+    for (std::size_t k = 0; k < points.size(); ++k) into[k] = volume_.corner(points[k]);
+    return std::span<Vec3>(into).first(points.size());
+  };
+  auto made = std::make_unique<Cell>();
+  Cell& cell = *made;
+  const std::span<Vec3> mine = corners_of(number, own);
+  const CellShape shape = cells.shapes[number];
+  cell.inverse = CellInverse(shape, mine);
+  cell.corner = mine[0];
+  cell.beyond.fill(kNoCell);
+  Box3 box;
+  for (const Vec3& p : mine) box.extend(p);
+  std::vector<std::uint32_t> near;
+  boxes_.overlapping(box, near);
+  std::sort(near.begin(), near.end());
+  for (Vec3& p : mine) p -= cell.corner;
+  const auto normals = [](CellShape of, std::span<const Vec3> x, std::vector<Vec3>& into) {
+    for (const CellFace& f : cell_faces(of)) {
+      const Vec3 &a = x[f.corner[0]], &b = x[f.corner[1]], &c = x[f.corner[2]], &d = x[f.corner[f.count - 1]];
+      const Vec3 normal = f.count == 4 ? cross(c - a, d - b) : cross(b - a, c - a);
+      if (squared_norm(normal) > 0) into.push_back(normalized(normal));
+    }
+  };
+  std::vector<Vec3> directions;
+  normals(shape, mine, directions);
+  const std::size_t own_directions = directions.size();
+  for (const std::uint32_t n : near) {
+    if (n == number) continue;
+    const std::span<Vec3> its = corners_of(n, other);
+    for (Vec3& p : its) p -= cell.corner;
+    const auto points = cells[number], others = cells[n];
+    for (std::size_t side = 0; side < side_count(shape); ++side) {
+      const auto corners = corners_of_side(shape, side);
+      const auto shared = [&](std::uint8_t c) {
+        return std::find(others.begin(), others.end(), points[c]) != others.end();
+      };
+      if (cell.beyond[side] == kNoCell && std::all_of(corners.begin(), corners.end(), shared)) cell.beyond[side] = n;
+    }
+    // The plane, among those along faces of both and across the way between them, that leaves least of this cell to the
+    // other one.
+    directions.resize(own_directions);
+    normals(cells.shapes[n], its, directions);
+    for (std::size_t k = own_directions; k < directions.size(); ++k) directions[k] *= -1;
+    Vec3 way;
+    for (const Vec3& p : its) way += p / static_cast<double>(its.size());
+    for (const Vec3& p : mine) way -= p / static_cast<double>(mine.size());
+    if (squared_norm(way) > 0) directions.push_back(normalized(way));
+    Rival best{{}, -std::numeric_limits<double>::infinity()};
+    double least = std::numeric_limits<double>::infinity();
+    bool apart = false;
+    for (const Vec3& normal : directions) {
+      const Extent here = extent(mine, normal), there = extent(its, normal);
+      const double thin = std::min(here.upper - here.lower, there.upper - there.lower);
+      const double overlap = here.upper - there.lower;
+      apart = overlap <= kRounding * thin;
+      if (apart) break;
+      if (overlap < least * thin) least = overlap / thin, best = {normal, there.lower - kRounding * thin};
+    }
+    if (!apart) cell.rivals.push_back(best);
+  }
+  return made;
+}
+
+}  // namespace sansmesh
