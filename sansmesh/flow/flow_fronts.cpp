@@ -29,6 +29,11 @@ constexpr double kObstacle = 1.0 / 8;
 constexpr double kAhead = 1.0 / 4;
 /// From one front to the next their distance in time changes by no more than this factor.
 constexpr double kChange = 2;
+/// Where some particles are so fast that fronts are nearer to each other than median speed would have it: those that
+/// went less than this since their last point, over Δ₀, keep it; and so many times nearer at most.
+constexpr double kSlow = 0.5, kMostParts = 256;
+/// A step that brings a particle farther than α Δ₀ is made again, so much shorter than would do at even speed.
+constexpr double kShorter = 0.9;
 
 /// A particle of a front, between its neighbours.
 struct Member {
@@ -63,20 +68,21 @@ class Fronts {
     const double duration = std::min(options_.duration, left_in_field);
     const double end = start_ + sign * duration;
     const double most_way = options_.length.value_or(std::numeric_limits<double>::infinity());
-    double t = start_, step = 0, way = 0;
+    double t = start_, step = 0;
+    way_ = 0, most_way_ = most_way;
     progress.begin(backward ? "fronts backward" : "fronts", options_.most_fronts);
-    for (front_ = 1; !members_.empty() && t != end && way < most_way; ++front_) {
+    for (front_ = 1; !members_.empty() && t != end && way_ < most_way; ++front_) {
       if (front_ > options_.most_fronts || sheet_.points.size() >= options_.most_points) {
         sheet_.report.complete = false;
         break;
       }
       step = next_step(step);
+      share_ = options_.front_step ? 1 : std::clamp(kShorter * longest_way() / (fastest() * step), 1 / kMostParts, 1.0);
       // Whole steps to the end, none that is a sliver.
-      const double left = std::abs(end - t), steps = std::ceil(left / step * (1 - 1e-9));
-      const double to = steps <= 1 ? end : t + sign * (std::isfinite(left) ? left / steps : step);
+      const double left = std::abs(end - t), steps = std::ceil(left / (share_ * step) * (1 - 1e-9));
+      const double to = steps <= 1 ? end : t + sign * (std::isfinite(left) ? left / steps : share_ * step);
       if (to == t) break;
-      way += advance(t, to);
-      t = to;
+      t = advance(t, to, step, end);
       progress.advance();
     }
     for (const auto& e : particles_.ends)
@@ -110,7 +116,7 @@ class Fronts {
     }
     for (const std::uint32_t i : blocked(start_)) next_[i].joined = false;
     front_ = 0;
-    make_points();
+    make_points(false);
     keep_those_that_go_on();
     first_ = members_, seeds_ = particles_;
     for (const auto& e : particles_.ends)
@@ -129,8 +135,19 @@ class Fronts {
     return std::clamp(spacing_ / *middle, last / kChange, last * kChange);
   }
 
-  /// To the next front. Returns how far particles went.
-  double advance(double from, double to) {
+  /// How far a particle may go from one front to the next.
+  double longest_way() const { return options_.alpha * spacing_; }
+
+  double fastest() const {
+    double most = 0;
+    for (const Member& m : members_)
+      if (!ended(m)) most = std::max(most, norm(particles_.velocities[m.particle]));
+    return most;
+  }
+
+  /// To a front at `to`, or earlier where particles got fast on the way. `step` is the time that fronts are apart by
+  /// median speed, `end` the last moment. Returns the moment of the front.
+  double advance(double from, double to, double step, double end) {
     std::vector<std::uint32_t> which;
     which.reserve(members_.size());
     for (const Member& m : members_) which.push_back(m.particle);
@@ -139,7 +156,7 @@ class Fronts {
       next_[i].was = place(next_[i]);
       next_[i].before = static_cast<std::uint32_t>(i);
     }
-    move_particles(field_, particles_, which, to, trace_);
+    to = move_members(which, from, to, step);
     ahead_.move(field_, to, trace_);
     moments_.push_back(from);
     inserted_ = 0;
@@ -149,12 +166,31 @@ class Fronts {
     remove_needless();
     ++sheet_.report.fronts;
     sheet_.report.inserted += inserted_;
-    const double gone = median_step();
-    const bool moved = make_points();
+    way_ += median_step();
+    const bool last = to == end || !(way_ < most_way_) || front_ == options_.most_fronts;
+    const bool moved = make_points(last);
     make_triangles();
     keep_those_that_go_on();
     if (!moved) members_.clear();
-    return gone;
+    return to;
+  }
+
+  /// So far that none of them goes farther than it may.
+  double move_members(const std::vector<std::uint32_t>& which, double from, double to, double step) {
+    const bool free = !options_.front_step;
+    Particles before;
+    if (free) before = particles_;
+    for (;;) {
+      move_particles(field_, particles_, which, to, trace_);
+      double most = 0;
+      for (const Member& m : next_) most = std::max(most, norm(place(m) - m.was));
+      const double went = std::abs(to - from), least = step / kMostParts;
+      if (!free || !(most > longest_way()) || !(went > least)) return to;
+      const double next = std::max(least, went * std::max(kShorter * longest_way() / most, 1.0 / 8));
+      particles_ = before;
+      to = to > from ? from + next : from - next;
+      share_ = std::min(share_, next / step);
+    }
   }
 
   /// Since the front before, of those that moved.
@@ -162,7 +198,7 @@ class Fronts {
     std::vector<double> steps;
     steps.reserve(next_.size());
     for (const Member& m : next_)
-      if (const double step = norm(place(m) - m.was); step > kAtRest * spacing_) steps.push_back(step);
+      if (const double step = norm(place(m) - m.was); step > kAtRest * share_ * spacing_) steps.push_back(step);
     return median(steps);
   }
 
@@ -392,16 +428,23 @@ class Fronts {
     return k;
   }
 
-  /// Points of those that have a neighbour. Returns whether any has moved.
-  bool make_points() {
+  /// Points of those that have a neighbour. Returns whether any has moved. Where fronts are near to each other for
+  /// the sake of few that are fast, the slow ones keep theirs for some fronts, but not at the last one.
+  bool make_points(bool last) {
     bool moved = false;
+    const double rest = kAtRest * spacing_, slow = share_ < 1 && !last ? kSlow * spacing_ : rest;
     const std::size_t n = next_.size();
     for (std::size_t i = 0; i < n; ++i) {
       Member& m = next_[i];
       const std::size_t l = neighbour(i, false), r = neighbour(i, true);
       if (m.removed || (l == n && r == n)) continue;
       const Vec3& x = place(m);
-      if (m.point != kNone && norm(x - sheet_.points[m.point].position) < kAtRest * spacing_) continue;
+      if (m.point != kNone) {
+        const double since = norm(x - sheet_.points[m.point].position);
+        if (since < rest) continue;
+        moved = true;
+        if (since < slow && !ended(m)) continue;
+      }
       moved = true;
       // Along the front: the slope of the parabola through both neighbours.
       Vec3 along;
@@ -496,6 +539,8 @@ class Fronts {
   std::vector<Member> members_, next_, first_;
   std::vector<double> moments_;  // of the fronts up to the one before
   ParticlesAhead ahead_;         // of this direction
+  double share_ = 1;                         // of the time between fronts that median speed has
+  double way_ = 0, most_way_ = 0;            // of the medians of particles
   std::size_t front_ = 0, inserted_ = 0;
 };
 

@@ -31,19 +31,24 @@ std::span<const std::uint8_t> corners_of_side(CellShape shape, std::size_t side)
   return kTetrahedron[side];
 }
 
-/// The side that u is farthest beyond, if it is beyond one by more than -margin; else a number that no side has.
-std::size_t side_beyond(CellShape shape, const Vec3& u, double margin, double& most) {
-  std::size_t side = 6;
-  most = -margin;
-  const auto judge = [&](std::size_t which, double out) {
-    if (out > most) most = out, side = which;
-  };
+/// By how much u is beyond the side that it is farthest beyond (negative inside), and which that is.
+inline double beyond_side(CellShape shape, const Vec3& u, std::size_t& side) {
+  side = 0;
   if (shape == CellShape::tetrahedron) {
-    judge(0, -u.x), judge(1, -u.y), judge(2, -u.z), judge(3, u.x + u.y + u.z - 1);
-    return side;
+    const double sum = u.x + u.y + u.z - 1;
+    double most = -u.x;
+    if (-u.y > most) most = -u.y, side = 1;
+    if (-u.z > most) most = -u.z, side = 2;
+    if (sum > most) most = sum, side = 3;
+    return most;
   }
-  for (std::size_t k = 0; k < 3; ++k) judge(2 * k, -u[k]), judge(2 * k + 1, u[k] - 1);
-  return side;
+  const double x = std::abs(u.x - 0.5), y = std::abs(u.y - 0.5), z = std::abs(u.z - 0.5);
+  double most = x, at = u.x;
+  std::size_t axis = 0;
+  if (y > most) most = y, at = u.y, axis = 1;
+  if (z > most) most = z, at = u.z, axis = 2;
+  side = 2 * axis + (at > 0.5 ? 1 : 0);
+  return most - 0.5;
 }
 
 struct Extent {
@@ -83,19 +88,20 @@ std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double marg
     const Vec3 at = x - cell->corner;
     // What is far outside by the linear part is so by the rest.
     constexpr double kFar = 0.5;
-    double out = 0;
-    std::size_t side = side_beyond(shape, cell->inverse.guess(at), margin, out);
-    if (!(out > kFar)) {
+    std::size_t side = 0;
+    if (!(beyond_side(shape, cell->inverse.guess(at), side) > kFar)) {
       if (!cell->inverse.invert(at, u)) return kNoCell;
-      if (parameters_within(shape, u, margin)) {
+      const double out = beyond_side(shape, u, side);
+      // Of other shapes there are more sides; a place on a side may belong to others.
+      const bool within = out < -margin && (side_count(shape) > 0 || parameters_within(shape, u, margin));
+      if (within) {
         for (const Rival& rival : cell->rivals)
           if (!(dot(rival.normal, at) < rival.from)) return kNoCell;
         return from;
       }
-      side = side_beyond(shape, u, margin, out);
-      if (!(out > margin)) return kNoCell;  // on a face, where others count as well
+      if (!(out > margin)) return kNoCell;
     }
-    if (side >= side_count(shape)) return kNoCell;
+    if (side_count(shape) == 0) return kNoCell;
     from = cell->beyond[side];
   }
   return kNoCell;

@@ -116,6 +116,7 @@ class LinearField final : public detail::LocatedField {
     if (!wanted.degrees.empty()) wanted.degrees[i] = 1;
     if (wanted.values.empty() && wanted.gradients.empty()) return;
     const std::size_t n = samples().components;
+    if (place.inside && !between_cells_ && !wanted.values.empty() && n == 3) return three_at(i, x, place, wanted);
     if (place.inside && wanted.gradients.empty() && !between_cells_) {
       double* const v = wanted.values.data() + i * n;
       std::fill_n(v, n, 0.0);
@@ -170,6 +171,27 @@ class LinearField final : public detail::LocatedField {
     if (!place.inside)
       for (std::size_t k = 0; k < n; ++k)
         if (const double more = dot(g[k], beyond); std::isfinite(more)) v[k] += more;
+  }
+
+  /// Vectors, inside: what particles ask for.
+  void three_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const {
+    const double* const all = samples().values.data();
+    std::array<Vec3, 8> of;
+    Vec3 sum;
+    for (std::size_t c = 0; c < place.corner_count; ++c) {
+      const double* const f = all + std::size_t{3} * place.corners[c];
+      of[c] = {f[0], f[1], f[2]};
+      sum += of[c] * place.weights[c];
+    }
+    double* const v = wanted.values.data() + 3 * i;
+    v[0] = sum.x, v[1] = sum.y, v[2] = sum.z;
+    if (wanted.gradients.empty()) return;
+    std::array<Vec3, 8> slopes;
+    shape_gradients(volume(), place, x, slopes);
+    std::array<Vec3, 3> g{};
+    for (std::size_t c = 0; c < place.corner_count; ++c)
+      for (std::size_t k = 0; k < 3; ++k) g[k] += slopes[c] * of[c][k];
+    std::copy(g.begin(), g.end(), wanted.gradients.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
 
   Vec3 corner(const VolumePlace& place, std::size_t c) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/volume/box_tree.h"
+#include "sansmesh/volume/cell_inverse.h"
 
 namespace sansmesh::test {
 namespace {
@@ -54,6 +55,8 @@ TEST(CellGeometry, InvertsItsShapeFunctions) {
         Vec3 found;
         ASSERT_TRUE(CellMap(shape, relative).invert(found));
         EXPECT_LT(norm(found - u), 1e-7);
+        ASSERT_TRUE(CellInverse(shape, corners).invert(x - corners[0], found));
+        EXPECT_LT(norm(found - u), 1e-7);
         EXPECT_TRUE(parameters_within(shape, found, 1e-3));
         EXPECT_LT(norm(parameters_of(shape, weights) - u), 1e-12);
         // The slow way finds the same place.
@@ -94,9 +97,11 @@ TEST(CellGeometry, WhatIsRuledOutIsOutOfReach) {
       for (int i = 0; i < 400; ++i) {
         auto corners = some_cell(shape, random, thin);
         const Vec3 x{uniform(), uniform(), thin * uniform()};
+        const Vec3 from_corner = x - corners[0];
+        const CellInverse inverse(shape, corners);
         for (Vec3& p : corners) p -= x;
         for (const double reach : {0.0, 0.1 * thin}) {
-          if (CellMap(shape, corners).may_reach(reach)) continue;
+          if (inverse.may_reach(from_corner, reach)) continue;
           ++ruled_out;
           std::array<double, 8> weights{};
           EXPECT_GT(std::sqrt(nearest_in_cell(shape, corners, weights)), reach);
