@@ -32,6 +32,10 @@ constexpr double kChange = 2;
 /// Where some particles are so fast that fronts are nearer to each other than median speed would have it: those that
 /// went less than this since their last point, over Δ₀, keep it; and so many times nearer at most.
 constexpr double kSlow = 0.5, kMostParts = 256;
+/// Particles that begin nearer to each other than this, in tolerances of the integrator, have nothing between them. They
+/// make nearly the same steps and so nearly the same errors: whatever parts them is known far better than to a
+/// tolerance.
+constexpr double kTooNear = 0.2;
 /// A step that brings a particle farther than α Δ₀ is made again, so much shorter than would do at even speed.
 constexpr double kShorter = 0.9;
 
@@ -547,7 +551,7 @@ class Fronts {
 }  // namespace
 
 double least_seed_distance(const VectorField& field, const TraceOptions& options) {
-  return 2 * options.tolerance.value_or(1e-6 * field.bounds().diagonal());
+  return kTooNear * trace_tolerance(field, options);
 }
 
 double front_time(std::vector<double> speeds, double spacing) {

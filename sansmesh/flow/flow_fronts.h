@@ -31,7 +31,7 @@ FlowSheet advance_fronts(const VectorField& field, const SeedCurve& curve, const
 double front_time(std::vector<double> speeds, double spacing);
 
 /// Particles that begin nearer to each other (length) have nothing between them: where they part it is the error of the
-/// integration that tells which goes where. Twice its tolerance, or what that would be.
+/// integration that tells which goes where. A fifth of its tolerance, or of what that would be.
 double least_seed_distance(const VectorField& field, const TraceOptions& options);
 
 }  // namespace sansmesh

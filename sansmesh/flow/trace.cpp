@@ -85,7 +85,7 @@ class Stepper {
     box_ = field.bounds();
     const double diagonal = box_.diagonal();
     const bool adaptive = options.integrator == Integrator::dopri5;
-    tolerance_ = options.tolerance.value_or(kTolerance * diagonal);
+    tolerance_ = trace_tolerance(field, options);
     reach_ = options.step.value_or((adaptive ? kLongestStep : kStep) * diagonal);
     boundary_ = kAtBoundary * diagonal;
     direction_ = options.backward ? -1 : 1;
@@ -372,6 +372,10 @@ void TraceOptions::validate() const {
   check_argument(length > 0, "`length` must be positive");
   check_argument(std::isfinite(least_speed) && least_speed >= 0, "`least_speed` must be at least 0");
   check_argument(most_steps >= 1, "`most_steps` must be at least 1");
+}
+
+double trace_tolerance(const VectorField& field, const TraceOptions& options) {
+  return options.tolerance.value_or(kTolerance * field.bounds().diagonal());
 }
 
 Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments) {

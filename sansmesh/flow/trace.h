@@ -48,6 +48,9 @@ struct TraceOptions {
   void validate() const;
 };
 
+/// The tolerance given, or the default of this field.
+double trace_tolerance(const VectorField& field, const TraceOptions& options);
+
 /// Lines one after the other: line i has the points offsets[i] .. offsets[i + 1], in the order in which the particle
 /// passed them, its seed first; none where it began outside.
 struct Traces {

@@ -1,6 +1,9 @@
 #include "sansmesh/volume/volume_locator.h"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "volume/volume_checks.h"
 
@@ -78,6 +81,45 @@ TEST(VolumeLocator, KeepsItsDigitsInThinLayersFarFromTheOrigin) {
     Vec3 there;
     for (std::size_t c = 0; c < 8; ++c) there += volume->corner(places[i].corners[c]) * places[i].weights[c];
     ASSERT_LT(norm(there - x[i]), 1e-10) << i;
+  }
+}
+
+/// Also on faces, edges and corners, and outside; wherever the search begins, and whatever was asked before.
+TEST(VolumeLocator, AnswersDependOnThePlaceAlone) {
+  for (const NamedGrid& grid : all_grids(linear_function)) {
+    SCOPED_TRACE(grid.name);
+    const auto volume = volume_of(grid.data, grid.association);
+    if (volume->lattice) continue;
+    std::vector<Vec3> x = places_within(*volume, 60);
+    for (std::size_t i = 0; i < 60; ++i) x.push_back(x[i] * 0.3 + x[(i + 1) % 60] * 0.7);
+    std::mt19937 random(5);
+    for (int i = 0; i < 30; ++i) {
+      const auto corners = volume->cells[random() % volume->cells.size()];
+      const Vec3 a = volume->corner(corners[0]), b = volume->corner(corners[1]), c = volume->corner(corners[2]);
+      x.insert(x.end(), {a, (a + b) * 0.5, (a + b + c) / 3});
+    }
+    std::vector<VolumePlace> alone(x.size()), places(x.size());
+    for (std::size_t i = 0; i < x.size(); i += 5) {  // too few points for anything to be remembered
+      const std::size_t n = std::min<std::size_t>(5, x.size() - i);
+      VolumeLocator(*volume).locate(std::span(x).subspan(i, n), std::span(alone).subspan(i, n));
+    }
+    const VolumeLocator locator(*volume);
+    for (int pass = 0; pass < 30; ++pass) {
+      std::vector<std::uint32_t> starts(x.size());
+      for (std::size_t i = 0; i < x.size(); ++i)
+        starts[i] = pass % 3 == 0   ? static_cast<std::uint32_t>(random())
+                    : pass % 3 == 1 ? static_cast<std::uint32_t>(random() % volume->cells.size())
+                                    : alone[i].cell;
+      if (pass % 5 == 4)
+        locator.locate(x, places);
+      else
+        locator.locate(x, places, starts);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_EQ(places[i].cell, alone[i].cell) << i;
+        ASSERT_EQ(places[i].inside, alone[i].inside) << i;
+        ASSERT_EQ(places[i].weights, alone[i].weights) << i;
+      }
+    }
   }
 }
 
