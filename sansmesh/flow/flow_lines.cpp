@@ -37,7 +37,17 @@ struct Builder {
 };
 
 /// Of each seed both ways as one line; empty traces are ways that were not gone.
-void join_paths(const Traces& back, const Traces& on, Builder& lines) {
+void join_paths(const Traces& back, Traces& on, Builder& lines) {
+  if (back.size() == 0) {  // as they are
+    lines.positions = std::move(on.positions), lines.times = std::move(on.times);
+    for (std::size_t i = 0; i < on.size(); ++i) {
+      if (on.offsets[i + 1] == on.offsets[i]) continue;
+      lines.offsets.push_back(on.offsets[i + 1]);
+      lines.seeds.push_back(static_cast<std::int32_t>(i));
+      lines.ends.push_back(static_cast<std::int32_t>(on.ends[i]));
+    }
+    return;
+  }
   const bool both = back.size() > 0 && on.size() > 0;
   for (std::size_t i = 0; i < std::max(back.size(), on.size()); ++i) {
     if (back.size() > 0)
@@ -205,7 +215,7 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
                        Progress& progress, FlowLineReport* report) {
   options.validate();
   LineMaker maker(field, seeds, options, progress);
-  const Builder made = maker.make();
+  Builder made = maker.make();
   const std::size_t n = made.positions.size();
 
   progress.begin("along lines");
@@ -250,7 +260,7 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
     lengths[i] = static_cast<float>(sum);
     maker.report.longest = std::max(maker.report.longest, sum);
   }
-  lines.attributes.set("time", made.times);
+  lines.attributes.set("time", std::move(made.times));
   lines.attributes.set("speed", std::move(speed));
   lines.attributes.set("velocity", std::move(velocity), 3);
   lines.attributes.set("vorticity", std::move(vorticity), 3);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
@@ -455,8 +456,12 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
   follow(field, p, active, with, options, keep, &progress);
 
   Traces traces;
+  std::size_t points = 0;
+  for (const Line& line : lines) points += line.positions.size();
+  traces.positions.reserve(points), traces.times.reserve(points), traces.velocities.reserve(points);
+  traces.offsets.reserve(n + 1), traces.ends.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Line& line = lines[i];
+    const Line line = std::move(lines[i]);  // and then its memory is free
     traces.positions.insert(traces.positions.end(), line.positions.begin(), line.positions.end());
     traces.times.insert(traces.times.end(), line.times.begin(), line.times.end());
     traces.velocities.insert(traces.velocities.end(), line.velocities.begin(), line.velocities.end());

@@ -139,11 +139,6 @@ CellMap::CellMap(CellShape shape, std::span<const Vec3> x) : shape_(shape) {
   }
 }
 
-Vec3 CellMap::at(const Vec3& u) const {
-  if (shape_ == CellShape::tetrahedron) return a_[0] + a_[1] * u.x + a_[2] * u.y + a_[3] * u.z;
-  return a_[0] + (a_[1] + a_[4] * u.y) * u.x + a_[2] * u.y + (a_[3] + a_[5] * u.y + (a_[6] + a_[7] * u.y) * u.x) * u.z;
-}
-
 std::array<Vec3, 3> CellMap::derivatives(const Vec3& u) const {
   if (shape_ == CellShape::tetrahedron) return {a_[1], a_[2], a_[3]};
   const Vec3 rt = a_[6] + a_[7] * u.y;

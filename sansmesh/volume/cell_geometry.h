@@ -20,7 +20,11 @@ class CellMap {
   /// `corners` relative to where the map is asked: what is nearby keeps all its digits.
   CellMap(CellShape shape, std::span<const Vec3> corners);
 
-  Vec3 at(const Vec3& u) const;
+  Vec3 at(const Vec3& u) const {
+    if (shape_ == CellShape::tetrahedron) return a_[0] + a_[1] * u.x + a_[2] * u.y + a_[3] * u.z;
+    return a_[0] + (a_[1] + a_[4] * u.y) * u.x + a_[2] * u.y +
+           (a_[3] + a_[5] * u.y + (a_[6] + a_[7] * u.y) * u.x) * u.z;
+  }
   /// ∂X/∂r, ∂X/∂s, ∂X/∂t.
   std::array<Vec3, 3> derivatives(const Vec3& u) const;
 

@@ -8,6 +8,9 @@ namespace {
 /// Parameters that differ from those of the linear part by less than this (as far as bounds tell) need one correction
 /// by it: errors shrink by that factor.
 constexpr double kNearlyLinear = 1e-9;
+/// And by less than this none, unless edges are so oblique (length over that along the direction across the others)
+/// that it would gain digits.
+constexpr double kLinear = 1e-15, kUpright = 10;
 
 CellMap map_about_first(CellShape shape, std::span<const Vec3> corners) {
   std::array<Vec3, 8> relative;
@@ -35,7 +38,10 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
                          std::abs(dot(row, half)));
     reach_[k] = norm(row);
   }
-  nearly_linear_ = std::max({curved_[0], curved_[1], curved_[2]}) < kNearlyLinear;
+  const double curved = std::max({curved_[0], curved_[1], curved_[2]});
+  nearly_linear_ = shape == CellShape::tetrahedron || curved < kNearlyLinear;
+  const bool upright = std::max({reach_[0] * norm(d[0]), reach_[1] * norm(d[1]), reach_[2] * norm(d[2])}) < kUpright;
+  linear_ = shape == CellShape::tetrahedron || (curved < kLinear && upright);
 }
 
 bool CellInverse::newton(const Vec3& x, Vec3& u) const {

@@ -24,9 +24,8 @@ class CellInverse {
   /// does not converge, or only far outside of the cell. The answer depends on the corners and on x alone.
   bool invert(const Vec3& x, Vec3& u) const {
     u = guess(x);
-    if (shape_ == CellShape::tetrahedron) return is_finite(u);
     if (!nearly_linear_) return newton(x, u);
-    u += by_rows(x - map_.at(u));
+    if (!linear_) u += by_rows(x - map_.at(u));
     return is_finite(u);
   }
 
@@ -46,7 +45,7 @@ class CellInverse {
   bool newton(const Vec3& x, Vec3& u) const;
 
   CellShape shape_ = CellShape::tetrahedron;
-  bool nearly_linear_ = false, solvable_ = false;
+  bool linear_ = false, nearly_linear_ = false, solvable_ = false;
   CellMap map_;
   std::array<Vec3, 3> rows_;      // of the inverse of the derivative in the middle
   Vec3 middle_, center_;          // parameters, and their place

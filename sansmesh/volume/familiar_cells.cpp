@@ -11,9 +11,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::uint32_t kOften = 8;   // what it takes to know a cell is gained again by so many points
 constexpr std::size_t kMost = 65536;  // familiar cells: some hundred bytes each
-constexpr std::uint32_t kNever = ~std::uint32_t{0};
 constexpr int kMostSteps = 6;  // through faces; farther away a search is as quick
 /// Cells overlap by rounding. A place within a cell by the margin of its parameters lies deeper than that.
 constexpr double kRounding = 1e-13;
@@ -74,11 +72,6 @@ FamiliarCells::FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, 
       cells_(most_) {}
 
 FamiliarCells::~FamiliarCells() = default;
-
-const FamiliarCells::Cell* FamiliarCells::known(std::uint32_t cell) const {
-  const std::uint32_t state = state_[cell].load(std::memory_order_acquire);
-  return state < kOften || state == kNever ? nullptr : cells_[state - kOften].get();
-}
 
 std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const {
   for (int step = 0; step < kMostSteps && from < state_.size(); ++step) {

@@ -50,8 +50,14 @@ class FamiliarCells {
     std::vector<Rival> rivals;              // that no plane parts from the whole of it
   };
 
+  static constexpr std::uint32_t kOften = 8;  // what it takes to know a cell is gained again by so many points
+  static constexpr std::uint32_t kNever = ~std::uint32_t{0};
+
   std::unique_ptr<Cell> familiar(std::uint32_t cell) const;
-  const Cell* known(std::uint32_t cell) const;
+  const Cell* known(std::uint32_t cell) const {
+    const std::uint32_t state = state_[cell].load(std::memory_order_acquire);
+    return state < kOften || state == kNever ? nullptr : cells_[state - kOften].get();
+  }
 
   const SampledVolume& volume_;
   const BoxTree& boxes_;
