@@ -32,8 +32,8 @@ constexpr double kChange = 2;
 /// Where some particles are so fast that fronts are nearer to each other than median speed would have it: those that
 /// went less than this since their last point, over Δ₀, keep it; and so many times nearer at most.
 constexpr double kSlow = 0.5, kMostParts = 256;
-/// Particles that begin nearer to each other than this, in tolerances of the integrator, have nothing between them. They
-/// make nearly the same steps and so nearly the same errors: whatever parts them is known far better than to a
+/// Particles that begin nearer to each other than this, in tolerances of the integrator, have nothing between them.
+/// They make nearly the same steps and so nearly the same errors: whatever parts them is known far better than to a
 /// tolerance.
 constexpr double kTooNear = 0.2;
 /// A step that brings a particle farther than α Δ₀ is made again, so much shorter than would do at even speed.
@@ -541,10 +541,10 @@ class Fronts {
   Particles particles_, seeds_;       // of this direction; as they begin
   std::vector<std::uint32_t> names_;  // of particles_, the same in both directions
   std::vector<Member> members_, next_, first_;
-  std::vector<double> moments_;  // of the fronts up to the one before
-  ParticlesAhead ahead_;         // of this direction
-  double share_ = 1;                         // of the time between fronts that median speed has
-  double way_ = 0, most_way_ = 0;            // of the medians of particles
+  std::vector<double> moments_;    // of the fronts up to the one before
+  ParticlesAhead ahead_;           // of this direction
+  double share_ = 1;               // of the time between fronts that median speed has
+  double way_ = 0, most_way_ = 0;  // of the medians of particles
   std::size_t front_ = 0, inserted_ = 0;
 };
 

@@ -34,8 +34,8 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& row = rows_[k];
     // X(v + 1/2) = centre + J v + what is not linear, |v_k| <= 1/2.
-    curved_[k] = 0.25 * (std::abs(dot(row, rs)) + std::abs(dot(row, tt)) + std::abs(dot(row, rt)) +
-                         std::abs(dot(row, half)));
+    curved_[k] =
+        0.25 * (std::abs(dot(row, rs)) + std::abs(dot(row, tt)) + std::abs(dot(row, rt)) + std::abs(dot(row, half)));
     reach_[k] = norm(row);
   }
   const double curved = std::max({curved_[0], curved_[1], curved_[2]});

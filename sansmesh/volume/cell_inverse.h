@@ -47,8 +47,8 @@ class CellInverse {
   CellShape shape_ = CellShape::tetrahedron;
   bool linear_ = false, nearly_linear_ = false, solvable_ = false;
   CellMap map_;
-  std::array<Vec3, 3> rows_;      // of the inverse of the derivative in the middle
-  Vec3 middle_, center_;          // parameters, and their place
+  std::array<Vec3, 3> rows_;        // of the inverse of the derivative in the middle
+  Vec3 middle_, center_;            // parameters, and their place
   std::array<double, 3> curved_{};  // by how much each parameter of a place of the cell differs from the linear part's
   std::array<double, 3> reach_{};   // lengths of the rows
 };

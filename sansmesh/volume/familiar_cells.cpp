@@ -12,7 +12,7 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kMost = 65536;  // familiar cells: some hundred bytes each
-constexpr int kMostSteps = 6;  // through faces; farther away a search is as quick
+constexpr int kMostSteps = 6;         // through faces; farther away a search is as quick
 /// Cells overlap by rounding. A place within a cell by the margin of its parameters lies deeper than that.
 constexpr double kRounding = 1e-13;
 
