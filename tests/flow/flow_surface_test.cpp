@@ -222,7 +222,8 @@ const std::vector<Example>& examples() {
   return all;
 }
 
-/// Where ribbons end that both neighbours go on from: in the middle of edges along a front at the rim.
+/// Where ribbons end that both neighbours go on from: in the middle of edges between particles at the rim (on one front,
+/// or nearly: slow particles keep a point for some fronts).
 std::vector<Vec3> torn_at(const FlowSurface& surface, const Box3& box) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> triangles;
   for (const Triangle& t : surface.mesh.triangles)
@@ -232,7 +233,8 @@ std::vector<Vec3> torn_at(const FlowSurface& surface, const Box3& box) {
   std::vector<Vec3> places;
   for (const auto& [edge, count] : triangles) {
     const FlowPoint &a = surface.points[edge.first], &b = surface.points[edge.second];
-    if (count != 1 || a.front != b.front || a.front == 0 || a.front == last) continue;
+    if (count != 1 || a.particle == b.particle) continue;
+    if (a.front == b.front && (a.front == 0 || a.front == last)) continue;
     const Vec3 middle = (a.position + b.position) * 0.5;
     double to_side = INFINITY;
     for (std::size_t k = 0; k < 3; ++k)
