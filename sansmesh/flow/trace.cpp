@@ -185,8 +185,12 @@ class Stepper {
     for (std::size_t a = 0; a < left; ++a) k_[0][a] = p.velocities[active[a]];
   }
 
-  /// The field at places_ and moments_.
+  /// The field at places_ and moments_. Those that have left it in this step go on nowhere: to find what is nearest to
+  /// them would cost more than all others.
   void ask(std::vector<Vec3>& into) {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t a = 0; a < places_.size(); ++a)
+      if (out_[a] != 0) places_[a] = {kNaN, kNaN, kNaN};
     field_.evaluate(places_, moments_, into, inside_);
     for (std::size_t a = 0; a < inside_.size(); ++a) out_[a] = out_[a] != 0 || inside_[a] == 0;
   }
