@@ -47,10 +47,10 @@ struct FlowSurfaceOptions {
   /// medians of their steps from front to front, without those at rest. Default where neither `duration` nor the field
   /// gives an end: five diagonals of its bounds, as of flow_lines(); else none.
   std::optional<double> length;
-  /// Time between fronts, > 0. Default: one Δ₀ at the median speed of the particles on each, or as much less as it takes
-  /// that none goes farther than α Δ₀. Of streak surfaces between releases; of no use to time surfaces.
+  /// Time between fronts, > 0. Default: one Δ₀ at the median speed of the particles on each, or as much less as it
+  /// takes that none goes farther than α Δ₀. Of streak surfaces between releases; of no use to time surfaces.
   std::optional<double> front_step;
-  std::size_t most_fronts = 16'384;       ///< >= 1, in each direction
+  std::size_t most_fronts = 16'384;      ///< >= 1, in each direction
   std::size_t most_points = 10'000'000;  ///< >= 2: the surface ends with the front that reaches them
   Vec3 sweep;                            ///< of time surfaces, not zero: the seeds are the curve moved by 0..1 of it
   TraceOptions trace;                    ///< `backward`, `duration` and `length` do not count

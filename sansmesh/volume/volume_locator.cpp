@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/volume/axis_interval.h"
@@ -341,16 +340,13 @@ void shape_gradients(const SampledVolume& volume, const VolumePlace& place, cons
     const Vec3 edge = volume.corner(place.corners[c]) - base;
     for (std::size_t k = 0; k < 3; ++k) j[k] += edge * by_parameter[c][k];
   }
-  const Matrix3 jacobian{j[0], j[1], j[2]};
-  const Vec3 by_r = jacobian.solve_transposed({1, 0, 0}), by_s = jacobian.solve_transposed({0, 1, 0}),
-             by_t = jacobian.solve_transposed({0, 0, 1});
+  const Vec3 st = cross(j[1], j[2]);
+  const double size = dot(j[0], st);
+  const Vec3 by_r = st / size, by_s = cross(j[2], j[0]) / size, by_t = cross(j[0], j[1]) / size;
+  if (!is_finite(by_r) || !is_finite(by_s) || !is_finite(by_t)) return;
   for (std::size_t c = 0; c < count; ++c) {
     const Vec3& d = by_parameter[c];
     gradients[c] = by_r * d.x + by_s * d.y + by_t * d.z;
-    if (!is_finite(gradients[c])) {
-      std::fill(gradients.begin(), gradients.end(), Vec3{});
-      return;
-    }
   }
 }
 

@@ -222,8 +222,8 @@ const std::vector<Example>& examples() {
   return all;
 }
 
-/// Where ribbons end that both neighbours go on from: in the middle of edges between particles at the rim (on one front,
-/// or nearly: slow particles keep a point for some fronts).
+/// Where ribbons end that both neighbours go on from: in the middle of edges between particles at the rim (on one
+/// front, or nearly: slow particles keep a point for some fronts).
 std::vector<Vec3> torn_at(const FlowSurface& surface, const Box3& box) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> triangles;
   for (const Triangle& t : surface.mesh.triangles)
