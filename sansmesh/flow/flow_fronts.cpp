@@ -36,6 +36,11 @@ constexpr double kSlow = 0.5, kMostParts = 256;
 /// They make nearly the same steps and so nearly the same errors: whatever parts them is known far better than to a
 /// tolerance.
 constexpr double kTooNear = 0.2;
+/// Where a flow mixes, particles are put between others without an end, each followed from its seed: the surface ends
+/// with so many moves of a particle to a front for each point that it may have.
+constexpr double kMostWork = 10;
+/// A few particles that are followed from their seeds take as long as so many.
+constexpr std::size_t kLeastPass = 16;
 /// A step that brings a particle farther than α Δ₀ is made again, so much shorter than would do at even speed.
 constexpr double kShorter = 0.9;
 
@@ -76,7 +81,8 @@ class Fronts {
     way_ = 0, most_way_ = most_way;
     progress.begin(backward ? "fronts backward" : "fronts", options_.most_fronts);
     for (front_ = 1; !members_.empty() && t != end && way_ < most_way; ++front_) {
-      if (front_ > options_.most_fronts || sheet_.points.size() >= options_.most_points) {
+      if (front_ > options_.most_fronts || sheet_.points.size() >= options_.most_points ||
+          work_ >= kMostWork * static_cast<double>(options_.most_points)) {
         sheet_.report.complete = false;
         break;
       }
@@ -186,6 +192,7 @@ class Fronts {
     if (free) before = particles_;
     for (;;) {
       move_particles(field_, particles_, which, to, trace_);
+      work_ += static_cast<double>(which.size());
       double most = 0;
       for (const Member& m : next_) most = std::max(most, norm(place(m) - m.was));
       const double went = std::abs(to - from), least = step / kMostParts;
@@ -279,6 +286,7 @@ class Fronts {
     }
     Particles p;
     if (options_.insertion == FlowInsertion::traced) {
+      work_ += static_cast<double>(std::max(n, kLeastPass) * front_);
       std::vector<Vec3> was;
       find(s, wide, from, to, p, was);
       for (std::size_t k = 0; k < n; ++k) fresh[k].was = was[k];
@@ -546,6 +554,7 @@ class Fronts {
   double share_ = 1;               // of the time between fronts that median speed has
   double way_ = 0, most_way_ = 0;  // of the medians of particles
   std::size_t front_ = 0, inserted_ = 0;
+  double work_ = 0;  // moves of a particle to a front
 };
 
 }  // namespace

@@ -51,7 +51,8 @@ struct FlowSurfaceOptions {
   /// takes that none goes farther than α Δ₀. Of streak surfaces between releases; of no use to time surfaces.
   std::optional<double> front_step;
   std::size_t most_fronts = 16'384;      ///< >= 1, in each direction
-  std::size_t most_points = 10'000'000;  ///< >= 2: the surface ends with the front that reaches them
+  std::size_t most_points = 10'000'000;  ///< >= 2: the surface ends with the front that reaches them, or
+                                         ///< ten times as many moves of a particle to a front
   Vec3 sweep;                            ///< of time surfaces, not zero: the seeds are the curve moved by 0..1 of it
   TraceOptions trace;                    ///< `backward`, `duration` and `length` do not count
 
