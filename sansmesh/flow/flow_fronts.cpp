@@ -42,7 +42,7 @@ constexpr double kMostWork = 10;
 /// A few particles that are followed from their seeds take as long as so many.
 constexpr std::size_t kLeastPass = 16;
 /// A step that brings a particle farther than α Δ₀ is made again, so much shorter than would do at even speed.
-constexpr double kShorter = 0.9;
+constexpr double kShorter = 0.9, kShortEnough = 0.99;
 
 /// A particle of a front, between its neighbours.
 struct Member {
@@ -196,8 +196,9 @@ class Fronts {
       double most = 0;
       for (const Member& m : next_) most = std::max(most, norm(place(m) - m.was));
       const double went = std::abs(to - from), least = step / kMostParts;
-      if (!free || !(most > longest_way()) || !(went > least)) return to;
+      if (!free || !(most > longest_way())) return to;
       const double next = std::max(least, went * std::max(kShorter * longest_way() / most, 1.0 / 8));
+      if (next > kShortEnough * went) return to;  // by rounding `went` may stay above the least for ever
       particles_ = before;
       to = to > from ? from + next : from - next;
       share_ = std::min(share_, next / step);
