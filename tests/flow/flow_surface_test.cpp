@@ -687,6 +687,37 @@ TEST(FlowSurface, StopsAtItsLimits) {
   EXPECT_LE(streak.report.particles, 2500u);
 }
 
+/// Turns: slowly but within a core, thousands of times as fast as fronts can follow.
+class CoreFlow final : public VectorField {
+ public:
+  Box3 bounds() const override { return {{-2, -2, -1}, {2, 2, 1}}; }
+  void evaluate(std::span<const Vec3> x, std::span<const double>, std::span<Vec3> vectors,
+                std::span<std::uint8_t> inside, std::span<Jacobian>) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double turn = norm(x[i]) < 0.11 ? 1e5 : 0.5;
+      vectors[i] = {-turn * x[i].y, turn * x[i].x, 0}, inside[i] = 1;
+    }
+  }
+};
+
+TEST(FlowSurface, EndsWhereParticlesAreFasterThanFrontsCanFollow) {
+  FlowSurfaceOptions options = surface_for(1e9, 20);
+  options.start = 0.1;  // moments are rounded
+  options.most_fronts = 40;
+  Progress progress;
+  const FlowSurface surface = flow_surface(CoreFlow(), seed_line({0.1, 0, 0}, {1.5, 0, 0}), options, progress);
+  EXPECT_FALSE(surface.report.complete);
+  EXPECT_GT(surface.report.fronts, 30u);
+}
+
+TEST(FlowSurface, EndsWhereAFlowMixesWithoutAnEnd) {
+  FlowSurfaceOptions options = surface_for(1e9, 60);
+  options.most_points = 3000;
+  const FlowSurface surface = surface_of("abc", seed_line({0.5, 1, 0.2}, {1.5, 1.2, 0.8}), options);
+  EXPECT_FALSE(surface.report.complete);
+  EXPECT_LT(surface.points.size(), 4000u);
+}
+
 TEST(FlowSurface, RefusesBadOptionsAndSeeds) {
   const SeedCurve curve = seed_line({0.5, 0, 0}, {1.5, 0, 0});
   const double nan = std::numeric_limits<double>::quiet_NaN();
