@@ -701,11 +701,11 @@ class CoreFlow final : public VectorField {
 };
 
 TEST(FlowSurface, EndsWhereParticlesAreFasterThanFrontsCanFollow) {
-  FlowSurfaceOptions options = surface_for(1e9, 20);
+  FlowSurfaceOptions options = surface_for(1e9, 400);
   options.start = 0.1;  // moments are rounded
   options.most_fronts = 40;
   Progress progress;
-  const FlowSurface surface = flow_surface(CoreFlow(), seed_line({0.1, 0, 0}, {1.5, 0, 0}), options, progress);
+  const FlowSurface surface = flow_surface(CoreFlow(), seed_line({0.05, 0, 0}, {1.5, 0, 0}), options, progress);
   EXPECT_FALSE(surface.report.complete);
   EXPECT_GT(surface.report.fronts, 30u);
 }
