@@ -336,10 +336,7 @@ Command add_flow_render(CommandLine& flow) {
       .type_name("TEXT")
       .group("Picture");
   c.add_option("--title", a.title, "Above the picture").type_name("TEXT").group("Picture");
-  c.add_option("--background", a.background, "gradient, white, black or transparent")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .type_name("NAME")
-      .group("Picture");
+  add_background_option(c, a.background);
   add_picture_options(c, a.picture);
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"

@@ -156,10 +156,7 @@ void add_line_picture(CommandLine& c, LinePictureArguments& a) {
   c.add_option("--tube-radius", a.radius, "Of the tubes [1/400 of the lines' diagonal]")
       .type_name("LENGTH")
       .group(group);
-  c.add_option("--background", a.background, "gradient, white, black or transparent [light gray]")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .type_name("NAME")
-      .group(group);
+  add_background_option(c, a.background, "light gray");
   add_picture_options(c, a.picture);
 }
 

@@ -54,6 +54,13 @@ std::string frame_name(const std::string& output, int frame) {
       .string();
 }
 
+void add_background_option(CommandLine& c, std::string& word, const std::string& usual) {
+  c.add_option("--background", word, "gradient, white, black or transparent [" + usual + "]")
+      .one_of({"gradient", "white", "black", "transparent"})
+      .type_name("NAME")
+      .group("Picture");
+}
+
 void add_picture_options(CommandLine& c, PictureArguments& a) {
   c.add_option("--width", a.options.width, "Pixels, 1..16384 [1280]").type_name("PIXELS").group("Picture");
   c.add_option("--height", a.options.height, "Pixels, 1..16384 [960]").type_name("PIXELS").group("Picture");

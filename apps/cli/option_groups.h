@@ -39,6 +39,8 @@ struct PictureArguments {
 };
 /// gradient, white, black or transparent, as --background has it.
 void set_background(RenderOptions& options, const std::string& word);
+/// --background
+void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
 /// Of a turntable: NAME.png becomes NAME_007.png.
 std::string frame_name(const std::string& output, int frame);
 /// --width, --height, --view, --azimuth, --elevation, --z-up

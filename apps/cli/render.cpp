@@ -97,10 +97,7 @@ Command add_render(CommandLine& app) {
   add_cloud_input(c, a.input, "Mesh, points or function (.smf)");
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
-  c.add_option("--background", a.background, "gradient, white, black or transparent [gradient]")
-      .type_name("CHOICE")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .group("Picture");
+  add_background_option(c, a.background);
   c.add_flag("--flat", a.flat, "Show the flat triangles: normals are not interpolated").group("Picture");
   c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")
       .type_name("LENGTH")

@@ -185,10 +185,7 @@ Command add_volume_render(CommandLine& volume) {
   c.add_flag("--axes", a.options.axes, "With the outline of the box and ticks").group("Picture");
   c.add_option("--unit", a.options.unit, "Of lengths, at the axes").type_name("UNIT").group("Picture");
   c.add_option("--title", a.options.title, "Above the picture").type_name("TEXT").group("Picture");
-  c.add_option("--background", a.background, "gradient, white, black or transparent")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .type_name("NAME")
-      .group("Picture");
+  add_background_option(c, a.background);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
       .type_name("COUNT")
       .group("Picture");

@@ -287,10 +287,7 @@ Command add_volume_surface(CommandLine& volume) {
   add_color_range(c, a.color_range, "Picture");
   c.add_flag("--sharp", a.sharp, "Normals turn sharply at edges and corners").group("Picture");
   c.add_flag("--quick", a.quick, "One ray a pixel, no shadows").group("Picture");
-  c.add_option("--background", a.background, "gradient, white, black or transparent")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .type_name("NAME")
-      .group("Picture");
+  add_background_option(c, a.background);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
       .type_name("COUNT")
       .group("Picture");

@@ -51,6 +51,16 @@ struct Replay {
 
 }  // namespace
 
+Camera picture_camera(std::span<const Vec3f> points, bool steady, const RenderOptions& options) {
+  const double aspect = static_cast<double>(options.width) / options.height;
+  double reach = 0;
+  if (steady)
+    for (const Vec3f& p : points) reach = std::max(reach, static_cast<double>(norm(p)));
+  const Vec3f middle;
+  return frame_camera(steady ? std::span(&middle, 1) : points, options.view, options.up, options.field_of_view, aspect,
+                      kPictureMargin, reach);
+}
+
 class Painter::Work {
  public:
   Work(const PictureScene& scene, const Camera& camera, const RenderOptions& options, bool smooth_light)

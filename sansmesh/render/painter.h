@@ -15,6 +15,10 @@ namespace sansmesh {
 /// Share of the picture's half left free around the subject.
 constexpr double kPictureMargin = 0.13;
 
+/// The camera of a picture of these points (finite, in the painter's coordinates) with that margin. `steady`: one that
+/// does not zoom with the direction.
+Camera picture_camera(std::span<const Vec3f> points, bool steady, const RenderOptions& options);
+
 /// The subject's box should be centred at 0 with a diagonal of about 1. What is passed must outlive the painter.
 class Painter {
  public:

@@ -229,16 +229,9 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   }
   const PictureFrame frame{box.center(), size};
   std::vector<Vec3f> placed;
-  double reach = 0;
-  for (const Vec3& p : points) {
-    if (!is_finite(p)) continue;
-    placed.push_back(frame.to_picture(p));
-    reach = std::max(reach, static_cast<double>(norm(placed.back())));
-  }
-  const Vec3f middle;
-  const Camera camera = frame_camera(
-      steady ? std::span(&middle, 1) : std::span<const Vec3f>(placed), options.view, options.up, options.field_of_view,
-      static_cast<double>(options.width) / options.height, kPictureMargin, steady ? reach : 0);
+  for (const Vec3& p : points)
+    if (is_finite(p)) placed.push_back(frame.to_picture(p));
+  const Camera camera = picture_camera(placed, steady, options);
   progress.begin("preparing");
   std::vector<std::unique_ptr<PictureScene>> scenes;
   for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));

@@ -39,14 +39,7 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
   placed.reserve(points.size());
   for (const Vec3f& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(Vec3(p)));
-
-  const double aspect = static_cast<double>(own.width) / own.height;
-  double reach = 0;
-  if (own.steady)
-    for (const Vec3f& p : placed) reach = std::max(reach, static_cast<double>(norm(p)));
-  const Vec3f middle;
-  const std::span<const Vec3f> framed = own.steady ? std::span(&middle, 1) : std::span<const Vec3f>(placed);
-  const Camera camera = frame_camera(framed, own.view, own.up, own.field_of_view, aspect, kPictureMargin, reach);
+  const Camera camera = picture_camera(placed, own.steady, own);
 
   progress.begin("preparing");
   const SurfaceScene scene(caster, frame, camera, colors, own);

@@ -105,14 +105,7 @@ class VolumePicture::Work {
   }
 
   Camera camera(const VolumePictureOptions& options) const {
-    const double aspect = static_cast<double>(options.width) / options.height;
-    double reach = 0;
-    if (options.steady)
-      for (const Vec3f& p : outline_) reach = std::max(reach, static_cast<double>(norm(p)));
-    const Vec3f middle;
-    const std::span<const Vec3f> points = options.steady ? std::span(&middle, 1) : std::span<const Vec3f>(outline_);
-    Camera camera =
-        frame_camera(points, options.view, options.up, options.field_of_view, aspect, kPictureMargin, reach);
+    Camera camera = picture_camera(outline_, options.steady, options);
     if (options.focus) turn_to(camera, frame_.to_picture(*options.focus));
     camera.half_width /= static_cast<float>(options.zoom);
     camera.half_height /= static_cast<float>(options.zoom);

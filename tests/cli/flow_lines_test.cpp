@@ -47,20 +47,7 @@ class FlowLinesTool : public ToolTest {
     return run(all);
   }
   /// Rows of a table of numbers, without its header.
-  std::vector<std::vector<double>> rows_of(const std::string& file) {
-    std::istringstream text(slurp(file));
-    std::string line;
-    std::getline(text, line);
-    header_ = line;
-    std::vector<std::vector<double>> rows;
-    while (std::getline(text, line)) {
-      std::istringstream words(line);
-      std::string word;
-      rows.emplace_back();
-      while (std::getline(words, word, ',')) rows.back().push_back(std::stod(word));
-    }
-    return rows;
-  }
+  std::vector<std::vector<double>> rows_of(const std::string& file) { return number_rows(file, &header_); }
   std::string header_;
 };
 

@@ -235,18 +235,7 @@ class FlowSeriesTool : public ToolTest {
     arguments.insert(arguments.end(), {"-o", path("l.csv")});
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    std::vector<std::vector<double>> rows;
-    if (outcome.code != 0) return rows;
-    std::istringstream text(slurp(path("l.csv")));
-    std::string line;
-    std::getline(text, line);
-    while (std::getline(text, line)) {
-      std::istringstream words(line);
-      std::string word;
-      rows.emplace_back();
-      while (std::getline(words, word, ',')) rows.back().push_back(std::stod(word));
-    }
-    return rows;
+    return outcome.code == 0 ? number_rows(path("l.csv")) : std::vector<std::vector<double>>();
   }
   void expect_spin(std::vector<std::string> data, double z = 0.25) {
     data.insert(data.end(), {"--unsteady", "--seeds", fmt::format("line(0.25,0,{}, 0.75,0,{}, 3)", z, z)});

@@ -38,6 +38,22 @@ inline std::string slurp(const std::filesystem::path& file) {
   return text.str();
 }
 
+/// Rows of a table of numbers with commas between them, without its header, which goes to `header` if wanted.
+inline std::vector<std::vector<double>> number_rows(const std::filesystem::path& file, std::string* header = nullptr) {
+  std::istringstream text(slurp(file));
+  std::string line;
+  std::getline(text, line);
+  if (header) *header = line;
+  std::vector<std::vector<double>> rows;
+  while (std::getline(text, line)) {
+    std::istringstream words(line);
+    std::string word;
+    rows.emplace_back();
+    while (std::getline(words, word, ',')) rows.back().push_back(std::stod(word));
+  }
+  return rows;
+}
+
 /// A command line that must fail.
 struct Failing {
   std::vector<std::string> arguments;
