@@ -1,0 +1,42 @@
+// What a user moves: handles, each with its place before and after the deformation.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+/// A unit direction before and after.
+struct TurnedDirection {
+  Vec3 before, after;
+};
+
+/// A point that went from p to q, or a segment from p to *p_end that went to q to *q_end.
+struct Handle {
+  Vec3 p, q;
+  std::optional<Vec3> p_end, q_end;  ///< both or neither
+
+  /// Directions that went with it: one is the normal of a plane through the point, three orthonormal ones are a frame.
+  /// They count as points so far from the handle (in both directions) as `reach` says would.
+  std::vector<TurnedDirection> directions;
+  std::optional<double> reach;  ///< length, > 0; default: from the handles' distances
+
+  double weight = 1;  ///< multiplies its influence, > 0
+  std::string group;  ///< handles of one group turn as one body between poses
+};
+
+/// The same the other way round: what was after is before.
+inline std::vector<Handle> reversed(std::vector<Handle> handles) {
+  for (Handle& h : handles) {
+    std::swap(h.p, h.q);
+    std::swap(h.p_end, h.q_end);
+    for (TurnedDirection& d : h.directions) std::swap(d.before, d.after);
+  }
+  return handles;
+}
+
+}  // namespace sansmesh
