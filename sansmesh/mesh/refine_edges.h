@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
 
 #include "sansmesh/data/triangle_mesh.h"
 
@@ -12,5 +15,12 @@ namespace sansmesh {
 /// triangles go to their parts. Stops before there are more than `most_triangles`; returns whether all edges became
 /// short enough. Throws ArgumentError unless length > 0.
 bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles = 20000000);
+
+/// One round of it: cuts the edges in half that `to_split` chooses (asked for the two vertices, the smaller number
+/// first, several times, the same answer each time). Returns by how many the triangles became more, nothing, and
+/// leaves the mesh as it is, if there would be more than `most_triangles`.
+std::optional<std::size_t> split_edges(TriangleMesh& mesh,
+                                       const std::function<bool(std::uint32_t, std::uint32_t)>& to_split,
+                                       std::size_t most_triangles = 20000000);
 
 }  // namespace sansmesh

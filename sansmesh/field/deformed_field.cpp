@@ -1,0 +1,221 @@
+#include "sansmesh/field/deformed_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kMoreStretch = 1.25;  // than at nodes of the lattice
+constexpr std::size_t kFieldGrain = 4096;
+
+/// Corners and middles of the faces of a cube in the unit ball.
+std::array<Vec3, 14> ball_points() {
+  std::array<Vec3, 14> p;
+  const double c = 1 / std::sqrt(3.0);
+  for (std::size_t i = 0; i < 8; ++i) p[i] = {i & 1 ? c : -c, i & 2 ? c : -c, i & 4 ? c : -c};
+  for (std::size_t i = 0; i < 6; ++i) p[8 + i][i / 2] = i % 2 ? 1 : -1;
+  return p;
+}
+
+/// Where lengths of endless fields are looked at: anywhere that is finite will do.
+Box3 finite_part(const Box3& box) {
+  Box3 part;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool low = std::isfinite(box.lower[k]), high = std::isfinite(box.upper[k]);
+    part.lower[k] = low ? box.lower[k] : high ? box.upper[k] - 1 : -1;
+    part.upper[k] = high ? box.upper[k] : low ? box.lower[k] + 1 : 1;
+  }
+  return part;
+}
+
+Box3 box_after(const ScalarField& source, const SpaceMap& map, const std::optional<Box3>& near) {
+  const Box3 box = source.bounds();
+  if (box.empty() || (is_finite(box.lower) && is_finite(box.upper))) return box_before(map, box, near);
+  constexpr double kEnd = std::numeric_limits<double>::infinity();
+  return {{-kEnd, -kEnd, -kEnd}, {kEnd, kEnd, kEnd}};
+}
+
+}  // namespace
+
+struct DeformedField::Places {
+  std::vector<Vec3> source;
+  std::vector<Jacobian> jacobians;
+  std::vector<double> gaps;
+  std::vector<Vec3> gap_gradients;
+  std::vector<std::uint8_t> defined;
+};
+
+DeformedField::DeformedField(std::shared_ptr<const ScalarField> source, std::shared_ptr<const SpaceMap> map,
+                             std::optional<Box3> near)
+    : source_(std::move(source)),
+      pieces_(dynamic_cast<const PiecewiseField*>(source_.get())),
+      map_(std::move(map)),
+      gaps_(map_->has_gaps()),
+      bounds_(box_after(*source_, *map_, near)),
+      stretch_(*map_, near && !is_finite(bounds_.lower) ? *near : finite_part(bounds_)),
+      nothing_(finite_part(bounds_).empty() ? 1 : finite_part(bounds_).diagonal()) {}
+
+DeformedField::Places DeformedField::places(std::span<const Vec3> x, bool jacobians) const {
+  Places p;
+  p.source.resize(x.size()), p.defined.resize(x.size());
+  if (jacobians) p.jacobians.resize(x.size());
+  if (gaps_) p.gaps.resize(x.size());
+  if (gaps_ && jacobians) p.gap_gradients.resize(x.size());
+  map_->map(x, {p.source, p.jacobians, p.gaps, p.gap_gradients});
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    p.defined[i] = is_finite(p.source[i]);
+    if (!p.defined[i]) p.source[i] = source_->bounds().empty() ? Vec3{} : finite_part(source_->bounds()).center();
+  }
+  return p;
+}
+
+void DeformedField::finish(const Places& p, std::span<const Vec3> x, std::span<double> values,
+                           std::span<Vec3> gradients, bool with_gaps) const {
+  parallel_for(0, x.size(), kFieldGrain, [&](std::size_t i) {
+    if (!p.defined[i]) {
+      values[i] = nothing_;
+      if (!gradients.empty()) gradients[i] = {};
+    } else {
+      Vec3 slope;
+      const double s = stretch_.at(x[i], gradients.empty() ? nullptr : &slope);
+      values[i] /= s;
+      if (!gradients.empty()) {
+        const Jacobian& j = p.jacobians[i];
+        const Vec3 g = gradients[i];
+        gradients[i] = Vec3{dot(j[0], g) - values[i] * slope.x, dot(j[1], g) - values[i] * slope.y,
+                            dot(j[2], g) - values[i] * slope.z} /
+                       s;
+      }
+    }
+    if (!with_gaps || !gaps_ || !(p.gaps[i] > values[i])) return;
+    values[i] = p.gaps[i];
+    if (!gradients.empty()) gradients[i] = p.gap_gradients[i];
+  });
+}
+
+void DeformedField::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
+  const Places p = places(x, !gradients.empty());
+  source_->evaluate(p.source, values, gradients);
+  finish(p, x, values, gradients, true);
+}
+
+void DeformedField::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                                       std::span<std::uint8_t> inside) const {
+  const Places p = places(x, !gradients.empty());
+  source_->evaluate_in_domain(p.source, values, gradients, inside);
+  finish(p, x, values, gradients, true);
+  for (std::size_t i = 0; i < x.size(); ++i) inside[i] = inside[i] && p.defined[i];
+}
+
+void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
+  const Places p = places(x, false);
+  const std::size_t n = x.size();
+  // Balls of few sizes: those that need about the same are asked together.
+  std::vector<MapStretch::Range> stretch(n);
+  std::vector<int> size(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    stretch[i] = stretch_.around(x[i], radius);
+    stretch[i].most *= kMoreStretch, stretch[i].least /= kMoreStretch;
+    size[i] = static_cast<int>(std::ceil(4 * std::log2(stretch[i].most)));
+  }
+  std::vector<int> sizes(size);
+  std::sort(sizes.begin(), sizes.end());
+  sizes.erase(std::unique(sizes.begin(), sizes.end()), sizes.end());
+  std::vector<std::size_t> of;
+  std::vector<Vec3> y;
+  std::vector<ValueRange> part;
+  for (const int q : sizes) {
+    of.clear(), y.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      if (size[i] == q) of.push_back(i), y.push_back(p.source[i]);
+    part.resize(y.size());
+    source_->ranges(y, radius * std::exp2(q / 4.0), part);
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const std::size_t i = of[k];
+      const auto& [least, most] = stretch[i];
+      found[i] = {part[k].least / (part[k].least < 0 ? least : most), part[k].most / (part[k].most > 0 ? least : most)};
+      // Beyond where the map is defined nothing is known of what lies beside.
+      if (!p.defined[i]) found[i] = {-nothing_, nothing_};
+    }
+  }
+  if (!gaps_) return;
+  static const std::array<Vec3, 14> kBall = ball_points();
+  std::vector<Vec3> around;
+  around.reserve(kBall.size() * n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Vec3& d : kBall) around.push_back(x[i] + d * radius);
+  std::vector<double> gaps(around.size());
+  map_->map(around, {{}, {}, gaps, {}});
+  const double change = kAssumedSlope * radius;
+  for (std::size_t i = 0; i < n; ++i) {
+    double least = p.gaps[i], most = p.gaps[i];
+    for (std::size_t k = 0; k < kBall.size(); ++k) {
+      const double g = gaps[kBall.size() * i + k];
+      least = std::min(least, g), most = std::max(most, g);
+    }
+    if (most > -nothing_) found[i] = {std::max(found[i].least, least - change), std::max(found[i].most, most + change)};
+  }
+}
+
+void DeformedField::active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const {
+  const Places p = places(x, false);
+  if (pieces_)
+    pieces_->active(p.source, piece);
+  else
+    std::fill_n(piece.begin(), x.size(), 0u);
+  if (!gaps_) return;
+  std::vector<double> values(x.size());
+  source_->evaluate(p.source, values);
+  finish(p, x, values, {}, false);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (p.gaps[i] > values[i]) piece[i] = source_pieces();
+}
+
+void DeformedField::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                                   std::span<Vec3> gradients) const {
+  const Places p = places(x, !gradients.empty());
+  if (piece == source_pieces()) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      values[i] = std::max(p.gaps[i], -nothing_);
+      if (!gradients.empty()) gradients[i] = p.gap_gradients[i];
+    }
+    return;
+  }
+  if (pieces_)
+    pieces_->evaluate_piece(piece, p.source, values, gradients);
+  else
+    source_->evaluate(p.source, values, gradients);
+  finish(p, x, values, gradients, false);
+}
+
+double DeformedField::thickness() const {
+  return pieces_ ? pieces_->thickness() / stretch_.range().most : std::numeric_limits<double>::infinity();
+}
+
+void DeformedField::survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+                           std::span<Surroundings> around) const {
+  const Places p = places(x, false);
+  const double most = kMoreStretch * stretch_.range().most;
+  if (pieces_)
+    pieces_->survey(p.source, {reach.detail * most, reach.alone * most}, values, around);
+  else
+    PiecewiseField::survey(x, reach, values, around);
+  if (pieces_) finish(p, x, values, {}, true);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Surroundings& a = around[i];
+    const double stretch = kMoreStretch * stretch_.around(x[i], std::max(reach.detail, reach.alone)).most;
+    // One piece that fills all has no other beside it.
+    if (!pieces_) a.alone = std::numeric_limits<double>::infinity();
+    a.alone /= stretch, a.detail /= stretch;
+    if (!p.defined[i]) a = {};
+    if (gaps_ && std::isfinite(p.gaps[i])) a.alone = std::min(a.alone, std::abs(p.gaps[i] - values[i]) / kAssumedSlope);
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,93 @@
+#include "sansmesh/field/inverse_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kInverseTolerance = 1e-10;  // of the box of the targets
+constexpr double kRounding = 1e-14;          // of their coordinates
+constexpr double kSingular = 1e-9;           // determinant against the product of the columns' lengths
+constexpr double kShortestStep = 1e-3;       // of Newton's: shorter ones lead nowhere
+
+struct Target {
+  std::uint32_t index;
+  Vec3 at;           // the best so far
+  double distance;   // of its image
+  Vec3 step;         // Newton's from there
+  double share = 1;  // of it that is tried now
+};
+
+/// Towards the target: Newton's step, or that of the steepest descent where there is none.
+Vec3 step_of(const Jacobian& j, const Vec3& residual) {
+  const Matrix3 m{j[0], j[1], j[2]};
+  const double scale = norm(j[0]) * norm(j[1]) * norm(j[2]);
+  if (std::abs(m.determinant()) > kSingular * scale) return m.solve(residual);
+  const Vec3 down{dot(j[0], residual), dot(j[1], residual), dot(j[2], residual)};
+  const Vec3 change = j[0] * down.x + j[1] * down.y + j[2] * down.z;
+  const double length = squared_norm(change);
+  return length > 0 ? down * (squared_norm(down) / length) : Vec3{};
+}
+
+}  // namespace
+
+InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
+                           const InverseOptions& options) {
+  if (targets.size() != starts.size())
+    throw ArgumentError("an inverse map needs a start for each target: " + std::to_string(targets.size()) +
+                        " targets, " + std::to_string(starts.size()) + " starts");
+  double tolerance = options.tolerance;
+  if (!(tolerance > 0)) {
+    Box3 box;
+    double largest = 0;
+    for (const Vec3& u : targets)
+      if (is_finite(u)) box.extend(u), largest = std::max({largest, std::abs(u.x), std::abs(u.y), std::abs(u.z)});
+    tolerance = std::max(kInverseTolerance * box.diagonal(), kRounding * largest);
+    if (tolerance == 0) tolerance = std::numeric_limits<double>::min();
+  }
+  InverseAnswers answers{{starts.begin(), starts.end()}, std::vector<std::uint8_t>(targets.size()), 0};
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  std::vector<Target> open;
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    if (is_finite(targets[i]) && is_finite(starts[i]))
+      open.push_back({static_cast<std::uint32_t>(i), starts[i], kUnknown, {}, 1});
+  std::vector<Vec3> x, image;
+  std::vector<Jacobian> jacobian;
+  for (int step = 0; step <= options.most_steps && !open.empty(); ++step) {
+    x.clear();
+    for (const Target& t : open) x.push_back(t.at + t.step * t.share);
+    image.resize(x.size()), jacobian.resize(x.size());
+    map.map(x, {image, jacobian, {}, {}});
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      Target t = open[k];
+      const Vec3 residual = targets[t.index] - image[k];
+      const double distance = is_finite(residual) ? norm(residual) : kUnknown;
+      if (distance < t.distance) {
+        t.at = x[k], t.distance = distance;
+        answers.positions[t.index] = t.at;
+        if (distance <= tolerance) {
+          answers.found[t.index] = 1;
+          continue;
+        }
+        t.step = step_of(jacobian[k], residual), t.share = 1;
+        if (!is_finite(t.step) || squared_norm(t.step) == 0) continue;
+      } else {
+        t.share *= 0.5;
+        if (t.share < kShortestStep || t.distance == kUnknown) continue;
+      }
+      open[kept++] = t;
+    }
+    open.resize(kept);
+  }
+  answers.missed = static_cast<std::size_t>(std::count(answers.found.begin(), answers.found.end(), 0));
+  return answers;
+}
+
+}  // namespace sansmesh

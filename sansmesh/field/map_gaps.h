@@ -1,0 +1,30 @@
+// The gaps that cuts open in a deformed space, as a field: above 0 in them.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/field/space_map.h"
+
+namespace sansmesh {
+
+/// MapAnswers::gaps in a box; where no gap is near minus the box's diagonal. The gradient is zero there.
+class MapGaps final : public ScalarField {
+ public:
+  MapGaps(std::shared_ptr<const SpaceMap> map, const Box3& box) : map_(std::move(map)), box_(box) {}
+
+  Box3 bounds() const override { return box_; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    map_->map(x, {{}, {}, values, gradients});
+    for (double& v : values) v = std::max(v, -box_.diagonal());
+  }
+
+ private:
+  std::shared_ptr<const SpaceMap> map_;
+  Box3 box_;
+};
+
+}  // namespace sansmesh
