@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "sansmesh/core/vec.h"
 
@@ -32,6 +33,14 @@ class Occluder {
   /// −infinity where neither is near the occluder. As many entries as x. Safe from several threads.
   virtual void gaps(std::span<const Vec3> x, std::span<const Vec3> sources,
                     std::span<const std::array<Vec3, 3>> jacobians, std::span<Gap> found) const = 0;
+
+  /// Where the segment from a to b crosses the occluder: appends shares of its length, 0..1, increasing. Safe from
+  /// several threads.
+  virtual void crossings(const Vec3& a, const Vec3& b, std::vector<double>& found) const = 0;
+
+  /// Where the border of the occluder passes through the triangle (a, b, c): appends these points. Safe from several
+  /// threads.
+  virtual void border_points(const Vec3& a, const Vec3& b, const Vec3& c, std::vector<Vec3>& found) const = 0;
 };
 
 }  // namespace sansmesh
