@@ -34,6 +34,7 @@ struct GridBlock {
 
   std::array<std::size_t, 3> dims{};  ///< curvilinear: numbers of points, at least 1 each
   std::vector<Vec3> points;           ///< of all kinds but lattices; may be NaN
+  std::vector<std::uint64_t> point_numbers;  ///< by which the file calls them; empty: from 0, in order
   CellList cells;                     ///< of unstructured blocks. Those of the structured ones follow from the dims:
                                       ///< cell (i, j, k) is number i + mx (j + my k) with m = max(1, dims − 1)
   /// Unstructured blocks: flat cells (triangles and quadrilaterals, the fourth corner kNone for triangles), for files

@@ -39,7 +39,11 @@ enum class VolumeFormat : std::uint8_t {
   dicom,
   nek_field,
   nek_series,
-  fitted
+  fitted,
+  gmsh,
+  medit,
+  tetgen,
+  vega
 };
 
 struct VolumeEnding {
@@ -63,6 +67,10 @@ constexpr VolumeEnding volume_endings[] = {
     {" dcm dicom ", VolumeFormat::dicom},
     {" nek5000 nek3d nek2d ", VolumeFormat::nek_series},
     {" smv ", VolumeFormat::fitted},
+    {" msh ", VolumeFormat::gmsh},
+    {" mesh meshb ", VolumeFormat::medit},
+    {" node ele ", VolumeFormat::tetgen},
+    {" veg ", VolumeFormat::vega},
 };
 constexpr const char* point_endings =
     " xyz csv txt asc pts tsv dat ply pcd vtp las obj off stl pwn xyzn npts xyzrgb conf coff noff cnoff ";
@@ -115,6 +123,7 @@ VolumeFormat format_of_volume(const Input& in, const std::string& xml_type) {
       bytes.starts_with("CDF\x05"))
     return by_name == VolumeFormat::cgns ? by_name : VolumeFormat::exodus;
   if (bytes.starts_with("#std ")) return VolumeFormat::nek_field;
+  if (bytes.starts_with("$MeshFormat")) return VolumeFormat::gmsh;
   if (bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) return VolumeFormat::cgns;
   const std::string name = io::ending(in.file);
   if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? VolumeFormat::plot3d : by_name;
@@ -225,6 +234,18 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       return io::read_nek_series(in, options.time_step);
     case VolumeFormat::fitted:
       in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
+    case VolumeFormat::gmsh:
+      only_step();
+      return io::read_gmsh(in);
+    case VolumeFormat::medit:
+      only_step();
+      return io::read_medit(in);
+    case VolumeFormat::tetgen:
+      only_step();
+      return io::read_tetgen_pair(in);
+    case VolumeFormat::vega:
+      only_step();
+      return io::read_vega(in);
     case VolumeFormat::unknown:
       break;
   }

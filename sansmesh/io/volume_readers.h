@@ -31,6 +31,16 @@ GridData read_nek_field(const Input& in);
 GridData read_nek_series(const Input& in, std::size_t step);
 /// Whether files of fields end like that: f00001.
 bool is_nek_field_name(const std::string& ending);
+/// Gmsh's MSH, versions 2 and 4.
+GridData read_gmsh(const Input& in);
+/// Medit's .mesh, and .meshb.
+GridData read_medit(const Input& in);
+/// TetGen's .node and .ele, the one that was given and the other beside it.
+GridData read_tetgen_pair(const Input& in);
+/// The same from both; `cells` null: points alone.
+GridData read_tetgen(const Input& nodes, const Input* cells);
+/// Vega's .veg.
+GridData read_vega(const Input& in);
 /// The time steps and files of a ParaView data collection (.pvd); names are relative to its folder.
 struct PvdEntry {
   double time;

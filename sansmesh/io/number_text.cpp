@@ -1,0 +1,82 @@
+#include "sansmesh/io/number_text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh::io {
+
+void NumberText::skip() {
+  for (;;) {
+    scanner_.skip_space();
+    if (scanner_.at_end() || *scanner_.position() != '#') return;
+    scanner_.line();
+  }
+}
+
+std::string_view NumberText::word() {
+  skip();
+  return scanner_.word();
+}
+
+bool NumberText::at_number() {
+  skip();
+  if (scanner_.at_end()) return false;
+  const char c = *scanner_.position();
+  return (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.';
+}
+
+bool NumberText::at_line_end() {
+  scanner_.skip_blanks();
+  return scanner_.at_end() || *scanner_.position() == '\n' || *scanner_.position() == '#';
+}
+
+bool NumberText::at_end() {
+  skip();
+  return scanner_.at_end();
+}
+
+double NumberText::real(const char* of) {
+  skip();
+  double value = 0;
+  if (!scanner_.number(value)) fail_number(of);
+  return value;
+}
+
+std::int64_t NumberText::whole(const char* of) {
+  skip();
+  std::int64_t value = 0;
+  if (!scanner_.number(value)) fail_number(of);
+  // "1.0" is none: what follows would be read as the next number.
+  if (!scanner_.at_end() && (*scanner_.position() == '.' || *scanner_.position() == 'e'))
+    fail(fmt::format("a whole number is wanted among its {}", of));
+  return value;
+}
+
+std::size_t NumberText::count(const char* of, std::size_t bytes) {
+  const std::int64_t n = whole(of);
+  if (n < 0) fail(fmt::format("{} {} cannot be", n, of));
+  const auto wanted = static_cast<std::uint64_t>(n);
+  const std::size_t left = scanner_.rest().size();
+  if (wanted > (left + 1) / bytes)
+    in_.fail(fmt::format("truncated: {} bytes are left for {} {}", grouped(left), grouped(wanted), of));
+  return static_cast<std::size_t>(wanted);
+}
+
+void NumberText::fail(const std::string& cause) const {
+  const std::size_t at = in_.bytes.size() - scanner_.rest().size();
+  // The text may be another one than that of the file (a part of it): only where it is the same there are lines.
+  const char* const first = in_.bytes.data();
+  if (scanner_.rest().data() + scanner_.rest().size() != first + in_.bytes.size()) in_.fail(cause);
+  in_.fail(fmt::format("line {}: {}", 1 + std::count(first, first + at, '\n'), cause));
+}
+
+void NumberText::fail_number(const char* of) {
+  if (scanner_.at_end()) in_.fail(fmt::format("truncated: it ends among its {}", of));
+  TextScanner ahead = scanner_;
+  fail(fmt::format("'{}' is no number, among its {}", ahead.word().substr(0, 30), of));
+}
+
+}  // namespace sansmesh::io
