@@ -32,11 +32,11 @@ struct GridBlock {
   std::array<Vec3, 3> directions{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< orthonormal, may mirror
   Vec3 origin;
 
-  std::array<std::size_t, 3> dims{};  ///< curvilinear: numbers of points, at least 1 each
-  std::vector<Vec3> points;           ///< of all kinds but lattices; may be NaN
+  std::array<std::size_t, 3> dims{};         ///< curvilinear: numbers of points, at least 1 each
+  std::vector<Vec3> points;                  ///< of all kinds but lattices; may be NaN
   std::vector<std::uint64_t> point_numbers;  ///< by which the file calls them; empty: from 0, in order
-  CellList cells;                     ///< of unstructured blocks. Those of the structured ones follow from the dims:
-                                      ///< cell (i, j, k) is number i + mx (j + my k) with m = max(1, dims − 1)
+  CellList cells;  ///< of unstructured blocks. Those of the structured ones follow from the dims:
+                   ///< cell (i, j, k) is number i + mx (j + my k) with m = max(1, dims − 1)
   /// Unstructured blocks: flat cells (triangles and quadrilaterals, the fourth corner kNone for triangles), for files
   /// that have no others.
   std::vector<std::array<std::uint32_t, 4>> flat_cells;

@@ -5,32 +5,18 @@
 #include <memory>
 #include <vector>
 
+#include "sansmesh/deform/deformation_options.h"
 #include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/occluder.h"
 #include "sansmesh/field/space_map.h"
 
 namespace sansmesh {
 
-enum class DeformationKind {
-  affine,      ///< at least 4 handles, not in a plane
-  similarity,  ///< turns and scales
-  rigid,       ///< turns
-  nonlinear,   ///< polynomials of `degree`
-};
-
-struct MlsDeformationOptions {
-  DeformationKind kind = DeformationKind::rigid;
-  int degree = 2;    ///< nonlinear: 2 (9 handles in general position) or 3 (19)
-  double alpha = 1;  ///< weights are 1 / distance^(2 alpha); 0.5..8
-  /// Influence on the far side of a cut falls with distance / (distance + damping · detour); >= 1.
-  double damping = 1;
-
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
-
 /// From places after the deformation back to those before it (weights by distances from where the handles went). The
-/// forward map, for meshes and clouds, is that of reversed(handles). Interpolates: at handles it is exact.
+/// forward map, for meshes and clouds, is that of reversed(handles). Interpolates: at handles, and all along those that
+/// are segments, it is exact, and its Jacobian is the limit. Handles without size that are the same twice count twice.
+/// All handles of a rigid map may lie on a line or be one: then nothing turns more than it must. Positions are NaN
+/// where x is not finite.
 class MlsDeformation final : public SpaceMap {
  public:
   /// Throws ArgumentError naming what is wrong with which handle (counted from 1), or with all of them for the kind,

@@ -100,14 +100,14 @@ struct GmshElement {
   const char* name;  ///< null for those that fill space, whose shape is told by the number of corners
 };
 constexpr GmshElement kGmshElements[] = {
-    {1, 2, 2, "edge"},     {2, 3, 3, "triangle"},    {3, 4, 4, "quadrilateral"}, {4, 4, 4, nullptr},
-    {5, 8, 8, nullptr},    {6, 6, 6, nullptr},       {7, 5, 5, nullptr},         {8, 3, 2, "edge"},
-    {9, 6, 3, "triangle"}, {10, 9, 4, "quadrilateral"}, {11, 10, 4, nullptr},    {12, 27, 8, nullptr},
-    {13, 18, 6, nullptr},  {14, 14, 5, nullptr},     {15, 1, 1, "single point"}, {16, 8, 4, "quadrilateral"},
-    {17, 20, 8, nullptr},  {18, 15, 6, nullptr},     {19, 13, 5, nullptr},       {20, 9, 3, "triangle"},
-    {21, 10, 3, "triangle"}, {22, 12, 3, "triangle"}, {23, 15, 3, "triangle"},   {24, 15, 3, "triangle"},
-    {25, 21, 3, "triangle"}, {26, 4, 2, "edge"},     {27, 5, 2, "edge"},         {28, 6, 2, "edge"},
-    {29, 20, 4, nullptr},  {30, 35, 4, nullptr},     {31, 56, 4, nullptr},       {92, 64, 8, nullptr},
+    {1, 2, 2, "edge"},       {2, 3, 3, "triangle"},       {3, 4, 4, "quadrilateral"}, {4, 4, 4, nullptr},
+    {5, 8, 8, nullptr},      {6, 6, 6, nullptr},          {7, 5, 5, nullptr},         {8, 3, 2, "edge"},
+    {9, 6, 3, "triangle"},   {10, 9, 4, "quadrilateral"}, {11, 10, 4, nullptr},       {12, 27, 8, nullptr},
+    {13, 18, 6, nullptr},    {14, 14, 5, nullptr},        {15, 1, 1, "single point"}, {16, 8, 4, "quadrilateral"},
+    {17, 20, 8, nullptr},    {18, 15, 6, nullptr},        {19, 13, 5, nullptr},       {20, 9, 3, "triangle"},
+    {21, 10, 3, "triangle"}, {22, 12, 3, "triangle"},     {23, 15, 3, "triangle"},    {24, 15, 3, "triangle"},
+    {25, 21, 3, "triangle"}, {26, 4, 2, "edge"},          {27, 5, 2, "edge"},         {28, 6, 2, "edge"},
+    {29, 20, 4, nullptr},    {30, 35, 4, nullptr},        {31, 56, 4, nullptr},       {92, 64, 8, nullptr},
     {93, 125, 8, nullptr}};
 
 CellShape shape_of_corners(std::size_t corners) {
@@ -185,7 +185,8 @@ class GmshFile {
     if (!s.number(version_) || !s.number(type) || !s.number(bytes))
       in_.fail("its format cannot be understood: a version, 0 or 1, and a size are wanted behind $MeshFormat");
     if (!(version_ >= 2 && version_ < 3) && !(version_ >= 4 && version_ < 4.15))
-      in_.fail(fmt::format("is of version {} of Gmsh's format; 2, 4.0 and 4.1 are read: write it anew by Gmsh", version_));
+      in_.fail(
+          fmt::format("is of version {} of Gmsh's format; 2, 4.0 and 4.1 are read: write it anew by Gmsh", version_));
     if ((type != 0 && type != 1) || (bytes != 4 && bytes != 8) || (version_ < 3 && bytes != 8))
       in_.fail("its format cannot be understood: neither text nor binary, or numbers of an unknown size");
     binary_ = type == 1;
@@ -277,7 +278,8 @@ class GmshFile {
 
   /// An element whose nodes come next.
   template <class Node>
-  void add_element(const GmshElement& e, std::uint64_t number, std::int32_t physical, std::int32_t entity, Node&& node) {
+  void add_element(const GmshElement& e, std::uint64_t number, std::int32_t physical, std::int32_t entity,
+                   Node&& node) {
     std::uint32_t c[8] = {};
     for (std::size_t k = 0; k < e.nodes; ++k) {
       const std::uint64_t named = node();
@@ -385,7 +387,8 @@ class GmshFile {
     GmshNumbers n = numbers(head.rest());
     const auto rows = static_cast<std::uint64_t>(whole[2]);
     if (rows > n.rest().size() / (2 * (data.components + 1)))
-      in_.fail(fmt::format("truncated: {} bytes are left for {} rows of {}", grouped(n.rest().size()), grouped(rows), of));
+      in_.fail(
+          fmt::format("truncated: {} bytes are left for {} rows of {}", grouped(n.rest().size()), grouped(rows), of));
     for (std::uint64_t k = 0; k < rows; ++k) {
       auto& row = data.rows.emplace_back(static_cast<std::uint64_t>(n.whole(of)), std::vector<double>());
       for (std::size_t c = 0; c < data.components; ++c) row.second.push_back(n.real(of));
@@ -406,14 +409,18 @@ class GmshFile {
     std::vector<double> values(rows * d.components, std::numeric_limits<double>::quiet_NaN());
     for (const auto& [number, row] : d.rows) {
       const auto it = place.find(number);
-      if (it != place.end()) std::copy(row.begin(), row.end(), values.begin() + static_cast<std::ptrdiff_t>(it->second * d.components));
+      if (it != place.end())
+        std::copy(row.begin(), row.end(), values.begin() + static_cast<std::ptrdiff_t>(it->second * d.components));
     }
     table.set({d.name, std::move(values), d.components});
   }
 
   GridData finished() {
     GridData result;
-    result.format = fmt::format("Gmsh MSH {}, {}", version_ < 3 ? "2" : version_ > 4.05 ? "4.1" : "4.0",
+    result.format = fmt::format("Gmsh MSH {}, {}",
+                                version_ < 3      ? "2"
+                                : version_ > 4.05 ? "4.1"
+                                                  : "4.0",
                                 binary_ ? "binary" : "text");
     GridBlock& block = result.blocks.emplace_back();
     block.points = std::move(points_);

@@ -39,8 +39,7 @@ class MeditMesh {
   explicit MeditMesh(const Input& in) : in_(in), cells_({"reference"}) {}
 
   void set_dimension(std::int64_t dimension) {
-    if (dimension != 3 && dimension != 2)
-      in_.fail(fmt::format("its dimension is {}, not 3 (nor 2)", dimension));
+    if (dimension != 3 && dimension != 2) in_.fail(fmt::format("its dimension is {}, not 3 (nor 2)", dimension));
     dimension_ = static_cast<int>(dimension);
   }
   int dimension() const { return dimension_; }
@@ -120,7 +119,8 @@ class MeditMesh {
 GridData read_medit_text(const Input& in) {
   NumberText text(in, in.bytes);
   MeditMesh mesh(in);
-  if (lower(text.word()) != "meshversionformatted") in.fail("does not begin with 'MeshVersionFormatted', as Medit's do");
+  if (lower(text.word()) != "meshversionformatted")
+    in.fail("does not begin with 'MeshVersionFormatted', as Medit's do");
   text.whole("versions");
   bool ended = false;
   std::string last = "header";
@@ -157,7 +157,8 @@ class MeditBytes {
       if (whole4() != 1) in.fail("does not begin with a 1, as binary files of Medit do");
     }
     version_ = whole4();
-    if (version_ < 1 || version_ > 4) in.fail(fmt::format("is of version {} of Medit's format; 1 to 4 are read", version_));
+    if (version_ < 1 || version_ > 4)
+      in.fail(fmt::format("is of version {} of Medit's format; 1 to 4 are read", version_));
   }
   std::int64_t whole4() {
     const char* const p = take(4);
@@ -217,7 +218,8 @@ GridData read_medit_binary(const Input& in) {
       mesh.set_dimension(bytes.whole4());
     } else if (code == kVertices) {
       const std::size_t count = bytes.count("vertices", 3);
-      mesh.add_vertices(count, [&] { return bytes.real(); }, whole);
+      mesh.add_vertices(
+          count, [&] { return bytes.real(); }, whole);
     } else if (cells != std::end(kMeditCells)) {
       const std::size_t count = bytes.count(cells->keyword, cells->corners + 1);
       mesh.add_cells(*cells, count, whole);

@@ -8,7 +8,8 @@
 
 namespace sansmesh::io {
 
-PointNumbers::PointNumbers(const Input& in, std::vector<std::uint64_t> numbers) : in_(in), numbers_(std::move(numbers)) {
+PointNumbers::PointNumbers(const Input& in, std::vector<std::uint64_t> numbers)
+    : in_(in), numbers_(std::move(numbers)) {
   if (numbers_.size() >= GridBlock::kNone) in_.fail("holds more points than are supported (2^32)");
   for (std::size_t i = 1; i < numbers_.size() && in_row_; ++i) in_row_ = numbers_[i] == numbers_[0] + i;
   if (in_row_) return;

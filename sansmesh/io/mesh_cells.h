@@ -28,7 +28,7 @@ class PointNumbers {
  private:
   const Input& in_;
   std::vector<std::uint64_t> numbers_;
-  bool in_row_ = true;                                         ///< each is one more than the last
+  bool in_row_ = true;                                          ///< each is one more than the last
   std::vector<std::pair<std::uint64_t, std::uint32_t>> index_;  ///< sorted; only where they are not
 };
 

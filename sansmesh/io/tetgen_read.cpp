@@ -126,7 +126,8 @@ GridData read_tetgen_pair(const Input& in) {
   std::error_code ignored;
   if (!std::filesystem::exists(other, ignored)) {
     if (!given_nodes)
-      in.fail(fmt::format("holds tetrahedra without points: {} is not there", std::filesystem::path(other).filename().string()));
+      in.fail(fmt::format("holds tetrahedra without points: {} is not there",
+                          std::filesystem::path(other).filename().string()));
     in.warn(fmt::format("there is no {} with tetrahedra beside it: these are points alone",
                         std::filesystem::path(other).filename().string()));
     return read_tetgen(in, nullptr);

@@ -113,7 +113,8 @@ class VegaFile {
     corners_ = corners;
     const std::size_t count = text.count(of, 2 * corners);
     const std::int64_t given = text.whole(of);
-    if (given != static_cast<std::int64_t>(corners)) in.fail(fmt::format("its elements have {} corners, not {}", given, corners));
+    if (given != static_cast<std::int64_t>(corners))
+      in.fail(fmt::format("its elements have {} corners, not {}", given, corners));
     text.line();
     for (std::size_t k = 0; k < count; ++k) {
       Element& e = elements_.emplace_back();
@@ -146,7 +147,9 @@ class VegaFile {
     double v[3] = {};
     for (std::size_t k = 0; k < 3; ++k) {
       TextScanner s(k + 1 < words.size() ? std::string_view(words[k + 1]) : std::string_view());
-      if (!s.number(v[k])) text.fail(fmt::format("the material '{}' must be ENU, density, Young's modulus, Poisson's ratio", printable(name, 40)));
+      if (!s.number(v[k]))
+        text.fail(fmt::format("the material '{}' must be ENU, density, Young's modulus, Poisson's ratio",
+                              printable(name, 40)));
     }
     materials_[name] = {v[0], v[1], v[2]};
   }
@@ -157,7 +160,8 @@ class VegaFile {
     for (const std::string& word : words_of_section(text)) {
       TextScanner s(word);
       std::uint64_t n = 0;
-      if (!s.number(n) || !s.at_end()) text.fail(fmt::format("'{}' in the set '{}' is no number", printable(word, 30), printable(name, 40)));
+      if (!s.number(n) || !s.at_end())
+        text.fail(fmt::format("'{}' in the set '{}' is no number", printable(word, 30), printable(name, 40)));
       set.push_back(n);
     }
   }
@@ -193,7 +197,8 @@ class VegaFile {
         for (std::size_t e = 0; e < elements_.size(); ++e) place.emplace(elements_[e].number, e);
       for (const std::uint64_t n : sets_[set]) {
         const auto it = place.find(n);
-        if (it == place.end()) in_.fail(fmt::format("the set '{}' names the element {}, which is not there", printable(set, 40), n));
+        if (it == place.end())
+          in_.fail(fmt::format("the set '{}' names the element {}, which is not there", printable(set, 40), n));
         give(it->second);
       }
     }

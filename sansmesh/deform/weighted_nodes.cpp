@@ -1,0 +1,155 @@
+#include "sansmesh/deform/weighted_nodes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace sansmesh::detail {
+namespace {
+
+/// Gauss and Legendre's rule of 12 nodes on −1..1: what lies right of the middle.
+constexpr std::size_t kHalfRule = 6;
+constexpr std::array<double, kHalfRule> kRuleAt{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
+                                                0.7699026741943047, 0.9041172563704749, 0.9815606342467192};
+constexpr std::array<double, kHalfRule> kRuleWeight{0.2491470458134028, 0.2334925365383548, 0.2031674267230659,
+                                                    0.1600783285433462, 0.1069393259953184, 0.0471753363865118};
+constexpr double kPanel = 2;            // length of the stretches that one rule covers
+constexpr double kNearSegment = 1e-15;  // of its length: nearer places have the weights of this distance, and are on it
+/// Directions weigh as if they were so far from the place that they are no heavier than this at their own handle, in
+/// units of 1 / reach^(2 alpha): beyond that they would drown what the other handles say of the turn about them.
+constexpr double kMostOfDirection = 1e8;
+
+struct NearSegment {
+  double at = 0;      ///< fraction of the point of the line nearest to the place, not clamped
+  double square = 0;  ///< of the distance from the line
+};
+NearSegment near_line(const DeformHandle& h, const Vec3& x) {
+  const Vec3 from = x - h.q;
+  NearSegment near;
+  near.at = dot(from, h.along_q) / squared_norm(h.along_q);
+  near.square = squared_norm(from - h.along_q * near.at);
+  return near;
+}
+
+/// What all nodes of a handle share.
+struct NodeMaker {
+  const DeformSetup& setup;
+  std::span<const std::shared_ptr<const Occluder>> cuts;
+  const Vec3& x;
+  double unit;  ///< square of the distance at which weights are 1
+  NodesFrom& found;
+
+  /// `rest` is q less x; `square` is that of the distance, or a little more where that is next to nothing.
+  void add(const DeformHandle& h, const Vec3& q, const Vec3& p, double share, double square, const Detour& detour) {
+    const double alpha = setup.options.alpha;
+    const Vec3 from = x - q;
+    double damped = 1;
+    Vec3 damping_slope;
+    if (detour.extra > 0) {
+      const double d = std::sqrt(square), e = setup.options.damping * detour.extra, sum = d + e;
+      damped = d / sum;
+      damping_slope = (from * (e / d) - detour.gradient * (setup.options.damping * d)) / (sum * sum);
+    }
+    const auto node = [&](const Vec3& at, const Vec3& comes_from, double part, double distance2) {
+      const double w = part * share * h.weight * weight_power(unit / distance2, alpha);
+      WeightedNode n{at, comes_from, w * damped, {}};
+      n.slope = from * (-2 * alpha * n.weight / distance2) + damping_slope * w;
+      found.nodes.push_back(n);
+    };
+    node(q, p, 1, square);
+    if (h.directions.empty()) return;
+    const double soft = h.reach * h.reach * std::pow(kMostOfDirection, -1 / alpha);
+    for (const TurnedDirection& d : h.directions)
+      for (const double side : {-1.0, 1.0})
+        node(q + d.after * (side * h.reach), p + d.before * (side * h.reach), 0.5, square + soft);
+  }
+
+  void add_point(const DeformHandle& h, const Detour& detour) {
+    const double square = squared_norm(x - h.q);
+    if (square <= std::pow(rounding_of(x, h.q), 2)) found.held = h.p;
+    add(h, h.q, h.p, 1, std::max(square, setup.floor_square), detour);
+  }
+
+  // With t = t0 + (h / L) sinh s, h the distance from the line, the weight (h² + L² (t − t0)²)^−alpha dt and its
+  // moments are smooth functions of s, whose poles lie π/2 away from the real line wherever the place is.
+  void add_segment(const DeformHandle& h, std::vector<Detour>& scratch) {
+    const double length = norm(h.along_q);
+    NearSegment near = near_line(h, x);
+    const double clamped = std::clamp(near.at, 0.0, 1.0);
+    const Vec3 nearest = h.q + h.along_q * clamped;
+    if (norm(x - nearest) <= std::max(2 * rounding_of(x, nearest), kNearSegment * length))
+      found.held = h.p + h.along_p * clamped;
+    near.square = std::max({near.square, std::pow(kNearSegment * length, 2), setup.floor_square});
+    const double ratio = std::sqrt(near.square) / length;
+    const double first = std::asinh(-near.at / ratio), last = std::asinh((1 - near.at) / ratio);
+    const auto panels = static_cast<std::size_t>(std::max(1.0, std::ceil((last - first) / kPanel)));
+    const double half = (last - first) / 2 / static_cast<double>(panels);
+    for (std::size_t panel = 0; panel < panels; ++panel) {
+      const double middle = first + half * static_cast<double>(2 * panel + 1);
+      for (std::size_t k = 0; k < 2 * kHalfRule; ++k) {
+        const double side = k < kHalfRule ? -1 : 1;
+        const std::size_t r = k < kHalfRule ? kHalfRule - 1 - k : k - kHalfRule;
+        const double s = middle + side * half * kRuleAt[r];
+        const double offset = ratio * std::sinh(s), t = std::clamp(near.at + offset, 0.0, 1.0);
+        const Vec3 q = h.q + h.along_q * t;
+        Detour detour;
+        if (!cuts.empty()) add_detours(cuts, q, {&x, 1}, {&detour, 1}, scratch);
+        add(h, q, h.p + h.along_p * t, kRuleWeight[r] * half * ratio * std::cosh(s),
+            near.square + offset * offset * length * length, detour);
+      }
+    }
+  }
+};
+
+}  // namespace
+
+double weight_power(double base, double alpha) {
+  const double doubled = 2 * alpha;
+  const int times = static_cast<int>(doubled);
+  if (doubled != times || times > 16) return std::pow(base, alpha);
+  double power = times % 2 ? std::sqrt(base) : 1;
+  for (int k = 0; k < times / 2; ++k) power *= base;
+  return power;
+}
+
+double rounding_of(const Vec3& x, const Vec3& q) {
+  return 2 * std::numeric_limits<double>::epsilon() *
+         std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z), std::abs(q.x), std::abs(q.y), std::abs(q.z)});
+}
+
+void add_detours(std::span<const std::shared_ptr<const Occluder>> cuts, const Vec3& from, std::span<const Vec3> x,
+                 std::span<Detour> sums, std::vector<Detour>& scratch) {
+  scratch.resize(x.size());
+  for (const auto& cut : cuts) {
+    cut->detours(from, x, scratch);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      sums[i].extra += scratch[i].extra, sums[i].gradient += scratch[i].gradient;
+  }
+}
+
+void gather_nodes(const DeformSetup& setup, std::span<const std::shared_ptr<const Occluder>> cuts,
+                  std::span<const Detour> detours, const Vec3& x, NodesFrom& found) {
+  found.nodes.clear(), found.held.reset();
+  double unit = std::numeric_limits<double>::infinity();
+  for (const DeformHandle& h : setup.handles) {
+    Vec3 q = h.q;
+    if (h.segment) q += h.along_q * std::clamp(near_line(h, x).at, 0.0, 1.0);
+    unit = std::min(unit, squared_norm(x - q));
+  }
+  NodeMaker make{setup, cuts, x, std::max(unit, setup.floor_square), found};
+  std::vector<Detour> scratch;
+  for (std::size_t i = 0; i < setup.handles.size(); ++i) {
+    const DeformHandle& h = setup.handles[i];
+    if (h.segment) {
+      make.add_segment(h, scratch);
+    } else {
+      make.add_point(h, detours.empty() ? Detour{} : detours[i]);
+    }
+  }
+  found.heaviest = 0;
+  for (std::size_t i = 1; i < found.nodes.size(); ++i)
+    if (found.nodes[i].weight > found.nodes[found.heaviest].weight) found.heaviest = i;
+}
+
+}  // namespace sansmesh::detail

@@ -1,0 +1,44 @@
+// Handles as weighted points, seen from one place.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/deform/deform_setup.h"
+#include "sansmesh/deform/occluder.h"
+
+namespace sansmesh::detail {
+
+struct WeightedNode {
+  Vec3 q, p;
+  double weight = 0;
+  Vec3 slope;  ///< of the weight by the place
+};
+
+/// All nodes of all handles; weights in a unit in which the nearest handle has about its `weight`.
+struct NodesFrom {
+  std::vector<WeightedNode> nodes;
+  std::size_t heaviest = 0;
+  std::optional<Vec3> held;  ///< where the place came from, if it lies on a handle
+};
+
+/// base to the power alpha, exactly rounded steps only where 2 alpha is a whole number.
+double weight_power(double base, double alpha);
+
+/// Distances below this are zero but for rounding.
+double rounding_of(const Vec3& x, const Vec3& q);
+
+/// The nodes as seen from x. `detours` has the ways around the cuts (their sum) from each handle that is a point; those
+/// of nodes of segments are asked for here.
+void gather_nodes(const DeformSetup& setup, std::span<const std::shared_ptr<const Occluder>> cuts,
+                  std::span<const Detour> detours, const Vec3& x, NodesFrom& found);
+
+/// Σ of the ways around all cuts from one place.
+void add_detours(std::span<const std::shared_ptr<const Occluder>> cuts, const Vec3& from, std::span<const Vec3> x,
+                 std::span<Detour> sums, std::vector<Detour>& scratch);
+
+}  // namespace sansmesh::detail
