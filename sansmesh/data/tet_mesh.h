@@ -1,0 +1,30 @@
+// Tetrahedra with shared vertices: what readers of tetrahedral meshes return and what moves by forces.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/vec.h"
+#include "sansmesh/data/attribute_table.h"
+
+namespace sansmesh {
+
+using Tet = std::array<std::uint32_t, 4>;
+
+/// Corners of a tetrahedron (a, b, c, d) are in such an order that (b − a) · ((c − a) × (d − a)), six times its volume,
+/// is positive. Files have them in either order: see turned_outward (dynamics/tet_geometry.h).
+struct TetMesh {
+  std::vector<Vec3> vertices;
+  std::vector<Tet> tets;
+  AttributeTable attributes, tet_attributes;  ///< a row for each vertex, and for each tetrahedron
+};
+
+inline Box3 bounds(const TetMesh& mesh) {
+  Box3 box;
+  for (const Vec3& p : mesh.vertices) box.extend(p);
+  return box;
+}
+
+}  // namespace sansmesh

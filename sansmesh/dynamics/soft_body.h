@@ -1,0 +1,65 @@
+// A body of tetrahedra that moves by forces (METHODS §7.2; thesis 6.4.5).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/dynamics/soft_body_options.h"
+
+namespace sansmesh {
+
+/// Joules. Of gravity relative to the origin.
+struct BodyEnergies {
+  double kinetic = 0, elastic = 0, gravity = 0;
+  double total() const { return kinetic + elastic + gravity; }
+};
+
+/// What a step took.
+struct StepReport {
+  double time = 0;      ///< s, at its end
+  double shortest = 0;  ///< s, of its parts where it was halved, else the step
+  int parts = 0;        ///< in how many it was made: 1 where it was not halved
+  int halvings = 0;     ///< times that conjugate gradients did not converge
+  int solves = 0;       ///< systems, more than parts where contacts were found or lost
+  int iterations = 0;   ///< of conjugate gradients, all together; 0 of explicit methods
+  int contacts = 0;     ///< vertices that touch obstacles at its end
+};
+
+/// Positions and velocities are in the mesh's order and coordinates. The same bits for any number of threads.
+class SoftBody {
+ public:
+  /// At rest where the mesh is. Throws ArgumentError for options and scenes, DataError for meshes that cannot be used
+  /// (check_tets), vertices without a tetrahedron, whose mass would be 0, included.
+  SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene scene = {});
+  ~SoftBody();
+  SoftBody(SoftBody&&) noexcept;
+  SoftBody& operator=(SoftBody&&) noexcept;
+
+  /// Time goes on by options().step. Throws DataError with a remedy where the body explodes (positions not finite, an
+  /// edge stretched to more than 1000 times its length), or conjugate gradients do not converge however short the step.
+  StepReport step();
+
+  /// Time goes on by `duration` > 0 seconds, in equal steps of at most options().step. The report is of all of them.
+  StepReport advance(double duration);
+
+  double time() const;  ///< s since the beginning
+  std::vector<Vec3> positions() const;
+  std::vector<Vec3> velocities() const;
+  BodyEnergies energies() const;
+  const std::vector<double>& masses() const;  ///< kg, of the vertices
+
+  /// Goes on from there; as many of each as there are vertices. Fixed and pulled ones stay with the scene.
+  void set_state(std::span<const Vec3> positions, std::span<const Vec3> velocities);
+
+  const TetMesh& rest() const;
+  const SoftBodyOptions& options() const;
+  const DynamicsScene& scene() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace sansmesh

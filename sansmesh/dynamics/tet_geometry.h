@@ -1,0 +1,43 @@
+// Tetrahedral meshes as such: whether they can be used, their volume, surface, refinement.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Signed volume of tetrahedron `t` with its vertices at `x`; negative where it is inside out.
+double tet_volume(const Tet& t, std::span<const Vec3> x);
+
+/// The same mesh with positive volumes: some writers order the corners the other way round, some even within a file.
+/// `turned`, if given, gets the number of tetrahedra whose last corners were exchanged.
+TetMesh turned_outward(TetMesh mesh, std::size_t* turned = nullptr);
+
+/// Throws DataError that names the tetrahedron or vertex (counted from 0), the cause and a remedy: no tetrahedra,
+/// positions that are not finite, vertices that do not exist, the same vertex twice, volumes that are negative (inside
+/// out) or zero (below 1e-12 of the longest edge's cube).
+void check_tets(const TetMesh& mesh);
+
+/// Each tetrahedron cut into eight by the middles of its edges: four at the corners, and the octahedron between them
+/// along its shortest diagonal. Vertices of the mesh come first, then the middles. Attributes of vertices are dropped,
+/// those of tetrahedra too. Tetrahedra 8 t .. 8 t + 7 are those of t.
+TetMesh refine_uniformly(const TetMesh& mesh);
+
+/// The faces that one tetrahedron alone has, counter-clockwise seen from outside, by ascending tetrahedron. `owners`,
+/// if given, gets the tetrahedron of each.
+std::vector<Triangle> boundary_faces(const TetMesh& mesh, std::vector<std::uint32_t>* owners = nullptr);
+
+/// The boundary as a mesh of its own: only vertices that have a face, in ascending order, at `x` (as many as the mesh
+/// has vertices), relative to the middle of their box. `sources`, if given, gets the vertex of `mesh` of each.
+TriangleMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> x, std::vector<std::uint32_t>* sources = nullptr);
+
+/// A box from `lower` to `upper` cut into nx × ny × nz cells of six tetrahedra each; vertex (i, j, k) is number
+/// i + (nx + 1) (j + (ny + 1) k).
+TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::size_t ny, std::size_t nz);
+
+}  // namespace sansmesh
