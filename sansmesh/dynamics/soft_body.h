@@ -7,6 +7,7 @@
 
 #include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/dynamics/step_report.h"
 
 namespace sansmesh {
 
@@ -16,22 +17,11 @@ struct BodyEnergies {
   double total() const { return kinetic + elastic + gravity; }
 };
 
-/// What a step took.
-struct StepReport {
-  double time = 0;      ///< s, at its end
-  double shortest = 0;  ///< s, of its parts where it was halved, else the step
-  int parts = 0;        ///< in how many it was made: 1 where it was not halved
-  int halvings = 0;     ///< times that conjugate gradients did not converge
-  int solves = 0;       ///< systems, more than parts where contacts were found or lost
-  int iterations = 0;   ///< of conjugate gradients, all together; 0 of explicit methods
-  int contacts = 0;     ///< vertices that touch obstacles at its end
-};
-
 /// Positions and velocities are in the mesh's order and coordinates. The same bits for any number of threads.
 class SoftBody {
  public:
   /// At rest where the mesh is. Throws ArgumentError for options and scenes, DataError for meshes that cannot be used
-  /// (check_tets), vertices without a tetrahedron, whose mass would be 0, included.
+  /// (check_tets). Vertices without a tetrahedron have no mass and stay where they are.
   SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene scene = {});
   ~SoftBody();
   SoftBody(SoftBody&&) noexcept;

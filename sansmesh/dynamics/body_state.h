@@ -1,0 +1,47 @@
+// The inside of a soft body: what its integrators work on. Vertices are in an order of their own, in which neighbours
+// in space are neighbours in memory.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/dynamics/elastic_model.h"
+#include "sansmesh/dynamics/obstacle_set.h"
+#include "sansmesh/dynamics/scene_drive.h"
+#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/dynamics/step_report.h"
+
+namespace sansmesh {
+
+struct BodyState {
+  BodyState(const SoftBodyOptions& with, const DynamicsScene& scene, SceneDrive driven)
+      : options(with), obstacles(scene), drive(std::move(driven)) {}
+
+  SoftBodyOptions options;
+  std::unique_ptr<ElasticModel> model;
+  ObstacleSet obstacles;
+  SceneDrive drive;
+  std::vector<std::uint32_t> names;  ///< a user's numbers of the vertices
+  std::vector<double> masses;        ///< kg; 1 of vertices without a tetrahedron, which are held
+  std::vector<Vec3> weights;         ///< N; zero of those
+
+  double time = 0;
+  std::vector<Vec3> x, v;
+  double lag = 0;  ///< v is that of so much before `time`: half a step in Verlet's method, else 0
+
+  double near = 0;     ///< length: what is not farther from an obstacle touches it
+  double longest = 0;  ///< length: who moves farther in a step has exploded
+
+  std::size_t size() const { return x.size(); }
+
+  /// All forces at positions x, velocities v and time t. Throws DataError where the body has exploded.
+  void forces(std::span<const Vec3> at, std::span<const Vec3> velocities, double t, std::span<Vec3> f);
+  /// Velocities of the same moment as the positions.
+  std::vector<Vec3> velocities_now();
+  /// Throws DataError: what exploded, and the remedy.
+  [[noreturn]] void explode(std::span<const Vec3> at) const;
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,52 @@
+// Linear elasticity in the rotated frame of each tetrahedron (METHODS §7.2, beyond the source; [mueller2004]).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/dynamics/elastic_model.h"
+#include "sansmesh/dynamics/polar_rotation.h"
+#include "sansmesh/dynamics/vertex_graph.h"
+
+namespace sansmesh {
+
+/// E = V (μ ‖Rᵀ F − I‖² + λ/2 tr²(Rᵀ F − I)) of each tetrahedron with the gradient F of its deformation and the
+/// rotation R in it, which never flips: tetrahedra that are inside out are turned back. The matrix is that of linear
+/// elasticity in the rotated frames, positive semidefinite whatever the deformation. Damping is β K v.
+class CorotationalModel final : public ElasticModel {
+ public:
+  /// Tetrahedra of positive volume. Young's modulus in pascals, Poisson's ratio below 0.5, β in seconds.
+  CorotationalModel(std::vector<Tet> tets, std::span<const Vec3> rest, double youngs_modulus, double poissons_ratio,
+                    double damping);
+
+  bool forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> f) override;
+  bool linearize(std::span<const Vec3> x, double h, std::span<Vec3> f) override;
+  void add_rows(std::size_t first, std::size_t last, std::span<const Vec3> p, std::span<Vec3> q) const override;
+  SymmetricBlock diagonal(std::size_t i) const override;
+  double energy(std::span<const Vec3> x) const override;
+  std::string worst(std::span<const Vec3> x, std::span<const std::uint32_t> names) const override;
+
+ private:
+  /// At rest: gradients of the barycentric coordinates of corners 1 to 3, and the volume.
+  struct Shape {
+    std::array<Vec3, 3> gradients;
+    double volume = 0;
+  };
+  using Block = std::array<Vec3, 3>;  ///< by rows
+
+  Matrix3 gradient(std::size_t t, std::span<const Vec3> x) const;
+  Block edge_block(std::size_t edge) const;
+
+  std::vector<Tet> tets_;
+  std::vector<Shape> shapes_;
+  std::vector<Turn> turns_;                   ///< where the search for the next rotation begins
+  std::vector<std::array<Vec3, 3>> carried_;  ///< gradients in the rotated frame
+  std::vector<std::array<Vec3, 3>> pulls_;    ///< forces on corners 1 to 3; that on corner 0 is minus their sum
+  VertexGraph graph_;
+  ItemLists corners_, around_;
+  std::vector<Block> blocks_;  ///< of each edge: what multiplies p_i − p_j in row i, transposed in row j
+  double mu_, lambda_, damping_;
+};
+
+}  // namespace sansmesh

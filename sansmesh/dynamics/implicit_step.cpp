@@ -1,0 +1,199 @@
+#include "sansmesh/dynamics/implicit_step.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kImplicitRows = 2048;  ///< vertices a task
+constexpr int kContactPasses = 6;            ///< systems solved at most until contacts agree with the solution
+constexpr int kCalmParts = 4;                ///< that converge before a longer one is tried
+constexpr double kSameLoad = 0.02;           ///< relative change of a load that friction need not follow
+
+}  // namespace
+
+/// The system for the velocities at the end, (M − h ∂f/∂v − h² ∂f/∂x) (v + Δv) = M v + h f, where f is without damping:
+/// this is what subtracting the matrix times v from both sides of it leaves of METHODS' system for Δv.
+void ImplicitStepper::set_up(BodyState& body, double h, std::span<const Vec3> held) {
+  const std::size_t n = body.size();
+  for (auto* list : {&force_, &external_, &momentum_, &base_, &right_, &wanted_, &reaction_}) list->resize(n);
+  diagonal_.resize(n), constraints_.assign(n, {}), touches_.resize(n);
+  if (!body.model->linearize(body.x, h, force_)) body.explode(body.x);
+
+  external_ = body.weights;
+  body.drive.add_forces(body.time + 0.5 * h, external_);
+  const double drag = body.options.model == SoftBodyModel::corotational ? 1 + h * body.options.mass_damping : 1;
+  parallel_for(0, n, kImplicitRows, [&](std::size_t i) { diagonal_[i] = drag * body.masses[i]; });
+  const auto targets = body.drive.targets(body.time + h);
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const auto [vertex, stiffness] = body.drive.pulled()[k];
+    external_[vertex] += (targets[k] - body.x[vertex]) * stiffness;
+    diagonal_[vertex] += h * h * stiffness;
+  }
+  parallel_for(0, n, kImplicitRows, [&](std::size_t i) {
+    external_[i] *= h;
+    momentum_[i] = body.v[i] * body.masses[i];
+    base_[i] = momentum_[i] + force_[i] * h + external_[i];
+    wanted_[i] = body.v[i];
+    touches_[i].settled = false;
+  });
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const std::uint32_t i = body.drive.held()[k];
+    constraints_[i].kind = VertexConstraint::Kind::held;
+    wanted_[i] = (held[k] - body.x[i]) / h;
+    touches_[i].obstacle = VertexTouch::kHeld;
+  }
+  solver_.prepare(*body.model, diagonal_);
+}
+
+/// Contacts as constraints of the solver, friction of those that slide as impulses.
+void ImplicitStepper::constrain(const BodyState& body, double h) {
+  right_ = base_;
+  if (body.obstacles.empty()) return;
+  parallel_for(0, body.size(), kImplicitRows, [&](std::size_t i) {
+    const VertexTouch& touch = touches_[i];
+    if (touch.obstacle == VertexTouch::kHeld) return;
+    constraints_[i] = {};
+    if (touch.obstacle == VertexTouch::kNone) return;
+    const auto obstacle = static_cast<std::size_t>(touch.obstacle);
+    const auto [distance, normal] = body.obstacles.side(obstacle, body.x[i]);
+    const Vec3 given = normal * (-distance / h);  // arrives on the surface
+    const double friction = body.obstacles.friction(obstacle);
+    const bool sticks = friction > 0 && !touch.sliding;
+    constraints_[i] = {sticks ? VertexConstraint::Kind::held : VertexConstraint::Kind::plane, normal};
+    wanted_[i] = constraints_[i].filter(wanted_[i]) + given;
+    if (!sticks) right_[i] += touch.drag * (friction * touch.load);
+  });
+}
+
+/// Looks whether the obstacles push, and hold by friction, no more than they can, and whether nothing else runs into
+/// them. False where this was so already.
+bool ImplicitStepper::revise_contacts(const BodyState& body, double h) {
+  solver_.multiply(wanted_, reaction_);
+  const auto revise = [&](std::size_t i) {
+    VertexTouch& touch = touches_[i];
+    if (touch.obstacle == VertexTouch::kHeld) return false;
+    if (touch.obstacle == VertexTouch::kNone) {
+      const Vec3 there = body.x[i] + wanted_[i] * h;
+      double deepest = -body.near;
+      for (std::size_t o = 0; o < body.obstacles.size(); ++o) {
+        const double distance = body.obstacles.side(o, there).distance;
+        if (distance < deepest) deepest = distance, touch = {static_cast<std::int32_t>(o), false, false, 0, {}};
+      }
+      return touch.obstacle >= 0;
+    }
+    const Vec3 push = reaction_[i] - right_[i], normal = constraints_[i].normal;
+    const double friction = body.obstacles.friction(static_cast<std::size_t>(touch.obstacle));
+    const double load = dot(push, normal);
+    if (load < 0) {
+      touch = {};
+      return true;
+    }
+    if (!(friction > 0)) return false;
+    if (touch.sliding) {
+      if (dot(wanted_[i], touch.drag) > 0 && !touch.settled) {  // friction would drive it
+        touch.sliding = false, touch.settled = true;
+        return true;
+      }
+      const bool same = std::abs(load - touch.load) <= kSameLoad * load;
+      touch.load = load;
+      return !same;
+    }
+    touch.load = load;
+    const Vec3 along = push - normal * load;
+    const double needed = norm(along);
+    if (needed <= friction * load || touch.settled) return false;
+    touch.sliding = true, touch.drag = along / needed;
+    return true;
+  };
+  return parallel_reduce(
+      body.size(), kImplicitRows, false,
+      [&](std::size_t first, std::size_t last) {
+        bool changed = false;
+        for (std::size_t i = first; i < last; ++i) changed |= revise(i);
+        return changed;
+      },
+      [](bool a, bool b) { return a || b; });
+}
+
+void ImplicitStepper::take_over(BodyState& body, double h, std::span<const Vec3> held, StepReport& report) {
+  struct Found {
+    int contacts = 0;
+    bool sane = true;
+  };
+  const double most = body.longest / h;
+  const Found found = parallel_reduce(
+      body.size(), kImplicitRows, Found{},
+      [&](std::size_t first, std::size_t last) {
+        Found result;
+        for (std::size_t i = first; i < last; ++i) {
+          result.sane &= squared_norm(wanted_[i]) <= most * most;
+          body.x[i] += wanted_[i] * h;
+          body.v[i] = wanted_[i];
+          if (body.obstacles.empty() || touches_[i].obstacle == VertexTouch::kHeld) continue;
+          if (body.obstacles.push_out(body.x[i], body.v[i], body.near)) ++result.contacts;
+          VertexTouch& touch = touches_[i];
+          if (!touch.sliding || touch.obstacle < 0) continue;
+          const Vec3 along = constraints_[i].filter(body.v[i]);
+          if (const double speed = norm(along); speed > 0) touch.drag = along / -speed;
+        }
+        return result;
+      },
+      [](const Found& a, const Found& b) {
+        return Found{a.contacts + b.contacts, a.sane && b.sane};
+      });
+  for (std::size_t k = 0; k < held.size(); ++k) body.x[body.drive.held()[k]] = held[k];
+  body.time += h;
+  report.contacts = found.contacts;
+  if (!found.sane) body.explode(body.x);
+}
+
+bool ImplicitStepper::part(BodyState& body, double h, StepReport& report) {
+  const auto held = body.drive.held_positions(body.time + h);
+  set_up(body, h, held);
+  touches_before_ = touches_;
+  const std::array<std::span<const Vec3>, 3> scales{base_, momentum_, external_};
+  for (int pass = 1;; ++pass) {
+    constrain(body, h);
+    const SolverReport solved =
+        solver_.solve(constraints_, right_, scales, body.options.tolerance, body.options.iterations, wanted_);
+    report.solves += 1, report.iterations += solved.iterations;
+    if (!solved.converged) {
+      touches_ = touches_before_;
+      return false;
+    }
+    if (body.obstacles.empty() || !revise_contacts(body, h) || pass == kContactPasses) break;
+  }
+  take_over(body, h, held, report);
+  return true;
+}
+
+void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
+  // Parts are counted in the shortest that there may be, so that they end where the step ends.
+  const long whole = 1L << body.options.halvings;
+  for (long done = 0; done < whole;) {
+    const long size = whole >> level_;
+    const double length = h * static_cast<double>(size) / static_cast<double>(whole);
+    if (!part(body, length, report)) {
+      ++report.halvings, calm_ = 0;
+      if (level_ == body.options.halvings) {
+        throw DataError("conjugate gradients do not converge in " + std::to_string(body.options.iterations) +
+                        " iterations, however short the step: allow more `iterations`, a larger `tolerance` or more "
+                        "`halvings`");
+      }
+      ++level_;
+      continue;
+    }
+    done += size;
+    report.parts += 1;
+    report.shortest = report.shortest > 0 ? std::min(report.shortest, length) : length;
+    if (++calm_ >= kCalmParts && level_ > 0 && done % (2 * size) == 0) --level_, calm_ = 0;
+  }
+  report.time = body.time;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,36 @@
+// Obstacles as vertices meet them.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "sansmesh/dynamics/soft_body_options.h"
+
+namespace sansmesh {
+
+/// What an obstacle is to a point: its signed distance, negative within, and the direction out of it.
+struct ObstacleSide {
+  double distance = 0;
+  Vec3 normal;
+};
+
+/// The floors and spheres of a scene, numbered in this order.
+class ObstacleSet {
+ public:
+  explicit ObstacleSet(const DynamicsScene& scene);
+
+  std::size_t size() const { return floors_.size() + spheres_.size(); }
+  bool empty() const { return size() == 0; }
+  ObstacleSide side(std::size_t obstacle, const Vec3& x) const;
+  double friction(std::size_t obstacle) const;
+
+  /// Moves x out of all obstacles that it is in, as far as one after the other can, and takes from v what leads into
+  /// those that it is in or within `near` of, and Coulomb's share of what leads along them. Whether there was one.
+  bool push_out(Vec3& x, Vec3& v, double near) const;
+
+ private:
+  std::vector<FloorObstacle> floors_;  ///< unit normals
+  std::vector<SphereObstacle> spheres_;
+};
+
+}  // namespace sansmesh

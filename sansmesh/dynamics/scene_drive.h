@@ -1,0 +1,56 @@
+// What a scene does to the vertices at each moment.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/dynamics/soft_body_options.h"
+
+namespace sansmesh {
+
+/// A vertex on a spring to a target that moves.
+struct PulledVertex {
+  std::uint32_t vertex = 0;
+  double stiffness = 0;  ///< N/m
+};
+
+class SceneDrive {
+ public:
+  /// Numbers of the scene become place[number], which index `rest`. Those of `loose` are held like fixed ones.
+  SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, std::span<const std::uint32_t> place,
+             std::span<const std::uint32_t> loose);
+
+  /// Vertices whose motion is given: fixed ones and those of handles without stiffness.
+  std::span<const std::uint32_t> held() const { return held_; }
+  /// Where they are at time t, in that order.
+  std::span<const Vec3> held_positions(double t);
+
+  std::span<const PulledVertex> pulled() const { return pulled_; }
+  std::span<const Vec3> targets(double t);
+
+  /// Adds the scene's forces at time t.
+  void add_forces(double t, std::span<Vec3> f) const;
+
+ private:
+  struct Handle {
+    std::size_t first, count;  ///< in held_, or in pulled_
+    bool rigid;
+    Vec3 center;
+    std::vector<HandleKey> keys;
+  };
+  struct Force {
+    std::vector<std::uint32_t> vertices;
+    Vec3 force;
+    double from, until;
+  };
+  void follow(bool rigid, double t, std::span<const Vec3> rest, std::span<Vec3> x) const;
+
+  std::vector<std::uint32_t> held_;
+  std::vector<PulledVertex> pulled_;
+  std::vector<Handle> handles_;
+  std::vector<Force> forces_;
+  std::vector<Vec3> held_rest_, held_now_, pulled_rest_, pulled_now_;
+};
+
+}  // namespace sansmesh

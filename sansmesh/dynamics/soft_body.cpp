@@ -1,0 +1,172 @@
+#include "sansmesh/dynamics/soft_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/dynamics/body_state.h"
+#include "sansmesh/dynamics/corotational_model.h"
+#include "sansmesh/dynamics/explicit_step.h"
+#include "sansmesh/dynamics/implicit_step.h"
+#include "sansmesh/dynamics/spring_model.h"
+#include "sansmesh/dynamics/tet_geometry.h"
+
+namespace sansmesh {
+namespace {
+
+/// A quarter of each tetrahedron's mass at its corners; 0 where there is none.
+std::vector<double> lumped_masses(const TetMesh& mesh, const SoftBodyOptions& options) {
+  std::vector<double> masses(mesh.vertices.size(), 0);
+  double volume = 0;
+  for (const Tet& t : mesh.tets) {
+    const double own = tet_volume(t, mesh.vertices);
+    volume += own;
+    for (const std::uint32_t v : t) masses[v] += own / 4;
+  }
+  const double density = options.total_mass ? *options.total_mass / volume : options.density;
+  for (double& m : masses) m *= density;
+  return masses;
+}
+
+const TetMesh& checked(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene) {
+  options.validate();
+  check_tets(mesh);
+  scene.validate(mesh.vertices.size());
+  return mesh;
+}
+
+}  // namespace
+
+struct SoftBody::State {
+  TetMesh mesh;
+  DynamicsScene scene;
+  std::vector<double> masses;        ///< of the mesh's vertices
+  std::vector<std::uint32_t> order;  ///< vertices of the mesh as the body has them
+  std::vector<std::uint32_t> place;  ///< and the other way round
+  std::unique_ptr<BodyState> body;
+  ExplicitStepper explicit_stepper;
+  ImplicitStepper implicit_stepper;
+
+  std::vector<Vec3> in_order(std::span<const Vec3> values) const {
+    std::vector<Vec3> sorted(values.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = values[order[i]];
+    return sorted;
+  }
+  std::vector<Vec3> as_given(std::span<const Vec3> sorted) const {
+    std::vector<Vec3> values(sorted.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[order[i]] = sorted[i];
+    return values;
+  }
+};
+
+SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene scene)
+    : state_(std::make_unique<State>()) {
+  checked(mesh, options, scene);
+  State& s = *state_;
+  s.mesh = std::move(mesh), s.scene = std::move(scene);
+  s.masses = lumped_masses(s.mesh, options);
+  s.order = order_in_space(s.mesh.vertices);
+  const std::size_t n = s.order.size();
+  s.place.resize(n);
+  for (std::size_t i = 0; i < n; ++i) s.place[s.order[i]] = static_cast<std::uint32_t>(i);
+  std::vector<Vec3> rest = s.in_order(s.mesh.vertices);
+  std::vector<std::uint32_t> loose;
+  for (std::size_t v = 0; v < n; ++v) {
+    if (s.masses[v] == 0) loose.push_back(static_cast<std::uint32_t>(v));
+  }
+
+  s.body = std::make_unique<BodyState>(options, s.scene, SceneDrive(s.scene, rest, s.place, loose));
+  BodyState& body = *s.body;
+  body.names = s.order;
+  for (const std::uint32_t v : s.order) {
+    body.masses.push_back(s.masses[v] > 0 ? s.masses[v] : 1);
+    body.weights.push_back(options.gravity * s.masses[v]);
+  }
+  std::vector<Tet> tets = s.mesh.tets;
+  for (Tet& t : tets) {
+    for (std::uint32_t& v : t) v = s.place[v];
+  }
+  // Neighbours in memory, too; sums over tetrahedra are in this order.
+  std::sort(tets.begin(), tets.end(), [](const Tet& a, const Tet& b) {
+    const auto first = [](const Tet& t) { return *std::min_element(t.begin(), t.end()); };
+    return first(a) != first(b) ? first(a) < first(b) : a < b;
+  });
+  if (options.model == SoftBodyModel::springs) {
+    body.model = std::make_unique<SpringModel>(vertex_graph(tets, n), rest, options.stiffness, options.damping);
+  } else {
+    body.model = std::make_unique<CorotationalModel>(std::move(tets), rest, options.youngs_modulus,
+                                                     options.poissons_ratio, options.stiffness_damping);
+  }
+  const double diagonal = bounds(s.mesh).diagonal();
+  body.near = 1e-9 * diagonal, body.longest = ElasticModel::kMostStretch * diagonal;
+  body.x = std::move(rest), body.v.resize(n);
+}
+
+SoftBody::~SoftBody() = default;
+SoftBody::SoftBody(SoftBody&&) noexcept = default;
+SoftBody& SoftBody::operator=(SoftBody&&) noexcept = default;
+
+StepReport SoftBody::step() { return advance(options().step); }
+
+StepReport SoftBody::advance(double duration) {
+  check_argument(std::isfinite(duration) && duration > 0, "`duration` must be a positive time");
+  const double steps = std::max(1.0, std::ceil(duration / options().step * (1 - 1e-12)));
+  const double h = duration / steps;
+  StepReport report;
+  for (double k = 0; k < steps; ++k) {
+    if (options().integrator == DynamicsIntegrator::implicit_euler) {
+      state_->implicit_stepper.step(*state_->body, h, report);
+    } else {
+      state_->explicit_stepper.step(*state_->body, h, report);
+      report.shortest = h;
+    }
+  }
+  return report;
+}
+
+double SoftBody::time() const { return state_->body->time; }
+std::vector<Vec3> SoftBody::positions() const { return state_->as_given(state_->body->x); }
+std::vector<Vec3> SoftBody::velocities() const { return state_->as_given(state_->body->velocities_now()); }
+const std::vector<double>& SoftBody::masses() const { return state_->masses; }
+const TetMesh& SoftBody::rest() const { return state_->mesh; }
+const SoftBodyOptions& SoftBody::options() const { return state_->body->options; }
+const DynamicsScene& SoftBody::scene() const { return state_->scene; }
+
+BodyEnergies SoftBody::energies() const {
+  BodyState& body = *state_->body;
+  const std::vector<Vec3> v = body.velocities_now();
+  BodyEnergies sum;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    sum.kinetic += 0.5 * body.masses[i] * squared_norm(v[i]);
+    sum.gravity -= dot(body.weights[i], body.x[i]);
+  }
+  sum.elastic = body.model->energy(body.x);
+  const auto targets = body.drive.targets(body.time);
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const auto [vertex, stiffness] = body.drive.pulled()[k];
+    sum.elastic += 0.5 * stiffness * squared_norm(targets[k] - body.x[vertex]);
+  }
+  return sum;
+}
+
+void SoftBody::set_state(std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  BodyState& body = *state_->body;
+  check_argument(positions.size() == body.size() && velocities.size() == body.size(),
+                 "`positions` and `velocities` must have an entry for each vertex");
+  const auto finite = [](const Vec3& p) { return is_finite(p); };
+  check_argument(std::all_of(positions.begin(), positions.end(), finite) &&
+                     std::all_of(velocities.begin(), velocities.end(), finite),
+                 "`positions` and `velocities` must be finite");
+  body.x = state_->in_order(positions), body.v = state_->in_order(velocities);
+  const auto held = body.drive.held_positions(body.time);
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    body.x[body.drive.held()[k]] = held[k], body.v[body.drive.held()[k]] = {};
+  }
+  body.lag = 0;
+  state_->explicit_stepper.reset(), state_->implicit_stepper.reset();
+}
+
+}  // namespace sansmesh
