@@ -1,5 +1,6 @@
-// Whatever bytes the header of an image, of a PLOT3D, Nek5000, NetCDF or ADF file holds, reading it ends with blocks
-// whose arrays fit together, or with an error of one printable line. The first byte chooses the format.
+// Whatever bytes the header of an image, of a PLOT3D, Nek5000, NetCDF or ADF file holds, or a mesh of Gmsh, Medit,
+// TetGen or Vega, reading it ends with blocks whose arrays fit together, or with an error of one printable line. The
+// first byte chooses the format, of meshes the second.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -38,9 +39,30 @@ void check(const GridData& data) {
       for (const std::uint32_t p : ring) require(p < n, "a flat cell of points that are not there");
     for (const auto& axis : b.axes)
       require(std::is_sorted(axis.begin(), axis.end(), std::less_equal<>()), "an axis that does not increase");
+    require(b.point_numbers.empty() || b.point_numbers.size() == n, "numbers of other points");
+    for (const Attribute& a : b.cell_arrays)
+      require(a.rows() == (b.cells.empty() ? b.flat_cells.size() : b.cells.size()), "an array of other cells");
     for (const Attribute& a : b.point_arrays)
       require(a.components > 0 && !a.name.empty() && a.size() == n * a.components, "an array of other points");
   }
+}
+
+GridData read_mesh_of_cells(const io::Input& in, char format) {
+  switch (format) {
+    case 'g':
+      return io::read_gmsh(in);
+    case 'm':
+      return io::read_medit(in);
+    case 'v':
+      return io::read_vega(in);
+    default:
+      break;
+  }
+  // TetGen's two files with a zero between.
+  const std::size_t end = std::min(in.bytes.find('\0'), in.bytes.size());
+  const io::Input nodes{in.file, in.bytes.substr(0, end), in.report};
+  const io::Input cells{in.file, in.bytes.substr(std::min(end + 1, in.bytes.size())), in.report};
+  return io::read_tetgen(nodes, &cells);
 }
 
 }  // namespace
@@ -74,6 +96,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 6:
         io::check_adf_size(in);
         break;
+      case 7: {
+        const io::Input mesh{name, in.bytes.substr(1), report};
+        check(read_mesh_of_cells(mesh, in.bytes[0]));
+        break;
+      }
       default:
         io::check_netcdf_size(in);
     }

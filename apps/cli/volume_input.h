@@ -107,8 +107,9 @@ struct NamedIsosurface {
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console);
 
 inline constexpr const char* kReadableVolumes =
-    "Reads MetaImage, NRRD, raw, PLOT3D, Nek5000, points with attributes and, through VTK, .vti .vtr .vts .vtu .vtm\n"
-    ".vthb .vtk, Exodus, EnSight, CGNS and folders of DICOM slices; fitted volumes (.smv, made by volume fit).\n"
+    "Reads MetaImage, NRRD, raw, PLOT3D, Nek5000, meshes of Gmsh, Medit, TetGen and Vega, points with attributes and,\n"
+    "through VTK, .vti .vtr .vts .vtu .vtm .vthb .vtk, Exodus, EnSight, CGNS and folders of DICOM slices; fitted\n"
+    "volumes (.smv, made by volume fit).\n"
     "Several files are the blocks of one volume.";
 
 }  // namespace sansmesh::cli

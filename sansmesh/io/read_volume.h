@@ -21,10 +21,11 @@ struct VolumeReadOptions {
 /// The volume that a file holds (docs/formats/volumes.md). The format follows from the ending and the content:
 /// MetaImage
 /// (.mhd, .mha), NRRD (.nrrd, .nhdr), raw numbers (by `raw`, or by a name such as engine_256x256x128_uint8.raw), PLOT3D
-/// (its solution is found by its name: flowxyz.bin and flowq.bin, flow.xyz and flow.q), Nek5000 (.nek5000, .f00001) and
-/// files of points (read_points) are read by this library. The formats of VTK, Exodus, EnSight, CGNS, OpenFOAM and
-/// folders of DICOM slices need the module that `scripts/install-deps volume` and the target `sansmesh_vtk` make; the
-/// error says so where it is missing.
+/// (its solution is found by its name: flowxyz.bin and flowq.bin, flow.xyz and flow.q), Nek5000 (.nek5000, .f00001),
+/// meshes of cells by Gmsh (.msh), Medit (.mesh, .meshb), TetGen (.node, .ele) and Vega (.veg), and files of points
+/// (read_points) are read by this library. The formats of VTK, Exodus, EnSight, CGNS, OpenFOAM and folders of DICOM
+/// slices need the module that `scripts/install-deps volume` and the target `sansmesh_vtk` make; the error says so
+/// where it is missing.
 ///
 /// While the module reads, VTK's window for messages is replaced and its log silent in the whole process, and for a
 /// CGNS file the buffer of std::cerr: do not set these on another thread meanwhile.
