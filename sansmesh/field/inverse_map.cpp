@@ -90,4 +90,29 @@ InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, s
   return answers;
 }
 
+void InverseMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+  std::vector<Vec3> starts(x.begin(), x.end());
+  if (starts_) {
+    starts_->map(x, {starts, {}, {}, {}});
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!is_finite(starts[i])) starts[i] = x[i];
+  }
+  const InverseAnswers found = inverse_map(*map_, x, starts, {tolerance_});  // that of the batch would depend on it
+  std::vector<Vec3> positions(x.size());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < x.size(); ++i)
+    positions[i] = found.found[i] ? found.positions[i] : Vec3{kNone, kNone, kNone};
+  if (!wanted.positions.empty()) std::copy(positions.begin(), positions.end(), wanted.positions.begin());
+  if (!wanted.jacobians.empty()) {
+    std::vector<Jacobian> j(x.size());
+    map_->map(found.positions, {{}, j, {}, {}});
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Matrix3 m{j[i][0], j[i][1], j[i][2]};
+      wanted.jacobians[i] = {m.solve({1, 0, 0}), m.solve({0, 1, 0}), m.solve({0, 0, 1})};
+    }
+  }
+  std::fill_n(wanted.gaps.begin(), wanted.gaps.size(), -std::numeric_limits<double>::infinity());
+  std::fill_n(wanted.gap_gradients.begin(), wanted.gap_gradients.size(), Vec3{});
+}
+
 }  // namespace sansmesh

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/field/space_map.h"
@@ -29,5 +31,21 @@ struct InverseAnswers {
 /// Throws ArgumentError where sizes differ.
 InverseAnswers inverse_map(const SpaceMap& map, std::span<const Vec3> targets, std::span<const Vec3> starts,
                            const InverseOptions& options = {});
+
+/// The inverse of a map as a map: from places before to places after, if the map is a backward one. Where none is found
+/// it is not defined (NaN). It has no gaps: what they show comes from nowhere.
+class InverseMap final : public SpaceMap {
+ public:
+  /// `tolerance` as in InverseOptions, > 0. `starts`: a map that comes near, such as the forward one of the same
+  /// handles; null: each place starts at itself.
+  InverseMap(std::shared_ptr<const SpaceMap> map, double tolerance, std::shared_ptr<const SpaceMap> starts = {})
+      : map_(std::move(map)), starts_(std::move(starts)), tolerance_(tolerance) {}
+
+  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
+
+ private:
+  std::shared_ptr<const SpaceMap> map_, starts_;
+  double tolerance_;
+};
 
 }  // namespace sansmesh

@@ -203,6 +203,29 @@ TEST(InverseMap, GoesBackAndSaysWhereItCannot) {
   EXPECT_THROW(inverse_map(flat, targets, std::span(starts).first(1)), ArgumentError);
 }
 
+TEST(InverseMap, IsAMap) {
+  const auto twist = std::make_shared<const TwistMap>(1.5);
+  const InverseMap back(twist, 1e-12), started(twist, 1e-12, std::make_shared<const TwistMap>(-1.5));
+  const std::vector<Vec3> u = points_in({{-1, -1, -1}, {1, 1, 1}}, 100);
+  std::vector<Vec3> x(u.size()), y(u.size()), exact(u.size());
+  std::vector<Jacobian> j(u.size()), expected(u.size());
+  std::vector<double> gaps(u.size(), 5);
+  back.map(u, {x, j, gaps, {}});
+  started.map(u, {y, {}, {}, {}});
+  TwistMap(-1.5).map(u, {exact, expected, {}, {}});
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    EXPECT_LT(norm(x[i] - exact[i]), 1e-11);
+    EXPECT_LT(norm(y[i] - exact[i]), 1e-11);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(norm(j[i][k] - expected[i][k]), 1e-9);
+    EXPECT_LT(gaps[i], -1e300);
+  }
+  const AffineMap flat({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{}}, {});
+  const std::vector<Vec3> off{{0, 0, 1}};
+  std::vector<Vec3> nowhere(1);
+  InverseMap(std::make_shared<const AffineMap>(flat), 1e-9).map(off, {nowhere, {}, {}, {}});
+  EXPECT_TRUE(std::isnan(nowhere[0].x));
+}
+
 TEST(MapStretch, IsTheLargestSingularValue) {
   // A rotation between two stretches.
   const double c = std::cos(0.7), s = std::sin(0.7);

@@ -1,0 +1,22 @@
+// Handles as something to see.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/deform/handles.h"
+
+namespace sansmesh {
+
+struct HandleShapeOptions {
+  double radius = 0;  ///< of the balls, > 0 (length)
+  std::array<std::uint8_t, 3> before{96, 125, 160}, after{214, 88, 38};
+};
+
+/// A ball where each handle was and one where it went, segments as rods, an arrow from the one to the other where it
+/// moved by more than its ball, and arrows along directions. Colours tell before from after.
+TriangleMesh handle_shapes(std::span<const Handle> handles, const HandleShapeOptions& options);
+
+}  // namespace sansmesh
