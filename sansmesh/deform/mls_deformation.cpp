@@ -1,13 +1,13 @@
 #include "sansmesh/deform/mls_deformation.h"
 
-#include <algorithm>
-#include <array>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/deform/deform_setup.h"
 #include "sansmesh/deform/node_fit.h"
+#include "sansmesh/deform/point_kernels.h"
 #include "sansmesh/deform/weighted_nodes.h"
 
 namespace sansmesh {
@@ -20,6 +20,7 @@ constexpr std::size_t kMapBatch = 256;
 struct MlsDeformation::State {
   detail::DeformSetup setup;
   std::vector<std::shared_ptr<const Occluder>> cuts;
+  std::optional<detail::PointMap> points;  ///< finds positions, where there is nothing but points
 
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const;
   void map_gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const Jacobian> jacobians,
@@ -27,39 +28,43 @@ struct MlsDeformation::State {
 };
 
 void MlsDeformation::State::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const bool gaps = !wanted.gaps.empty() || !wanted.gap_gradients.empty();
   const bool jacobian = !wanted.jacobians.empty() || (gaps && !cuts.empty());
-  // Ways around from the handle h to x[i]: [i handles + h].
-  const std::size_t handles = setup.handles.size();
-  std::vector<Detour> detours, of_handle, scratch;
-  if (!cuts.empty()) {
-    detours.resize(handles * x.size());
-    for (std::size_t h = 0; h < handles; ++h) {
+  std::vector<Vec3> own_positions(wanted.positions.empty() && gaps ? x.size() : 0);
+  const std::span<Vec3> positions = wanted.positions.empty() ? std::span<Vec3>(own_positions) : wanted.positions;
+  std::vector<Jacobian> own_jacobians(wanted.jacobians.empty() && gaps ? x.size() : 0);
+  const std::span<Jacobian> found = wanted.jacobians.empty() ? std::span<Jacobian>(own_jacobians) : wanted.jacobians;
+  if (points && !positions.empty()) {
+    detail::map_places(*points, x, positions);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!is_finite(x[i])) positions[i] = {kNone, kNone, kNone};
+  }
+  if (jacobian || !points) {
+    // Ways around from the handle h to x[i]: [i handles + h].
+    const std::size_t handles = setup.handles.size();
+    std::vector<Detour> detours(cuts.empty() ? 0 : handles * x.size()), of_handle, scratch;
+    for (std::size_t h = 0; h < handles && !cuts.empty(); ++h) {
       if (setup.handles[h].segment) continue;
       of_handle.assign(x.size(), {});
       detail::add_detours(cuts, setup.handles[h].q, x, of_handle, scratch);
       for (std::size_t i = 0; i < x.size(); ++i) detours[i * handles + h] = of_handle[i];
     }
-  }
-  detail::NodesFrom nodes;
-  std::vector<double> columns;
-  std::vector<Vec3> sources(gaps ? x.size() : 0);
-  std::vector<Jacobian> jacobians(gaps ? x.size() : 0);
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    detail::FittedPlace fit{{kNone, kNone, kNone}, {}};
-    if (is_finite(x[i])) {
-      const auto own =
-          cuts.empty() ? std::span<const Detour>{} : std::span<const Detour>{detours}.subspan(i * handles, handles);
-      detail::gather_nodes(setup, cuts, own, x[i], nodes);
-      fit = detail::fit_nodes(setup, nodes, x[i], jacobian, columns);
-      if (nodes.held) fit.position = *nodes.held;
+    detail::NodesFrom nodes;
+    std::vector<double> columns;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      detail::FittedPlace fit{{kNone, kNone, kNone}, {}};
+      if (is_finite(x[i])) {
+        const std::span<const Detour> own = std::span<const Detour>(detours).subspan(cuts.empty() ? 0 : i * handles);
+        detail::gather_nodes(setup, cuts, own, x[i], nodes);
+        fit = detail::fit_nodes(setup, nodes, x[i], jacobian, columns);
+        if (nodes.held) fit.position = *nodes.held;
+      }
+      if (!points && !positions.empty()) positions[i] = fit.position;
+      if (!found.empty()) found[i] = fit.jacobian;
     }
-    if (!wanted.positions.empty()) wanted.positions[i] = fit.position;
-    if (!wanted.jacobians.empty()) wanted.jacobians[i] = fit.jacobian;
-    if (gaps) sources[i] = fit.position, jacobians[i] = fit.jacobian;
   }
-  if (gaps) map_gaps(x, sources, jacobians, wanted);
+  if (gaps) map_gaps(x, positions, found, wanted);
 }
 
 void MlsDeformation::State::map_gaps(std::span<const Vec3> x, std::span<const Vec3> sources,
@@ -76,11 +81,40 @@ void MlsDeformation::State::map_gaps(std::span<const Vec3> x, std::span<const Ve
   }
 }
 
+namespace {
+
+std::optional<detail::PointMap> map_of_points(const detail::DeformSetup& setup) {
+  if (!setup.plain || setup.line != detail::HandleLine::none) return std::nullopt;
+  detail::PointMap map;
+  switch (setup.options.kind) {
+    case DeformationKind::rigid:
+      map.kind = detail::PointMapKind::rigid;
+      break;
+    case DeformationKind::similarity:
+      map.kind = detail::PointMapKind::similarity;
+      break;
+    case DeformationKind::affine:
+    case DeformationKind::nonlinear:
+      map.kind = detail::PointMapKind::polynomials;
+      break;
+  }
+  for (const detail::DeformHandle& h : setup.handles) {
+    for (std::size_t k = 0; k < 3; ++k) map.q[k].push_back(h.q[k]), map.p[k].push_back(h.p[k]);
+    map.weight.push_back(h.weight);
+  }
+  map.alpha = setup.options.alpha, map.floor_square = setup.floor_square;
+  map.unit = 1 / setup.extent, map.terms = setup.terms;
+  return map;
+}
+
+}  // namespace
+
 MlsDeformation::MlsDeformation(std::vector<Handle> handles, const MlsDeformationOptions& options,
                                std::vector<std::shared_ptr<const Occluder>> cuts) {
   auto state = std::make_unique<State>();
   state->setup = detail::set_up_deformation(handles, options);
   state->cuts = std::move(cuts);
+  if (state->cuts.empty()) state->points = map_of_points(state->setup);
   state_ = std::move(state);
 }
 

@@ -36,7 +36,7 @@ TEST(MlsDeformation, ReproducesWhatTheKindCanDo) {
       SCOPED_TRACE(name_of(options));
       const auto expect = [&](const Deform& source) {
         EXPECT_LT(largest_error(MlsDeformation(handles_from(30, source), options), x, source),
-                  alpha > 2 ? 1e-8 : 1e-10);
+                  alpha > 2 ? 1e-7 : 1e-10);
       };
       expect([](const Vec3& v) { return v; });
       expect(moved_rigidly);
@@ -287,7 +287,8 @@ TEST(MlsDeformation, CutsDampAndOpen) {
     std::erase_if(x, [](const Vec3& v) { return std::abs(v.x) < 0.01 || std::abs(v.z) < 0.01; });
     EXPECT_LT(jacobian_error(map, x, 1e-4), 1e-4);
     std::size_t differ = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) differ += mapped(map, {x[i]})[0] != mapped(whole, {x[i]})[0];
+    for (std::size_t i = 0; i < x.size(); ++i)
+      differ += norm(mapped(map, {x[i]})[0] - mapped(whole, {x[i]})[0]) > 1e-11;
     EXPECT_GT(differ, x.size() / 4);
     EXPECT_LT(differ, x.size());
     for (const Handle& h : handles) EXPECT_EQ(mapped(map, {h.q})[0], h.p);

@@ -1,0 +1,184 @@
+// Displacement maps of 64³ to 256³ points by moving least squares on 15 handles, each kind: seconds, beside those of
+// the thesis (METHODS §7.1, its table 6.2), and how far single precision and the lattice are from the map itself. Then
+// the experiment of its figure 6.12: rotations by plain singular value decomposition jump and flip, those of the
+// library do not.
+//
+//   benchmark_deformation [largest size, default 256]
+#include <fmt/core.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/deform/displacement_map.h"
+#include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/deform/rotation_fit.h"
+
+namespace {
+
+using namespace sansmesh;
+
+constexpr int kRounds = 3;
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// 15 handles in −1..1, as figure 6.8 has: most stay, some go up to half a unit.
+std::vector<Handle> fifteen_handles() {
+  std::mt19937 random(15);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::vector<Handle> handles(15);
+  for (std::size_t i = 0; i < handles.size(); ++i) {
+    handles[i].p = handles[i].q = {u(random), u(random), u(random)};
+    if (i % 3 == 0) handles[i].p += Vec3{u(random), u(random), u(random)} * 0.3;
+  }
+  return handles;
+}
+
+struct Row {
+  const char* name;
+  DeformationKind kind;
+  int degree;
+  std::array<double, 6> thesis;  ///< CPU and GPU seconds of 64³, 128³, 256³; 0: not given
+};
+
+void time_maps(std::size_t largest) {
+  const Row rows[] = {
+      {"affine", DeformationKind::affine, 2, {.633, .004, 4.868, .015, 38.55, .104}},
+      {"rigid", DeformationKind::rigid, 2, {1.125, .008, 8.779, .045, 69.97, .325}},
+      {"similarity", DeformationKind::similarity, 2, {1.133, .008, 8.976, .045, 70.55, .325}},
+      {"nonlinear, degree 2", DeformationKind::nonlinear, 2, {9.27, .102, 117.18, .46, 793, .73}},
+      {"nonlinear, degree 3 (30 handles)", DeformationKind::nonlinear, 3, {}},
+  };
+  const Box3 box{{-1, -1, -1}, {1, 1, 1}};
+  fmt::print("Displacement maps, 15 handles, {} threads: wall seconds (CPU seconds), best of {}; thesis: CPU, GPU\n\n",
+             thread_count(), kRounds);
+  fmt::print(
+      "| kind | size | seconds | thesis CPU | thesis GPU | error of floats / box |\n|---|---|---|---|---|---|\n");
+  for (const Row& row : rows) {
+    std::vector<Handle> handles = fifteen_handles();
+    if (row.degree == 3) {
+      for (Handle h : fifteen_handles()) h.q = h.q * -0.7, h.p = h.p * -0.7, handles.push_back(h);
+    }
+    MlsDeformationOptions options;
+    options.kind = row.kind, options.degree = row.degree;
+    const MlsDeformation map(handles, options);
+    for (std::size_t n = 64, column = 0; n <= largest; n *= 2, column += 2) {
+      double wall = 1e9, cpu = 1e9, worst = 0;
+      for (int round = 0; round < kRounds; ++round) {
+        Progress progress;
+        const double from = wall_seconds(), cpu_from = process_cpu_seconds();
+        const DisplacementMap lattice = displacement_map(map, box, {n, n, n}, progress);
+        wall = std::min(wall, wall_seconds() - from), cpu = std::min(cpu, process_cpu_seconds() - cpu_from);
+        if (round > 0 || n > 128) continue;
+        std::vector<Vec3> x, jacobian_of;
+        for (std::size_t i = 0; i < n * n * n; i += 101) {
+          const double last = static_cast<double>(n - 1);
+          x.push_back({2 * static_cast<double>(i % n) / last - 1, 2 * static_cast<double>(i / n % n) / last - 1,
+                       2 * static_cast<double>(i / n / n) / last - 1});
+        }
+        std::vector<Vec3> exact(x.size()), looked_up(x.size());
+        map.map(x, {exact, {}, {}, {}});
+        lattice.map(x, {looked_up, {}, {}, {}});
+        for (std::size_t i = 0; i < x.size(); ++i)
+          worst = std::max(worst, norm(exact[i] - looked_up[i]) / box.diagonal());
+      }
+      fmt::print("| {} | {}³ | {:.3f} ({:.3f}) | {} | {} | {} |\n", row.name, n, wall, cpu,
+                 row.thesis[column] > 0 ? fmt::format("{:.3g}", row.thesis[column]) : "–",
+                 row.thesis[column] > 0 ? fmt::format("{:.3g}", row.thesis[column + 1]) : "–",
+                 worst > 0 ? fmt::format("{:.1e}", worst) : "–");
+    }
+  }
+}
+
+/// Largest jump of a rotation between neighbours of a lattice, and how many rotations mirror.
+struct Noise {
+  std::size_t mirrored = 0, jumps = 0;
+  double largest = 0;
+};
+
+using Turn = detail::Rows3 (*)(const detail::Rows3&);
+
+/// U Vᵀ, by plain singular values: orthogonal, not always a rotation.
+detail::Rows3 plain_svd(const detail::Rows3& b) {
+  Eigen::Matrix3d m;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) m(static_cast<int>(i), static_cast<int>(j)) = b[i][j];
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d r = svd.matrixU() * svd.matrixV().transpose();
+  detail::Rows3 rows;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) rows[i][j] = r(static_cast<int>(i), static_cast<int>(j));
+  return rows;
+}
+
+Noise noise_of(Turn turn, const std::vector<Handle>& handles, bool weighted, double thickness, std::size_t n) {
+  std::vector<detail::Rows3> turns(n * n * n);
+  Noise noise;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const double last = static_cast<double>(n - 1);
+    const Vec3 x{2 * static_cast<double>(i % n) / last - 1, 2 * static_cast<double>(i / n % n) / last - 1,
+                 (2 * static_cast<double>(i / n / n) / last - 1) * std::max(thickness, 0.2)};
+    double sum = 0;
+    Vec3 q, p;
+    std::vector<double> w;
+    for (const Handle& h : handles) {
+      w.push_back(1 / (squared_norm(x - h.q) + 1e-12));
+      sum += w.back(), q += h.q * w.back(), p += h.p * w.back();
+    }
+    q = q / sum, p = p / sum;
+    detail::Rows3 b{};
+    for (std::size_t h = 0; h < handles.size(); ++h)
+      for (std::size_t k = 0; k < 3; ++k) b[k] += (handles[h].q - q) * ((weighted ? w[h] : 1) * (handles[h].p - p)[k]);
+    turns[i] = turn(b);
+    const detail::Rows3& r = turns[i];
+    noise.mirrored += dot(r[0], cross(r[1], r[2])) < 0;
+    const auto compare = [&](std::size_t other) {
+      double square = 0;
+      for (std::size_t k = 0; k < 3; ++k) square += squared_norm(r[k] - turns[other][k]);
+      noise.largest = std::max(noise.largest, std::sqrt(square));
+      noise.jumps += square > 1;
+    };
+    if (i % n > 0) compare(i - 1);
+    if (i / n % n > 0) compare(i - n);
+    if (i / n / n > 0) compare(i - n * n);
+  }
+  return noise;
+}
+
+void count_flips() {
+  fmt::print(
+      "\nRotations on 48³ places (figure 6.12): mirrored ones, jumps of more than 1 (norm of the difference) "
+      "between neighbours, the largest\n\n");
+  fmt::print("| handles | rotations | mirrored | jumps | largest |\n|---|---|---|---|---|\n");
+  for (const double thickness : {1.0, 0.05, 0.0}) {
+    std::vector<Handle> handles = fifteen_handles();
+    for (std::size_t i = 0; i < handles.size(); ++i) {
+      handles[i].q.z *= thickness;
+      handles[i].p = handles[i].q + (handles[i].p - handles[i].q) * (thickness < 1 ? 0.5 : 2.5);
+    }
+    const std::string name = thickness == 1 ? "all around" : fmt::format("{} thick", thickness);
+    const auto line = [&](const char* how, const Noise& noise) {
+      fmt::print("| {} | {} | {} | {} | {:.3f} |\n", name, how, noise.mirrored, noise.jumps, noise.largest);
+    };
+    line("singular values, unweighted", noise_of(&plain_svd, handles, false, thickness, 48));
+    line("singular values, weighted", noise_of(&plain_svd, handles, true, thickness, 48));
+    line("quartic (library)", noise_of(&detail::best_rotation, handles, true, thickness, 48));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  time_maps(argc > 1 ? static_cast<std::size_t>(std::atoi(argv[1])) : 256);
+  count_flips();
+}

@@ -1,0 +1,286 @@
+#include "sansmesh/core/simd_targets.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sansmesh/deform/point_kernels.cpp"
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+// clang-format on
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/deform/point_kernels.h"
+#include "sansmesh/deform/rotation_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sansmesh::detail {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using PlaceTag = hn::CappedTag<double, 8>;
+using PlaceV = hn::Vec<PlaceTag>;
+
+constexpr std::size_t kWidest = 8;
+
+/// base^alpha.
+HWY_INLINE PlaceV WeightPower(const PlaceV& base, double alpha) {
+  const PlaceTag d;
+  const double doubled = 2 * alpha;
+  const int times = static_cast<int>(doubled);
+  if (doubled != times || times > 16) {
+    HWY_ALIGN double lanes[kWidest];
+    hn::Store(base, d, lanes);
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) lanes[i] = std::pow(lanes[i], alpha);
+    return hn::Load(d, lanes);
+  }
+  PlaceV power = times % 2 ? hn::Sqrt(base) : hn::Set(d, 1.0);
+  for (int k = 0; k < times / 2; ++k) power = hn::Mul(power, base);
+  return power;
+}
+
+/// The handles as seen from a vector of places: relative to the nearest one of each, which costs no digits where that
+/// is far heavier than the rest.
+struct SeenHandles {
+  const PointMap& map;
+  double* weights;  ///< of handle h: [lanes h]
+  PlaceV x[3], nearest_q[3], nearest_p[3], mean_q[3], mean_p[3], total;
+
+  std::size_t count() const { return map.weight.size(); }
+  PlaceV weight(std::size_t h) const { return hn::Load(PlaceTag(), weights + h * hn::Lanes(PlaceTag())); }
+  PlaceV hat_q(std::size_t h, std::size_t k) const {
+    return hn::Sub(hn::Sub(hn::Set(PlaceTag(), map.q[k][h]), nearest_q[k]), mean_q[k]);
+  }
+  PlaceV near_p(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.p[k][h]), nearest_p[k]); }
+  PlaceV hat_p(std::size_t h, std::size_t k) const { return hn::Sub(near_p(h, k), mean_p[k]); }
+  PlaceV hat_x(std::size_t k) const { return hn::Sub(hn::Sub(x[k], nearest_q[k]), mean_q[k]); }
+};
+
+HWY_INLINE PlaceV SquareTo(const SeenHandles& seen, std::size_t h) {
+  const PlaceTag d;
+  const PlaceV dx = hn::Sub(seen.x[0], hn::Set(d, seen.map.q[0][h])),
+               dy = hn::Sub(seen.x[1], hn::Set(d, seen.map.q[1][h]));
+  const PlaceV dz = hn::Sub(seen.x[2], hn::Set(d, seen.map.q[2][h]));
+  return Sum3(hn::Mul(dx, dx), hn::Mul(dy, dy), hn::Mul(dz, dz));
+}
+
+/// Fills in all but the places. Returns the squares of the distances from the nearest.
+HWY_INLINE PlaceV SeeHandles(SeenHandles& seen) {
+  const PlaceTag d;
+  const hn::RebindToSigned<PlaceTag> di;
+  const std::size_t lanes = hn::Lanes(d), count = seen.count();
+  PlaceV least = hn::Set(d, std::numeric_limits<double>::max());
+  auto nearest = hn::Zero(di);
+  for (std::size_t h = 0; h < count; ++h) {
+    const PlaceV square = SquareTo(seen, h);
+    hn::Store(square, d, seen.weights + h * lanes);
+    const auto nearer = hn::Lt(square, least);
+    least = hn::IfThenElse(nearer, square, least);
+    nearest = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, static_cast<std::int64_t>(h)), nearest);
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    seen.nearest_q[k] = hn::GatherIndex(d, seen.map.q[k].data(), nearest);
+    seen.nearest_p[k] = hn::GatherIndex(d, seen.map.p[k].data(), nearest);
+    seen.mean_q[k] = seen.mean_p[k] = hn::Zero(d);
+  }
+  const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(least, floor);
+  seen.total = hn::Zero(d);
+  PlaceV sum_q[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, sum_p[3] = {sum_q[0], sum_q[0], sum_q[0]};
+  for (std::size_t h = 0; h < count; ++h) {
+    const PlaceV ratio = hn::Div(unit, hn::Max(seen.weight(h), floor));
+    const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(ratio, seen.map.alpha));
+    hn::Store(w, d, seen.weights + h * lanes);
+    seen.total = hn::Add(seen.total, w);
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum_q[k] = hn::Add(sum_q[k], hn::Mul(w, seen.hat_q(h, k)));
+      sum_p[k] = hn::Add(sum_p[k], hn::Mul(w, seen.near_p(h, k)));
+    }
+  }
+  const PlaceV share = hn::Div(hn::Set(d, 1.0), seen.total);
+  for (std::size_t k = 0; k < 3; ++k)
+    seen.mean_q[k] = hn::Mul(sum_q[k], share), seen.mean_p[k] = hn::Mul(sum_p[k], share);
+  return least;
+}
+
+/// The turn, and for similarities the scale, that fits; applied to x less the mean.
+HWY_INLINE void FitTurn(const SeenHandles& seen, PlaceV (&moved)[3]) {
+  const PlaceTag d;
+  PlaceV b[3][3], spread = hn::Zero(d);
+  for (auto& row : b)
+    for (PlaceV& e : row) e = hn::Zero(d);
+  for (std::size_t h = 0; h < seen.count(); ++h) {
+    const PlaceV w = seen.weight(h);
+    const PlaceV q[3] = {seen.hat_q(h, 0), seen.hat_q(h, 1), seen.hat_q(h, 2)};
+    const PlaceV wq[3] = {hn::Mul(w, q[0]), hn::Mul(w, q[1]), hn::Mul(w, q[2])};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const PlaceV p = seen.hat_p(h, i);
+      for (std::size_t j = 0; j < 3; ++j) b[i][j] = hn::Add(b[i][j], hn::Mul(p, wq[j]));
+    }
+    if (seen.map.kind == PointMapKind::similarity)
+      spread = hn::Add(spread, Sum3(hn::Mul(q[0], wq[0]), hn::Mul(q[1], wq[1]), hn::Mul(q[2], wq[2])));
+  }
+  PlaceV r[3][3];
+  BestRotation(b, r);
+  const PlaceV y[3] = {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)};
+  for (std::size_t i = 0; i < 3; ++i)
+    moved[i] = Sum3(hn::Mul(r[i][0], y[0]), hn::Mul(r[i][1], y[1]), hn::Mul(r[i][2], y[2]));
+  if (seen.map.kind != PointMapKind::similarity) return;
+  PlaceV aligned = hn::Zero(d);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) aligned = hn::Add(aligned, hn::Mul(r[i][j], b[i][j]));
+  const auto some = hn::Gt(spread, hn::Zero(d));
+  const PlaceV scale =
+      hn::IfThenElse(some, hn::Div(aligned, hn::IfThenElse(some, spread, hn::Set(d, 1.0))), hn::Set(d, 1.0));
+  for (PlaceV& v : moved) v = hn::Mul(v, scale);
+}
+
+HWY_INLINE void EvaluateTerms(const PolynomialTerms& terms, const PlaceV (&v)[3], PlaceV* values) {
+  const PlaceTag d;
+  PlaceV m[kMostMonomials] = {v[0], v[1], v[2]};
+  for (std::size_t j = 3; j < terms.monomials; ++j)
+    m[j] = hn::Mul(m[kMonomialSteps[j - 3].variable], m[kMonomialSteps[j - 3].monomial]);
+  for (std::size_t j = 0; j < terms.count; ++j) {
+    const PolynomialTerm& term = terms.terms[j];
+    values[j] = m[term.monomial[0]];
+    if (term.parts == 1) continue;
+    values[j] = hn::Mul(values[j], hn::Set(d, term.factor[0]));
+    for (std::size_t k = 1; k < term.parts; ++k)
+      values[j] = hn::Add(values[j], hn::Mul(m[term.monomial[k]], hn::Set(d, term.factor[k])));
+  }
+}
+
+/// Columns of polynomials times √w on the handles, and their values at a vector of places.
+struct Columns {
+  std::size_t handles, lanes;
+  double *values, *roots;
+  PlaceV here[kMostMonomials];
+
+  double* at(std::size_t j, std::size_t h) const { return values + (j * handles + h) * lanes; }
+  PlaceV value(std::size_t j, std::size_t h) const { return hn::Load(PlaceTag(), at(j, h)); }
+  PlaceV root(std::size_t h) const { return hn::Load(PlaceTag(), roots + h * lanes); }
+  PlaceV square(std::size_t j) const {
+    PlaceV sum = hn::Zero(PlaceTag());
+    for (std::size_t h = 0; h < handles; ++h) sum = hn::Add(sum, hn::Mul(value(j, h), value(j, h)));
+    return sum;
+  }
+};
+
+/// Takes the constant (not out of coordinates, which are less their means) and all columns before out of column j, at
+/// places of the mask.
+template <class Mask>
+HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, const Mask& mask) {
+  const PlaceTag d;
+  if (j >= 3) {
+    PlaceV mean = hn::Zero(d);
+    for (std::size_t h = 0; h < c.handles; ++h) mean = hn::Add(mean, hn::Mul(c.root(h), c.value(j, h)));
+    mean = hn::IfThenElseZero(mask, hn::Mul(mean, over_total));
+    c.here[j] = hn::Sub(c.here[j], mean);
+    for (std::size_t h = 0; h < c.handles; ++h)
+      hn::Store(hn::Sub(c.value(j, h), hn::Mul(mean, c.root(h))), d, c.at(j, h));
+  }
+  for (std::size_t l = 0; l < j; ++l) {
+    PlaceV share = hn::Zero(d);
+    for (std::size_t h = 0; h < c.handles; ++h) share = hn::Add(share, hn::Mul(c.value(l, h), c.value(j, h)));
+    share = hn::IfThenElseZero(mask, share);
+    c.here[j] = hn::Sub(c.here[j], hn::Mul(share, c.here[l]));
+    for (std::size_t h = 0; h < c.handles; ++h)
+      hn::Store(hn::Sub(c.value(j, h), hn::Mul(share, c.value(l, h))), d, c.at(j, h));
+  }
+}
+
+/// The polynomials that fit, at x less the mean: Σ w p K(x, q) with the kernel K of polynomials that are orthonormal on
+/// the handles. `scratch` holds as many vectors as handles times one more than terms.
+HWY_INLINE void FitPolynomials(const SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
+  const PlaceTag d;
+  const std::size_t count = seen.count(), terms = seen.map.terms.count;
+  Columns c{count, hn::Lanes(d), scratch + count * hn::Lanes(d), scratch, {}};
+  const PlaceV unit = hn::Set(d, seen.map.unit), zero = hn::Zero(d), one = hn::Set(d, 1.0);
+  PlaceV values[kMostMonomials];
+  for (std::size_t h = 0; h < count; ++h) {
+    const PlaceV v[3] = {hn::Mul(seen.hat_q(h, 0), unit), hn::Mul(seen.hat_q(h, 1), unit),
+                         hn::Mul(seen.hat_q(h, 2), unit)};
+    EvaluateTerms(seen.map.terms, v, values);
+    const PlaceV root = hn::Sqrt(seen.weight(h));
+    hn::Store(root, d, c.roots + h * c.lanes);
+    for (std::size_t j = 0; j < terms; ++j) hn::Store(hn::Mul(values[j], root), d, c.at(j, h));
+  }
+  const PlaceV y[3] = {hn::Mul(seen.hat_x(0), unit), hn::Mul(seen.hat_x(1), unit), hn::Mul(seen.hat_x(2), unit)};
+  EvaluateTerms(seen.map.terms, y, c.here);
+  const PlaceV over_total = hn::Div(one, seen.total);
+  for (std::size_t j = 0; j < terms; ++j) {
+    const PlaceV before = c.square(j);
+    TakeOut(c, j, over_total, hn::Eq(before, before));
+    PlaceV left = c.square(j);
+    // What little is left of a column is as far from orthogonal as the rounding of what was taken out.
+    const auto again = hn::Lt(left, hn::Mul(before, hn::Set(d, 1e-3)));
+    if (!hn::AllFalse(d, again)) TakeOut(c, j, over_total, again), left = c.square(j);
+    const auto keep = hn::And(hn::Gt(left, zero), hn::Gt(left, hn::Mul(before, hn::Set(d, 1e-20))));
+    const PlaceV scale = hn::IfThenElseZero(keep, hn::Div(one, hn::Sqrt(hn::IfThenElse(keep, left, one))));
+    c.here[j] = hn::Mul(c.here[j], scale);
+    for (std::size_t h = 0; h < count; ++h) hn::Store(hn::Mul(c.value(j, h), scale), d, c.at(j, h));
+  }
+  for (PlaceV& v : moved) v = zero;
+  for (std::size_t h = 0; h < count; ++h) {
+    PlaceV kernel = zero;
+    for (std::size_t j = 0; j < terms; ++j) kernel = hn::Add(kernel, hn::Mul(c.here[j], c.value(j, h)));
+    kernel = hn::Mul(kernel, c.root(h));
+    for (std::size_t k = 0; k < 3; ++k) moved[k] = hn::Add(moved[k], hn::Mul(kernel, seen.hat_p(h, k)));
+  }
+}
+
+/// Where that many places come from, a multiple of the lanes, as arrays of coordinates.
+void MapTile(const PointMap& map, std::size_t places, const double* const* x, double* const* positions,
+             std::vector<double>& scratch) {
+  const PlaceTag d;
+  const std::size_t lanes = hn::Lanes(d), count = map.weight.size();
+  scratch.resize(lanes * count * (2 + map.terms.count) + kWidest);
+  double* const weights =
+      scratch.data() + (64 - reinterpret_cast<std::uintptr_t>(scratch.data()) % 64) % 64 / sizeof(double);
+  const PlaceV rounding = hn::Set(d, 2 * std::numeric_limits<double>::epsilon());
+  for (std::size_t i = 0; i < places; i += lanes) {
+    SeenHandles seen{map, weights, {hn::Load(d, x[0] + i), hn::Load(d, x[1] + i), hn::Load(d, x[2] + i)}, {}, {}, {},
+                     {},  {}};
+    const PlaceV least = SeeHandles(seen);
+    PlaceV moved[3];
+    if (map.kind == PointMapKind::polynomials) {
+      FitPolynomials(seen, weights + lanes * count, moved);
+    } else {
+      FitTurn(seen, moved);
+    }
+    PlaceV size = hn::Zero(d);
+    for (std::size_t k = 0; k < 3; ++k) size = hn::Max(size, hn::Max(hn::Abs(seen.x[k]), hn::Abs(seen.nearest_q[k])));
+    const PlaceV tolerance = hn::Mul(size, rounding);
+    const auto held = hn::Le(least, hn::Mul(tolerance, tolerance));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const PlaceV position = hn::Add(seen.nearest_p[k], hn::Add(seen.mean_p[k], moved[k]));
+      hn::Store(hn::IfThenElse(held, seen.nearest_p[k], position), d, positions[k] + i);
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace sansmesh::detail
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sansmesh::detail {
+HWY_EXPORT(MapTile);
+
+void map_places(const PointMap& map, std::span<const Vec3> x, std::span<Vec3> positions) {
+  constexpr std::size_t kTile = 256;
+  alignas(64) std::array<std::array<double, kTile>, 3> from, to;
+  const double* const places[3] = {from[0].data(), from[1].data(), from[2].data()};
+  double* const found[3] = {to[0].data(), to[1].data(), to[2].data()};
+  std::vector<double> scratch;
+  for (std::size_t first = 0; first < x.size(); first += kTile) {
+    const std::size_t n = std::min(kTile, x.size() - first), padded = (n + 7) / 8 * 8;
+    for (std::size_t i = 0; i < padded; ++i)
+      for (std::size_t k = 0; k < 3; ++k) from[k][i] = x[first + std::min(i, n - 1)][k];
+    HWY_DYNAMIC_DISPATCH(MapTile)(map, padded, places, found, scratch);
+    for (std::size_t i = 0; i < n; ++i) positions[first + i] = {to[0][i], to[1][i], to[2][i]};
+  }
+}
+
+}  // namespace sansmesh::detail
+#endif

@@ -1,0 +1,30 @@
+// Maps of handles that are points, many places at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/deform/polynomial_terms.h"
+
+namespace sansmesh::detail {
+
+enum class PointMapKind : std::uint8_t { polynomials, rigid, similarity };
+
+/// Handles as a structure of arrays, and what is fitted to them.
+struct PointMap {
+  PointMapKind kind = PointMapKind::rigid;
+  std::vector<double> q[3], p[3], weight;
+  double alpha = 1;
+  double floor_square = 0;  ///< distances whose squares are below this have the weight of this
+  double unit = 1;          ///< polynomials are of coordinates times this
+  PolynomialTerms terms;
+};
+
+/// Where each of x comes from, what fit_nodes() says but for rounding, and p where x is q. Anything where x is not
+/// finite.
+void map_places(const PointMap& map, std::span<const Vec3> x, std::span<Vec3> positions);
+
+}  // namespace sansmesh::detail
