@@ -30,7 +30,8 @@ void put_chunk(std::string& to, const char* type, std::string_view data) {
   const std::size_t first = to.size();
   to += type;
   to += data;
-  put_whole(to, static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(to.data() + first), to.size() - first)));
+  put_whole(
+      to, static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(to.data() + first), to.size() - first)));
 }
 
 std::uint8_t paeth(int left, int above, int corner) {
@@ -40,7 +41,8 @@ std::uint8_t paeth(int left, int above, int corner) {
 }
 
 /// A row after that of PNG's five filters which leaves the smallest numbers, with the filter's number before it.
-void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uint8_t>& above, std::size_t pixel, std::uint8_t* out) {
+void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uint8_t>& above, std::size_t pixel,
+                std::uint8_t* out) {
   std::size_t best = 0;
   std::uint64_t least = ~std::uint64_t{0};
   const auto filtered = [&](std::size_t filter, std::size_t i) {
@@ -54,7 +56,8 @@ void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uin
   };
   for (std::size_t filter = 0; filter < 5; ++filter) {
     std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < row.size(); ++i) sum += static_cast<std::uint64_t>(std::abs(static_cast<std::int8_t>(filtered(filter, i))));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      sum += static_cast<std::uint64_t>(std::abs(static_cast<std::int8_t>(filtered(filter, i))));
     if (sum < least) least = sum, best = filter;
   }
   out[0] = static_cast<std::uint8_t>(best);
@@ -79,7 +82,8 @@ void Animation::add(const Image& picture) {
   if (frames_.empty()) {
     width_ = static_cast<std::uint32_t>(picture.width), height_ = static_cast<std::uint32_t>(picture.height);
     opaque_ = std::all_of(levels.begin(), levels.end(), [](const auto& p) { return p[3] == 255; });
-  } else if (static_cast<std::uint32_t>(picture.width) != width_ || static_cast<std::uint32_t>(picture.height) != height_) {
+  } else if (static_cast<std::uint32_t>(picture.width) != width_ ||
+             static_cast<std::uint32_t>(picture.height) != height_) {
     throw ArgumentError("the pictures of an animation must have the same size");
   }
   // The part that changes; one pixel where nothing does.
@@ -108,7 +112,8 @@ void Animation::add(const Image& picture) {
   });
   uLongf length = compressBound(static_cast<uLong>(rows.size()));
   f.packed.resize(length);
-  if (compress2(reinterpret_cast<Bytef*>(f.packed.data()), &length, rows.data(), static_cast<uLong>(rows.size()), kPngLevel) != Z_OK)
+  if (compress2(reinterpret_cast<Bytef*>(f.packed.data()), &length, rows.data(), static_cast<uLong>(rows.size()),
+                kPngLevel) != Z_OK)
     throw Error("a picture cannot be compressed");
   f.packed.resize(length);
   frames_.push_back(std::move(f));
@@ -129,7 +134,8 @@ void Animation::write(const std::string& file) const {
   put_chunk(bytes, "acTL", chunk);
   std::uint32_t sequence = 0;
   // Seconds as a fraction of 16 bits each.
-  const std::uint32_t bottom = rate_ >= 1 ? static_cast<std::uint32_t>(std::lround(rate_ >= 60 ? 60000 : 1000 * rate_)) : 1000;
+  const std::uint32_t bottom =
+      rate_ >= 1 ? static_cast<std::uint32_t>(std::lround(rate_ >= 60 ? 60000 : 1000 * rate_)) : 1000;
   const auto top = static_cast<std::uint32_t>(std::clamp(std::lround(bottom / rate_), 1l, 65535l));
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const Frame& f = frames_[k];

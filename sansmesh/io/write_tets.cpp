@@ -39,8 +39,9 @@ std::string packed_blocks(const std::string& file, const std::string& bytes) {
     const std::size_t first = b * kPackedBlock, size = std::min(kPackedBlock, bytes.size() - first);
     uLongf length = compressBound(static_cast<uLong>(size));
     packed[b].resize(length);
-    const int error = compress2(reinterpret_cast<Bytef*>(packed[b].data()), &length,
-                                reinterpret_cast<const Bytef*>(bytes.data() + first), static_cast<uLong>(size), kPackedLevel);
+    const int error =
+        compress2(reinterpret_cast<Bytef*>(packed[b].data()), &length,
+                  reinterpret_cast<const Bytef*>(bytes.data() + first), static_cast<uLong>(size), kPackedLevel);
     packed[b].resize(error == Z_OK ? length : 0);
   });
   std::vector<std::uint64_t> head{blocks, kPackedBlock, bytes.size() % kPackedBlock};
@@ -66,8 +67,9 @@ class VtuFile {
 
   void line(const std::string& text) { xml_ += text + "\n"; }
   void array(std::string_view name, NumberType type, std::size_t components, const std::string& bytes) {
-    line(fmt::format("        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>",
-                     vtu_type(type), io::to_xml(name), components, offset_));
+    line(fmt::format(
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>",
+        vtu_type(type), io::to_xml(name), components, offset_));
     parts_.push_back(packed_blocks(file_, bytes));
     offset_ += parts_.back().size();
   }
@@ -125,7 +127,8 @@ void write_tets(const std::string& file, const TetMesh& mesh) {
   corners.reserve(4 * mesh.tets.size());
   for (const Tet& t : mesh.tets) {
     for (const std::uint32_t v : t) {
-      if (v >= mesh.vertices.size()) throw ArgumentError(fmt::format("a tetrahedron refers to vertex {} of {}", v, mesh.vertices.size()));
+      if (v >= mesh.vertices.size())
+        throw ArgumentError(fmt::format("a tetrahedron refers to vertex {} of {}", v, mesh.vertices.size()));
       corners.push_back(static_cast<std::int32_t>(v));
     }
     ends.push_back(static_cast<std::int64_t>(corners.size()));

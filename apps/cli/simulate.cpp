@@ -1,0 +1,502 @@
+// sansmesh simulate: tetrahedra that move by forces.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.h"
+#include "motion.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/dataset/tet_dataset.h"
+#include "sansmesh/dynamics/scene_script.h"
+#include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/io/animation.h"
+#include "sansmesh/io/file_content.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/vertex_list.h"
+#include "sansmesh/io/write_tets.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr double kUsualTime = 2, kUsualRate = 25;
+constexpr double kMostFrames = 100000;
+constexpr double kFloorBelow = 0.3;  ///< of the body's height: how far it falls to the floor that nobody asked for
+
+struct SimulateArguments {
+  std::string tets, forces, fixed, surface, animation, energies, background = "gradient";
+  std::vector<std::string> outputs;
+  SceneScript flags;  ///< as far as they are given: those of the command line
+  std::optional<SoftBodyModel> model;
+  std::optional<int> frames;
+  bool ascii = false;
+  CarriedVolume volume;
+  std::string volume_file;
+  PictureArguments picture;
+
+  bool draws() const {
+    return !animation.empty() ||
+           std::any_of(outputs.begin(), outputs.end(), [](const std::string& o) { return io::ending(o) == "png"; });
+  }
+  bool writes_tets() const {
+    return std::any_of(outputs.begin(), outputs.end(), [](const std::string& o) { return io::ending(o) == "vtu"; });
+  }
+};
+
+void check_arguments(const SimulateArguments& a) {
+  require(!a.outputs.empty() || !a.animation.empty() || !a.energies.empty(),
+          "nothing would be written: --output, --animation or --energies is wanted");
+  for (const std::string& o : a.outputs) {
+    const std::string first = motion_frame_name(o, 0);
+    if (io::ending(o) == "vtu") {
+      check_tets_writable(first);
+    } else if (io::ending(o) == "png") {
+      check_writable(first, "image");
+    } else {
+      try {
+        check_writable(first, "mesh");
+      } catch (const FileError&) {
+        // Of a file that cannot be written for another reason that stands.
+        const std::string e = io::ending(o);
+        if (std::string(" ply obj stl off glb vtp ").find(" " + e + " ") != std::string::npos) throw;
+        throw FileError(o,
+                        fmt::format("no writer for frames with the ending '.{}'; known: .vtu, .ply .obj .stl .off .glb "
+                                    ".vtp (the surface), .png (pictures)",
+                                    e));
+      }
+    }
+  }
+  if (!a.animation.empty()) check_writable(a.animation, "image");
+  if (!a.energies.empty()) check_writable(a.energies, "text");
+  require(!a.frames || *a.frames >= 2, "--frames must be at least 2: the first one is the body at rest");
+  require(!(a.frames && a.flags.frames_per_second && a.flags.duration),
+          "of --frames, --fps and --time only two can be given");
+  require(a.volume_file.empty() || a.draws(), "--volume needs pictures: --output NAME.png or --animation");
+  require(!a.volume_file.empty() || (a.volume.preset.empty() && a.volume.transfer.empty() &&
+                                     a.volume.input.array.empty() && a.volume.opacity == 1),
+          "--array, --preset, --transfer and --opacity belong to --volume");
+  a.picture.chosen().validate();
+}
+
+template <class T>
+void override_by(std::optional<T>& value, const std::optional<T>& flag) {
+  if (flag) value = flag;
+}
+
+/// What the scene file and the command line say together.
+SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
+  SceneVertices vertices;
+  vertices.mesh = &body.mesh;
+  vertices.find = [&](std::uint64_t n) { return body.vertex(n); };
+  vertices.list = [&](const std::string& file) {
+    return read_vertex_list((std::filesystem::path(a.forces).parent_path() / file).string());
+  };
+  SceneScript s;
+  if (!a.forces.empty()) {
+    const io::FileContent content(a.forces);
+    try {
+      s = parse_scene_script(std::string(content.bytes()), vertices);
+    } catch (const ArgumentError& error) {
+      throw FileError(a.forces, error.what());
+    }
+  }
+  if (!a.fixed.empty()) {
+    for (const std::uint64_t n : read_vertex_list(a.fixed)) try {
+        s.scene.fixed.push_back(body.vertex(n));
+      } catch (const DataError& error) {
+        throw FileError(a.fixed, error.what());
+      }
+    std::sort(s.scene.fixed.begin(), s.scene.fixed.end());
+    s.scene.fixed.erase(std::unique(s.scene.fixed.begin(), s.scene.fixed.end()), s.scene.fixed.end());
+  }
+  const SceneScript& f = a.flags;
+  override_by(s.model, a.model);
+  override_by(s.integrator, f.integrator);
+  override_by(s.step, f.step), override_by(s.duration, f.duration);
+  override_by(s.frames_per_second, f.frames_per_second);
+  override_by(s.stiffness, f.stiffness), override_by(s.young, f.young), override_by(s.poisson, f.poisson);
+  override_by(s.density, f.density);
+  // Materials of the file (Vega) where nobody says another.
+  const auto material = [&](const char* name, std::optional<double>& value) {
+    const std::vector<double>* const v = body.mesh.tet_attributes.find<double>(name);
+    if (value || !v) return false;
+    double sum = 0;
+    for (const double x : *v) sum += x;
+    if (!(std::isfinite(sum) && sum > 0)) return false;
+    value = sum / static_cast<double>(v->size());
+    return true;
+  };
+  const bool springs = s.model == SoftBodyModel::springs || s.stiffness;
+  material("density", s.density);
+  if (!springs) material("young", s.young), material("poisson", s.poisson);
+  if (s.stiffness && !s.model) s.model = SoftBodyModel::springs;
+  if (f.damping) {
+    s.damping = f.damping;
+    s.stiffness_damping = f.damping;
+  }
+  if (a.picture.z_up) s.z_up = true;
+  return s;
+}
+
+/// Whether nothing keeps the body from falling for ever.
+bool falls(const SceneScript& s) {
+  return s.scene.fixed.empty() && s.scene.handles.empty() && s.scene.floors.empty() && s.scene.spheres.empty() &&
+         !s.no_floor;
+}
+
+void add_floor(SceneScript& s, const TetMesh& mesh, const SoftBodyOptions& options) {
+  if (!(norm(options.gravity) > 0)) return;
+  const Vec3 up = -normalized(options.gravity);
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const Vec3& p : mesh.vertices) {
+    lowest = std::min(lowest, dot(p, up));
+    highest = std::max(highest, dot(p, up));
+  }
+  FloorObstacle floor;
+  floor.normal = up;
+  floor.point = up * (lowest - kFloorBelow * (highest - lowest));
+  floor.friction = s.friction.value_or(0.3);
+  s.scene.floors.push_back(floor);
+}
+
+/// Moments of the frames.
+struct FrameTimes {
+  std::size_t frames;
+  double step;
+};
+FrameTimes frame_times(const SimulateArguments& a, const SceneScript& s) {
+  double rate = s.frames_per_second.value_or(kUsualRate);
+  double time = s.duration.value_or(kUsualTime);
+  if (a.frames) {
+    const double steps = *a.frames - 1;
+    if (a.flags.frames_per_second || !s.duration)
+      time = steps / rate;
+    else
+      rate = steps / time;
+  }
+  const double frames = std::round(time * rate);
+  if (!(frames >= 1))
+    throw ArgumentError(fmt::format("a `duration` of {:g} s is shorter than a frame ({:g} a second)", time, rate));
+  if (frames > kMostFrames)
+    throw ArgumentError(
+        fmt::format("{:g} s with {:g} frames a second are more than {:g} frames", time, rate, kMostFrames));
+  return {static_cast<std::size_t>(frames) + 1, time / frames};
+}
+
+/// What the steps took, all together.
+struct SimulationTotals {
+  std::size_t steps = 0, halvings = 0;
+  std::uint64_t iterations = 0;
+  double seconds = 0, shortest = std::numeric_limits<double>::infinity();
+  int most_contacts = 0;
+  BodyEnergies first, last;
+  std::string table = "time,kinetic,elastic,gravity,total,iterations,step,contacts\n";
+
+  void row(const BodyEnergies& e, const StepReport& r) {
+    table += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{:.6g},{}\n", r.time, e.kinetic, e.elastic, e.gravity,
+                         e.total(), r.iterations, r.shortest, r.contacts);
+  }
+};
+
+SimulationTotals simulate(SoftBody& body, const FrameTimes& times, double unit, bool energies, Motion& motion,
+                          Progress& progress) {
+  SimulationTotals t;
+  t.first = body.energies();
+  t.row(t.first, {});
+  motion.add(0, body.positions(), body.velocities(), unit);
+  const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(times.step / body.options().step - 1e-9)));
+  const double h = times.step / static_cast<double>(steps);
+  progress.begin("simulating", (times.frames - 1) * steps);
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t frame = 1; frame < times.frames; ++frame) {
+    for (std::size_t k = 0; k < steps; ++k) {
+      const StepReport r = body.advance(h);
+      ++t.steps;
+      t.halvings += static_cast<std::size_t>(r.halvings);
+      t.iterations += static_cast<std::uint64_t>(r.iterations);
+      t.shortest = std::min(t.shortest, r.shortest);
+      t.most_contacts = std::max(t.most_contacts, r.contacts);
+      if (energies) t.row(body.energies(), r);
+      progress.advance();
+    }
+    motion.add(static_cast<double>(frame) * times.step, body.positions(), body.velocities(), unit);
+  }
+  t.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  t.last = body.energies();
+  progress.finish();
+  return t;
+}
+
+std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, Progress& progress) {
+  std::vector<std::string> files;
+  std::vector<TimedFile> series;
+  TetMesh frame = motion.rest();
+  progress.begin("writing tetrahedra", motion.frames());
+  for (std::size_t k = 0; k < motion.frames(); ++k) {
+    frame.vertices = motion.positions(k);
+    std::vector<float> velocity, displacement;
+    for (std::size_t v = 0; v < frame.vertices.size(); ++v) {
+      const Vec3f u = motion.velocities(k)[v], d = Vec3f(frame.vertices[v] - motion.rest().vertices[v]);
+      velocity.insert(velocity.end(), {u.x, u.y, u.z});
+      displacement.insert(displacement.end(), {d.x, d.y, d.z});
+    }
+    frame.attributes.set("velocity", std::move(velocity), 3);
+    frame.attributes.set("displacement", std::move(displacement), 3);
+    files.push_back(motion_frame_name(output, k));
+    write_tets(files.back(), frame);
+    series.push_back({motion.time(k), std::filesystem::path(files.back()).filename().string()});
+    progress.advance();
+  }
+  files.push_back(std::filesystem::path(output).replace_extension(".pvd").string());
+  write_collection(files.back(), series);
+  return files;
+}
+
+std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion& motion, const CarriedSurface& surface,
+                                       const DynamicsScene& scene, const RenderOptions& look, Console& console) {
+  Progress& progress = console.progress();
+  std::vector<std::string> files;
+  for (const std::string& o : a.outputs) {
+    if (io::ending(o) == "png") continue;
+    if (io::ending(o) == "vtu") {
+      for (std::string& file : write_tet_frames(o, motion, progress)) files.push_back(std::move(file));
+      continue;
+    }
+    progress.begin("writing meshes", motion.frames());
+    for (std::size_t k = 0; k < motion.frames(); ++k) {
+      files.push_back(motion_frame_name(o, k));
+      write_mesh(files.back(), surface.at(motion, k), {.ascii = a.ascii});
+      progress.advance();
+    }
+  }
+  if (!a.draws()) return files;
+  // A volume is seen alone, unless a surface is asked for beside it.
+  const bool with_surface = !a.volume.wanted() || !a.surface.empty();
+  MotionPictures pictures(motion, with_surface ? &surface : nullptr, a.volume, scene, look, console);
+  std::optional<Animation> animation;
+  if (!a.animation.empty()) animation.emplace(1 / (motion.time(1) - motion.time(0)));
+  for (std::size_t k = 0; k < motion.frames(); ++k) {
+    const Image image = pictures.draw(k, progress);
+    for (const std::string& o : a.outputs)
+      if (io::ending(o) == "png") {
+        files.push_back(motion_frame_name(o, k));
+        write_image(files.back(), image);
+      }
+    if (animation) animation->add(image);
+  }
+  if (animation) {
+    animation->write(a.animation);
+    files.push_back(a.animation);
+  }
+  return files;
+}
+
+Json energies_json(const BodyEnergies& e) {
+  return {{"kinetic", e.kinetic}, {"elastic", e.elastic}, {"gravity", e.gravity}, {"total", e.total()}};
+}
+
+std::string material_words(const SoftBodyOptions& o) {
+  return o.model == SoftBodyModel::springs
+             ? fmt::format("springs of {:.4g} N/m, damping {:.4g} N s/m", o.stiffness, o.damping)
+             : fmt::format("Young's modulus {:.4g} Pa, Poisson's ratio {:.4g}, damping {:.4g} s", o.youngs_modulus,
+                           o.poissons_ratio, o.stiffness_damping);
+}
+
+void run_simulate(SimulateArguments& a, Console& console) {
+  check_arguments(a);
+  if (!a.volume_file.empty()) a.volume.input.files = {a.volume_file};
+  RenderOptions look = a.picture.chosen();
+  set_background(look, a.background);
+  const TetDataset body = read_tets(a.tets);
+  console.warn(a.tets, body.notes);
+  SceneScript script = read_scene(a, body);
+  if (script.z_up.value_or(false)) look.up = UpAxis::z;
+  const double unit = script.unit.value_or(1);
+  const FrameTimes times = frame_times(a, script);
+  std::optional<CarriedSurface> surface;
+  try {
+    if (a.surface.empty())
+      surface.emplace(body.mesh);
+    else
+      surface.emplace(body.mesh, read_mesh(a.surface));
+  } catch (const DataError& error) {
+    throw FileError(a.surface.empty() ? a.tets : a.surface, error.what());
+  }
+  if (surface->outside() > 0)
+    console.warn(a.surface, {fmt::format("{} of {} vertices lie in no tetrahedron: they go on with the nearest",
+                                         grouped(surface->outside()), grouped(surface->vertices()))});
+
+  TetMesh metres = body.mesh;
+  metres.attributes = {}, metres.tet_attributes = {};
+  for (Vec3& p : metres.vertices) p *= unit;
+  const SoftBodyOptions options = suited_options(script, metres);
+  options.validate();
+  if (script.floor_below || falls(script)) add_floor(script, body.mesh, options);
+  Motion motion(body.mesh, a.writes_tets());
+  SimulationTotals totals;
+  try {
+    SoftBody moving(std::move(metres), options, scaled(script.scene, unit));
+    totals = simulate(moving, times, unit, !a.energies.empty(), motion, console.progress());
+  } catch (const DataError& error) {
+    throw FileError(a.tets, error.what());
+  } catch (const ArgumentError& error) {
+    if (a.forces.empty()) throw;
+    throw FileError(a.forces, error.what());
+  }
+  if (totals.halvings > 0)
+    console.warn(
+        {fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge; a "
+                     "smaller --step, or less stiffness, is quicker",
+                     grouped(totals.halvings), totals.shortest)});
+  std::vector<std::string> files = write_outputs(a, motion, *surface, script.scene, look, console);
+  if (!a.energies.empty()) {
+    write_text(a.energies, totals.table);
+    files.push_back(a.energies);
+  }
+  console.progress().finish();
+
+  const double a_step = static_cast<double>(totals.steps);
+  console.say(fmt::format("{}: {} vertices, {} tetrahedra, {} fixed", a.tets, grouped(body.mesh.vertices.size()),
+                          grouped(body.mesh.tets.size()), grouped(script.scene.fixed.size())));
+  console.say(fmt::format("{} ({}), {}", word_of(options.model), material_words(options), word_of(options.integrator)));
+  console.say(
+      fmt::format("{} of at most {:.4g} s in {:.3g} s ({:.1f} a second){}", counted(totals.steps, "step"), options.step,
+                  totals.seconds, a_step / std::max(totals.seconds, 1e-9),
+                  options.integrator == DynamicsIntegrator::implicit_euler
+                      ? fmt::format(", {:.1f} iterations a step", static_cast<double>(totals.iterations) / a_step)
+                      : ""));
+  console.say(fmt::format(
+      "energy {:.6g} J at first, {:.6g} J in the end (kinetic {:.4g}, elastic {:.4g}, gravity {:.4g})",
+      totals.first.total(), totals.last.total(), totals.last.kinetic, totals.last.elastic, totals.last.gravity));
+  console.say(fmt::format(
+      "{} of {:.4g} s: {}", counted(motion.frames(), "frame"), times.step,
+      files.size() == 1 ? files[0] : fmt::format("{} files, {} to {}", files.size(), files.front(), files.back())));
+  console.say_json({{"input",
+                     {{"file", a.tets},
+                      {"vertices", body.mesh.vertices.size()},
+                      {"tetrahedra", body.mesh.tets.size()},
+                      {"notes", body.notes}}},
+                    {"scene",
+                     {{"fixed", script.scene.fixed.size()},
+                      {"forces", script.scene.forces.size()},
+                      {"handles", script.scene.handles.size()},
+                      {"floors", script.scene.floors.size()},
+                      {"spheres", script.scene.spheres.size()},
+                      {"unit", unit},
+                      {"gravity", std::array{options.gravity.x, options.gravity.y, options.gravity.z}}}},
+                    {"model", word_of(options.model)},
+                    {"integrator", word_of(options.integrator)},
+                    {"stiffness", options.stiffness},
+                    {"damping", options.damping},
+                    {"young", options.youngs_modulus},
+                    {"poisson", options.poissons_ratio},
+                    {"stiffness_damping", options.stiffness_damping},
+                    {"density", options.density},
+                    {"step", options.step},
+                    {"steps", totals.steps},
+                    {"iterations", totals.iterations},
+                    {"halvings", totals.halvings},
+                    {"shortest_step", totals.shortest},
+                    {"most_contacts", totals.most_contacts},
+                    {"seconds", totals.seconds},
+                    {"energies", {{"first", energies_json(totals.first)}, {"last", energies_json(totals.last)}}},
+                    {"output", {{"frames", motion.frames()}, {"frame_time", times.step}, {"files", files}}}});
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_simulate(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("simulate", "Tetrahedra that move by forces → frames, pictures, an animation");
+  auto shared = std::make_shared<SimulateArguments>();
+  SimulateArguments& a = *shared;
+  c.add_option("tets", a.tets, "Tetrahedra: .msh .mesh .node/.ele .veg .vtu, …").type_name("TETS").required();
+  c.add_option("--forces", a.forces, "Scene: what holds, pulls and stops the body, material, time (JSON)")
+      .type_name("FILE");
+  c.add_option("-o,--output", a.outputs,
+               "Frames to write, NAME_0000.vtu, … (and NAME.pvd), .ply .obj .stl .off .glb .vtp (surface) or .png "
+               "(pictures); may be repeated")
+      .type_name("FILE")
+      .repeated();
+  c.add_option("--animation", a.animation, "Pictures of all frames in one file, an animated PNG that browsers play")
+      .type_name("FILE");
+  c.add_option("--energies", a.energies, "Energies, iterations and contacts of every step: .csv").type_name("FILE");
+  c.add_option("--surface", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
+      .type_name("FILE");
+  const char* const body = "Body";
+  c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
+      .type_name("FILE")
+      .group(body);
+  c.add_choice<SoftBodyModel>("--model", a.model,
+                              {{"springs", SoftBodyModel::springs}, {"corotational", SoftBodyModel::corotational}},
+                              "springs, or corotational (elasticity in pascals) [springs, but with --young]")
+      .type_name("NAME")
+      .group(body);
+  c.add_option("--stiffness", a.flags.stiffness, "Of springs, N/m [from data]").positive().type_name("N/M").group(body);
+  c.add_option("--young", a.flags.young, "Young's modulus, Pa [the file's, else from data]")
+      .positive()
+      .type_name("PA")
+      .group(body);
+  c.add_option("--poisson", a.flags.poisson, "Poisson's ratio, 0..0.49 [the file's, else 0.3]")
+      .type_name("RATIO")
+      .group(body);
+  c.add_option("--damping", a.flags.damping, "Of springs, N s/m; of elasticity, s [0.004 s of the stiffness]")
+      .type_name("VALUE")
+      .group(body);
+  c.add_option("--density", a.flags.density, "kg/m³ [the file's, else 1000]").positive().type_name("VALUE").group(body);
+  const char* const time = "Time";
+  c.add_option("--time", a.flags.duration, "Seconds [2]").positive().type_name("SECONDS").group(time);
+  c.add_option("--fps", a.flags.frames_per_second, "Frames a second [25]").positive().type_name("COUNT").group(time);
+  c.add_option("--frames", a.frames, "So many frames, the body at rest among them").type_name("COUNT").group(time);
+  using I = DynamicsIntegrator;
+  c.add_choice<I>("--integrator", a.flags.integrator,
+                  {{"implicit-euler", I::implicit_euler},
+                   {"explicit-euler", I::explicit_euler},
+                   {"verlet", I::verlet},
+                   {"velocity-verlet", I::velocity_verlet}},
+                  "implicit-euler, explicit-euler, verlet or velocity-verlet [implicit-euler]")
+      .type_name("NAME")
+      .group(time);
+  c.add_option("--step", a.flags.step, "Longest step, s [0.01; of explicit ones half of what is stable]")
+      .positive()
+      .type_name("SECONDS")
+      .group(time);
+  const char* const seen = "Volume";
+  c.add_option("--volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
+      .type_name("FILE")
+      .group(seen);
+  c.add_option("--array", a.volume.input.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
+  c.add_option("--preset", a.volume.preset, "Its colours and opacities, as of volume render")
+      .type_name("NAME")
+      .group(seen);
+  c.add_option("--transfer", a.volume.transfer, "The same from a file").type_name("FILE").group(seen);
+  c.add_option("--opacity", a.volume.opacity, "Multiplies its opacity [1]").type_name("FACTOR").group(seen);
+  add_ascii_flag(c, a.ascii);
+  add_background_option(c, a.background);
+  add_picture_options(c, a.picture);
+  c.footer(
+      "TETS: Gmsh, Medit, TetGen, Vega meshes and all other volumes with cells. A unit of length is a metre, unless "
+      "the\n"
+      "scene says \"unit\"; what is down is where y is small (with --z-up: z). Scenes: docs/formats/scene.md. Without "
+      "one the\n"
+      "body falls onto a floor; with --fixed it hangs.\n\n"
+      "Examples:\n"
+      "  sansmesh simulate turtle.veg --fixed turtle.bou --surface turtle.obj -o turtle.ply\n"
+      "  sansmesh simulate dolphin.msh --young 1e6 --animation dolphin.png --width 480 --height 360\n"
+      "  sansmesh simulate bar.msh --forces twist.json -o twist.vtu --energies twist.csv      # open twist.pvd\n"
+      "  sansmesh simulate head.msh --forces pull.json --volume head.vti --preset ct-bone -o head.png\n"
+      "  twist.json: {\"fixed\": {\"side\": \"-x\"},\n"
+      "               \"handles\": {\"on\": {\"side\": \"+x\"}, \"turn\": {\"axis\": [1, 0, 0], \"degrees\": 180}}}");
+  return {&c, [shared](Console& console) { run_simulate(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli

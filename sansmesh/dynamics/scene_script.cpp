@@ -1,0 +1,544 @@
+#include "sansmesh/dynamics/scene_script.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+using SceneJson = nlohmann::ordered_json;
+
+/// Parses; a key that an object has twice would win unnoticed.
+SceneJson parse_json(const std::string& text) {
+  std::vector<std::set<std::string>> open;
+  std::string twice;
+  const auto look = [&](int, SceneJson::parse_event_t event, SceneJson& parsed) {
+    using Event = SceneJson::parse_event_t;
+    if (event == Event::object_start) open.emplace_back();
+    if (event == Event::object_end) open.pop_back();
+    if (event == Event::key && !open.back().insert(parsed.get_ref<const std::string&>()).second && twice.empty())
+      twice = parsed.get_ref<const std::string&>();
+    return true;
+  };
+  SceneJson json;
+  try {
+    json = SceneJson::parse(text, look, true, true);
+  } catch (const SceneJson::exception& error) {
+    const std::string what = error.what();
+    const std::size_t at = what.find("parse error");
+    throw ArgumentError("is no JSON: " + printable(at == std::string::npos ? what : what.substr(at), 200));
+  }
+  if (!twice.empty()) throw ArgumentError(fmt::format("'{}' is given twice", printable(twice, 40)));
+  return json;
+}
+
+/// An object of the scene, all of whose keys must be known.
+class SceneFields {
+ public:
+  SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known)
+      : json_(json), where_(std::move(where)) {
+    if (!json.is_object()) fail("must be an object");
+    for (const auto& [key, value] : json.items()) {
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      std::string all;
+      for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
+      fail(fmt::format("unknown key '{}'; known: {}", printable(key, 40), all));
+    }
+  }
+  [[noreturn]] void fail(const std::string& cause) const {
+    throw ArgumentError(where_.empty() ? cause : where_ + ": " + cause);
+  }
+  bool has(const char* key) const { return json_.contains(key); }
+  std::string where(const char* key) const { return where_.empty() ? std::string(key) : where_ + "." + key; }
+  const SceneJson& at(const char* key) const {
+    if (!has(key)) fail(fmt::format("'{}' is missing", key));
+    return json_.at(key);
+  }
+  double number(const char* key) const {
+    const SceneJson& v = at(key);
+    if (!v.is_number() || !std::isfinite(v.get<double>())) fail(fmt::format("'{}' must be a number", key));
+    return v.get<double>();
+  }
+  int whole(const char* key) const {
+    const double v = number(key);
+    if (v != std::floor(v) || std::abs(v) > 1e9) fail(fmt::format("'{}' must be a whole number", key));
+    return static_cast<int>(v);
+  }
+  std::string text(const char* key) const {
+    const SceneJson& v = at(key);
+    if (!v.is_string()) fail(fmt::format("'{}' must be a text", key));
+    return v.get<std::string>();
+  }
+  Vec3 vector(const char* key) const {
+    const SceneJson& v = at(key);
+    const auto finite = [](const SceneJson& c) { return c.is_number() && std::isfinite(c.get<double>()); };
+    if (!v.is_array() || v.size() != 3 || !std::all_of(v.begin(), v.end(), finite))
+      fail(fmt::format("'{}' must be three numbers", key));
+    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
+  }
+  Vec3 direction(const char* key) const {
+    const Vec3 v = vector(key);
+    if (!(norm(v) > 0)) fail(fmt::format("'{}' has no direction", key));
+    return normalized(v);
+  }
+  template <class T, class Get>
+  void get(const char* key, std::optional<T>& value, Get&& how) const {
+    if (has(key)) value = (this->*how)(key);
+  }
+
+ private:
+  const SceneJson& json_;
+  std::string where_;
+};
+
+/// The entries of a list; anything else stands for a list of it alone.
+std::vector<std::pair<std::string, const SceneJson*>> entries(const SceneJson& json, const std::string& where) {
+  std::vector<std::pair<std::string, const SceneJson*>> all;
+  if (!json.is_array()) return {{where, &json}};
+  for (std::size_t k = 0; k < json.size(); ++k) all.emplace_back(fmt::format("{} {}", where, k + 1), &json[k]);
+  return all;
+}
+
+class SceneReader {
+ public:
+  explicit SceneReader(const SceneVertices& vertices) : vertices_(vertices), box_(bounds(*vertices.mesh)) {}
+
+  SceneScript read(const SceneJson& json) {
+    const SceneFields f(json, "",
+                        {"model",
+                         "integrator",
+                         "step",
+                         "duration",
+                         "fps",
+                         "unit",
+                         "up",
+                         "stiffness",
+                         "damping",
+                         "young",
+                         "poisson",
+                         "mass_damping",
+                         "stiffness_damping",
+                         "density",
+                         "mass",
+                         "tolerance",
+                         "iterations",
+                         "halvings",
+                         "gravity",
+                         "friction",
+                         "fixed",
+                         "forces",
+                         "handles",
+                         "floor",
+                         "spheres"});
+    SceneScript s;
+    read_material(f, s);
+    if (f.has("fixed")) s.scene.fixed = unique(selections(f.at("fixed"), "fixed"));
+    if (f.has("forces"))
+      for (const auto& [where, entry] : entries(f.at("forces"), "forces"))
+        s.scene.forces.push_back(force(*entry, where));
+    if (f.has("handles"))
+      for (const auto& [where, entry] : entries(f.at("handles"), "handles"))
+        s.scene.handles.push_back(handle(*entry, where));
+    read_obstacles(f, s);
+    return s;
+  }
+
+ private:
+  static std::vector<std::uint32_t> unique(std::vector<std::uint32_t> v) {
+    std::sort(v.begin(), v.end());
+    v.erase(std::unique(v.begin(), v.end()), v.end());
+    return v;
+  }
+
+  void read_material(const SceneFields& f, SceneScript& s) const {
+    if (f.has("model")) {
+      s.model = soft_body_model(f.text("model"));
+      if (!s.model) f.fail("'model' must be springs or corotational");
+    }
+    if (f.has("integrator")) {
+      s.integrator = dynamics_integrator(f.text("integrator"));
+      if (!s.integrator) f.fail("'integrator' must be implicit-euler, explicit-euler, verlet or velocity-verlet");
+    }
+    for (const auto& [key, value] : {std::pair{"step", &s.step},
+                                     {"duration", &s.duration},
+                                     {"fps", &s.frames_per_second},
+                                     {"stiffness", &s.stiffness},
+                                     {"young", &s.young},
+                                     {"density", &s.density},
+                                     {"mass", &s.mass}}) {
+      f.get(key, *value, &SceneFields::number);
+      if (*value && !(**value > 0)) f.fail(fmt::format("'{}' must be above 0", key));
+    }
+    for (const auto& [key, value] : {std::pair{"damping", &s.damping},
+                                     {"poisson", &s.poisson},
+                                     {"mass_damping", &s.mass_damping},
+                                     {"stiffness_damping", &s.stiffness_damping},
+                                     {"tolerance", &s.tolerance},
+                                     {"friction", &s.friction}}) {
+      f.get(key, *value, &SceneFields::number);
+      if (*value && !(**value >= 0)) f.fail(fmt::format("'{}' must not be negative", key));
+    }
+    f.get("iterations", s.iterations, &SceneFields::whole);
+    f.get("halvings", s.halvings, &SceneFields::whole);
+    if (f.has("unit")) s.unit = unit(f);
+    if (f.has("up")) {
+      const std::string up = f.text("up");
+      if (up != "y" && up != "z") f.fail("'up' must be y or z");
+      s.z_up = up == "z";
+    }
+    if (f.has("gravity")) {
+      if (f.at("gravity").is_number())
+        s.downwards = f.number("gravity");
+      else
+        s.gravity = f.vector("gravity");
+    }
+  }
+
+  static double unit(const SceneFields& f) {
+    if (f.at("unit").is_number()) {
+      const double metres = f.number("unit");
+      if (!(metres > 0)) f.fail("'unit' must be above 0");
+      return metres;
+    }
+    constexpr std::pair<std::string_view, double> known[] = {{"mm", 1e-3}, {"cm", 1e-2},     {"dm", 0.1},     {"m", 1},
+                                                             {"km", 1e3},  {"inch", 0.0254}, {"foot", 0.3048}};
+    const std::string word = f.text("unit");
+    for (const auto& [name, metres] : known)
+      if (name == word) return metres;
+    f.fail("'unit' must be mm, cm, dm, m, km, inch, foot, or its length in metres");
+  }
+
+  std::uint32_t vertex(const SceneJson& v, const std::string& where) const {
+    if (!v.is_number_unsigned() && !(v.is_number_integer() && v.get<std::int64_t>() >= 0))
+      throw ArgumentError(where + ": numbers of vertices must be whole and not negative");
+    return named(v.get<std::uint64_t>(), where);
+  }
+  std::uint32_t named(std::uint64_t number, const std::string& where) const {
+    try {
+      return vertices_.find(number);
+    } catch (const DataError& error) {
+      throw ArgumentError(where + ": " + error.what());
+    }
+  }
+  std::vector<std::uint32_t> in_file(const std::string& file, const std::string& where) const {
+    std::vector<std::uint32_t> all;
+    for (const std::uint64_t n : vertices_.list(file))
+      all.push_back(named(n, where + " (" + printable(file, 60) + ")"));
+    return all;
+  }
+
+  /// A file, a list of numbers, an object, or several of them: all that any of them says.
+  std::vector<std::uint32_t> selections(const SceneJson& json, const std::string& where) const {
+    std::vector<std::uint32_t> all;
+    if (json.is_array() && std::all_of(json.begin(), json.end(), [](const SceneJson& v) { return v.is_number(); })) {
+      for (const SceneJson& v : json) all.push_back(vertex(v, where));
+      return all;
+    }
+    for (const auto& [place, entry] : entries(json, where)) {
+      if (entry->is_number())
+        all.push_back(vertex(*entry, place));
+      else if (const std::vector<std::uint32_t> some = selection(*entry, place); true)
+        all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  }
+
+  /// All that every condition of it says; none is an error.
+  std::vector<std::uint32_t> selection(const SceneJson& json, const std::string& where) const {
+    if (json.is_string()) return in_file(json.get<std::string>(), where);
+    const SceneFields f(json, where, {"vertices", "file", "box", "half_space", "ball", "side", "share"});
+    const std::vector<Vec3>& x = vertices_.mesh->vertices;
+    std::vector<std::uint8_t> in(x.size(), 1);
+    const auto keep = [&](auto&& inside) {
+      for (std::size_t v = 0; v < x.size(); ++v) in[v] = in[v] && inside(x[v]);
+    };
+    const auto keep_listed = [&](const std::vector<std::uint32_t>& listed) {
+      std::vector<std::uint8_t> there(x.size(), 0);
+      for (const std::uint32_t v : listed) there[v] = 1;
+      for (std::size_t v = 0; v < x.size(); ++v) in[v] = in[v] && there[v];
+    };
+    bool any = false;
+    if (f.has("vertices")) {
+      if (!f.at("vertices").is_array()) f.fail("'vertices' must be a list of numbers");
+      std::vector<std::uint32_t> listed;
+      for (const SceneJson& v : f.at("vertices")) listed.push_back(vertex(v, where));
+      keep_listed(listed), any = true;
+    }
+    if (f.has("file")) keep_listed(in_file(f.text("file"), where)), any = true;
+    if (f.has("box")) {
+      const SceneFields b(f.at("box"), f.where("box"), {"lower", "upper"});
+      const Vec3 lower = b.vector("lower"), upper = b.vector("upper");
+      keep([&](const Vec3& p) {
+        return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y && p.z <= upper.z;
+      });
+      any = true;
+    }
+    if (f.has("half_space")) {
+      const SceneFields h(f.at("half_space"), f.where("half_space"), {"point", "normal"});
+      const Vec3 point = h.vector("point"), normal = h.direction("normal");
+      keep([&](const Vec3& p) { return dot(p - point, normal) <= 0; });
+      any = true;
+    }
+    if (f.has("ball")) {
+      const SceneFields b(f.at("ball"), f.where("ball"), {"center", "radius"});
+      const Vec3 center = b.vector("center");
+      const double radius = b.number("radius");
+      keep([&](const Vec3& p) { return norm(p - center) <= radius; });
+      any = true;
+    }
+    if (f.has("share") && !f.has("side")) f.fail("'share' belongs to 'side'");
+    if (f.has("side")) {
+      const std::string side = f.text("side");
+      const std::size_t axis =
+          side.size() == 2 && side[1] >= 'x' && side[1] <= 'z' ? static_cast<std::size_t>(side[1] - 'x') : 3;
+      if (axis > 2 || (side[0] != '-' && side[0] != '+')) f.fail("'side' must be -x, +x, -y, +y, -z or +z");
+      const double share = f.has("share") ? f.number("share") : 0.01;
+      if (!(share >= 0 && share <= 1)) f.fail("'share' must lie in 0..1");
+      const double width = box_.upper[axis] - box_.lower[axis];
+      keep([&](const Vec3& p) {
+        return side[0] == '-' ? p[axis] <= box_.lower[axis] + share * width
+                              : p[axis] >= box_.upper[axis] - share * width;
+      });
+      any = true;
+    }
+    if (!any) f.fail("selects by nothing: vertices, file, box, half_space, ball or side is wanted");
+    std::vector<std::uint32_t> found;
+    for (std::size_t v = 0; v < x.size(); ++v)
+      if (in[v]) found.push_back(static_cast<std::uint32_t>(v));
+    if (found.empty()) f.fail("no vertex lies there");
+    return found;
+  }
+
+  VertexForce force(const SceneJson& json, const std::string& where) const {
+    const SceneFields f(json, where, {"on", "force", "total", "from", "until"});
+    VertexForce force;
+    force.vertices = unique(selections(f.at("on"), f.where("on")));
+    if (f.has("force") == f.has("total"))
+      f.fail("either 'force' (on each vertex) or 'total' (on all together) is wanted");
+    force.force = f.has("force") ? f.vector("force") : f.vector("total") / static_cast<double>(force.vertices.size());
+    if (f.has("from")) force.from = f.number("from");
+    if (f.has("until")) force.until = f.number("until");
+    if (!(force.until > force.from)) f.fail("'until' must be after 'from'");
+    return force;
+  }
+
+  static Vec3 turn(const SceneFields& f) {
+    const SceneFields t(f.at("turn"), f.where("turn"), {"axis", "degrees"});
+    return t.direction("axis") * (t.number("degrees") * std::numbers::pi / 180);
+  }
+
+  PulledHandle handle(const SceneJson& json, const std::string& where) const {
+    const SceneFields f(json, where, {"on", "keys", "move", "turn", "from", "until", "center", "stiffness"});
+    PulledHandle handle;
+    handle.vertices = unique(selections(f.at("on"), f.where("on")));
+    if (f.has("center")) handle.center = f.vector("center");
+    if (f.has("stiffness")) {
+      handle.stiffness = f.number("stiffness");
+      if (!(*handle.stiffness > 0)) f.fail("'stiffness' must be above 0");
+    }
+    if (f.has("keys")) {
+      if (f.has("move") || f.has("turn") || f.has("from") || f.has("until"))
+        f.fail("either 'keys' or 'move', 'turn', 'from' and 'until' are wanted");
+      for (const auto& [place, entry] : entries(f.at("keys"), f.where("keys"))) {
+        const SceneFields k(*entry, place, {"time", "move", "turn"});
+        HandleKey key;
+        key.time = k.number("time");
+        if (k.has("move")) key.displacement = k.vector("move");
+        if (k.has("turn")) key.turn = turn(k);
+        if (!handle.keys.empty() && !(key.time > handle.keys.back().time)) k.fail("times must increase");
+        handle.keys.push_back(key);
+      }
+      if (handle.keys.empty()) f.fail("'keys' is empty");
+      // The first key is reached from rest.
+      if (handle.keys.front().time > 0) handle.keys.insert(handle.keys.begin(), HandleKey{});
+      return handle;
+    }
+    HandleKey first, last;
+    if (!f.has("move") && !f.has("turn")) f.fail("'keys', 'move' or 'turn' is missing");
+    if (f.has("move")) last.displacement = f.vector("move");
+    if (f.has("turn")) last.turn = turn(f);
+    if (f.has("from")) first.time = f.number("from");
+    last.time = first.time + 1;
+    if (f.has("until")) last.time = f.number("until");
+    if (!(last.time > first.time)) f.fail("'until' must be after 'from'");
+    handle.keys = {first, last};
+    return handle;
+  }
+
+  void read_obstacles(const SceneFields& f, SceneScript& s) const {
+    const double usual = s.friction.value_or(0);
+    const auto friction = [&](const SceneFields& o) {
+      const double mu = o.has("friction") ? o.number("friction") : usual;
+      if (!(mu >= 0)) o.fail("'friction' must not be negative");
+      return mu;
+    };
+    if (f.has("floor") && f.at("floor").is_boolean()) {
+      s.floor_below = f.at("floor").get<bool>();
+      s.no_floor = !s.floor_below;
+    } else if (f.has("floor")) {
+      for (const auto& [where, entry] : entries(f.at("floor"), "floor")) {
+        const SceneFields o(*entry, where, {"point", "normal", "height", "friction"});
+        FloorObstacle floor;
+        const bool z = s.z_up.value_or(false);
+        floor.normal = o.has("normal") ? o.direction("normal") : z ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
+        if (o.has("point") == o.has("height")) o.fail("either 'point' or 'height' is wanted");
+        floor.point = o.has("point") ? o.vector("point") : floor.normal * o.number("height");
+        floor.friction = friction(o);
+        s.scene.floors.push_back(floor);
+      }
+    }
+    if (f.has("spheres"))
+      for (const auto& [where, entry] : entries(f.at("spheres"), "spheres")) {
+        const SceneFields o(*entry, where, {"center", "radius", "friction"});
+        SphereObstacle sphere{o.vector("center"), o.number("radius"), friction(o)};
+        if (!(sphere.radius > 0)) o.fail("'radius' must be above 0");
+        s.scene.spheres.push_back(sphere);
+      }
+  }
+
+  const SceneVertices& vertices_;
+  Box3 box_;
+};
+
+constexpr double kSuitedStiffness = 100;  ///< Young's modulus over density × gravity × size
+constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
+constexpr double kSuitedStep = 0.01;      ///< s, of implicit methods
+constexpr double kSafeStep = 0.5;         ///< of the longest that is stable
+constexpr double kEarth = 9.81;
+
+/// The longest stable step of explicit methods, roughly: 2 / ω, shorter where damping is strong.
+double stable_step(const SoftBodyOptions& o, const TetMesh& mesh) {
+  double most = 0;  // ω²
+  double damping = 0;
+  if (o.model == SoftBodyModel::springs) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+    std::vector<double> mass(mesh.vertices.size(), 0), stiffness(mesh.vertices.size(), 0);
+    double whole = 0;
+    for (const Tet& t : mesh.tets) {
+      const std::vector<Vec3>& x = mesh.vertices;
+      const double volume = std::abs(dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]]))) / 6;
+      whole += volume;
+      for (std::size_t i = 0; i < 4; ++i) {
+        mass[t[i]] += volume * o.density / 4;
+        for (std::size_t j = i + 1; j < 4; ++j) edges.push_back(std::minmax(t[i], t[j]));
+      }
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    for (const auto& [a, b] : edges) stiffness[a] += o.stiffness, stiffness[b] += o.stiffness;
+    const double share = o.total_mass ? *o.total_mass / (whole * o.density) : 1;
+    for (std::size_t v = 0; v < mass.size(); ++v)
+      if (mass[v] > 0) most = std::max(most, 2 * stiffness[v] / (share * mass[v]));
+    damping = o.damping / o.stiffness;
+  } else {
+    const double nu = o.poissons_ratio;
+    const double speed2 = o.youngs_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) / o.density;
+    for (const Tet& t : mesh.tets) {
+      const std::vector<Vec3>& x = mesh.vertices;
+      const double six = std::abs(dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]])));
+      double largest = 0;  // twice the largest face
+      for (std::size_t k = 0; k < 4; ++k)
+        largest = std::max(largest, norm(cross(x[t[(k + 1) % 4]] - x[t[k]], x[t[(k + 2) % 4]] - x[t[k]])));
+      const double height = six / largest;
+      most = std::max(most, 12 * speed2 / (height * height));
+    }
+    damping = o.stiffness_damping;
+  }
+  if (!(most > 0)) return kSuitedStep;
+  const double zeta = damping * std::sqrt(most) / 2;
+  return 2 / std::sqrt(most) * (std::sqrt(1 + zeta * zeta) - zeta);
+}
+
+}  // namespace
+
+SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices) {
+  return SceneReader(vertices).read(parse_json(text));
+}
+
+std::optional<SoftBodyModel> soft_body_model(std::string_view word) {
+  for (const auto m : {SoftBodyModel::springs, SoftBodyModel::corotational})
+    if (word == word_of(m)) return m;
+  return std::nullopt;
+}
+
+std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word) {
+  using I = DynamicsIntegrator;
+  for (const I i : {I::implicit_euler, I::explicit_euler, I::verlet, I::velocity_verlet})
+    if (word == word_of(i)) return i;
+  return std::nullopt;
+}
+
+const char* word_of(SoftBodyModel model) { return model == SoftBodyModel::springs ? "springs" : "corotational"; }
+
+const char* word_of(DynamicsIntegrator integrator) {
+  switch (integrator) {
+    case DynamicsIntegrator::explicit_euler:
+      return "explicit-euler";
+    case DynamicsIntegrator::verlet:
+      return "verlet";
+    case DynamicsIntegrator::velocity_verlet:
+      return "velocity-verlet";
+    case DynamicsIntegrator::implicit_euler:
+      break;
+  }
+  return "implicit-euler";
+}
+
+DynamicsScene scaled(DynamicsScene scene, double factor) {
+  for (PulledHandle& h : scene.handles) {
+    if (h.center) *h.center *= factor;
+    for (HandleKey& k : h.keys) k.displacement *= factor;
+  }
+  for (FloorObstacle& f : scene.floors) f.point *= factor;
+  for (SphereObstacle& s : scene.spheres) s.center *= factor, s.radius *= factor;
+  return scene;
+}
+
+SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
+  SoftBodyOptions o;
+  const bool elastic = s.young || s.poisson;
+  o.model = s.model.value_or(elastic ? SoftBodyModel::corotational : SoftBodyModel::springs);
+  o.integrator = s.integrator.value_or(o.integrator);
+  const double down = s.downwards.value_or(kEarth);
+  o.gravity = s.gravity.value_or(s.z_up.value_or(false) ? Vec3{0, 0, -down} : Vec3{0, -down, 0});
+  o.density = s.density.value_or(o.density);
+  o.total_mass = s.mass;
+  o.tolerance = s.tolerance.value_or(o.tolerance);
+  o.iterations = s.iterations.value_or(o.iterations);
+  o.halvings = s.halvings.value_or(o.halvings);
+
+  double edges = 0, whole = 0;
+  for (const Tet& t : mesh.tets) {
+    const std::vector<Vec3>& x = mesh.vertices;
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j) edges += norm(x[t[i]] - x[t[j]]);
+    whole += std::abs(dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]]))) / 6;
+  }
+  const double mean_edge = mesh.tets.empty() ? 1 : edges / (6 * static_cast<double>(mesh.tets.size()));
+  const double density = s.mass && whole > 0 ? *s.mass / whole : o.density;
+  const double pull = norm(o.gravity) > 0 ? norm(o.gravity) : kEarth;
+  const double young = kSuitedStiffness * density * pull * bounds(mesh).diagonal();
+  o.youngs_modulus = s.young.value_or(young > 0 ? young : o.youngs_modulus);
+  o.poissons_ratio = s.poisson.value_or(o.poissons_ratio);
+  o.stiffness = s.stiffness.value_or(o.youngs_modulus * mean_edge);
+  o.damping = s.damping.value_or(kSuitedDamping * o.stiffness);
+  o.mass_damping = s.mass_damping.value_or(o.mass_damping);
+  o.stiffness_damping = s.stiffness_damping.value_or(kSuitedDamping);
+  o.step = kSuitedStep;
+  if (o.integrator != DynamicsIntegrator::implicit_euler)
+    o.step = std::min(kSuitedStep, kSafeStep * stable_step(o, mesh));
+  o.step = s.step.value_or(o.step);
+  return o;
+}
+
+}  // namespace sansmesh
