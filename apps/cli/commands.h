@@ -26,6 +26,7 @@ Command add_compare(CommandLine& app);
 Command add_measure(CommandLine& app);
 Command add_csg(CommandLine& app);
 Command add_simulate(CommandLine& app);
+Command add_deform(CommandLine& app);
 /// The commands of `volume`.
 std::vector<Command> add_volume(CommandLine& app);
 Command add_volume_fit(CommandLine& volume);

@@ -1,24 +1,16 @@
 // sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
 #include <fmt/core.h>
 
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/csg/parse_csg.h"
-#include "sansmesh/function/function_distance.h"
-#include "sansmesh/function/function_file.h"
-#include "sansmesh/function/function_solid.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "volume_input.h"
+#include "solid_input.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -30,61 +22,17 @@ struct CsgArguments {
   std::optional<ComponentChoice> components;
 };
 
-using FunctionPtr = std::shared_ptr<const SurfaceFunction>;
-
-FunctionPtr load_function(const std::string& file) {
-  if (!is_function_file(file)) throw FileError(file, "no function file (.smf): sansmesh fit makes one from a scan");
-  return std::make_shared<const SurfaceFunction>(read_function(file));
-}
-
-/// Above this share of its area that bounds no solid a function is warned of.
-constexpr double kOpenShare = 0.01;
-
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 void run_csg(CsgArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
   Progress& progress = console.progress();
-  progress.begin("read");
-  std::vector<std::string> files;
-  std::map<std::string, FunctionPtr> functions;
-  const auto load = [&](const std::string& name) {
-    FunctionPtr& function = functions[name];
-    if (!function) {
-      function = load_function(name);
-      files.push_back(name);
-    }
-    return function;
-  };
-  const auto volume_solid = [&](const std::string& name) -> std::optional<Solid> {
-    const auto isosurface = parse_isosurface_name(name);
-    if (!isosurface) return std::nullopt;
-    files.push_back(name);
-    return isosurface_solid(open_isosurface(*isosurface, console).surface);
-  };
-  const Solid solid = parse_csg(
-      a.expression,
-      [&](const std::string& name) {
-        const auto of_volume = volume_solid(name);
-        return of_volume ? *of_volume : function_solid(load(name));
-      },
-      [&](const std::string& name) {
-        if (parse_isosurface_name(name))
-          throw ArgumentError(
-              fmt::format("'{}': offsets and shells of isosurfaces need a fit: volume isosurface, then fit", name));
-        return csg::leaf(std::make_shared<FunctionDistance>(load(name), progress));
-      });
-  // Functions of scans may have small sheets far from their surface, which `sansmesh mesh` leaves out too.
-  a.options.components = a.components.value_or(
-      ComponentChoice{functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1});
+  const SolidInput input = open_solid(a.expression, console);
+  a.options.components = a.components.value_or(input.usual_components());
   CsgMeshReport report;
-  const TriangleMesh mesh = mesh_csg(solid, a.options, progress, &report);
-  for (const auto& [name, function] : functions) {
-    const PartitionReport& fitted = function->field.report();
-    if (fitted.open_area > kOpenShare * fitted.area)
-      console.warn(name, {"its surface bounds no solid: taken as all that lies behind it, as far as the box reaches"});
-  }
+  const TriangleMesh mesh = mesh_csg(input.solid, a.options, progress, &report);
+  input.warn_of_open(console);
   console.warn(a.output.file, report.warnings);
   a.output.write(mesh, progress);
   progress.finish();
@@ -98,7 +46,7 @@ void run_csg(CsgArguments& a, Console& console) {
   console.say(fmt::format("area {}, volume {}", number(report.area), number(report.volume)));
   const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
   const Json json = {{"expression", a.expression},
-                     {"files", files},
+                     {"files", input.files},
                      {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
                      {"cell", report.cell},
                      {"depth", report.depth},

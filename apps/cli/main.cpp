@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
                                    add_render(line),      add_project(line), add_curvature(line), add_advise(line),
                                    add_fit(line),         add_mesh(line),    add_eval(line),      add_edit(line),
                                    add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
-                                   add_csg(line),         add_simulate(line)};
+                                   add_csg(line),         add_deform(line),  add_simulate(line)};
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (Command& command : add_flow(line)) commands.push_back(std::move(command));
   for (const Command& command : commands) add_common(*command.line, common);

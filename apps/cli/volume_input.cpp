@@ -91,6 +91,24 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
 
 void add_volume_input(CommandLine& c, VolumeInput& input) {
   add_volume_files(c, input);
+  add_volume_array(c, input);
+  c.add_option("--degree", input.method.degree,
+               "Highest degree of polynomials, 0..4 (mls, mls-detail), 1..5 (lagrange)")
+      .type_name("DEGREE")
+      .group("Reconstruction");
+  c.add_option("--iterations", input.method.iterations, "Times that residuals are added (amls), 0..100")
+      .type_name("COUNT")
+      .group("Reconstruction");
+  c.add_option("--shape", input.method.shape, "ε of amls, 0.05..10: small is smooth")
+      .type_name("NUMBER")
+      .group("Reconstruction");
+  c.add_option("--order", input.method.order, "Of amls: 2, 4 or 6").type_name("ORDER").group("Reconstruction");
+  c.add_option("--radius", input.method.radius, "Of supports in spacings, 1..10 (mls, rbf, shepard)")
+      .type_name("NUMBER")
+      .group("Reconstruction");
+}
+
+void add_volume_array(CommandLine& c, VolumeInput& input) {
   c.add_option("--array", input.array, "Array, or a component of it: NAME, NAME:0, NAME:x, NAME:magnitude [a scalar]")
       .type_name("NAME");
   c.add_option_function(
@@ -105,20 +123,6 @@ void add_volume_input(CommandLine& c, VolumeInput& input) {
        },
        fmt::format("Reconstruction: {} [from grid, resolution and noise]", method_names()))
       .type_name("NAME")
-      .group("Reconstruction");
-  c.add_option("--degree", input.method.degree,
-               "Highest degree of polynomials, 0..4 (mls, mls-detail), 1..5 (lagrange)")
-      .type_name("DEGREE")
-      .group("Reconstruction");
-  c.add_option("--iterations", input.method.iterations, "Times that residuals are added (amls), 0..100")
-      .type_name("COUNT")
-      .group("Reconstruction");
-  c.add_option("--shape", input.method.shape, "ε of amls, 0.05..10: small is smooth")
-      .type_name("NUMBER")
-      .group("Reconstruction");
-  c.add_option("--order", input.method.order, "Of amls: 2, 4 or 6").type_name("ORDER").group("Reconstruction");
-  c.add_option("--radius", input.method.radius, "Of supports in spacings, 1..10 (mls, rbf, shepard)")
-      .type_name("NUMBER")
       .group("Reconstruction");
 }
 

@@ -35,6 +35,8 @@ struct VolumeInput {
 void add_volume_files(CommandLine& command, VolumeInput& input);
 /// The same, --array, and --method with its options.
 void add_volume_input(CommandLine& command, VolumeInput& input);
+/// --array and --method.
+void add_volume_array(CommandLine& command, VolumeInput& input);
 
 /// A volume that was read, and fields of it. Errors of the data are thrown as FileError that name the file.
 class OpenVolume {

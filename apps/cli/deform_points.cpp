@@ -1,0 +1,123 @@
+// sansmesh deform: clouds and meshes.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "deform.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render/picture_surfaces.h"
+
+namespace sansmesh::cli {
+namespace {
+
+Box3 world_box(const Vec3& origin, const std::vector<Vec3f>& positions) {
+  Box3 box;
+  for (const Vec3f& p : positions)
+    if (is_finite(p)) box.extend(origin + Vec3(p));
+  return box;
+}
+
+std::string number_of(std::size_t n, bool vertices) {
+  return vertices ? fmt::format("{} {}", grouped(n), n == 1 ? "vertex" : "vertices") : counted(n, "point");
+}
+
+}  // namespace
+
+RenderOptions deform_look(const DeformArguments& a) {
+  RenderOptions look = a.picture.chosen();
+  set_background(look, a.background);
+  return look;
+}
+
+void add_corners(const Box3& box, std::vector<Vec3>& places) {
+  for (int c = 0; c < 8; ++c)
+    places.push_back(
+        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+}
+
+Image deformed_picture(const TriangleMesh& mesh, const DeformArguments& a, const OpenDeformation& deformation,
+                       double share, std::vector<Vec3> places, Progress& progress) {
+  const RenderOptions look = deform_look(a);
+  std::vector<PictureSurface> surfaces{surface_in_picture(mesh, look)};
+  if (a.draw_handles && deformation.has_handles()) {
+    const TriangleMesh shapes = deformation.shapes(share, world_box(mesh.origin, mesh.vertices).diagonal());
+    add_corners(world_box(shapes.origin, shapes.vertices), places);
+    surfaces.push_back(surface_in_picture(shapes, look));
+  }
+  return render_surfaces(surfaces, places, false, a.frames > 0, look, progress);
+}
+
+DeformResult deform_points(const DeformArguments& a, const OpenDeformation& deformation, Console& console) {
+  const CloudInput input{a.input.files, {}, {}, {}};
+  Progress& progress = console.progress();
+  ReadReport read;
+  const PointSet points = input.read(console, read);
+  const bool mesh = !points.triangles.empty();
+  if (!mesh && a.bend) throw ArgumentError("--refine is for meshes: the input has no faces");
+  if (!a.to_picture()) check_writable(a.output, mesh ? "mesh" : "points");
+  DeformResult result;
+  result.input = input.json(read, points.size());
+  MeshDeformOptions options;
+  options.bend = a.bend;
+  options.validate();
+
+  std::vector<Vec3> places;  // that all poses lie within
+  const Box3 before = world_box(points.origin, points.positions);
+  if (a.to_picture() && a.frames > 0)
+    for (const double share : {0.0, 0.5, 1.0})
+      add_corners(deformation.box_of(deformation.at(share), before).value_or(before), places);
+  MeshDeformReport report;
+  std::size_t vertices = 0, triangles = 0;
+  for (int k = 0; k < a.poses(); ++k) {
+    const double share = a.share(k);
+    const DeformationMaps maps = deformation.at(share);
+    progress.begin("deform");
+    TriangleMesh moved;
+    if (mesh || a.to_picture()) {
+      moved = deform_mesh(to_mesh(points), *maps.forward, options, &report);
+      vertices = moved.vertices.size(), triangles = moved.triangles.size();
+    }
+    result.files.push_back(a.file(k));
+    if (a.to_picture()) {
+      std::vector<Vec3> framed = places;
+      if (framed.empty())
+        for (const Vec3f& v : moved.vertices)
+          if (is_finite(v)) framed.push_back(moved.origin + Vec3(v));
+      const Image image = deformed_picture(moved, a, deformation, share, std::move(framed), progress);
+      write_image(result.files.back(), image);
+    } else if (mesh) {
+      progress.begin("write");
+      write_mesh(result.files.back(), moved, {a.ascii});
+    } else {
+      const PointSet cloud = deform_points(points, *maps.forward, &report);
+      vertices = cloud.size();
+      progress.begin("write");
+      write_points(result.files.back(), cloud, {a.ascii});
+    }
+  }
+  std::vector<std::string> warnings;
+  if (!report.fine)
+    warnings.emplace_back("there would be too many triangles to cut all edges that bend: --refine coarser");
+  if (report.undefined > 0)
+    warnings.push_back(
+        fmt::format("{} stay where they are: the map is not defined there", number_of(report.undefined, mesh)));
+  if (report.turned > 0)
+    warnings.push_back(
+        fmt::format("{} of {} lie where space is folded", grouped(report.turned), number_of(vertices, mesh)));
+  console.warn(input.name(), warnings);
+  result.lines.push_back(mesh ? fmt::format("{}, {}{}", counted(triangles, "triangle"), number_of(vertices, mesh),
+                                            report.added > 0 ? fmt::format(" ({} added)", grouped(report.added)) : "")
+                              : counted(vertices, "point"));
+  result.output = {{"vertices", vertices},
+                   {"triangles", triangles},
+                   {"added", report.added},
+                   {"turned", report.turned},
+                   {"undefined", report.undefined}};
+  return result;
+}
+
+}  // namespace sansmesh::cli
