@@ -1,6 +1,7 @@
 #include "sansmesh/dynamics/polar_rotation.h"
 
 #include <algorithm>
+#include <array>
 
 namespace sansmesh {
 namespace {
@@ -12,6 +13,55 @@ Turn turned_by(const Turn& q, const Vec3& w) {
          q.z + q.w * z + q.x * y - q.y * x};
   const double scale = 1 / std::sqrt(r.w * r.w + r.x * r.x + r.y * r.y + r.z * r.z);
   return {r.w * scale, r.x * scale, r.y * scale, r.z * scale};
+}
+
+/// Eigenvalues and unit eigenvectors of a symmetric matrix (a by columns), by Jacobi's rotations.
+struct Eigenpairs {
+  Vec3 values;
+  std::array<Vec3, 3> vectors{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+};
+
+Eigenpairs eigenpairs_of(std::array<Vec3, 3> a) {
+  Eigenpairs found;
+  auto& v = found.vectors;
+  for (int sweep = 0; sweep < 12; ++sweep) {
+    for (std::size_t p = 0; p < 2; ++p) {
+      for (std::size_t q = p + 1; q < 3; ++q) {
+        if (a[q][p] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[q][p]);
+        const double t = std::copysign(1 / (std::abs(theta) + std::sqrt(theta * theta + 1)), theta);
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double x = a[p][k], y = a[q][k];
+          a[p][k] = c * x - s * y, a[q][k] = s * x + c * y;
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double x = a[k][p], y = a[k][q];
+          a[k][p] = c * x - s * y, a[k][q] = s * x + c * y;
+        }
+        const Vec3 x = v[p], y = v[q];
+        v[p] = x * c - y * s, v[q] = x * s + y * c;
+      }
+    }
+  }
+  found.values = {a[0].x, a[1].y, a[2].z};
+  return found;
+}
+
+/// Where the second derivative is not negative definite: uphill by Newton's step with the curvatures' sizes instead of
+/// their signs, and away from a saddle along the axis that gains most. Zero on a ridge, which is as good as it gets.
+Vec3 step_uphill(const std::array<Vec3, 3>& curvature, const Vec3& g, double size) {
+  const Eigenpairs pairs = eigenpairs_of(curvature);
+  Vec3 w;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double along = dot(pairs.vectors[k], g), bend = std::abs(pairs.values[k]);
+    if (std::abs(along) > 1e-15 * size) w += pairs.vectors[k] * (along / std::max(bend, std::abs(along)));
+  }
+  const std::size_t worst = pairs.values.x <= pairs.values.y && pairs.values.x <= pairs.values.z ? 0
+                            : pairs.values.y <= pairs.values.z                                   ? 1
+                                                                                                 : 2;
+  if (squared_norm(w) < 1e-6 && pairs.values[worst] < -1e-14 * size) w = pairs.vectors[worst] * 0.7;
+  return w;
 }
 
 }  // namespace
@@ -31,21 +81,18 @@ Turn nearest_turn(const Matrix3& f, const Turn& guess) {
     const double xx = b.y + c.z, yy = a.x + c.z, zz = a.x + b.y;
     // Positive definite: a maximum is near, and the step leads uphill.
     const double minor = xx * yy - xy * xy, determinant = minor * zz - xx * yz * yz + 2 * xy * yz * xz - yy * xz * xz;
-    const double least = 1e-6 * size;
-    const bool maximum = xx > least && minor > least * least && determinant > least * least * least;
+    constexpr double kLeast = 1e-13;
+    const bool maximum =
+        xx > kLeast * size && minor > kLeast * size * size && determinant > kLeast * size * size * size;
     Vec3 w;
     if (maximum) {
       w = Vec3{(yy * zz - yz * yz) * g.x + (xz * yz - xy * zz) * g.y + (xy * yz - xz * yy) * g.z,
                (xz * yz - xy * zz) * g.x + (xx * zz - xz * xz) * g.y + (xy * xz - xx * yz) * g.z,
                (xy * yz - xz * yy) * g.x + (xy * xz - xx * yz) * g.y + minor * g.z} /
           determinant;
-    } else if (squared_norm(g) > 1e-18 * size * size) {
-      w = g / size;  // uphill
     } else {
-      // Neither slope nor maximum: leave a saddle along the axis of which turning gains most; a ridge is good enough.
-      const double gain = std::min({xx, yy, zz});
-      if (gain > -1e-9 * size) return q;
-      w = gain == xx ? Vec3{0.7, 0.1, 0.05} : gain == yy ? Vec3{0.05, 0.7, 0.1} : Vec3{0.1, 0.05, 0.7};
+      w = step_uphill({Vec3{xx, xy, xz}, Vec3{xy, yy, yz}, Vec3{xz, yz, zz}}, g, size);
+      if (squared_norm(w) == 0) return q;
     }
     const double length = norm(w);
     if (length > 1) w *= 1 / length;
