@@ -1,18 +1,18 @@
-// Tetrahedra that move by forces: frames a second of each integrator, beside those of the thesis (table 6.3; METHODS §7.2:
-// a graphics card of 2006, and implicit Euler on it).
+// Tetrahedra that move by forces: frames a second of each integrator, beside those of the thesis (table 6.3; METHODS
+// §7.2: a graphics card of 2006, and implicit Euler on it).
 //
 //   benchmark_tetrahedra [FOLDER] [SECONDS]
 //
 // FOLDER (../shared/data/tets) holds the meshes; without it there are boxes only. A frame is a step of h, everything in
 // it but pictures; the best of several parts of SECONDS (2) for each row. Every mesh is made 1 m large, stands on its
-// lowest twentieth, which is fixed, and has been stretched by a tenth. Vertices weigh 0.02 kg on average: so the explicit
-// methods are stable with h = 0.001 s at k_s = 3000 N/m and not much beyond, as the source has it. Implicit Euler takes h
-// = 0.01 s and k_s = 30,000 N/m; elasticity has moduli that make edges about as stiff.
+// lowest twentieth, which is fixed, and has been stretched by a tenth. Vertices weigh 0.02 kg on average: so the
+// explicit methods are stable with h = 0.001 s at k_s = 3000 N/m and not much beyond, as the source has it. Implicit
+// Euler takes h = 0.01 s and k_s = 30,000 N/m; elasticity has moduli that make edges about as stiff.
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -94,8 +94,13 @@ int main(int argc, char** argv) {
   [[maybe_unused]] const std::filesystem::path folder = argc > 1 ? argv[1] : "../shared/data/tets";
   const double patience = argc > 2 ? std::atof(argv[2]) : 2;
   std::vector<Subject> subjects;
-  subjects.push_back({"box of 24 × 26 × 30 cells (thesis: knee, 112,299)", of_size_one(box_of_tets({0, 0, 0}, {24, 26, 30}, 24, 26, 30)), {"169", "119", "119", "22"}});
-  fmt::print("{} threads\n\n| mesh | tetrahedra | model | integrator | ms | CPU ms | frames/s | iterations | thesis |\n|---|---|---|---|---|---|---|---|---|\n", thread_count());
+  subjects.push_back({"box of 24 × 26 × 30 cells (thesis: knee, 112,299)",
+                      of_size_one(box_of_tets({0, 0, 0}, {24, 26, 30}, 24, 26, 30)),
+                      {"169", "119", "119", "22"}});
+  fmt::print(
+      "{} threads\n\n| mesh | tetrahedra | model | integrator | ms | CPU ms | frames/s | iterations | thesis "
+      "|\n|---|---|---|---|---|---|---|---|---|\n",
+      thread_count());
   for (const Subject& s : subjects) {
     for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
       for (int k = 0; k < 4; ++k) measure(s, model, static_cast<DynamicsIntegrator>(k), patience);

@@ -169,7 +169,7 @@ TEST(PolarRotation, IsTheNearestOneAndNeverAReflection) {
   const auto any = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   for (int k = 0; k < 10000; ++k) {
     Matrix3 f{any(), any(), any()};
-    if (k % 4 == 1) f.c = f.a * normal(random) + f.b * normal(random) + any() * 1e-7;  // nearly in a plane
+    if (k % 4 == 1) f.c = f.a * normal(random) + f.b * normal(random) + any() * 1e-7;     // nearly in a plane
     if (k % 4 == 2) f.b = f.a * normal(random) + any() * 1e-5, f.c = f.a + any() * 1e-6;  // nearly on a line
     if (k % 4 == 3) f.a *= -1;
     const Matrix3 r = nearest_turn(f, {}).matrix();

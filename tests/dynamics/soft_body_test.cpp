@@ -16,8 +16,8 @@ namespace {
 
 using test::ideal;
 using test::kAllIntegrators;
-using test::momenta_of;
 using test::Momenta;
+using test::momenta_of;
 using test::one_tet;
 using test::random_vectors;
 using test::small_bar;
@@ -150,8 +150,8 @@ bool lasts(DynamicsIntegrator integrator, double stiffness, double h) {
   return std::all_of(x.begin(), x.end(), [](const Vec3& p) { return is_finite(p) && norm(p) < 10; });
 }
 
-// Thesis 6.4.5: explicit methods took no more than h = 0.001 s with k_s = 3000, while with the implicit one and h = 0.01
-// s "no stability problem was found" for more than 30,000.
+// Thesis 6.4.5: explicit methods took no more than h = 0.001 s with k_s = 3000, while with the implicit one and h =
+// 0.01 s "no stability problem was found" for more than 30,000.
 TEST(SoftBody, ImplicitEulerIsStableWhereExplicitMethodsExplode) {
   for (const DynamicsIntegrator integrator : kAllIntegrators) {
     SCOPED_TRACE(static_cast<int>(integrator));
@@ -228,7 +228,8 @@ TEST(SoftBody, AdvanceTakesWholeSteps) {
 
 TEST(SoftBody, TheSameBitsForAnyNumberOfThreads) {
   for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
-    for (const DynamicsIntegrator integrator : {DynamicsIntegrator::velocity_verlet, DynamicsIntegrator::implicit_euler}) {
+    for (const DynamicsIntegrator integrator :
+         {DynamicsIntegrator::velocity_verlet, DynamicsIntegrator::implicit_euler}) {
       test::expect_equal_for_any_threads([&] {
         SoftBodyOptions options;
         options.model = model, options.integrator = integrator, options.step = 1e-3;

@@ -1,0 +1,190 @@
+// Bodies whose motion is known in closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "dynamics/body_checks.h"
+
+namespace sansmesh {
+namespace {
+
+using test::ideal;
+using test::kAllIntegrators;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGravity = 9.81;
+
+/// The first two moments at which value() passes 0, between steps by straight lines; value() after each step.
+template <class Value>
+std::vector<double> zeros_of(SoftBody& body, std::size_t count, const Value& value) {
+  std::vector<double> zeros;
+  double before = value(), at = body.time();
+  for (int k = 0; k < 200000 && zeros.size() < count; ++k) {
+    body.step();
+    const double now = value();
+    if ((before < 0) != (now < 0)) zeros.push_back(at + (body.time() - at) * before / (before - now));
+    before = now, at = body.time();
+  }
+  return zeros;
+}
+
+TEST(ClosedForm, WeightOnASpring) {
+  // A tetrahedron whose four vertices hang on springs of their own: all of it goes up and down as one.
+  const double k = 40, mass = 2, omega = std::sqrt(4 * k / mass);
+  for (const DynamicsIntegrator integrator : kAllIntegrators) {
+    SoftBodyOptions options = ideal(integrator, 1e-5);
+    options.gravity = {0, 0, -kGravity}, options.total_mass = mass;
+    DynamicsScene scene;
+    scene.handles.push_back({{0, 1, 2, 3}, {{}}, {}, k});
+    SoftBody body(test::one_tet(), options, scene);
+    body.advance(0.05);
+    const double fall = mass * kGravity / (4 * k) * (std::cos(omega * 0.05) - 1);
+    EXPECT_NEAR(body.positions()[3].z, 1 + fall, 1e-3 * std::abs(fall)) << static_cast<int>(integrator);
+  }
+}
+
+TEST(ClosedForm, VertexOnThreeSprings) {
+  // The top of a regular tetrahedron with edges of 1, whose edges stand at cos² = 2/3 to the vertical.
+  const TetMesh mesh = turned_outward({{{0, 0, std::sqrt(2.0 / 3)},
+                                        {1 / std::sqrt(3.0), 0, 0},
+                                        {-0.5 / std::sqrt(3.0), -0.5, 0},
+                                        {-0.5 / std::sqrt(3.0), 0.5, 0}},
+                                       {{0, 1, 3, 2}},
+                                       {},
+                                       {}});
+  SoftBodyOptions options = ideal(DynamicsIntegrator::verlet, 1e-4);
+  options.total_mass = 4, options.stiffness = 50;
+  DynamicsScene scene;
+  scene.fixed = {1, 2, 3};
+  SoftBody body(mesh, options, scene);
+  auto x = mesh.vertices;
+  x[0].z += 1e-4;
+  body.set_state(x, std::vector<Vec3>(4));
+  const auto zeros = zeros_of(body, 2, [&] { return body.positions()[0].z - mesh.vertices[0].z; });
+  ASSERT_EQ(zeros.size(), 2);
+  EXPECT_NEAR(zeros[1] - zeros[0], kPi / std::sqrt(3 * 50 * 2.0 / 3), 1e-3);
+}
+
+TEST(ClosedForm, Pendulum) {
+  // A stiff regular tetrahedron that hangs by a corner: three masses around an axis through it.
+  const TetMesh mesh{{{0, 0, 0},
+                      {1 / std::sqrt(3.0), 0, -std::sqrt(2.0 / 3)},
+                      {-0.5 / std::sqrt(3.0), 0.5, -std::sqrt(2.0 / 3)},
+                      {-0.5 / std::sqrt(3.0), -0.5, -std::sqrt(2.0 / 3)}},
+                     {{0, 1, 2, 3}},
+                     {},
+                     {}};
+  const TetMesh outward = turned_outward(mesh);
+  double inertia = 0, moment = 0;  // about y, of unit masses
+  for (std::size_t v = 1; v < 4; ++v) {
+    const Vec3 p = mesh.vertices[v];
+    inertia += p.x * p.x + p.z * p.z, moment -= p.z;
+  }
+  const double amplitude = 0.2, small = 2 * kPi * std::sqrt(inertia / (moment * kGravity));
+  const double period = small * (1 + amplitude * amplitude / 16);
+  for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
+    for (const DynamicsIntegrator integrator :
+         {DynamicsIntegrator::velocity_verlet, DynamicsIntegrator::implicit_euler}) {
+      SoftBodyOptions options = ideal(integrator, 2e-4);
+      options.model = model, options.gravity = {0, 0, -kGravity}, options.total_mass = 4, options.stiffness = 2e5;
+      options.youngs_modulus = 1e6;
+      DynamicsScene scene;
+      scene.fixed = {0};
+      SoftBody body(outward, options, scene);
+      auto x = outward.vertices;
+      for (Vec3& p : x) {
+        p = {std::cos(amplitude) * p.x - std::sin(amplitude) * p.z, p.y,
+             std::sin(amplitude) * p.x + std::cos(amplitude) * p.z};
+      }
+      body.set_state(x, std::vector<Vec3>(4));
+      const auto zeros = zeros_of(body, 3, [&] { return test::center_of(body).x; });
+      ASSERT_EQ(zeros.size(), 3);
+      EXPECT_NEAR(zeros[2] - zeros[0], period, 0.003 * period);
+    }
+  }
+}
+
+/// A cantilever 1 long, 0.2 high and narrower, fixed at x = 0.
+struct Cantilever {
+  static constexpr double kLength = 1, kHeight = 0.2, kWidth = 0.06, kModulus = 1e6, kPoisson = 0.3, kDensity = 1000;
+  static constexpr double kArea = kHeight * kWidth, kSecondMoment = kArea * kHeight * kHeight / 12;
+  static constexpr double kShear = kModulus / (2 * (1 + kPoisson));
+  static constexpr double kFactor = 10 * (1 + kPoisson) / (12 + 11 * kPoisson);  ///< of shear [cowper1966]
+  TetMesh mesh;
+  DynamicsScene scene;
+  std::vector<std::uint32_t> end;
+
+  explicit Cantilever(TetMesh coarse) : mesh(std::move(coarse)) {
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+      if (mesh.vertices[v].x < 1e-9) scene.fixed.push_back(v);
+      if (mesh.vertices[v].x > kLength - 1e-9) end.push_back(v);
+    }
+  }
+  static SoftBodyOptions options(double step) {
+    SoftBodyOptions options = ideal(DynamicsIntegrator::implicit_euler, step);
+    options.model = SoftBodyModel::corotational, options.youngs_modulus = kModulus, options.poissons_ratio = kPoisson;
+    options.density = kDensity, options.tolerance = 1e-6, options.iterations = 20000;
+    return options;
+  }
+  double height(const SoftBody& body) const {
+    double z = 0;
+    const auto x = body.positions();
+    for (const std::uint32_t v : end) z += x[v].z - mesh.vertices[v].z;
+    return z / static_cast<double>(end.size());
+  }
+};
+
+/// With cells as long as they are high, n through the height.
+TetMesh cantilever_cells(std::size_t n) {
+  return box_of_tets({0, 0, 0}, {Cantilever::kLength, Cantilever::kWidth, Cantilever::kHeight}, 5 * n, n / 3, n);
+}
+
+/// How far the end sinks by a force on it, over what Timoshenko's theory says.
+double bend(const TetMesh& mesh) {
+  Cantilever bar(mesh);
+  const double force = 0.05;
+  bar.scene.forces.push_back({bar.end, {0, 0, -force / static_cast<double>(bar.end.size())}});
+  SoftBody body(bar.mesh, Cantilever::options(1000), bar.scene);
+  for (int k = 0; k < 3; ++k) body.step();  // so long that inertia counts for nothing
+  const double length = Cantilever::kLength;
+  const double theory = force * length * length * length / (3 * Cantilever::kModulus * Cantilever::kSecondMoment) +
+                        force * length / (Cantilever::kFactor * Cantilever::kShear * Cantilever::kArea);
+  EXPECT_LT(theory, 0.01 * length);
+  return -bar.height(body) / theory;
+}
+
+// Linear tetrahedra are too stiff; the error falls with the square of their size.
+TEST(ClosedForm, BarSinksAsTheoryOfBeamsSays) {
+  const TetMesh coarse = cantilever_cells(6);
+  const double before = bend(coarse), after = bend(refine_uniformly(coarse));
+  EXPECT_LT(before, 0.95);
+  EXPECT_NEAR(after, 1, 0.05);
+  EXPECT_NEAR((1 - before) / (1 - after), 4, 1.5);
+}
+
+TEST(ClosedForm, BarVibratesAsTheoryOfBeamsSays) {
+  // Euler and Bernoulli's first frequency, and that of pure shear, put together by Dunkerley's rule.
+  const double root = 1.8751040687, length = Cantilever::kLength;
+  const double bending =
+      root * root / (length * length) *
+      std::sqrt(Cantilever::kModulus * Cantilever::kSecondMoment / (Cantilever::kDensity * Cantilever::kArea));
+  const double shear = 0.5 * kPi / length * std::sqrt(Cantilever::kFactor * Cantilever::kShear / Cantilever::kDensity);
+  const double omega = 1 / std::sqrt(1 / (bending * bending) + 1 / (shear * shear));
+  Cantilever bar(cantilever_cells(9));
+  SoftBody body(bar.mesh, Cantilever::options(2 * kPi / omega / 200), bar.scene);
+  // Pushed in the shape of its first vibration, about.
+  std::vector<Vec3> v(bar.mesh.vertices.size());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double s = bar.mesh.vertices[i].x;
+    v[i].z = 0.02 * s * s * (6 - 4 * s + s * s) / 3;
+  }
+  body.set_state(bar.mesh.vertices, v);
+  const auto zeros = zeros_of(body, 1, [&] { return body.time() == 0 ? 1e-30 : bar.height(body); });
+  ASSERT_EQ(zeros.size(), 1);
+  EXPECT_NEAR(kPi / zeros[0], omega, 0.05 * omega);
+}
+
+}  // namespace
+}  // namespace sansmesh
