@@ -1,25 +1,30 @@
 // Tetrahedra that move by forces: frames a second of each integrator, beside those of the thesis (table 6.3; METHODS
-// §7.2: a graphics card of 2006, and implicit Euler on it).
+// §7.2: the explicit ones and implicit Euler on a graphics card of 2006), and of Bullet's soft body.
 //
-//   benchmark_tetrahedra [FOLDER] [SECONDS]
+//   benchmark_tetrahedra [FOLDER] [SECONDS] [BULLET]
 //
-// FOLDER (../shared/data/tets) holds the meshes; without it there are boxes only. A frame is a step of h, everything in
-// it but pictures; the best of several parts of SECONDS (2) for each row. Every mesh is made 1 m large, stands on its
-// lowest twentieth, which is fixed, and has been stretched by a tenth. Vertices weigh 0.2 kg on average: so the
-// explicit methods are stable with h = 0.001 s at k_s = 3000 N/m and not much beyond, as the source has it. Implicit
-// Euler takes h = 0.01 s and k_s = 30,000 N/m; elasticity has moduli that make edges about as stiff.
+// FOLDER (../shared/data/tets) holds the meshes. A frame is a step, all of it but pictures: the best of groups of ten
+// (of two of implicit Euler) within SECONDS (2) for each row. Every mesh is made 1 m large, its lowest twentieth is
+// fixed, and it has been stretched by a tenth. Vertices weigh 0.2 kg on average, with which the explicit methods are
+// stable with h = 0.001 s at k_s = 3000 N/m and not much beyond, as the source has it. Implicit Euler takes h = 0.01 s
+// and k_s = 30,000 N/m; the moduli of elasticity make edges about as stiff. BULLET: the program of
+// peers/bullet_soft_body.cpp, which gets the same meshes with steps of 0.01 s in between (benchmarks/compare_dynamics).
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/progress.h"
+#include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 
@@ -43,12 +48,21 @@ TetMesh of_size_one(TetMesh mesh) {
   return mesh;
 }
 
+std::vector<std::uint32_t> lowest_of(const TetMesh& mesh) {
+  std::vector<std::uint32_t> found;
+  const double height = bounds(mesh).size().z;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (mesh.vertices[v].z <= 0.05 * height) found.push_back(static_cast<std::uint32_t>(v));
+  }
+  return found;
+}
+
 void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator integrator, double patience) {
   const std::size_t n = subject.mesh.vertices.size();
   const bool is_implicit = integrator == DynamicsIntegrator::implicit_euler;
   SoftBodyOptions options;
   options.model = model, options.integrator = integrator;
-  options.total_mass = 0.2 * static_cast<double>(n);
+  options.total_mass = 0.2 * static_cast<double>(n), options.equal_masses = true;
   options.step = is_implicit ? 0.01 : 0.001;
   options.stiffness = is_implicit ? 30000 : 3000;
   options.damping = integrator == DynamicsIntegrator::explicit_euler ? 3 : 1;
@@ -59,11 +73,8 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
   options.stiffness_damping = options.damping / options.stiffness;
   DynamicsScene scene;
   std::vector<Vec3> x = subject.mesh.vertices;
-  const double height = bounds(subject.mesh).size().z;
-  for (std::size_t v = 0; v < n; ++v) {
-    if (x[v].z <= 0.05 * height) scene.fixed.push_back(static_cast<std::uint32_t>(v));
-    x[v].z *= 1.1;
-  }
+  for (Vec3& p : x) p.z *= 1.1;
+  scene.fixed = lowest_of(subject.mesh);
   SoftBody body(subject.mesh, options, scene);
   body.set_state(x, std::vector<Vec3>(n));
   double best = 1e300, cpu = 1e300;
@@ -77,8 +88,9 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
       frames += some;
     }
   } catch (const Error& error) {
-    fmt::print("| {} | | {} | {} | {} |\n", subject.name, kIntegrators[static_cast<int>(integrator)],
-               model == SoftBodyModel::springs ? "springs" : "elasticity", error.what());
+    fmt::print("| {} | {} | {} | {} | | | | | {} |\n", subject.name, subject.mesh.tets.size(),
+               model == SoftBodyModel::springs ? "springs" : "elasticity", kIntegrators[static_cast<int>(integrator)],
+               error.what());
     return;
   }
   fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} |\n", subject.name, subject.mesh.tets.size(),
@@ -88,22 +100,60 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
   std::fflush(stdout);
 }
 
+/// Bullet's rows.
+void measure_peer(const Subject& subject, const std::string& program, double patience) {
+  const std::string file = (std::filesystem::temp_directory_path() / "benchmark_tetrahedra.txt").string();
+  {
+    std::ofstream out(file);
+    const auto fixed = lowest_of(subject.mesh);
+    out.precision(9);
+    out << subject.mesh.vertices.size() << ' ' << subject.mesh.tets.size() << '\n';
+    for (const Vec3& p : subject.mesh.vertices) out << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    for (const Tet& t : subject.mesh.tets) out << t[0] << ' ' << t[1] << ' ' << t[2] << ' ' << t[3] << '\n';
+    out << fixed.size() << '\n';
+    for (const std::uint32_t v : fixed) out << v << '\n';
+  }
+  FILE* pipe = popen(fmt::format("'{}' '{}' 30000 {}", program, file, patience).c_str(), "r");
+  char name[64];
+  double best = 0, cpu = 0;
+  while (pipe && std::fscanf(pipe, "%63s %lf %lf", name, &best, &cpu) == 3) {
+    fmt::print("| {} | {} | Bullet | {} | {:.2f} | {:.2f} | {:.0f} | | |\n", subject.name, subject.mesh.tets.size(),
+               name, best, cpu, 1000 / best);
+  }
+  if (pipe) pclose(pipe);
+  std::filesystem::remove(file);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  [[maybe_unused]] const std::filesystem::path folder = argc > 1 ? argv[1] : "../shared/data/tets";
+  const std::filesystem::path folder = argc > 1 ? argv[1] : "../shared/data/tets";
   const double patience = argc > 2 ? std::atof(argv[2]) : 2;
+  const std::string peer = argc > 3 ? argv[3] : "";
+  const auto read = [&](const char* file) { return of_size_one(read_tets((folder / file).string()).mesh); };
   std::vector<Subject> subjects;
-  subjects.push_back({"box of 24 × 26 × 30 cells (thesis: knee, 112,299)",
-                      of_size_one(box_of_tets({0, 0, 0}, {24, 26, 30}, 24, 26, 30)),
-                      {"169", "119", "119", "22"}});
+  try {
+    subjects.push_back({"bar-2523 refined", refine_uniformly(read("bar-2523.msh")), {}});
+    subjects.push_back({"bunny (elephant, 24,106)", read("bunny.msh"), {"900", "539", "541", "48"}});
+    subjects.push_back({"dolphin", read("dolphin.msh"), {}});
+    subjects.push_back({"box of 24 × 26 × 30 cells (knee, 112,299)",
+                        of_size_one(box_of_tets({0, 0, 0}, {24, 26, 30}, 24, 26, 30)),
+                        {"169", "119", "119", "22"}});
+    subjects.push_back(
+        {"bunny refined (foot, 156,612)", refine_uniformly(read("bunny.msh")), {"220", "149", "149", "12"}});
+    subjects.push_back({"hand refined", refine_uniformly(read("hand.mesh")), {}});
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
   fmt::print(
-      "{} threads\n\n| mesh | tetrahedra | model | integrator | ms | CPU ms | frames/s | iterations | thesis "
-      "|\n|---|---|---|---|---|---|---|---|---|\n",
+      "{} threads\n\n| mesh (of the thesis) | tetrahedra | forces | integrator | ms | CPU ms | frames/s | iterations | "
+      "thesis, frames/s |\n|---|---|---|---|---|---|---|---|---|\n",
       thread_count());
   for (const Subject& s : subjects) {
     for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
       for (int k = 0; k < 4; ++k) measure(s, model, static_cast<DynamicsIntegrator>(k), patience);
     }
+    if (!peer.empty()) measure_peer(s, peer, patience);
   }
 }

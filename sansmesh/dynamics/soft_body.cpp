@@ -17,7 +17,7 @@
 namespace sansmesh {
 namespace {
 
-/// A quarter of each tetrahedron's mass at its corners; 0 where there is none.
+/// A quarter of each tetrahedron's mass at its corners, or equal shares; 0 where there is no tetrahedron.
 std::vector<double> lumped_masses(const TetMesh& mesh, const SoftBodyOptions& options) {
   std::vector<double> masses(mesh.vertices.size(), 0);
   double volume = 0;
@@ -27,7 +27,8 @@ std::vector<double> lumped_masses(const TetMesh& mesh, const SoftBodyOptions& op
     for (const std::uint32_t v : t) masses[v] += own / 4;
   }
   const double density = options.total_mass ? *options.total_mass / volume : options.density;
-  for (double& m : masses) m *= density;
+  const auto used = static_cast<double>(std::count_if(masses.begin(), masses.end(), [](double m) { return m > 0; }));
+  for (double& m : masses) m = options.equal_masses ? (m > 0 ? density * volume / used : 0) : m * density;
   return masses;
 }
 

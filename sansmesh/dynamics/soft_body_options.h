@@ -40,10 +40,13 @@ struct SoftBodyOptions {
 
   double density = 1000;             ///< kg/m³, > 0; a quarter of a tetrahedron's mass at each of its corners
   std::optional<double> total_mass;  ///< kg, > 0, instead of what follows from the density
-  Vec3 gravity{0, 0, -9.81};         ///< m/s²
+  /// All vertices weigh the same, instead of what lies around them: where tetrahedra differ in size, equal springs let
+  /// explicit methods take longer steps then.
+  bool equal_masses = false;
+  Vec3 gravity{0, 0, -9.81};  ///< m/s²
 
   // Implicit integration.
-  double tolerance = 1e-4;  ///< of conjugate gradients: error over what drives the step, 1e-14..0.1
+  double tolerance = 1e-3;  ///< of conjugate gradients: error over what drives the step, 1e-14..0.1
   int iterations = 500;     ///< most of conjugate gradients, >= 1
   int halvings = 8;         ///< how often a step may be halved where these do not converge, 0..20
 

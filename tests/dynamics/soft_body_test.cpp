@@ -246,6 +246,20 @@ TEST(SoftBody, TheSameBitsForAnyNumberOfThreads) {
   }
 }
 
+TEST(SoftBody, MassesAreThoseOfTheVolumeOrEqual) {
+  SoftBodyOptions options;
+  options.density = 3;
+  const TetMesh bar = small_bar();
+  const SoftBody around(bar, options);
+  double mass = 0;
+  for (const double m : around.masses()) mass += m;
+  EXPECT_NEAR(mass, 3 * 2 * 0.5 * 0.5, 1e-12);
+  EXPECT_LT(*std::min_element(around.masses().begin(), around.masses().end()), 0.5 * mass / 81);
+  options.total_mass = 8.1, options.equal_masses = true;
+  const SoftBody equal(bar, options);
+  for (const double m : equal.masses()) EXPECT_NEAR(m, 0.1, 1e-12);
+}
+
 /// The message of what making a body of these throws.
 template <class Expected>
 std::string refused(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene = {}) {
