@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <memory>
+#include <new>
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
@@ -15,9 +15,18 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kLookups = 1024;
-constexpr std::size_t kChunk = 512;  // points that are mapped at a time
+constexpr std::size_t kChunk = 256;  // points that are mapped at a time
 constexpr std::size_t kBlock = 8;    // points along each axis whose bounds are kept
 constexpr double kUneven = 1e-4;     // of the spacing
+
+void check_lattice(const Box3& box, const std::array<std::size_t, 3>& sizes) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(box.upper[k] > box.lower[k]) || !std::isfinite(box.upper[k] - box.lower[k]))
+      throw ArgumentError("the box of a displacement map has no size along axis " + std::to_string(k + 1));
+    if (sizes[k] < 2 || sizes[k] > 4096)
+      throw ArgumentError("a displacement map has 2 to 4096 points along each axis, not " + std::to_string(sizes[k]));
+  }
+}
 
 }  // namespace
 
@@ -55,15 +64,11 @@ struct DisplacementMap::Stencil {
 };
 
 DisplacementMap::DisplacementMap(const Box3& box, const std::array<std::size_t, 3>& sizes,
-                                 std::vector<Vec3f> displacements, std::vector<float> gaps)
+                                 SharedArray<Vec3f> displacements, SharedArray<float> gaps)
     : box_(box), sizes_(sizes), displacements_(std::move(displacements)), gaps_(std::move(gaps)) {
-  std::size_t points = 1;
+  check_lattice(box, sizes);
+  const std::size_t points = sizes[0] * sizes[1] * sizes[2];
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!(box.upper[k] > box.lower[k]) || !std::isfinite(box.upper[k] - box.lower[k]))
-      throw ArgumentError("the box of a displacement map has no size along axis " + std::to_string(k + 1));
-    if (sizes[k] < 2 || sizes[k] > 4096)
-      throw ArgumentError("a displacement map has 2 to 4096 points along each axis, not " + std::to_string(sizes[k]));
-    points *= sizes[k];
     spacing_[k] = (box.upper[k] - box.lower[k]) / static_cast<double>(sizes[k] - 1);
     blocks_[k] = (sizes[k] + kBlock - 1) / kBlock;
   }
@@ -176,14 +181,25 @@ void DisplacementMap::images(std::span<const Box3> boxes, std::span<Box3> found)
   });
 }
 
+std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t longest) {
+  const Vec3 size = box.size();
+  const double most = std::max({size.x, size.y, size.z});
+  std::array<std::size_t, 3> sizes{2, 2, 2};
+  for (std::size_t k = 0; k < 3 && most > 0; ++k)
+    sizes[k] = std::max<std::size_t>(
+        2, static_cast<std::size_t>(std::lround(static_cast<double>(longest - 1) * size[k] / most)) + 1);
+  return sizes;
+}
+
 DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std::array<std::size_t, 3>& sizes,
                                  Progress& progress) {
-  for (const std::size_t n : sizes)
-    if (n < 2 || n > 4096) return {box, sizes, {}};  // says what is wrong
+  check_lattice(box, sizes);
   const std::size_t points = sizes[0] * sizes[1] * sizes[2];
-  std::vector<Vec3f> displacements(points);
+  // Not filled with zeros: the threads below touch it first.
+  const std::shared_ptr<void> memory(::operator new(points * sizeof(Vec3f)), [](void* m) { ::operator delete(m); });
+  const std::span<Vec3f> displacements(static_cast<Vec3f*>(memory.get()), points);
   std::vector<float> gaps(map.has_gaps() ? points : 0);
-  const double farthest = -box.diagonal();
+  const double farthest = box.diagonal();
   std::array<std::vector<double>, 3> axes;
   for (std::size_t k = 0; k < 3; ++k) {
     const double end = static_cast<double>(sizes[k] - 1);
@@ -194,23 +210,28 @@ DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std
   }
   const std::size_t chunks = (points + kChunk - 1) / kChunk;
   progress.begin("displacement map", chunks);
-  parallel_for(0, chunks, 4, [&](std::size_t chunk) {
-    const std::size_t first = chunk * kChunk, n = std::min(kChunk, points - first);
+  parallel_ranges(0, chunks, 64, [&](std::size_t begin, std::size_t end) {
     std::array<Vec3, kChunk> x, found;
-    std::array<double, kChunk> depths;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t p = first + i;
-      x[i] = {axes[0][p % sizes[0]], axes[1][p / sizes[0] % sizes[1]], axes[2][p / sizes[0] / sizes[1]]};
+    std::array<double, kChunk> depths{};
+    for (std::size_t chunk = begin; chunk < end; ++chunk) {
+      const std::size_t first = chunk * kChunk, n = std::min(kChunk, points - first);
+      std::size_t i = first % sizes[0], j = first / sizes[0] % sizes[1], k = first / sizes[0] / sizes[1];
+      for (std::size_t p = 0; p < n; ++p) {
+        x[p] = {axes[0][i], axes[1][j], axes[2][k]};
+        if (++i < sizes[0]) continue;
+        i = 0;
+        if (++j == sizes[1]) j = 0, ++k;
+      }
+      const std::span<double> wanted(depths.data(), gaps.empty() ? 0 : n);
+      map.map({x.data(), n}, {{found.data(), n}, {}, wanted, {}});
+      for (std::size_t p = 0; p < n; ++p) displacements[first + p] = Vec3f(found[p] - x[p]);
+      for (std::size_t p = 0; p < wanted.size(); ++p)
+        gaps[first + p] = static_cast<float>(std::clamp(depths[p], -farthest, farthest));
     }
-    const std::span<double> wanted(depths.data(), gaps.empty() ? 0 : n);
-    map.map({x.data(), n}, {{found.data(), n}, {}, wanted, {}});
-    for (std::size_t i = 0; i < n; ++i) displacements[first + i] = Vec3f(found[i] - x[i]);
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-      gaps[first + i] = static_cast<float>(std::clamp(depths[i], farthest, -farthest));
-    progress.advance();
+    progress.advance(end - begin);
   });
   progress.finish();
-  return {box, sizes, std::move(displacements), std::move(gaps)};
+  return {box, sizes, SharedArray<Vec3f>(displacements, memory), std::move(gaps)};
 }
 
 GridBlock displacement_block(const DisplacementMap& map) {
@@ -225,7 +246,7 @@ GridBlock displacement_block(const DisplacementMap& map) {
   numbers.reserve(3 * map.displacements().size());
   for (const Vec3f& d : map.displacements()) numbers.insert(numbers.end(), {d.x, d.y, d.z});
   block.point_arrays.set("displacement", std::move(numbers), 3);
-  if (map.has_gaps()) block.point_arrays.set("gap", map.gaps());
+  if (map.has_gaps()) block.point_arrays.set("gap", map.gaps().copy());
   return block;
 }
 

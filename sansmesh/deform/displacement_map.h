@@ -9,6 +9,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/progress.h"
+#include "sansmesh/core/shared_array.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/grid_data.h"
 #include "sansmesh/field/space_map.h"
@@ -23,13 +24,13 @@ class DisplacementMap final : public SpaceMap {
   /// Point (i, j, k) is number i + nx (j + ny k); the first and last of each axis lie on the box. `gaps` is empty where
   /// there are none, else as MapAnswers has them, but finite. Displacements are NaN where nothing is known. Throws
   /// ArgumentError unless the box has a size along each axis, the lattice at least 2 points, and the numbers agree.
-  DisplacementMap(const Box3& box, const std::array<std::size_t, 3>& sizes, std::vector<Vec3f> displacements,
-                  std::vector<float> gaps = {});
+  DisplacementMap(const Box3& box, const std::array<std::size_t, 3>& sizes, SharedArray<Vec3f> displacements,
+                  SharedArray<float> gaps = {});
 
   const Box3& box() const { return box_; }
   const std::array<std::size_t, 3>& sizes() const { return sizes_; }
-  const std::vector<Vec3f>& displacements() const { return displacements_; }
-  const std::vector<float>& gaps() const { return gaps_; }
+  const SharedArray<Vec3f>& displacements() const { return displacements_; }
+  const SharedArray<float>& gaps() const { return gaps_; }
 
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const override;
   bool has_gaps() const override { return !gaps_.empty(); }
@@ -45,10 +46,13 @@ class DisplacementMap final : public SpaceMap {
   Box3 box_;
   std::array<std::size_t, 3> sizes_{}, blocks_{};
   Vec3 spacing_;
-  std::vector<Vec3f> displacements_;
-  std::vector<float> gaps_;
+  SharedArray<Vec3f> displacements_;
+  SharedArray<float> gaps_;
   std::vector<Box3f> block_bounds_;  ///< of blocks of points
 };
+
+/// Points of a lattice of about cubic cells over a box, `longest` (>= 2) along its longest side, at least 2 along each.
+std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t longest);
 
 /// A map on a lattice of 2 to 4096 points an axis over a box; `gaps` only if the map has some, no farther below 0 than
 /// the box is wide. The stage of `progress` is "displacement map". Throws ArgumentError as the constructor does.

@@ -94,6 +94,8 @@ std::optional<detail::PointMap> map_of_points(const detail::DeformSetup& setup) 
       map.kind = detail::PointMapKind::similarity;
       break;
     case DeformationKind::affine:
+      map.kind = detail::PointMapKind::affine;
+      break;
     case DeformationKind::nonlinear:
       map.kind = detail::PointMapKind::polynomials;
       break;

@@ -40,98 +40,142 @@ HWY_INLINE PlaceV WeightPower(const PlaceV& base, double alpha) {
   return power;
 }
 
-/// The handles as seen from a vector of places: relative to the nearest one of each, which costs no digits where that
-/// is far heavier than the rest.
+/// A vector of places, and the handle nearest to each. Everything is relative to that: where it is far heavier than the
+/// rest, this costs no digits, and moments need not be about the means.
 struct SeenHandles {
   const PointMap& map;
-  double* weights;  ///< of handle h: [lanes h]
-  PlaceV x[3], nearest_q[3], nearest_p[3], mean_q[3], mean_p[3], total;
+  double* weights;  ///< of handle h: [lanes h]; the squares of the distances before
+  PlaceV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
 
   std::size_t count() const { return map.weight.size(); }
-  PlaceV weight(std::size_t h) const { return hn::Load(PlaceTag(), weights + h * hn::Lanes(PlaceTag())); }
-  PlaceV hat_q(std::size_t h, std::size_t k) const {
-    return hn::Sub(hn::Sub(hn::Set(PlaceTag(), map.q[k][h]), nearest_q[k]), mean_q[k]);
-  }
+  PlaceV kept(std::size_t h) const { return hn::Load(PlaceTag(), weights + h * hn::Lanes(PlaceTag())); }
+  PlaceV near_q(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.q[k][h]), nearest_q[k]); }
   PlaceV near_p(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.p[k][h]), nearest_p[k]); }
+  PlaceV hat_q(std::size_t h, std::size_t k) const { return hn::Sub(near_q(h, k), mean_q[k]); }
   PlaceV hat_p(std::size_t h, std::size_t k) const { return hn::Sub(near_p(h, k), mean_p[k]); }
   PlaceV hat_x(std::size_t k) const { return hn::Sub(hn::Sub(x[k], nearest_q[k]), mean_q[k]); }
 };
 
-HWY_INLINE PlaceV SquareTo(const SeenHandles& seen, std::size_t h) {
+/// The nearest handles, and the squares of the distances from all.
+HWY_INLINE void FindNearest(SeenHandles& seen) {
   const PlaceTag d;
-  const PlaceV dx = hn::Sub(seen.x[0], hn::Set(d, seen.map.q[0][h])),
-               dy = hn::Sub(seen.x[1], hn::Set(d, seen.map.q[1][h]));
-  const PlaceV dz = hn::Sub(seen.x[2], hn::Set(d, seen.map.q[2][h]));
-  return Sum3(hn::Mul(dx, dx), hn::Mul(dy, dy), hn::Mul(dz, dz));
+  const std::size_t lanes = hn::Lanes(d);
+  seen.least = hn::Set(d, std::numeric_limits<double>::max());
+  for (std::size_t k = 0; k < 3; ++k) {
+    seen.nearest_q[k] = hn::Set(d, seen.map.q[k][0]), seen.nearest_p[k] = hn::Set(d, seen.map.p[k][0]);
+  }
+  for (std::size_t h = 0; h < seen.count(); ++h) {
+    const PlaceV q[3] = {hn::Set(d, seen.map.q[0][h]), hn::Set(d, seen.map.q[1][h]), hn::Set(d, seen.map.q[2][h])};
+    const PlaceV to[3] = {hn::Sub(seen.x[0], q[0]), hn::Sub(seen.x[1], q[1]), hn::Sub(seen.x[2], q[2])};
+    const PlaceV square = Sum3(hn::Mul(to[0], to[0]), hn::Mul(to[1], to[1]), hn::Mul(to[2], to[2]));
+    hn::Store(square, d, seen.weights + h * lanes);
+    const auto nearer = hn::Lt(square, seen.least);
+    seen.least = hn::Min(square, seen.least);
+    for (std::size_t k = 0; k < 3; ++k) {
+      seen.nearest_q[k] = hn::IfThenElse(nearer, q[k], seen.nearest_q[k]);
+      seen.nearest_p[k] = hn::IfThenElse(nearer, hn::Set(d, seen.map.p[k][h]), seen.nearest_p[k]);
+    }
+  }
 }
 
-/// Fills in all but the places. Returns the squares of the distances from the nearest.
-HWY_INLINE PlaceV SeeHandles(SeenHandles& seen) {
+HWY_INLINE void ClearMeans(SeenHandles& seen) {
+  seen.total = hn::Zero(PlaceTag());
+  for (std::size_t k = 0; k < 3; ++k) seen.mean_q[k] = seen.mean_p[k] = seen.total;
+}
+
+/// Sums over the handles about the weighted means: Σ w p qᵀ, and where wanted Σ w q qᵀ (xx xy xz yy yz zz).
+struct Moments {
+  PlaceV pq[3][3], qq[6];
+};
+
+/// `kSquares`: 0 none, 1 their sum in qq[0], 6 all.
+template <int kSquares>
+HWY_INLINE Moments SumMoments(SeenHandles& seen) {
   const PlaceTag d;
-  const hn::RebindToSigned<PlaceTag> di;
-  const std::size_t lanes = hn::Lanes(d), count = seen.count();
-  PlaceV least = hn::Set(d, std::numeric_limits<double>::max());
-  auto nearest = hn::Zero(di);
-  for (std::size_t h = 0; h < count; ++h) {
-    const PlaceV square = SquareTo(seen, h);
-    hn::Store(square, d, seen.weights + h * lanes);
-    const auto nearer = hn::Lt(square, least);
-    least = hn::IfThenElse(nearer, square, least);
-    nearest = hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, static_cast<std::int64_t>(h)), nearest);
-  }
-  for (std::size_t k = 0; k < 3; ++k) {
-    seen.nearest_q[k] = hn::GatherIndex(d, seen.map.q[k].data(), nearest);
-    seen.nearest_p[k] = hn::GatherIndex(d, seen.map.p[k].data(), nearest);
-    seen.mean_q[k] = seen.mean_p[k] = hn::Zero(d);
-  }
-  const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(least, floor);
-  seen.total = hn::Zero(d);
-  PlaceV sum_q[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, sum_p[3] = {sum_q[0], sum_q[0], sum_q[0]};
-  for (std::size_t h = 0; h < count; ++h) {
-    const PlaceV ratio = hn::Div(unit, hn::Max(seen.weight(h), floor));
+  const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor), zero = hn::Zero(d);
+  ClearMeans(seen);
+  Moments m;
+  for (auto& row : m.pq)
+    for (PlaceV& e : row) e = zero;
+  for (PlaceV& e : m.qq) e = zero;
+  for (std::size_t h = 0; h < seen.count(); ++h) {
+    const PlaceV ratio = hn::Div(unit, hn::Max(seen.kept(h), floor));
     const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(ratio, seen.map.alpha));
-    hn::Store(w, d, seen.weights + h * lanes);
+    const PlaceV q[3] = {seen.near_q(h, 0), seen.near_q(h, 1), seen.near_q(h, 2)};
+    const PlaceV wq[3] = {hn::Mul(w, q[0]), hn::Mul(w, q[1]), hn::Mul(w, q[2])};
+    seen.total = hn::Add(seen.total, w);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const PlaceV p = seen.near_p(h, i);
+      seen.mean_q[i] = hn::Add(seen.mean_q[i], wq[i]);
+      seen.mean_p[i] = hn::Add(seen.mean_p[i], hn::Mul(w, p));
+      for (std::size_t j = 0; j < 3; ++j) m.pq[i][j] = hn::Add(m.pq[i][j], hn::Mul(p, wq[j]));
+    }
+    if constexpr (kSquares == 1)
+      m.qq[0] = hn::Add(m.qq[0], Sum3(hn::Mul(q[0], wq[0]), hn::Mul(q[1], wq[1]), hn::Mul(q[2], wq[2])));
+    if constexpr (kSquares == 6) {
+      for (std::size_t i = 0, e = 0; i < 3; ++i)
+        for (std::size_t j = i; j < 3; ++j, ++e) m.qq[e] = hn::Add(m.qq[e], hn::Mul(q[i], wq[j]));
+    }
+  }
+  const PlaceV share = hn::Div(hn::Set(d, 1.0), seen.total);
+  const PlaceV sum_q[3] = {seen.mean_q[0], seen.mean_q[1], seen.mean_q[2]};
+  for (std::size_t i = 0; i < 3; ++i)
+    seen.mean_q[i] = hn::Mul(seen.mean_q[i], share), seen.mean_p[i] = hn::Mul(seen.mean_p[i], share);
+  for (std::size_t i = 0, e = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) m.pq[i][j] = hn::Sub(m.pq[i][j], hn::Mul(seen.mean_p[i], sum_q[j]));
+    if constexpr (kSquares == 1) m.qq[0] = hn::Sub(m.qq[0], hn::Mul(seen.mean_q[i], sum_q[i]));
+    if constexpr (kSquares == 6) {
+      for (std::size_t j = i; j < 3; ++j, ++e) m.qq[e] = hn::Sub(m.qq[e], hn::Mul(seen.mean_q[i], sum_q[j]));
+    }
+  }
+  return m;
+}
+
+/// Weights in the place of squares, and the means.
+HWY_INLINE void WeighHandles(SeenHandles& seen) {
+  const PlaceTag d;
+  const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor);
+  ClearMeans(seen);
+  for (std::size_t h = 0; h < seen.count(); ++h) {
+    const PlaceV ratio = hn::Div(unit, hn::Max(seen.kept(h), floor));
+    const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(ratio, seen.map.alpha));
+    hn::Store(w, d, seen.weights + h * hn::Lanes(d));
     seen.total = hn::Add(seen.total, w);
     for (std::size_t k = 0; k < 3; ++k) {
-      sum_q[k] = hn::Add(sum_q[k], hn::Mul(w, seen.hat_q(h, k)));
-      sum_p[k] = hn::Add(sum_p[k], hn::Mul(w, seen.near_p(h, k)));
+      seen.mean_q[k] = hn::Add(seen.mean_q[k], hn::Mul(w, seen.near_q(h, k)));
+      seen.mean_p[k] = hn::Add(seen.mean_p[k], hn::Mul(w, seen.near_p(h, k)));
     }
   }
   const PlaceV share = hn::Div(hn::Set(d, 1.0), seen.total);
   for (std::size_t k = 0; k < 3; ++k)
-    seen.mean_q[k] = hn::Mul(sum_q[k], share), seen.mean_p[k] = hn::Mul(sum_p[k], share);
-  return least;
+    seen.mean_q[k] = hn::Mul(seen.mean_q[k], share), seen.mean_p[k] = hn::Mul(seen.mean_p[k], share);
 }
 
-/// The turn, and for similarities the scale, that fits; applied to x less the mean.
-HWY_INLINE void FitTurn(const SeenHandles& seen, PlaceV (&moved)[3]) {
-  const PlaceTag d;
-  PlaceV b[3][3], spread = hn::Zero(d);
-  for (auto& row : b)
-    for (PlaceV& e : row) e = hn::Zero(d);
-  for (std::size_t h = 0; h < seen.count(); ++h) {
-    const PlaceV w = seen.weight(h);
-    const PlaceV q[3] = {seen.hat_q(h, 0), seen.hat_q(h, 1), seen.hat_q(h, 2)};
-    const PlaceV wq[3] = {hn::Mul(w, q[0]), hn::Mul(w, q[1]), hn::Mul(w, q[2])};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const PlaceV p = seen.hat_p(h, i);
-      for (std::size_t j = 0; j < 3; ++j) b[i][j] = hn::Add(b[i][j], hn::Mul(p, wq[j]));
-    }
-    if (seen.map.kind == PointMapKind::similarity)
-      spread = hn::Add(spread, Sum3(hn::Mul(q[0], wq[0]), hn::Mul(q[1], wq[1]), hn::Mul(q[2], wq[2])));
-  }
+HWY_INLINE void Apply(const PlaceV (&a)[3][3], const PlaceV (&v)[3], PlaceV (&moved)[3]) {
+  for (std::size_t i = 0; i < 3; ++i)
+    moved[i] = Sum3(hn::Mul(a[i][0], v[0]), hn::Mul(a[i][1], v[1]), hn::Mul(a[i][2], v[2]));
+}
+
+/// The turn that fits, applied to x less the mean.
+HWY_INLINE void FitRotation(SeenHandles& seen, PlaceV (&moved)[3]) {
+  const Moments m = SumMoments<0>(seen);
   PlaceV r[3][3];
-  BestRotation(b, r);
-  const PlaceV y[3] = {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)};
+  BestRotation(m.pq, r);
+  Apply(r, {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)}, moved);
+}
+
+/// And the scale.
+HWY_INLINE void FitSimilarity(SeenHandles& seen, PlaceV (&moved)[3]) {
+  const PlaceTag d;
+  const Moments m = SumMoments<1>(seen);
+  PlaceV r[3][3], aligned = hn::Zero(d);
+  BestRotation(m.pq, r);
+  Apply(r, {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)}, moved);
   for (std::size_t i = 0; i < 3; ++i)
-    moved[i] = Sum3(hn::Mul(r[i][0], y[0]), hn::Mul(r[i][1], y[1]), hn::Mul(r[i][2], y[2]));
-  if (seen.map.kind != PointMapKind::similarity) return;
-  PlaceV aligned = hn::Zero(d);
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) aligned = hn::Add(aligned, hn::Mul(r[i][j], b[i][j]));
-  const auto some = hn::Gt(spread, hn::Zero(d));
-  const PlaceV scale =
-      hn::IfThenElse(some, hn::Div(aligned, hn::IfThenElse(some, spread, hn::Set(d, 1.0))), hn::Set(d, 1.0));
+    for (std::size_t j = 0; j < 3; ++j) aligned = hn::Add(aligned, hn::Mul(r[i][j], m.pq[i][j]));
+  const auto some = hn::Gt(m.qq[0], hn::Zero(d));
+  const PlaceV one = hn::Set(d, 1.0);
+  const PlaceV scale = hn::IfThenElse(some, hn::Div(aligned, hn::IfThenElse(some, m.qq[0], one)), one);
   for (PlaceV& v : moved) v = hn::Mul(v, scale);
 }
 
@@ -153,7 +197,7 @@ HWY_INLINE void EvaluateTerms(const PolynomialTerms& terms, const PlaceV (&v)[3]
 /// Columns of polynomials times √w on the handles, and their values at a vector of places.
 struct Columns {
   std::size_t handles, lanes;
-  double *values, *roots;
+  double *values, *roots;  ///< of column j at handle h [(handles j + h) lanes]; √w [h lanes]
   PlaceV here[kMostMonomials];
 
   double* at(std::size_t j, std::size_t h) const { return values + (j * handles + h) * lanes; }
@@ -191,8 +235,9 @@ HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, con
 
 /// The polynomials that fit, at x less the mean: Σ w p K(x, q) with the kernel K of polynomials that are orthonormal on
 /// the handles. `scratch` holds as many vectors as handles times one more than terms.
-HWY_INLINE void FitPolynomials(const SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
+HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
   const PlaceTag d;
+  WeighHandles(seen);
   const std::size_t count = seen.count(), terms = seen.map.terms.count;
   Columns c{count, hn::Lanes(d), scratch + count * hn::Lanes(d), scratch, {}};
   const PlaceV unit = hn::Set(d, seen.map.unit), zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -201,7 +246,7 @@ HWY_INLINE void FitPolynomials(const SeenHandles& seen, double* scratch, PlaceV 
     const PlaceV v[3] = {hn::Mul(seen.hat_q(h, 0), unit), hn::Mul(seen.hat_q(h, 1), unit),
                          hn::Mul(seen.hat_q(h, 2), unit)};
     EvaluateTerms(seen.map.terms, v, values);
-    const PlaceV root = hn::Sqrt(seen.weight(h));
+    const PlaceV root = hn::Sqrt(seen.kept(h));
     hn::Store(root, d, c.roots + h * c.lanes);
     for (std::size_t j = 0; j < terms; ++j) hn::Store(hn::Mul(values[j], root), d, c.at(j, h));
   }
@@ -229,6 +274,30 @@ HWY_INLINE void FitPolynomials(const SeenHandles& seen, double* scratch, PlaceV 
   }
 }
 
+/// The affine map by the normal equations, and where these lose too many digits by orthogonal polynomials.
+HWY_INLINE void FitAffine(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
+  const PlaceTag d;
+  const Moments m = SumMoments<6>(seen);
+  const PlaceV a = m.qq[0], b = m.qq[1], c = m.qq[2], e = m.qq[3], f = m.qq[4], g = m.qq[5];
+  // Cofactors: the solution is (cofactors y) / det.
+  const PlaceV c00 = hn::Sub(hn::Mul(e, g), hn::Mul(f, f)), c11 = hn::Sub(hn::Mul(a, g), hn::Mul(c, c));
+  const PlaceV c22 = hn::Sub(hn::Mul(a, e), hn::Mul(b, b)), c01 = hn::Sub(hn::Mul(c, f), hn::Mul(b, g));
+  const PlaceV c02 = hn::Sub(hn::Mul(b, f), hn::Mul(c, e)), c12 = hn::Sub(hn::Mul(b, c), hn::Mul(a, f));
+  const PlaceV det = Sum3(hn::Mul(a, c00), hn::Mul(b, c01), hn::Mul(c, c02));
+  const PlaceV most = hn::Max(hn::Max(a, e), g);
+  const auto good = hn::Gt(det, hn::Mul(hn::Mul(most, most), hn::Mul(most, hn::Set(d, 1e-5))));
+  const PlaceV over = hn::IfThenElseZero(good, hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, det, hn::Set(d, 1.0))));
+  const PlaceV y[3] = {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)};
+  PlaceV z[3];
+  Apply({{c00, c01, c02}, {c01, c11, c12}, {c02, c12, c22}}, y, z);
+  for (PlaceV& v : z) v = hn::Mul(v, over);
+  Apply(m.pq, z, moved);
+  if (hn::AllTrue(d, good)) return;
+  PlaceV careful[3];
+  FitPolynomials(seen, scratch, careful);  // finds the same means again
+  for (std::size_t k = 0; k < 3; ++k) moved[k] = hn::IfThenElse(good, moved[k], careful[k]);
+}
+
 /// Where that many places come from, a multiple of the lanes, as arrays of coordinates.
 void MapTile(const PointMap& map, std::size_t places, const double* const* x, double* const* positions,
              std::vector<double>& scratch) {
@@ -241,17 +310,26 @@ void MapTile(const PointMap& map, std::size_t places, const double* const* x, do
   for (std::size_t i = 0; i < places; i += lanes) {
     SeenHandles seen{map, weights, {hn::Load(d, x[0] + i), hn::Load(d, x[1] + i), hn::Load(d, x[2] + i)}, {}, {}, {},
                      {},  {}};
-    const PlaceV least = SeeHandles(seen);
+    FindNearest(seen);
     PlaceV moved[3];
-    if (map.kind == PointMapKind::polynomials) {
-      FitPolynomials(seen, weights + lanes * count, moved);
-    } else {
-      FitTurn(seen, moved);
+    switch (map.kind) {
+      case PointMapKind::affine:
+        FitAffine(seen, weights + lanes * count, moved);
+        break;
+      case PointMapKind::rigid:
+        FitRotation(seen, moved);
+        break;
+      case PointMapKind::similarity:
+        FitSimilarity(seen, moved);
+        break;
+      case PointMapKind::polynomials:
+        FitPolynomials(seen, weights + lanes * count, moved);
+        break;
     }
     PlaceV size = hn::Zero(d);
     for (std::size_t k = 0; k < 3; ++k) size = hn::Max(size, hn::Max(hn::Abs(seen.x[k]), hn::Abs(seen.nearest_q[k])));
     const PlaceV tolerance = hn::Mul(size, rounding);
-    const auto held = hn::Le(least, hn::Mul(tolerance, tolerance));
+    const auto held = hn::Le(seen.least, hn::Mul(tolerance, tolerance));
     for (std::size_t k = 0; k < 3; ++k) {
       const PlaceV position = hn::Add(seen.nearest_p[k], hn::Add(seen.mean_p[k], moved[k]));
       hn::Store(hn::IfThenElse(held, seen.nearest_p[k], position), d, positions[k] + i);

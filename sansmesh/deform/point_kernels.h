@@ -11,7 +11,7 @@
 
 namespace sansmesh::detail {
 
-enum class PointMapKind : std::uint8_t { polynomials, rigid, similarity };
+enum class PointMapKind : std::uint8_t { affine, polynomials, rigid, similarity };
 
 /// Handles as a structure of arrays, and what is fitted to them.
 struct PointMap {
@@ -20,7 +20,7 @@ struct PointMap {
   double alpha = 1;
   double floor_square = 0;  ///< distances whose squares are below this have the weight of this
   double unit = 1;          ///< polynomials are of coordinates times this
-  PolynomialTerms terms;
+  PolynomialTerms terms;    ///< of `affine`, too
 };
 
 /// Where each of x comes from, what fit_nodes() says but for rounding, and p where x is q. Anything where x is not

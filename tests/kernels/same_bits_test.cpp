@@ -6,6 +6,7 @@
 
 #include "render/analytic_volumes.h"
 #include "sansmesh/approximation/orthogonal_polynomials.h"
+#include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/partition/local_fit.h"
 #include "sansmesh/partition/partition_fit.h"
@@ -281,6 +282,24 @@ TEST(SameBits, BakedVolume) {
     std::vector<Vec3> gradients(x.size());
     baked.evaluate(x, {values, gradients, {}, {}});
     found.add(values), found.add(gradients);
+  });
+}
+
+TEST(SameBits, Deformations) {
+  const std::vector<Vec3> q = places(21, 1, 5), way = places(21, 0.3, 6), x = places(333, 1.2, 7);
+  std::vector<Handle> handles(q.size());
+  for (std::size_t i = 0; i < q.size(); ++i) handles[i].q = q[i], handles[i].p = q[i] + way[i];
+  expect_same_bits([&](Found& found) {
+    std::vector<Vec3> positions(x.size());
+    for (const DeformationKind kind :
+         {DeformationKind::affine, DeformationKind::similarity, DeformationKind::rigid, DeformationKind::nonlinear}) {
+      for (const double alpha : {0.5, 1.0, 1.7}) {
+        MlsDeformationOptions options;
+        options.kind = kind, options.alpha = alpha;
+        MlsDeformation(handles, options).map(x, {positions, {}, {}, {}});
+        found.add(positions);
+      }
+    }
   });
 }
 

@@ -1,0 +1,67 @@
+// Positions of maps, found many places at a time, against those of one place.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "deform/handle_sets.h"
+#include "sansmesh/deform/deform_setup.h"
+#include "sansmesh/deform/node_fit.h"
+#include "sansmesh/deform/weighted_nodes.h"
+
+namespace sansmesh::test {
+namespace {
+
+std::vector<Vec3> one_by_one(const std::vector<Handle>& handles, const MlsDeformationOptions& options,
+                             const std::vector<Vec3>& x) {
+  const detail::DeformSetup setup = detail::set_up_deformation(handles, options);
+  detail::NodesFrom nodes;
+  std::vector<double> scratch;
+  std::vector<Vec3> found;
+  for (const Vec3& v : x) {
+    detail::gather_nodes(setup, {}, {}, v, nodes);
+    const Vec3 position = detail::fit_nodes(setup, nodes, v, false, scratch).position;
+    found.push_back(nodes.held.value_or(position));
+  }
+  return found;
+}
+
+double largest_difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, norm(a[i] - b[i]));
+  return most;
+}
+
+TEST(PointKernels, SayWhatOnePlaceAtATimeSays) {
+  std::vector<Handle> handles = loose_handles(25);
+  handles[3].weight = 4, handles[5].weight = 0.01;
+  std::vector<Vec3> x = random_places(203, 5, 1.3);
+  for (const Handle& h : handles) x.push_back(h.q), x.push_back(h.q + Vec3{1e-5, 0, 1e-7});
+  for (const double alpha : {0.5, 0.9, 1.0, 1.5, 2.0, 3.0}) {
+    for (const MlsDeformationOptions& options : all_kinds(alpha)) {
+      SCOPED_TRACE(testing::Message() << "kind " << static_cast<int>(options.kind) << ", degree " << options.degree
+                                      << ", alpha " << alpha);
+      EXPECT_LT(largest_difference(mapped(MlsDeformation(handles, options), x), one_by_one(handles, options, x)),
+                1e-10);
+    }
+  }
+}
+
+TEST(PointKernels, AreAsGoodOnNearlyFlatHandles) {
+  // The normal equations of affine maps lose twice the digits: polynomials take over where that shows.
+  for (const double thickness : {1e-1, 1e-2, 1e-3, 1e-5, 1e-7}) {
+    std::vector<Handle> handles = loose_handles(12);
+    for (Handle& h : handles) h.q.z *= thickness, h.p.z = h.q.z;
+    std::vector<Vec3> x = random_places(64, 5);
+    for (Vec3& v : x) v.z *= thickness;
+    for (const DeformationKind kind : {DeformationKind::affine, DeformationKind::rigid}) {
+      const auto options = of_kind(kind);
+      EXPECT_LT(largest_difference(mapped(MlsDeformation(handles, options), x), one_by_one(handles, options, x)),
+                1e-12 + 1e-15 / thickness)
+          << thickness;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh::test
