@@ -47,6 +47,7 @@ struct SeenHandles {
   double* weights;  ///< of handle h: [lanes h]; the squares of the distances before
   PlaceV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
 
+  SeenHandles(const PointMap& m, double* w) : map(m), weights(w) {}
   std::size_t count() const { return map.weight.size(); }
   PlaceV kept(std::size_t h) const { return hn::Load(PlaceTag(), weights + h * hn::Lanes(PlaceTag())); }
   PlaceV near_q(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.q[k][h]), nearest_q[k]); }
@@ -308,10 +309,10 @@ void MapTile(const PointMap& map, std::size_t places, const double* const* x, do
       scratch.data() + (64 - reinterpret_cast<std::uintptr_t>(scratch.data()) % 64) % 64 / sizeof(double);
   const PlaceV rounding = hn::Set(d, 2 * std::numeric_limits<double>::epsilon());
   for (std::size_t i = 0; i < places; i += lanes) {
-    SeenHandles seen{map, weights, {hn::Load(d, x[0] + i), hn::Load(d, x[1] + i), hn::Load(d, x[2] + i)}, {}, {}, {},
-                     {},  {}};
+    SeenHandles seen(map, weights);
+    for (std::size_t k = 0; k < 3; ++k) seen.x[k] = hn::Load(d, x[k] + i);
     FindNearest(seen);
-    PlaceV moved[3];
+    PlaceV moved[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     switch (map.kind) {
       case PointMapKind::affine:
         FitAffine(seen, weights + lanes * count, moved);
