@@ -23,48 +23,60 @@ struct MlsDeformation::State {
   std::optional<detail::PointMap> points;  ///< finds positions, where there is nothing but points
 
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const;
+  /// From handle h to x[i]: [h x.size() + i]; empty without cuts.
+  std::vector<Detour> ways_around(std::span<const Vec3> x) const;
+  void map_one_by_one(std::span<const Vec3> x, std::span<const Detour> ways, std::span<Vec3> positions,
+                      std::span<Jacobian> jacobians) const;
   void map_gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const Jacobian> jacobians,
                 const MapAnswers& wanted) const;
 };
 
+std::vector<Detour> MlsDeformation::State::ways_around(std::span<const Vec3> x) const {
+  std::vector<Detour> ways(cuts.empty() ? 0 : setup.handles.size() * x.size()), scratch;
+  if (cuts.empty()) return ways;
+  for (std::size_t h = 0; h < setup.handles.size(); ++h) {
+    if (setup.handles[h].segment) continue;
+    detail::add_detours(cuts, setup.handles[h].q, x, std::span<Detour>(ways).subspan(h * x.size(), x.size()), scratch);
+  }
+  return ways;
+}
+
 void MlsDeformation::State::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const bool gaps = !wanted.gaps.empty() || !wanted.gap_gradients.empty();
-  const bool jacobian = !wanted.jacobians.empty() || (gaps && !cuts.empty());
   std::vector<Vec3> own_positions(wanted.positions.empty() && gaps ? x.size() : 0);
   const std::span<Vec3> positions = wanted.positions.empty() ? std::span<Vec3>(own_positions) : wanted.positions;
-  std::vector<Jacobian> own_jacobians(wanted.jacobians.empty() && gaps ? x.size() : 0);
-  const std::span<Jacobian> found = wanted.jacobians.empty() ? std::span<Jacobian>(own_jacobians) : wanted.jacobians;
+  std::vector<Jacobian> own_jacobians(wanted.jacobians.empty() && !wanted.gap_gradients.empty() ? x.size() : 0);
+  const std::span<Jacobian> jacobians =
+      wanted.jacobians.empty() ? std::span<Jacobian>(own_jacobians) : wanted.jacobians;
+  const std::vector<Detour> ways = ways_around(x);
   if (points && !positions.empty()) {
-    detail::map_places(*points, x, positions);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      if (!is_finite(x[i])) positions[i] = {kNone, kNone, kNone};
+    std::vector<double> extras(ways.size());
+    for (std::size_t i = 0; i < ways.size(); ++i) extras[i] = ways[i].extra;
+    detail::map_places(*points, x, extras, positions);
   }
-  if (jacobian || !points) {
-    // Ways around from the handle h to x[i]: [i handles + h].
-    const std::size_t handles = setup.handles.size();
-    std::vector<Detour> detours(cuts.empty() ? 0 : handles * x.size()), of_handle, scratch;
-    for (std::size_t h = 0; h < handles && !cuts.empty(); ++h) {
-      if (setup.handles[h].segment) continue;
-      of_handle.assign(x.size(), {});
-      detail::add_detours(cuts, setup.handles[h].q, x, of_handle, scratch);
-      for (std::size_t i = 0; i < x.size(); ++i) detours[i * handles + h] = of_handle[i];
+  if (!jacobians.empty() || !points) map_one_by_one(x, ways, points ? std::span<Vec3>{} : positions, jacobians);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (!is_finite(x[i])) positions[i] = {kNone, kNone, kNone};
+  if (gaps) map_gaps(x, positions, jacobians, wanted);
+}
+
+void MlsDeformation::State::map_one_by_one(std::span<const Vec3> x, std::span<const Detour> ways,
+                                           std::span<Vec3> positions, std::span<Jacobian> jacobians) const {
+  const std::size_t handles = setup.handles.size();
+  std::vector<Detour> own(cuts.empty() ? 0 : handles);
+  detail::NodesFrom nodes;
+  std::vector<double> columns;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    detail::FittedPlace fit;
+    if (is_finite(x[i])) {
+      for (std::size_t h = 0; h < own.size(); ++h) own[h] = ways[h * x.size() + i];
+      detail::gather_nodes(setup, cuts, own, x[i], nodes);
+      fit = detail::fit_nodes(setup, nodes, x[i], !jacobians.empty(), columns);
     }
-    detail::NodesFrom nodes;
-    std::vector<double> columns;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      detail::FittedPlace fit{{kNone, kNone, kNone}, {}};
-      if (is_finite(x[i])) {
-        const std::span<const Detour> own = std::span<const Detour>(detours).subspan(cuts.empty() ? 0 : i * handles);
-        detail::gather_nodes(setup, cuts, own, x[i], nodes);
-        fit = detail::fit_nodes(setup, nodes, x[i], jacobian, columns);
-        if (nodes.held) fit.position = *nodes.held;
-      }
-      if (!points && !positions.empty()) positions[i] = fit.position;
-      if (!found.empty()) found[i] = fit.jacobian;
-    }
+    if (!positions.empty()) positions[i] = nodes.held.value_or(fit.position);
+    if (!jacobians.empty()) jacobians[i] = fit.jacobian;
   }
-  if (gaps) map_gaps(x, positions, found, wanted);
 }
 
 void MlsDeformation::State::map_gaps(std::span<const Vec3> x, std::span<const Vec3> sources,
@@ -104,19 +116,20 @@ std::optional<detail::PointMap> map_of_points(const detail::DeformSetup& setup) 
     for (std::size_t k = 0; k < 3; ++k) map.q[k].push_back(h.q[k]), map.p[k].push_back(h.p[k]);
     map.weight.push_back(h.weight);
   }
-  map.alpha = setup.options.alpha, map.floor_square = setup.floor_square;
+  map.alpha = setup.options.alpha, map.damping = setup.options.damping;
+  map.floor_square = setup.floor_square;
   map.unit = 1 / setup.extent, map.terms = setup.terms;
   return map;
 }
 
 }  // namespace
 
-MlsDeformation::MlsDeformation(std::vector<Handle> handles, const MlsDeformationOptions& options,
+MlsDeformation::MlsDeformation(const std::vector<Handle>& handles, const MlsDeformationOptions& options,
                                std::vector<std::shared_ptr<const Occluder>> cuts) {
   auto state = std::make_unique<State>();
   state->setup = detail::set_up_deformation(handles, options);
   state->cuts = std::move(cuts);
-  if (state->cuts.empty()) state->points = map_of_points(state->setup);
+  state->points = map_of_points(state->setup);
   state_ = std::move(state);
 }
 

@@ -21,7 +21,7 @@ class MlsDeformation final : public SpaceMap {
  public:
   /// Throws ArgumentError naming what is wrong with which handle (counted from 1), or with all of them for the kind,
   /// and the remedy.
-  MlsDeformation(std::vector<Handle> handles, const MlsDeformationOptions& options,
+  MlsDeformation(const std::vector<Handle>& handles, const MlsDeformationOptions& options,
                  std::vector<std::shared_ptr<const Occluder>> cuts = {});
   ~MlsDeformation() override;
 

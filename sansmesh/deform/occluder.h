@@ -29,8 +29,9 @@ class Occluder {
   /// its shadow it falls to 0. As many entries as x. Safe from several threads.
   virtual void detours(const Vec3& handle, std::span<const Vec3> x, std::span<Detour> found) const = 0;
 
-  /// For places x whose matter comes from `sources`, with the derivatives of these by x ([k] = ∂source/∂x_k).
-  /// −infinity where neither is near the occluder. As many entries as x. Safe from several threads.
+  /// For places x whose matter comes from `sources`, with the derivatives of these by x ([k] = ∂source/∂x_k; empty
+  /// where no gradients are wanted). −infinity where neither is near the occluder. As many entries as x. Safe from
+  /// several threads.
   virtual void gaps(std::span<const Vec3> x, std::span<const Vec3> sources,
                     std::span<const std::array<Vec3, 3>> jacobians, std::span<Gap> found) const = 0;
 

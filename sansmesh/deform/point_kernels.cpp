@@ -44,10 +44,13 @@ HWY_INLINE PlaceV WeightPower(const PlaceV& base, double alpha) {
 /// rest, this costs no digits, and moments need not be about the means.
 struct SeenHandles {
   const PointMap& map;
-  double* weights;  ///< of handle h: [lanes h]; the squares of the distances before
+  double* weights;       ///< of handle h: [lanes h]; the squares of the distances before
+  const double* extras;  ///< of handle h at the first of the places: [stride h]; or null
+  std::size_t stride;
   PlaceV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
 
-  SeenHandles(const PointMap& m, double* w) : map(m), weights(w) {}
+  SeenHandles(const PointMap& m, double* w, const double* e, std::size_t s)
+      : map(m), weights(w), extras(e), stride(s) {}
   std::size_t count() const { return map.weight.size(); }
   PlaceV kept(std::size_t h) const { return hn::Load(PlaceTag(), weights + h * hn::Lanes(PlaceTag())); }
   PlaceV near_q(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.q[k][h]), nearest_q[k]); }
@@ -79,6 +82,17 @@ HWY_INLINE void FindNearest(SeenHandles& seen) {
   }
 }
 
+/// The weight of a handle, which lies at that distance from the nearest.
+HWY_INLINE PlaceV WeightOf(const SeenHandles& seen, std::size_t h, const PlaceV& unit, const PlaceV& floor) {
+  const PlaceTag d;
+  const PlaceV square = hn::Max(seen.kept(h), floor);
+  const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(hn::Div(unit, square), seen.map.alpha));
+  if (!seen.extras) return w;
+  const PlaceV extra = hn::Mul(hn::Set(d, seen.map.damping), hn::LoadU(d, seen.extras + h * seen.stride));
+  const PlaceV distance = hn::Sqrt(square);
+  return hn::Mul(w, hn::Div(distance, hn::Add(distance, extra)));
+}
+
 HWY_INLINE void ClearMeans(SeenHandles& seen) {
   seen.total = hn::Zero(PlaceTag());
   for (std::size_t k = 0; k < 3; ++k) seen.mean_q[k] = seen.mean_p[k] = seen.total;
@@ -100,8 +114,7 @@ HWY_INLINE Moments SumMoments(SeenHandles& seen) {
     for (PlaceV& e : row) e = zero;
   for (PlaceV& e : m.qq) e = zero;
   for (std::size_t h = 0; h < seen.count(); ++h) {
-    const PlaceV ratio = hn::Div(unit, hn::Max(seen.kept(h), floor));
-    const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(ratio, seen.map.alpha));
+    const PlaceV w = WeightOf(seen, h, unit, floor);
     const PlaceV q[3] = {seen.near_q(h, 0), seen.near_q(h, 1), seen.near_q(h, 2)};
     const PlaceV wq[3] = {hn::Mul(w, q[0]), hn::Mul(w, q[1]), hn::Mul(w, q[2])};
     seen.total = hn::Add(seen.total, w);
@@ -138,8 +151,7 @@ HWY_INLINE void WeighHandles(SeenHandles& seen) {
   const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor);
   ClearMeans(seen);
   for (std::size_t h = 0; h < seen.count(); ++h) {
-    const PlaceV ratio = hn::Div(unit, hn::Max(seen.kept(h), floor));
-    const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(ratio, seen.map.alpha));
+    const PlaceV w = WeightOf(seen, h, unit, floor);
     hn::Store(w, d, seen.weights + h * hn::Lanes(d));
     seen.total = hn::Add(seen.total, w);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -300,8 +312,8 @@ HWY_INLINE void FitAffine(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]
 }
 
 /// Where that many places come from, a multiple of the lanes, as arrays of coordinates.
-void MapTile(const PointMap& map, std::size_t places, const double* const* x, double* const* positions,
-             std::vector<double>& scratch) {
+void MapTile(const PointMap& map, std::size_t places, const double* const* x, const double* extras,
+             double* const* positions, std::vector<double>& scratch) {
   const PlaceTag d;
   const std::size_t lanes = hn::Lanes(d), count = map.weight.size();
   scratch.resize(lanes * count * (2 + map.terms.count) + kWidest);
@@ -309,7 +321,7 @@ void MapTile(const PointMap& map, std::size_t places, const double* const* x, do
       scratch.data() + (64 - reinterpret_cast<std::uintptr_t>(scratch.data()) % 64) % 64 / sizeof(double);
   const PlaceV rounding = hn::Set(d, 2 * std::numeric_limits<double>::epsilon());
   for (std::size_t i = 0; i < places; i += lanes) {
-    SeenHandles seen(map, weights);
+    SeenHandles seen(map, weights, extras ? extras + i : nullptr, places);
     for (std::size_t k = 0; k < 3; ++k) seen.x[k] = hn::Load(d, x[k] + i);
     FindNearest(seen);
     PlaceV moved[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
@@ -346,17 +358,24 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh::detail {
 HWY_EXPORT(MapTile);
 
-void map_places(const PointMap& map, std::span<const Vec3> x, std::span<Vec3> positions) {
+void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
+                std::span<Vec3> positions) {
   constexpr std::size_t kTile = 256;
   alignas(64) std::array<std::array<double, kTile>, 3> from, to;
   const double* const places[3] = {from[0].data(), from[1].data(), from[2].data()};
   double* const found[3] = {to[0].data(), to[1].data(), to[2].data()};
-  std::vector<double> scratch;
+  std::vector<double> scratch, ways;
   for (std::size_t first = 0; first < x.size(); first += kTile) {
     const std::size_t n = std::min(kTile, x.size() - first), padded = (n + 7) / 8 * 8;
     for (std::size_t i = 0; i < padded; ++i)
       for (std::size_t k = 0; k < 3; ++k) from[k][i] = x[first + std::min(i, n - 1)][k];
-    HWY_DYNAMIC_DISPATCH(MapTile)(map, padded, places, found, scratch);
+    if (!extras.empty()) {
+      ways.assign(padded * map.weight.size(), 0);
+      for (std::size_t h = 0; h < map.weight.size(); ++h)
+        std::copy_n(extras.begin() + static_cast<std::ptrdiff_t>(h * x.size() + first), n,
+                    ways.begin() + static_cast<std::ptrdiff_t>(h * padded));
+    }
+    HWY_DYNAMIC_DISPATCH(MapTile)(map, padded, places, extras.empty() ? nullptr : ways.data(), found, scratch);
     for (std::size_t i = 0; i < n; ++i) positions[first + i] = {to[0][i], to[1][i], to[2][i]};
   }
 }

@@ -18,13 +18,15 @@ struct PointMap {
   PointMapKind kind = PointMapKind::rigid;
   std::vector<double> q[3], p[3], weight;
   double alpha = 1;
+  double damping = 1;       ///< of what is behind cuts
   double floor_square = 0;  ///< distances whose squares are below this have the weight of this
   double unit = 1;          ///< polynomials are of coordinates times this
   PolynomialTerms terms;    ///< of `affine`, too
 };
 
 /// Where each of x comes from, what fit_nodes() says but for rounding, and p where x is q. Anything where x is not
-/// finite.
-void map_places(const PointMap& map, std::span<const Vec3> x, std::span<Vec3> positions);
+/// finite. `extras`: of handle h and place i, [x.size() h + i], how much longer the way around the cuts is; or empty.
+void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
+                std::span<Vec3> positions);
 
 }  // namespace sansmesh::detail

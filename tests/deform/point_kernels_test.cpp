@@ -7,19 +7,25 @@
 #include "deform/handle_sets.h"
 #include "sansmesh/deform/deform_setup.h"
 #include "sansmesh/deform/node_fit.h"
+#include "sansmesh/deform/planar_occluder.h"
 #include "sansmesh/deform/weighted_nodes.h"
 
 namespace sansmesh::test {
 namespace {
 
+using Cuts = std::vector<std::shared_ptr<const Occluder>>;
+
 std::vector<Vec3> one_by_one(const std::vector<Handle>& handles, const MlsDeformationOptions& options,
-                             const std::vector<Vec3>& x) {
+                             const std::vector<Vec3>& x, const Cuts& cuts = {}) {
   const detail::DeformSetup setup = detail::set_up_deformation(handles, options);
   detail::NodesFrom nodes;
   std::vector<double> scratch;
   std::vector<Vec3> found;
   for (const Vec3& v : x) {
-    detail::gather_nodes(setup, {}, {}, v, nodes);
+    std::vector<Detour> ways(cuts.empty() ? 0 : handles.size()), detours;
+    for (std::size_t h = 0; h < ways.size(); ++h)
+      detail::add_detours(cuts, handles[h].q, {&v, 1}, {&ways[h], 1}, detours);
+    detail::gather_nodes(setup, cuts, ways, v, nodes);
     const Vec3 position = detail::fit_nodes(setup, nodes, v, false, scratch).position;
     found.push_back(nodes.held.value_or(position));
   }
@@ -44,6 +50,18 @@ TEST(PointKernels, SayWhatOnePlaceAtATimeSays) {
       EXPECT_LT(largest_difference(mapped(MlsDeformation(handles, options), x), one_by_one(handles, options, x)),
                 1e-10);
     }
+  }
+}
+
+TEST(PointKernels, HeedCuts) {
+  const Cuts cuts{half_plane({0.1, 0, 0}, {1, 0.2, 0}, {0, 0, -1}), half_plane({0, 0.3, 0.2}, {0, 1, 0}, {0, 0, 1})};
+  const std::vector<Handle> handles = loose_handles(25);
+  const std::vector<Vec3> x = random_places(150, 5, 1.3);
+  for (MlsDeformationOptions options : all_kinds()) {
+    options.damping = 2;
+    const std::vector<Vec3> found = mapped(MlsDeformation(handles, options, cuts), x);
+    EXPECT_LT(largest_difference(found, one_by_one(handles, options, x, cuts)), 1e-10);
+    EXPECT_GT(largest_difference(found, one_by_one(handles, options, x)), 1e-3);
   }
 }
 
