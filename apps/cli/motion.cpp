@@ -26,7 +26,7 @@ namespace {
 constexpr Vec3f kFloorColor{0.62f, 0.66f, 0.72f};
 constexpr Vec3f kSphereColor{0.45f, 0.58f, 0.78f};
 constexpr int kFramingDirections = 200;
-constexpr double kFloorSize = 0.75;  ///< half its width, of the diagonal of all that moves
+constexpr double kFloorSize = 1.1;  ///< its radius, of the diagonal of all that moves
 
 /// The farthest of all points in many directions: what frames them frames all.
 class FarthestPoints {
@@ -69,6 +69,10 @@ TriangleMesh ball_mesh(const Vec3& center, double radius) {
   return m;
 }
 
+void color(TriangleMesh& mesh, const Vec3f& c) {
+  mesh.colors.assign(mesh.vertices.size(), {to_byte(c.x), to_byte(c.y), to_byte(c.z)});
+}
+
 /// The part of a plane around where the body goes.
 TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
   const Vec3 n = normalized(floor.normal);
@@ -76,10 +80,14 @@ TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
   const Vec3 other = cross(n, side);
   TriangleMesh m;
   m.origin = box.center() - n * dot(box.center() - floor.point, n);
-  const double half = kFloorSize * box.diagonal();
-  for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
-    m.vertices.push_back(Vec3f(side * (a * half) + other * (b * half)));
-  m.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const double radius = kFloorSize * box.diagonal();
+  constexpr std::uint32_t around = 128;
+  m.vertices.push_back({});
+  for (std::uint32_t k = 0; k < around; ++k) {
+    const double phi = 2 * std::numbers::pi * k / around;
+    m.vertices.push_back(Vec3f(side * (radius * std::cos(phi)) + other * (radius * std::sin(phi))));
+    m.triangles.push_back({0, k + 1, (k + 1) % around + 1});
+  }
   return m;
 }
 
@@ -106,7 +114,7 @@ std::vector<Vec3> Motion::positions(std::size_t frame) const {
   return x;
 }
 
-CarriedSurface::CarriedSurface(const TetMesh& rest) : surface_(boundary_mesh(rest, rest.vertices, &sources_)) {}
+CarriedSurface::CarriedSurface(const TetMesh& rest) { surface_ = boundary_mesh(rest, rest.vertices, &sources_); }
 
 CarriedSurface::CarriedSurface(const TetMesh& rest, TriangleMesh surface) : surface_(std::move(surface)) {
   std::vector<Vec3> x;
@@ -150,6 +158,7 @@ struct MotionPictures::Volume {
     options.preset = carried.preset;
     if (!carried.transfer.empty()) options.transfer = read_transfer_function(carried.transfer);
     options.opacity_scale = carried.opacity;
+    for (const std::string& text : carried.isos) options.isos.push_back(iso_surface_of(text));
     boundary = boundary_mesh(motion.rest(), motion.rest().vertices, &sources);
     const Box3 body = bounds(motion.rest()), all = field->bounds();
     const double rim = 0.01 * body.diagonal();
@@ -177,8 +186,7 @@ MotionPictures::MotionPictures(const Motion& motion, const CarriedSurface* surfa
   for (const Vec3& p : farthest.points()) box.extend(p);
   for (const SphereObstacle& s : scene.spheres) {
     obstacles_.push_back(ball_mesh(s.center, s.radius));
-    obstacles_.back().colors.assign(obstacles_.back().vertices.size(),
-                                    {to_byte(kSphereColor.x), to_byte(kSphereColor.y), to_byte(kSphereColor.z)});
+    color(obstacles_.back(), kSphereColor);
     // Spheres larger than the motion frame nothing.
     if (2 * s.radius < box.diagonal())
       for (int k = 0; k < 6; ++k) {
@@ -189,7 +197,7 @@ MotionPictures::MotionPictures(const Motion& motion, const CarriedSurface* surfa
   }
   for (const FloorObstacle& f : scene.floors) {
     obstacles_.push_back(floor_mesh(f, box));
-    obstacles_.back().colors.assign(4, {to_byte(kFloorColor.x), to_byte(kFloorColor.y), to_byte(kFloorColor.z)});
+    color(obstacles_.back(), kFloorColor);
   }
   framed_ = farthest.points();
   if (!scene.floors.empty()) options_.ground = false;

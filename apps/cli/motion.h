@@ -65,6 +65,7 @@ class CarriedSurface {
 struct CarriedVolume {
   VolumeInput input;
   std::string preset, transfer;
+  std::vector<std::string> isos;
   double opacity = 1;
 
   bool wanted() const { return !input.files.empty(); }

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -81,9 +82,9 @@ void check_arguments(const SimulateArguments& a) {
   require(!(a.frames && a.flags.frames_per_second && a.flags.duration),
           "of --frames, --fps and --time only two can be given");
   require(a.volume_file.empty() || a.draws(), "--volume needs pictures: --output NAME.png or --animation");
-  require(!a.volume_file.empty() || (a.volume.preset.empty() && a.volume.transfer.empty() &&
+  require(!a.volume_file.empty() || (a.volume.preset.empty() && a.volume.transfer.empty() && a.volume.isos.empty() &&
                                      a.volume.input.array.empty() && a.volume.opacity == 1),
-          "--array, --preset, --transfer and --opacity belong to --volume");
+          "--array, --preset, --transfer, --opacity and --iso belong to --volume");
   a.picture.chosen().validate();
 }
 
@@ -124,7 +125,7 @@ SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
   override_by(s.step, f.step), override_by(s.duration, f.duration);
   override_by(s.frames_per_second, f.frames_per_second);
   override_by(s.stiffness, f.stiffness), override_by(s.young, f.young), override_by(s.poisson, f.poisson);
-  override_by(s.density, f.density);
+  override_by(s.density, f.density), override_by(s.unit, f.unit);
   // Materials of the file (Vega) where nobody says another.
   const auto material = [&](const char* name, std::optional<double>& value) {
     const std::vector<double>* const v = body.mesh.tet_attributes.find<double>(name);
@@ -453,6 +454,20 @@ Command add_simulate(CommandLine& app) {
       .type_name("VALUE")
       .group(body);
   c.add_option("--density", a.flags.density, "kg/m³ [the file's, else 1000]").positive().type_name("VALUE").group(body);
+  c.add_option_function(
+       "--unit",
+       [&a](const std::string& text) {
+         a.flags.unit = metres_of(text);
+         if (a.flags.unit) return;
+         double metres = 0;
+         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
+         if (error != std::errc() || end != text.data() + text.size() || !(metres > 0) || !std::isfinite(metres))
+           throw ValueError("must be mm, cm, dm, m, km, inch, foot, or its length in metres, not " + text);
+         a.flags.unit = metres;
+       },
+       "Of lengths in TETS and the scene: mm, cm, dm, m, km, inch, foot or metres [m]")
+      .type_name("UNIT")
+      .group(body);
   const char* const time = "Time";
   c.add_option("--time", a.flags.duration, "Seconds [2]").positive().type_name("SECONDS").group(time);
   c.add_option("--fps", a.flags.frames_per_second, "Frames a second [25]").positive().type_name("COUNT").group(time);
@@ -480,15 +495,17 @@ Command add_simulate(CommandLine& app) {
       .group(seen);
   c.add_option("--transfer", a.volume.transfer, "The same from a file").type_name("FILE").group(seen);
   c.add_option("--opacity", a.volume.opacity, "Multiplies its opacity [1]").type_name("FACTOR").group(seen);
+  c.add_option("--iso", a.volume.isos, "Surface of a value of it: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated")
+      .type_name("VALUE")
+      .repeated()
+      .group(seen);
   add_ascii_flag(c, a.ascii);
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
   c.footer(
-      "TETS: Gmsh, Medit, TetGen, Vega meshes and all other volumes with cells. A unit of length is a metre, unless "
-      "the\n"
-      "scene says \"unit\"; what is down is where y is small (with --z-up: z). Scenes: docs/formats/scene.md. Without "
-      "one the\n"
-      "body falls onto a floor; with --fixed it hangs.\n\n"
+      "TETS: Gmsh, Medit, TetGen, Vega meshes, and all other volumes with cells. Down is where y is small (with "
+      "--z-up: "
+      "z).\nScenes: docs/formats/scene.md. Without one the body falls onto a floor; with --fixed it hangs.\n\n"
       "Examples:\n"
       "  sansmesh simulate turtle.veg --fixed turtle.bou --surface turtle.obj -o turtle.ply\n"
       "  sansmesh simulate dolphin.msh --young 1e6 --animation dolphin.png --width 480 --height 360\n"

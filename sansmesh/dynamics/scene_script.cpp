@@ -210,11 +210,7 @@ class SceneReader {
       if (!(metres > 0)) f.fail("'unit' must be above 0");
       return metres;
     }
-    constexpr std::pair<std::string_view, double> known[] = {{"mm", 1e-3}, {"cm", 1e-2},     {"dm", 0.1},     {"m", 1},
-                                                             {"km", 1e3},  {"inch", 0.0254}, {"foot", 0.3048}};
-    const std::string word = f.text("unit");
-    for (const auto& [name, metres] : known)
-      if (name == word) return metres;
+    if (const auto metres = metres_of(f.text("unit"))) return *metres;
     f.fail("'unit' must be mm, cm, dm, m, km, inch, foot, or its length in metres");
   }
 
@@ -410,7 +406,7 @@ class SceneReader {
   Box3 box_;
 };
 
-constexpr double kSuitedStiffness = 100;  ///< Young's modulus over density × gravity × size
+constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
 constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
 constexpr double kSuitedStep = 0.01;      ///< s, of implicit methods
 constexpr double kSafeStep = 0.5;         ///< of the longest that is stable
@@ -463,6 +459,14 @@ double stable_step(const SoftBodyOptions& o, const TetMesh& mesh) {
 
 SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices) {
   return SceneReader(vertices).read(parse_json(text));
+}
+
+std::optional<double> metres_of(std::string_view unit) {
+  constexpr std::pair<std::string_view, double> known[] = {{"mm", 1e-3}, {"cm", 1e-2},     {"dm", 0.1},     {"m", 1},
+                                                           {"km", 1e3},  {"inch", 0.0254}, {"foot", 0.3048}};
+  for (const auto& [name, metres] : known)
+    if (name == unit) return metres;
+  return std::nullopt;
 }
 
 std::optional<SoftBodyModel> soft_body_model(std::string_view word) {

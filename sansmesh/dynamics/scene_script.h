@@ -47,6 +47,8 @@ SceneScript parse_scene_script(const std::string& text, const SceneVertices& ver
 /// The words for models and integrators: "springs", "implicit-euler".
 std::optional<SoftBodyModel> soft_body_model(std::string_view word);
 std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word);
+/// Metres of "mm", "cm", "dm", "m", "km", "inch", "foot".
+std::optional<double> metres_of(std::string_view unit);
 const char* word_of(SoftBodyModel model);
 const char* word_of(DynamicsIntegrator integrator);
 
@@ -54,7 +56,7 @@ const char* word_of(DynamicsIntegrator integrator);
 DynamicsScene scaled(DynamicsScene scene, double factor);
 
 /// What is not said, from the body: `mesh` in metres, `script` with all that is known. A body of unknown material is
-/// one that bends under its own weight but stands (Young's modulus 100 times density, gravity and size; springs as
+/// one that bends under its own weight but stands (Young's modulus 25 times density, gravity and size; springs as
 /// stiff as a tetrahedron's edge of it), a little damped. The step of explicit methods is half of what is stable; else
 /// 0.01 s.
 SoftBodyOptions suited_options(const SceneScript& script, const TetMesh& mesh);
