@@ -10,11 +10,13 @@
 
 #include "commands.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/write_volume.h"
 #include "sansmesh/render/transfer_presets.h"
+#include "solid_input.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -50,6 +52,7 @@ void check_deform(const DeformArguments& a) {
   require(a.frames == 0 || a.deformation.map.empty(), "--frames needs handles: a map is one deformation");
   require(!a.draw_handles || a.to_picture(), "--draw-handles is for pictures: -o FILE.png");
   require(!a.draw_handles || a.deformation.map.empty(), "--draw-handles needs handles");
+  require(!a.draw_folds || a.to_picture(), "--draw-folds is for pictures: -o FILE.png");
   require(a.planes.empty() || a.to_section(), "--plane is for sections: -o FILE.svg or FILE.csv");
   require(a.unit.empty() || a.output.ends_with(".svg"), "--unit is for drawings: -o FILE.svg");
   require(a.map_nodes >= 8 && a.map_nodes <= 512, "--map-nodes must lie in 8..512");
@@ -64,6 +67,46 @@ void check_deform(const DeformArguments& a) {
   a.picture.chosen().validate();
 }
 
+/// Around the input, before the deformation: points, or what bounds it.
+Box3 input_box(const DeformArguments& a, DeformedThing thing, Console& console) {
+  if (thing == DeformedThing::volume) {
+    OpenVolume volume(a.input, console);
+    return volume.samples()->bounds();
+  }
+  if (thing == DeformedThing::solid) return open_solid(a.input.files[0], console).solid.bounds();
+  ReadReport read;
+  const PointSet points = CloudInput{a.input.files, {}, {}, {}}.read(console, read);
+  Box3 box;
+  for (const Vec3f& p : points.positions) box.extend(points.origin + Vec3(p));
+  return box;
+}
+
+DeformResult write_displacement_map(const DeformArguments& a, DeformedThing thing, const OpenDeformation& deformation,
+                                    Console& console) {
+  constexpr double kMargin = 0.1;  // of the diagonal
+  const Box3 before = input_box(a, thing, console);
+  require(is_finite(before.lower) && is_finite(before.upper) && !before.empty(),
+          "--displacement-map needs an input that ends somewhere, for its box");
+  const DeformationMaps maps = deformation.at(1);
+  Progress& progress = console.progress();
+  const Box3 box =
+      a.mesh.box.value_or(with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMargin));
+  const std::array<std::size_t, 3> sizes = lattice_sizes(box, static_cast<std::size_t>(*a.displacement_map));
+  const DisplacementMap map = displacement_map(*maps.backward, box, sizes, progress);
+  DeformResult result;
+  FoldWatch folds;
+  folds.look(*maps.backward, box, progress);
+  progress.begin("write");
+  write_volume(a.output, displacement_block(map));
+  result.files = {a.output};
+  result.lines = {
+      fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", sizes[0], sizes[1], sizes[2], a.output)};
+  result.input = a.input.json();
+  result.output = {{"size", std::vector<std::size_t>(sizes.begin(), sizes.end())}};
+  folds.report(a.input.name(), result, console);
+  return result;
+}
+
 void run_deform(DeformArguments& a, Console& console) {
   check_deform(a);
   const DeformedThing thing = thing_of(a);
@@ -71,7 +114,8 @@ void run_deform(DeformArguments& a, Console& console) {
   deformation.at(1);  // what is wrong with the handles is told before long work
   DeformResult result;
   try {
-    result = thing == DeformedThing::solid    ? deform_solid(a, deformation, console)
+    result = a.displacement_map               ? write_displacement_map(a, thing, deformation, console)
+             : thing == DeformedThing::solid  ? deform_solid(a, deformation, console)
              : thing == DeformedThing::volume ? deform_volume(a, deformation, console)
                                               : deform_points(a, deformation, console);
   } catch (const DataError& error) {
@@ -183,6 +227,7 @@ Command add_deform(CommandLine& app) {
 
   c.add_flag("--draw-handles", a.draw_handles, "In pictures: handles as balls, blue before, red after, and their ways")
       .group("Picture");
+  c.add_flag("--draw-folds", a.draw_folds, "In pictures: in red where space is folded").group("Picture");
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
   c.footer(

@@ -13,6 +13,7 @@
 #include "option_groups.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/deform/folds.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/render/render_options.h"
@@ -60,6 +61,19 @@ struct DeformResult {
   std::vector<std::string> files;
   Json input, output;
   std::vector<std::string> lines;
+};
+
+/// Where space is folded, of all poses the one that is folded most.
+class FoldWatch {
+ public:
+  /// Looks at a map in a box: that of what is seen through it, or of what is moved by it. Returns the folds as
+  /// something to see, which is empty where there are none.
+  TriangleMesh look(const SpaceMap& map, const Box3& box, Progress& progress);
+  /// Warns of what was found; its numbers go to the result.
+  void report(const std::string& name, DeformResult& result, Console& console) const;
+
+ private:
+  FoldReport worst_;
 };
 
 DeformResult deform_points(const DeformArguments& a, const OpenDeformation& deformation, Console& console);

@@ -10,11 +10,13 @@
 #include "command_line.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/handle_file.h"
 #include "sansmesh/deform/handle_motion.h"
 #include "sansmesh/deform/handle_shapes.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/io/read_volume.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -62,7 +64,33 @@ std::vector<Handle> pair_handles(const DeformationInput& input) {
   }
 }
 
+std::shared_ptr<const DisplacementMap> read_map(const std::string& file) {
+  const GridData data = read_volume(file);
+  if (data.blocks.size() != 1) throw FileError(file, "a displacement map is a single lattice");
+  try {
+    return std::make_shared<const DisplacementMap>(displacement_map_of(data.blocks[0]));
+  } catch (const DataError& error) {
+    throw FileError(file, error.what());
+  } catch (const ArgumentError& error) {
+    throw FileError(file, error.what());
+  }
+}
+
 }  // namespace
+
+std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t along) {
+  const Vec3 size = box.size();
+  const double step = std::max({size.x, size.y, size.z}) / static_cast<double>(along - 1);
+  std::array<std::size_t, 3> sizes{};
+  for (std::size_t k = 0; k < 3; ++k)
+    sizes[k] = std::max<std::size_t>(2, 1 + static_cast<std::size_t>(std::lround(size[k] / step)));
+  return sizes;
+}
+
+Box3 with_room(const Box3& box, double share) {
+  const Vec3 room = Vec3{1, 1, 1} * (share * box.diagonal());
+  return {box.lower - room, box.upper + room};
+}
 
 void DeformationInput::check() const {
   const int sources = !handles.empty() + !pair.empty() + !map.empty();
@@ -117,7 +145,7 @@ OpenDeformation::OpenDeformation(const DeformationInput& input, Console& console
   options_.validate();
   if (!input.map.empty()) {
     file_ = input.map;
-    map_ = nullptr;
+    map_ = read_map(input.map);
     return;
   }
   file_ = input.handles.empty() ? input.pair : input.handles;

@@ -1,6 +1,7 @@
 // The deformation that a command is told: handles with a kind, or a map from a file.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "json.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/field/space_map.h"
@@ -35,6 +37,11 @@ struct DeformationInput {
 
 /// --handles, --handles-from, --vertices, --handle-count, --map, --kind, --degree, --alpha
 void add_deformation_options(CommandLine& command, DeformationInput& input);
+
+/// Points of a lattice along each axis, so many along the longest side of the box and 2 at least.
+std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t along);
+/// The box with so much room around it, as a share of its diagonal.
+Box3 with_room(const Box3& box, double share);
 
 /// Both ways through one deformation.
 struct DeformationMaps {
@@ -64,7 +71,7 @@ class OpenDeformation {
  private:
   std::vector<Handle> handles_;
   MlsDeformationOptions options_;
-  std::shared_ptr<const SpaceMap> map_;
+  std::shared_ptr<const DisplacementMap> map_;
   std::string file_;
 };
 

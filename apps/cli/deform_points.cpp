@@ -2,10 +2,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "deform.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/deform/handle_shapes.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/render/mesh_picture.h"
@@ -13,6 +17,24 @@
 
 namespace sansmesh::cli {
 namespace {
+
+constexpr std::size_t kFoldPoints = 33;  // along the longest side
+constexpr double kFlatBox = 1e-3;        // of the diagonal
+constexpr std::array<std::uint8_t, 3> kFolded{222, 30, 30}, kUsual{222, 214, 204};
+
+/// Vertices in red where the map turns space inside out.
+void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
+  std::vector<Vec3> x;
+  x.reserve(mesh.vertices.size());
+  for (const Vec3f& p : mesh.vertices) x.push_back(mesh.origin + Vec3(p));
+  std::vector<Jacobian> jacobians(x.size());
+  map.map(x, {{}, jacobians, {}, {}});
+  if (mesh.colors.empty()) mesh.colors.assign(x.size(), kUsual);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Jacobian& j = jacobians[i];
+    if (dot(j[0], cross(j[1], j[2])) <= 0) mesh.colors[i] = kFolded;
+  }
+}
 
 Box3 world_box(const Vec3& origin, const std::vector<Vec3f>& positions) {
   Box3 box;
@@ -37,6 +59,34 @@ void add_corners(const Box3& box, std::vector<Vec3>& places) {
   for (int c = 0; c < 8; ++c)
     places.push_back(
         {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+}
+
+TriangleMesh FoldWatch::look(const SpaceMap& map, const Box3& box, Progress& progress) {
+  if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper)) return {};
+  Box3 wide = box;
+  const double least = std::max(kFlatBox * box.diagonal(), std::numeric_limits<double>::min());
+  for (std::size_t k = 0; k < 3; ++k)  // of what is flat, too
+    if (wide.upper[k] - wide.lower[k] < least) wide.lower[k] -= least, wide.upper[k] += least;
+  FoldReport found = find_folds(map, wide, lattice_sizes(wide, kFoldPoints), progress);
+  TriangleMesh shapes = fold_shapes(found);
+  if (found.share > worst_.share) worst_ = std::move(found);
+  return shapes;
+}
+
+void FoldWatch::report(const std::string& name, DeformResult& result, Console& console) const {
+  result.output["folded"] = worst_.share;
+  if (worst_.folds.empty()) return;
+  const Fold& largest = worst_.folds[0];
+  console.warn(
+      name, {fmt::format("space is folded on {:.2g} % of what was looked at, in {}, the largest about ({:.4g}, "
+                         "{:.4g}, {:.4g}): handles move across each other there; move them less, or in several "
+                         "steps, or take a smaller --alpha",
+                         100 * worst_.share, counted(worst_.folds.size(), "place"), largest.center.x, largest.center.y,
+                         largest.center.z)});
+  Json list = Json::array();
+  for (const Fold& f : worst_.folds)
+    list.push_back({{"center", std::vector<double>{f.center.x, f.center.y, f.center.z}}, {"share", f.share}});
+  result.output["folds"] = list;
 }
 
 Image deformed_picture(const TriangleMesh& mesh, const DeformArguments& a, const OpenDeformation& deformation,
@@ -71,14 +121,18 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
     for (const double share : {0.0, 0.5, 1.0})
       add_corners(deformation.box_of(deformation.at(share), before).value_or(before), places);
   MeshDeformReport report;
+  FoldWatch folds;
   std::size_t vertices = 0, triangles = 0;
   for (int k = 0; k < a.poses(); ++k) {
     const double share = a.share(k);
     const DeformationMaps maps = deformation.at(share);
+    folds.look(*maps.forward, before, progress);
     progress.begin("deform");
     TriangleMesh moved;
     if (mesh || a.to_picture()) {
-      moved = deform_mesh(to_mesh(points), *maps.forward, options, &report);
+      TriangleMesh whole = to_mesh(points);
+      if (a.draw_folds) color_folded(whole, *maps.forward);
+      moved = deform_mesh(std::move(whole), *maps.forward, options, &report);
       vertices = moved.vertices.size(), triangles = moved.triangles.size();
     }
     result.files.push_back(a.file(k));
@@ -117,6 +171,7 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
                    {"added", report.added},
                    {"turned", report.turned},
                    {"undefined", report.undefined}};
+  folds.report(input.name(), result, console);
   return result;
 }
 

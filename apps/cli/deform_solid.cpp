@@ -119,7 +119,8 @@ TriangleMesh open_mesh(const SurfaceFunction& function, const DeformationMaps& m
 }
 
 Image solid_picture(const DeformArguments& a, const OpenDeformation& deformation, const DeformedField& field,
-                    const SolidSource& source, double share, const std::vector<Vec3>& framed, Progress& progress) {
+                    const SolidSource& source, double share, const std::vector<Vec3>& framed, const TriangleMesh& folds,
+                    Progress& progress) {
   CsgMeshOptions options = mesh_options(a, source);
   if (!options.cell && !options.resolution) options.resolution = kPictureCells;
   options.simplify = 0;
@@ -142,6 +143,7 @@ Image solid_picture(const DeformArguments& a, const OpenDeformation& deformation
     for (const Vec3f& v : shapes.vertices) places.push_back(shapes.origin + Vec3(v));
     surfaces.push_back(surface_in_picture(shapes, look));
   }
+  if (a.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, look));
   return render_surfaces(surfaces, places, false, a.frames > 0, look, progress);
 }
 
@@ -163,6 +165,7 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
       if (const auto box = deformation.box_of(deformation.at(share), before)) add_corners(*box, framed);
 
   DeformResult result;
+  FoldWatch folds;
   result.input = {{"expression", a.input.files[0]}, {"files", source.input.files}};
   for (int k = 0; k < a.poses(); ++k) {
     const DeformationMaps maps = deformation.at(a.share(k));
@@ -183,6 +186,7 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
       continue;
     }
     const DeformedField field(source.field, maps.backward, deformation.box_of(maps, before));
+    const TriangleMesh folded = folds.look(*maps.backward, a.mesh.box.value_or(field.bounds()), progress);
     if (a.to_section()) {
       FieldSectionOptions options;
       if (a.mesh.resolution) options.resolution = *a.mesh.resolution;
@@ -203,7 +207,7 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
       }
       result.output = {{"sections", list}};
     } else if (a.to_picture()) {
-      write_image(file, solid_picture(a, deformation, field, source, a.share(k), framed, progress));
+      write_image(file, solid_picture(a, deformation, field, source, a.share(k), framed, folded, progress));
     } else {
       CsgMeshReport report;
       const TriangleMesh mesh = mesh_csg(field, mesh_options(a, source), progress, &report);
@@ -223,6 +227,7 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
                        {"volume", report.volume}};
     }
   }
+  folds.report(a.input.files[0], result, console);
   return result;
 }
 

@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "picture_contents.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/io/io.h"
@@ -52,11 +55,6 @@ std::optional<TriangleMesh> moved_boundary(TriangleMesh mesh, const DeformationM
   return mesh;
 }
 
-Box3 wider(Box3 box, double share) {
-  const Vec3 room = Vec3{1, 1, 1} * (share * box.diagonal());
-  return {box.lower - room, box.upper + room};
-}
-
 ResampleOptions resample_options(const DeformArguments& a) {
   ResampleOptions options;
   const auto whole = [&](std::size_t k) { return static_cast<std::size_t>(a.size[k]); };
@@ -72,7 +70,7 @@ ResampleOptions resample_options(const DeformArguments& a) {
 }
 
 /// Resampled volumes, all arrays in one file.
-void write_resampled(const DeformArguments& a, const std::string& file, OpenVolume& volume,
+void write_resampled(const DeformArguments& a, const std::string& file,
                      std::span<const std::shared_ptr<const VolumeField>> fields, std::span<const std::string> names,
                      const DeformationMaps& maps, const OpenDeformation& deformation, DeformResult& result,
                      Console& console) {
@@ -98,7 +96,6 @@ void write_resampled(const DeformArguments& a, const std::string& file, OpenVolu
   const std::vector<std::size_t> size{block.axes[0].size(), block.axes[1].size(), block.axes[2].size()};
   result.lines = {fmt::format("{} × {} × {} values, {:.1f} % in the volume", size[0], size[1], size[2], 100 * share)};
   result.output = {{"size", size}, {"inside", share}, {"arrays", std::vector<std::string>(names.begin(), names.end())}};
-  (void)volume;
 }
 
 VolumePictureOptions picture_options(const DeformArguments& a) {
@@ -143,6 +140,7 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
   }
 
   DeformResult result;
+  FoldWatch folds;
   const Box3 before = fields[0]->bounds();
   std::vector<Vec3> framed;
   if (a.to_picture()) {
@@ -164,11 +162,18 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
     result.files.push_back(a.file(k));
     const std::string& file = result.files.back();
     if (!a.to_picture()) {
-      write_resampled(a, file, volume, fields, names, maps, deformation, result, console);
+      folds.look(*maps.backward, box_before(*maps.backward, before, deformation.box_of(maps, before)), progress);
+      write_resampled(a, file, fields, names, maps, deformation, result, console);
       continue;
     }
     const Box3 box = box_before(*maps.backward, before, deformation.box_of(maps, before));
+    const TriangleMesh folded = folds.look(*maps.backward, box, progress);
     std::shared_ptr<const SpaceMap> seen_by = maps.backward;
+    if (!a.exact && a.deformation.map.empty()) {
+      const Box3 wide = with_room(box, kRoom);
+      const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(a.map_nodes));
+      seen_by = std::make_shared<const DisplacementMap>(displacement_map(*maps.backward, wide, sizes, progress));
+    }
     const DeformedVolume field(fields[0], seen_by, {}, box);
     VolumeSubject subject;
     TriangleMesh boundary;
@@ -184,6 +189,8 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
       places.push_back(outside->origin + Vec3(v));
     subject.places = places;
     if (a.frames > 0) subject.framed = framed;
+    if (a.draw_folds && !folded.triangles.empty())
+      subject.surfaces.push_back(surface_in_picture(folded, deform_look(a)));
     if (a.draw_handles && deformation.has_handles())
       subject.surfaces.push_back(surface_in_picture(deformation.shapes(a.share(k), before.diagonal()), deform_look(a)));
     const VolumePicture picture(std::move(subject), progress);
@@ -196,6 +203,7 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
   }
   volume.say_method();
   result.input = volume.json();
+  folds.report(a.input.name(), result, console);
   return result;
 }
 

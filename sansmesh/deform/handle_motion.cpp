@@ -51,6 +51,17 @@ AxisAngle axis_angle(const detail::Rows3& r) {
   return {dot(axis, k) < 0 ? -axis : axis, angle};
 }
 
+/// From one unit vector to another.
+AxisAngle smallest_turn(const Vec3& from, const Vec3& to) {
+  const Vec3 axis = cross(from, to);
+  const double angle = std::atan2(norm(axis), dot(from, to));
+  if (angle < kNoTurn) return {};
+  if (norm(axis) > 0) return {normalized(axis), angle};
+  Vec3 side, other;
+  tangent_frame(from, side, other);
+  return {side, angle};
+}
+
 /// The screw that carries what turns by a rotation from one place to another.
 Screw screw_of(const AxisAngle& turn, const Vec3& from, const Vec3& to) {
   Screw screw;
@@ -126,7 +137,9 @@ std::vector<Handle> handles_at(std::span<const Handle> handles, double share) {
       const Vec3 from = screw.direction(d.before, 1);
       for (std::size_t k = 0; k < 3; ++k) rest[k] += from * d.after[k];
     }
-    const AxisAngle left = axis_angle(detail::best_rotation(rest));
+    const TurnedDirection& one = h.directions[0];
+    const AxisAngle left = h.directions.size() == 1 ? smallest_turn(screw.direction(one.before, 1), one.after)
+                                                    : axis_angle(detail::best_rotation(rest));
     for (TurnedDirection& d : h.directions)
       d.after = turned(screw.direction(d.before, share), left.axis, share * left.angle);
   }

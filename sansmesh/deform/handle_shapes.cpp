@@ -106,4 +106,45 @@ TriangleMesh handle_shapes(std::span<const Handle> handles, const HandleShapeOpt
   return shapes.take();
 }
 
+TriangleMesh fold_shapes(const FoldReport& folds, const std::array<std::uint8_t, 3>& color) {
+  TriangleMesh mesh;
+  const GridBlock& block = folds.determinants;
+  const auto* const determinants = block.point_arrays.find<float>("determinant");
+  if (folds.folds.empty() || !determinants) return mesh;
+  const std::array<std::size_t, 3> n{block.axes[0].size(), block.axes[1].size(), block.axes[2].size()};
+  const std::array<std::size_t, 3> stride{1, n[0], n[0] * n[1]};
+  mesh.origin = block.origin;
+  // Faces of the cell about a point, corners at half a step.
+  for (std::size_t p = 0; p < determinants->size(); ++p) {
+    if (!((*determinants)[p] <= 0)) continue;
+    const std::array<std::size_t, 3> i{p % n[0], p / n[0] % n[1], p / n[0] / n[1]};
+    Vec3 center, half;
+    for (std::size_t k = 0; k < 3; ++k) {
+      center[k] = block.axes[k][i[k]];
+      half[k] = 0.5 * (block.axes[k].back() - block.axes[k].front()) / static_cast<double>(n[k] - 1);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const int side : {-1, 1}) {
+        const bool last = side < 0 ? i[k] == 0 : i[k] + 1 == n[k];
+        if (!last && (*determinants)[side < 0 ? p - stride[k] : p + stride[k]] <= 0) continue;
+        const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+        Vec3f normal;
+        normal[k] = static_cast<float>(side);
+        for (int c = 0; c < 4; ++c) {
+          Vec3 corner = center;
+          corner[k] += side * half[k];
+          corner[a] += (c == 1 || c == 2 ? half[a] : -half[a]) * side;
+          corner[b] += c >= 2 ? half[b] : -half[b];
+          mesh.vertices.push_back(Vec3f(corner));
+          mesh.normals.push_back(normal);
+        }
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
+      }
+  }
+  mesh.colors.assign(mesh.vertices.size(), color);
+  return mesh;
+}
+
 }  // namespace sansmesh

@@ -1,4 +1,4 @@
-// Handles as something to see.
+// Handles and folds as something to see.
 #pragma once
 
 #include <array>
@@ -6,6 +6,7 @@
 #include <span>
 
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/handles.h"
 
 namespace sansmesh {
@@ -18,5 +19,9 @@ struct HandleShapeOptions {
 /// A ball where each handle was and one where it went, segments as rods, an arrow from the one to the other where it
 /// moved by more than its ball, and arrows along directions. Colours tell before from after.
 TriangleMesh handle_shapes(std::span<const Handle> handles, const HandleShapeOptions& options);
+
+/// The cells about the points of a lattice that find_folds() found folded, as one red surface around them; empty where
+/// there are none.
+TriangleMesh fold_shapes(const FoldReport& folds, const std::array<std::uint8_t, 3>& color = {222, 30, 30});
 
 }  // namespace sansmesh

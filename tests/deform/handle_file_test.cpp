@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/progress.h"
 #include "sansmesh/deform/handle_shapes.h"
 #include "support/mesh_checks.h"
 
@@ -147,6 +148,34 @@ TEST(HandleShapes, AreClosedAndColoured) {
   EXPECT_NEAR(box.upper.z, 2.1, 1e-5);
   EXPECT_NEAR(box.upper.x, 6.1, 1e-5);
   EXPECT_THROW(handle_shapes(h, {}), ArgumentError);
+}
+
+TEST(FoldShapes, LieAroundWhatIsFolded) {
+  // x ↦ (x² − x) is folded for x < 1/2.
+  class Bent final : public SpaceMap {
+   public:
+    void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        if (!wanted.positions.empty()) wanted.positions[i] = {x[i].x * x[i].x - x[i].x, x[i].y, x[i].z};
+        if (!wanted.jacobians.empty()) wanted.jacobians[i] = {Vec3{2 * x[i].x - 1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+      }
+    }
+  };
+  Progress progress;
+  const Box3 box{{0, 0, 0}, {1, 1, 1}};
+  const TriangleMesh mesh = fold_shapes(find_folds(Bent(), box, {11, 6, 6}, progress));
+  const Box3f found = bounds(mesh);
+  EXPECT_NEAR(found.upper.x, 0.55, 1e-6);  // points up to 0.5, and half a step
+  EXPECT_NEAR(found.lower.x, -0.05, 1e-6);
+  // The outside of the block of cells: both faces of the shape's normal agree with its triangles.
+  double volume = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    volume += dot(a, cross(b, c)) / 6;
+    EXPECT_GT(dot(cross(b - a, c - a), Vec3(mesh.normals[t[0]])), 0);
+  }
+  EXPECT_NEAR(volume, 0.6 * 1.2 * 1.2, 1e-6);
+  EXPECT_TRUE(fold_shapes(FoldReport{}).vertices.empty());
 }
 
 }  // namespace
