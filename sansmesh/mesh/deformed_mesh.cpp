@@ -37,22 +37,35 @@ Vec3f moved_normal(const Jacobian& j, const Vec3f& normal) {
   return length > 0 && std::isfinite(length) ? Vec3f(m * (norm(n) / length)) : normal;
 }
 
+/// How far beside their places vertices are looked at; nothing where all are looked at where they are.
+std::vector<Vec3> sides_of(const TriangleMesh& mesh) {
+  const Attribute* const found = mesh.attributes.find(kCutSide);
+  std::vector<Vec3> sides;
+  if (!found || found->components != 3) return sides;
+  sides.resize(found->rows());
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    sides[i] = {found->number(3 * i), found->number(3 * i + 1), found->number(3 * i + 2)};
+  return sides;
+}
+
 /// Positions and what is at right angles to the surface there, and the origin.
-void move_all(const SpaceMap& forward, Vec3& origin, std::vector<Vec3f>& positions,
+void move_all(const SpaceMap& forward, Vec3& origin, std::vector<Vec3f>& positions, const std::vector<Vec3>& sides,
               std::span<std::vector<Vec3f>* const> normals, MeshDeformReport& report) {
-  const std::vector<Vec3> x = in_world(origin, positions);
+  std::vector<Vec3> x = in_world(origin, positions);
+  for (std::size_t i = 0; i < sides.size(); ++i) x[i] += sides[i];
   std::vector<Vec3> moved(x.size());
   std::vector<Jacobian> jacobians(x.size());
   forward.map(x, {moved, jacobians, {}, {}});
   Box3 box;
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!is_finite(moved[i])) {
-      moved[i] = x[i];
+      moved[i] = origin + Vec3(positions[i]);
       report.undefined += is_finite(x[i]);
       continue;
     }
-    box.extend(moved[i]);
     const Jacobian& j = jacobians[i];
+    if (!sides.empty()) moved[i] -= j[0] * sides[i].x + j[1] * sides[i].y + j[2] * sides[i].z;
+    box.extend(moved[i]);
     report.turned += !(dot(j[0], cross(j[1], j[2])) > 0);
     for (std::vector<Vec3f>* const n : normals)
       if (!n->empty()) (*n)[i] = moved_normal(j, (*n)[i]);
@@ -67,7 +80,9 @@ bool refine_bent(TriangleMesh& mesh, const SpaceMap& forward, const MeshDeformOp
   std::unordered_map<std::uint64_t, bool> bends;  // of the edges of this round and those before
   for (int round = 0; round < kMostRounds; ++round) {
     const std::size_t known = moved.size();
-    const std::vector<Vec3> fresh = in_world(mesh.origin, std::span(mesh.vertices).subspan(known));
+    std::vector<Vec3> fresh = in_world(mesh.origin, std::span(mesh.vertices).subspan(known));
+    const std::vector<Vec3> sides = sides_of(mesh);
+    for (std::size_t i = known; i < sides.size(); ++i) fresh[i - known] += sides[i];
     moved.resize(mesh.vertices.size());
     forward.map(fresh, {std::span(moved).subspan(known), {}, {}, {}});
     std::vector<std::uint64_t> edges;
@@ -85,6 +100,7 @@ bool refine_bent(TriangleMesh& mesh, const SpaceMap& forward, const MeshDeformOp
     for (const std::uint64_t e : edges) {
       const auto [a, b] = ends(e);
       middles.push_back(mesh.origin + (Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5);
+      if (!sides.empty()) middles.back() += (sides[a] + sides[b]) * 0.5;
     }
     std::vector<Vec3> images(middles.size());
     forward.map(middles, {images, {}, {}, {}});
@@ -117,7 +133,8 @@ TriangleMesh deform_mesh(TriangleMesh mesh, const SpaceMap& forward, const MeshD
   if (options.bend) r.fine = refine_bent(mesh, forward, options);
   r.added = mesh.triangles.size() - before;
   std::vector<Vec3f>* const normals[] = {&mesh.normals};
-  move_all(forward, mesh.origin, mesh.vertices, normals, r);
+  move_all(forward, mesh.origin, mesh.vertices, sides_of(mesh), normals, r);
+  mesh.attributes.erase(kCutSide);
   return mesh;
 }
 
@@ -126,7 +143,7 @@ PointSet deform_points(PointSet points, const SpaceMap& forward, MeshDeformRepor
   MeshDeformReport& r = report ? *report : own;
   r = {};
   std::vector<Vec3f>* const normals[] = {&points.normals, &points.grid_normals};
-  move_all(forward, points.origin, points.positions, normals, r);
+  move_all(forward, points.origin, points.positions, {}, normals, r);
   points.scanners.clear();
   return points;
 }

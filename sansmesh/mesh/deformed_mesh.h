@@ -10,6 +10,11 @@
 
 namespace sansmesh {
 
+/// Attribute of vertices, three numbers: where a cut passes, the copies of a vertex on its two sides lie in the same
+/// place, and each is to be looked at from this far beside it, where the map is that of its side. It goes from there in
+/// a straight line by the map's Jacobian.
+inline constexpr const char* kCutSide = "cut_side";
+
 struct MeshDeformOptions {
   /// Edges are cut in half beforehand whose middle comes to lie farther than this from the middle of where their ends
   /// come (length, > 0). None: triangles stay as they are, however large.
@@ -28,8 +33,8 @@ struct MeshDeformReport {
 };
 
 /// Vertices by `forward`, a map from places before to places after the deformation; normals by the inverse transpose of
-/// its Jacobian; colours and attributes are carried as they are. The origin stays near: where the mesh moves away from
-/// it farther than its size, it becomes its middle.
+/// its Jacobian; colours and attributes are carried as they are but for kCutSide, which is heeded and left out. The
+/// origin stays near: where the mesh moves away from it farther than its size, it becomes its middle.
 TriangleMesh deform_mesh(TriangleMesh mesh, const SpaceMap& forward, const MeshDeformOptions& options = {},
                          MeshDeformReport* report = nullptr);
 

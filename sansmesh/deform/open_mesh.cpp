@@ -1,0 +1,54 @@
+#include "sansmesh/deform/open_mesh.h"
+
+#include <cmath>
+#include <string>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/deform/cut_faces.h"
+#include "sansmesh/deform/slit.h"
+#include "sansmesh/mesh/mesh_topology.h"
+
+namespace sansmesh {
+namespace {
+
+double mean_edge(const TriangleMesh& mesh) {
+  double sum = 0, n = 0;
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+      if (a >= mesh.vertices.size() || b >= mesh.vertices.size()) continue;
+      const double length = norm(Vec3(mesh.vertices[b]) - Vec3(mesh.vertices[a]));
+      if (std::isfinite(length)) sum += length, n += 1;
+    }
+  return n > 0 ? sum / n : 0;
+}
+
+}  // namespace
+
+void OpenMeshOptions::validate() const {
+  if (refinements < 0 || refinements > 12) throw ArgumentError("`refinements` must lie in 0..12");
+  if (face_edges && !(*face_edges > 0 && std::isfinite(*face_edges)))
+    throw ArgumentError("`face_edges` must be a positive length, not " + std::to_string(*face_edges));
+}
+
+TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<const Occluder>> cuts,
+                             const OpenMeshOptions& options, OpenMeshReport* report) {
+  options.validate();
+  OpenMeshReport own;
+  OpenMeshReport& r = report ? *report : own;
+  r = {};
+  const bool solid = options.close && measure_topology(mesh).closed();
+  const double length = options.face_edges.value_or(solid ? mean_edge(mesh) : 0);
+  for (const auto& cut : cuts) {
+    const Slit slit = open_slit(mesh, *cut, options.refinements);
+    r.edges += slit.edges.size(), r.doubled += slit.doubled, r.unopened += slit.unopened;
+    if (!options.close || slit.edges.empty()) continue;
+    const auto* const planar = dynamic_cast<const PlanarOccluder*>(cut.get());
+    const std::size_t added = solid && planar ? add_cut_faces(mesh, slit, *planar, length) : 0;
+    r.faces += added, r.unclosed += added == 0;
+    if (added > 0) mesh.normals.clear();
+  }
+  return mesh;
+}
+
+}  // namespace sansmesh

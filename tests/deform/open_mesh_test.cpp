@@ -1,0 +1,307 @@
+// Meshes opened along cuts, and the faces that close them again.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "deform/cut_support.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/deform/mesh_occluder.h"
+#include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/planar_fill.h"
+#include "support/mesh_checks.h"
+#include "support/mesh_shapes.h"
+
+namespace sansmesh {
+namespace {
+
+using Cuts = std::vector<std::shared_ptr<const Occluder>>;
+
+/// Moves what is on the side of a cut's normal by `shift` along it.
+class Parting final : public SpaceMap {
+ public:
+  Parting(Vec3 origin, Vec3 normal, double shift) : origin_(origin), normal_(normalized(normal)), shift_(shift) {}
+  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const bool above = dot(x[i] - origin_, normal_) >= 0;
+      if (!wanted.positions.empty()) wanted.positions[i] = x[i] + normal_ * (above ? shift_ : 0);
+      if (!wanted.jacobians.empty()) wanted.jacobians[i] = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+    }
+  }
+
+ private:
+  Vec3 origin_, normal_;
+  double shift_;
+};
+
+double volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles)
+    sum += dot(Vec3(mesh.vertices[t[0]]), cross(Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]))) / 6;
+  return sum;
+}
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    sum += 0.5 * norm(cross(b - a, c - a));
+  }
+  return sum;
+}
+
+/// Triangles that the cut passes, in the middle of it: neither at their corners and edges nor at the cut's border.
+std::size_t crossed(const TriangleMesh& mesh, const Occluder& cut) {
+  std::size_t count = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    const Vec3 middle = (a + b + c) / 3.0;
+    bool found = false;
+    for (const Vec3& p : {a, b, c}) found = found || test::blocked(cut, middle, p + (middle - p) * 0.02);
+    count += found;
+  }
+  return count;
+}
+
+/// A half-plane far in: it cuts all of what is not larger than 10.
+std::shared_ptr<const Occluder> whole_plane(const Vec3& through, const Vec3& normal) {
+  const Vec3 into = std::abs(normal.x) > std::abs(normal.y) ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+  return half_plane(through - into * 10.0, normal, into);
+}
+
+TEST(OpenMesh, NothingIsCutWhereNoCutIs) {
+  TriangleMesh mesh = test::octasphere(3);
+  mesh.attributes.set("number", std::vector<float>(mesh.vertices.size(), 2));
+  const TriangleMesh opened = open_along_cuts(mesh, Cuts{half_plane({2, 0, 0}, {0, 0, 1}, {1, 0, 0})});
+  EXPECT_EQ(opened.vertices, mesh.vertices);
+  EXPECT_EQ(opened.triangles, mesh.triangles);
+  EXPECT_EQ(opened.attributes, mesh.attributes);
+}
+
+TEST(OpenMesh, AHalfPlaneThroughASphereMakesASlit) {
+  const TriangleMesh mesh = test::octasphere(4);
+  const auto cut = half_plane({0.31, 0, 0}, {0.1, 0.2, 1}, {1, 0, 0.1});
+  OpenMeshReport report;
+  const TriangleMesh opened = open_along_cuts(mesh, Cuts{cut}, {}, &report);
+  EXPECT_EQ(report.unopened, 0u);
+  EXPECT_GT(report.edges, 20u);
+  EXPECT_EQ(report.doubled, report.edges - 1);  // but for its two ends
+  const MeshTopology topology = measure_topology(opened);
+  EXPECT_EQ(topology.euler, 1);  // a disk: the sphere less one slit
+  EXPECT_EQ(topology.boundary_loops, 1u);
+  EXPECT_EQ(topology.boundary_edges, 2 * report.edges);
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_TRUE(topology.manifold() && topology.oriented());
+  EXPECT_GT(crossed(mesh, *cut), 20u);
+  EXPECT_EQ(crossed(opened, *cut), 0u);
+  EXPECT_NEAR(area(opened), area(mesh), 1e-5);
+  EXPECT_NEAR(volume(opened), volume(mesh), 1e-5);
+  // Ends where the half-plane does: vertices on its border.
+  int ends = 0;
+  for (const Vec3f& v : opened.vertices)
+    ends += std::abs(cut->height(Vec3(v))) < 1e-6 && std::abs(cut->depth(cut->in_plane(Vec3(v)), nullptr)) < 1e-6;
+  EXPECT_EQ(ends, 2);
+}
+
+TEST(OpenMesh, APlaneThroughASphereMakesTwoClosedSolids) {
+  const TriangleMesh mesh = test::octasphere(4);
+  for (const Vec3& through : {Vec3{0, 0, 0}, Vec3{0.1, 0.2, 0.31}}) {  // the first through vertices
+    const Cuts cuts{whole_plane(through, {0, 0, 1})};
+    const TriangleMesh opened = open_along_cuts(mesh, cuts);
+    const MeshTopology open = measure_topology(opened);
+    EXPECT_EQ(open.euler, 2);  // two disks
+    EXPECT_EQ(open.boundary_loops, 2u);
+    EXPECT_EQ(open.components, 2u);
+
+    OpenMeshOptions options;
+    options.close = true;
+    OpenMeshReport report;
+    const TriangleMesh closed = open_along_cuts(mesh, cuts, options, &report);
+    EXPECT_EQ(report.unclosed, 0u);
+    const MeshTopology topology = measure_topology(closed);
+    EXPECT_TRUE(topology.closed());
+    EXPECT_EQ(topology.components, 2u);
+    EXPECT_EQ(topology.euler, 4);
+    EXPECT_TRUE(test::topology_of(closed).closed_manifold());
+    EXPECT_NEAR(volume(closed), volume(mesh), 1e-5);
+    // Cap by cap the volume is that of the part of the sphere below.
+    const MeshComponents parts = find_components(closed);
+    double below = 0;
+    for (std::size_t i = 0; i < closed.triangles.size(); ++i)
+      if (parts.of_triangle[i] == 0) {
+        const Triangle& t = closed.triangles[i];
+        below += dot(Vec3(closed.vertices[t[0]]), cross(Vec3(closed.vertices[t[1]]), Vec3(closed.vertices[t[2]]))) / 6;
+      }
+    const double h = 1 + through.z;
+    EXPECT_NEAR(below, std::numbers::pi * h * h * (3 - h) / 3, 0.02 * 4.2);
+
+    // Moved apart, both are where they belong, and the faces are flat.
+    const TriangleMesh moved = deform_mesh(closed, Parting(through, {0, 0, 1}, 0.5));
+    EXPECT_NEAR(volume(moved), volume(mesh), 1e-4);
+    EXPECT_EQ(moved.attributes.find(kCutSide), nullptr);
+    for (std::size_t v = 0; v < moved.vertices.size(); ++v) {
+      const double z = static_cast<double>(moved.vertices[v].z) - through.z;
+      EXPECT_TRUE(z < 1e-5 || z > 0.5 - 1e-5) << z;
+    }
+  }
+}
+
+TEST(OpenMesh, SlitsInSolidsAreClosed) {
+  const TriangleMesh mesh = test::octasphere(4);
+  OpenMeshOptions options;
+  options.close = true;
+  const auto cut = half_plane({0.31, 0, 0}, {0.1, 0.2, 1}, {1, 0, 0.1});
+  const auto square = polygon_occluder({{{0.1, -0.4, 0.05}, {1.5, -0.4, 0.05}, {1.5, 0.5, 0.05}, {0.1, 0.5, 0.05}},
+                                        {{0.3, 0, 0.05}, {0.4, 0, 0.05}, {0.4, 0.1, 0.05}}});
+  for (const std::shared_ptr<const PlanarOccluder>& one : {cut, square}) {
+    OpenMeshReport report;
+    const TriangleMesh closed = open_along_cuts(mesh, Cuts{one}, options, &report);
+    EXPECT_EQ(report.unclosed, 0u);
+    EXPECT_GT(report.faces, 50u);
+    const MeshTopology topology = measure_topology(closed);
+    EXPECT_TRUE(topology.closed());
+    EXPECT_EQ(topology.euler, one == cut ? 2 : 0);  // the hole in the square joins both sides: a handle
+    EXPECT_NEAR(volume(closed), volume(mesh), 1e-5);
+    EXPECT_EQ(crossed(open_along_cuts(mesh, Cuts{one}), *one), 0u);
+  }
+}
+
+TEST(OpenMesh, SeveralCutsAndManyPlaces) {
+  const TriangleMesh mesh = test::torus_mesh(40, 24);
+  OpenMeshOptions options;
+  options.close = true;
+  std::mt19937 random(8);
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 n = normalized(test::random_point(random)), p = test::random_point(random, 0.4);
+    Vec3 t, b;
+    tangent_frame(n, t, b);
+    const Cuts cuts{half_plane(p, n, t)};
+    OpenMeshReport report;
+    const TriangleMesh closed = open_along_cuts(mesh, cuts, options, &report);
+    if (report.edges == 0) continue;
+    EXPECT_EQ(report.unopened, 0u) << i;
+    EXPECT_EQ(report.unclosed, 0u) << i;
+    EXPECT_TRUE(measure_topology(closed).closed()) << i;
+    EXPECT_NEAR(volume(closed), volume(mesh), 1e-4);
+    EXPECT_EQ(crossed(open_along_cuts(mesh, cuts), *cuts[0]), 0u);
+  }
+  // Three planes at right angles: eight pieces of a sphere.
+  const Cuts three{whole_plane({0, 0, 0.05}, {0, 0, 1}), whole_plane({0.1, 0, 0}, {1, 0, 0}),
+                   whole_plane({0, 0, 0}, {0, 1, 0})};
+  OpenMeshReport report;
+  const TriangleMesh eight = open_along_cuts(test::octasphere(4), three, options, &report);
+  EXPECT_EQ(report.unclosed, 0u);
+  EXPECT_TRUE(measure_topology(eight).closed());
+  EXPECT_EQ(measure_topology(eight).components, 8u);
+  EXPECT_NEAR(volume(eight), volume(test::octasphere(4)), 1e-4);
+}
+
+TEST(OpenMesh, MeshesAsCuts) {
+  // A dome above the equator, through a finer sphere.
+  TriangleMesh dome;
+  constexpr std::uint32_t n = 12;
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i <= n; ++i) {
+      const double x = -0.17 + 2.0 * i / n, y = -1.53 + 3.0 * j / n;
+      dome.vertices.push_back(Vec3f(Vec3{x, y, 0.311 - 0.2 * x * x - 0.1 * y * y}));
+    }
+  for (std::uint32_t j = 0; j < n; ++j)
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t a = j * (n + 1) + i;
+      dome.triangles.push_back({a, a + 1, a + n + 2});
+      dome.triangles.push_back({a, a + n + 2, a + n + 1});
+    }
+  MeshOccluderOptions coarse;
+  coarse.resolution = 8;
+  const TriangleMesh mesh = test::octasphere(5);
+  const Cuts cuts{mesh_occluder(dome, coarse)};
+  OpenMeshReport report;
+  OpenMeshOptions options;
+  options.close = true;
+  const TriangleMesh opened = open_along_cuts(mesh, cuts, options, &report);
+  EXPECT_EQ(report.unopened, 0u);
+  EXPECT_EQ(report.unclosed, 1u);  // meshes leave what they cut open
+  const MeshTopology topology = measure_topology(opened);
+  EXPECT_EQ(topology.euler, 1);
+  EXPECT_EQ(topology.boundary_loops, 1u);
+  EXPECT_TRUE(topology.manifold());
+}
+
+TEST(OpenMesh, CutsSmallerThanTriangles) {
+  TriangleMesh mesh;
+  mesh.vertices = {{-1, -1, 0}, {1, -1, 0}, {0, 1.5f, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  const auto small = polygon_occluder({{{-0.11, 0.03, -1}, {0.13, 0.05, -1}, {0.13, 0.05, 1}, {-0.11, 0.03, 1}}});
+  OpenMeshReport report;
+  const TriangleMesh opened = open_along_cuts(mesh, Cuts{small}, {}, &report);
+  EXPECT_EQ(report.unopened, 0u);
+  EXPECT_EQ(measure_topology(opened).boundary_loops, 2u);
+  EXPECT_EQ(measure_topology(opened).euler, 0);
+  EXPECT_EQ(crossed(opened, *small), 0u);
+}
+
+TEST(OpenMesh, AttributesAreMixed) {
+  TriangleMesh mesh = test::octasphere(3);
+  std::vector<float> x;
+  for (const Vec3f& v : mesh.vertices) x.push_back(v.x + 2 * v.z);
+  mesh.attributes.set("x", x);
+  mesh.triangle_attributes.set("number", std::vector<std::int32_t>(mesh.triangles.size(), 3));
+  OpenMeshOptions options;
+  options.close = true;
+  const TriangleMesh opened =
+      open_along_cuts(mesh, Cuts{half_plane({0.31, 0, 0}, {0.1, 0.2, 1}, {1, 0, 0.1})}, options);
+  opened.attributes.check_rows(opened.vertices.size(), "vertices");
+  opened.triangle_attributes.check_rows(opened.triangles.size(), "triangles");
+  const TriangleMesh open = open_along_cuts(mesh, Cuts{half_plane({0.31, 0, 0}, {0.1, 0.2, 1}, {1, 0, 0.1})});
+  const std::vector<float>& now = *open.attributes.find<float>("x");
+  for (std::size_t v = 0; v < now.size(); ++v) EXPECT_NEAR(now[v], open.vertices[v].x + 2 * open.vertices[v].z, 1e-5);
+}
+
+TEST(OpenMesh, BadOptionsAreRefused) {
+  OpenMeshOptions options;
+  options.refinements = 13;
+  EXPECT_THROW(open_along_cuts({}, {}, options), ArgumentError);
+  options = {};
+  options.face_edges = 0;
+  EXPECT_THROW(open_along_cuts({}, {}, options), ArgumentError);
+}
+
+TEST(FillPlanar, HolesAndTurns) {
+  std::vector<std::vector<std::array<double, 2>>> loops = {{{0, 0}, {4, 0}, {4, 3}, {2, 1}, {0, 3}},
+                                                           {{1, 0.5}, {1, 0.8}, {1.3, 0.8}, {1.3, 0.5}},
+                                                           {{3, 0.5}, {3, 0.8}, {3.3, 0.5}}};
+  std::size_t given = 0;
+  for (auto& loop : loops) {  // with more corners along its edges
+    std::vector<std::array<double, 2>> finer;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const auto &a = loop[i], &b = loop[(i + 1) % loop.size()];
+      const int n = static_cast<int>(std::ceil(std::hypot(b[0] - a[0], b[1] - a[1]) / 0.19));
+      for (int k = 0; k < n; ++k) finer.push_back({a[0] + (b[0] - a[0]) * k / n, a[1] + (b[1] - a[1]) * k / n});
+    }
+    loop = finer, given += loop.size();
+  }
+  for (const double length : {10.0, 0.2}) {
+    const PlanarFill fill = fill_planar(loops, length);
+    double sum = 0, longest = 0;
+    for (const Triangle& t : fill.triangles) {
+      const auto &a = fill.points[t[0]], &b = fill.points[t[1]], &c = fill.points[t[2]];
+      const double one = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
+      EXPECT_GT(one, 0);
+      sum += one;
+      for (const std::uint32_t v : t)
+        for (const std::uint32_t w : t)
+          longest = std::max(longest,
+                             std::hypot(fill.points[v][0] - fill.points[w][0], fill.points[v][1] - fill.points[w][1]));
+    }
+    EXPECT_NEAR(sum, 12 - 4 - 0.09 - 0.045, 1e-12);
+    EXPECT_LE(longest, length);
+    EXPECT_EQ(fill.points.size() > given, length < 1);
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh
