@@ -348,6 +348,7 @@ class SlitMaker {
       for (const std::uint32_t v : mesh_.triangles[i])
         if (const auto at = around.find(v); at != around.end()) at->second.push_back(i);
     std::vector<std::uint32_t> vertices;
+    vertices.reserve(around.size());
     for (const auto& entry : around) vertices.push_back(entry.first);
     std::sort(vertices.begin(), vertices.end());
 

@@ -246,7 +246,7 @@ void TriangleSheet::bends(const Vec3& a, const Vec3& b, const Vec3& c, double wi
 }
 
 void TriangleSheet::border_points(const std::array<Vec3, 3>& triangle, std::vector<Vec3>& found) const {
-  const auto& [a, b, c] = triangle;
+  const Vec3 &a = triangle[0], &b = triangle[1], &c = triangle[2];
   Box3 box = box_around(a, b);
   box.extend(c);
   const Vec3 n = cross(b - a, c - a);
@@ -254,7 +254,7 @@ void TriangleSheet::border_points(const std::array<Vec3, 3>& triangle, std::vect
       border_tree_, [&](const Box3& other) { return boxes_meet(box, other); },
       [&](std::uint32_t i) {
         const Vec3 &p = points_[border_[i][0]], &q = points_[border_[i][1]];
-        Vec3 point;
+        Vec3 point{};
         if (passes_through(p, q, a, b, c, n, point)) found.push_back(point);
         return false;
       });

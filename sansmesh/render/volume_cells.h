@@ -37,6 +37,15 @@ class VolumeCells {
     }
     return index;
   }
+  Vec3 center(std::size_t cell) const {
+    Vec3 x = box_.lower;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto n = static_cast<std::size_t>(counts_[k]);
+      x[k] += (static_cast<double>(cell % n) + 0.5) * edge_[k];
+      cell /= n;
+    }
+    return x;
+  }
   /// Where a line x + t d that is in a cell leaves it (t in lengths of d).
   double exit(std::size_t cell, const Vec3& x, const Vec3& d) const;
   double spacing(std::size_t cell) const { return static_cast<double>(spacing_[cell]); }

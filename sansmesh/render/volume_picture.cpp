@@ -184,7 +184,7 @@ class VolumePicture::Work {
 
   TracedVolume traced() const {
     TracedVolume volume;
-    volume.field = subject_.field, volume.opacity = subject_.opacity;
+    volume.field = subject_.field, volume.opacity = subject_.opacity, volume.gap = subject_.gap;
     volume.bounded = subject_.boundary && !subject_.boundary->triangles.empty();
     volume.stretches = &stretches_, volume.cells = &cells_, volume.frame = frame_;
     return volume;

@@ -11,6 +11,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
@@ -33,6 +34,10 @@ struct VolumeSubject {
   std::span<const Vec3> places = {};
   /// Points that the picture is to show all of; default: the boundary, or the box of the field.
   std::span<const Vec3> framed = {};
+  /// Above 0 in gaps that cuts have opened in the volume, about the distance from their faces there and beside them, in
+  /// the coordinates of the data. Nothing is seen in gaps, and rays find their faces exactly; where they look at one it
+  /// shows its values in the light of the gap's gradient, as far as `cut_faces` says. Null: there are none.
+  const ScalarField* gap = nullptr;
   /// Values may be those of an image (CT, MR): materials are looked for where the transfer function is to be suggested.
   bool image = true;
 };

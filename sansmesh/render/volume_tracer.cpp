@@ -18,6 +18,8 @@ constexpr double kShortest = 0.05;        // of a step that is halved
 constexpr int kRootRounds = 10;
 constexpr float kGrazing = 0.4f;
 constexpr double kFaceOpacity = 0.004;  // from which on a cut face is opaque
+constexpr double kBesideFace = 0.02;    // pixels: how far from the face of a gap a sample on it lies
+constexpr int kFaceTries = 6;
 
 /// 1 − e^−x for x >= 0.
 double absorbed(double x) {
@@ -39,7 +41,10 @@ struct VolumeTracer::Sample {
   double t = 0, value = 0, slope = 0, other = 0, other_slope = 0;  // slopes per picture length
   Vec3 gradient;                                                   // that shades, per picture length
   bool inside = true, shaded = false;
-  bool again = false;  // nearer to the sample before, the value was going elsewhere
+  bool again = false;    // nearer to the sample before, the value was going elsewhere
+  bool on_face = false;  // where the ray has just come out of a gap
+  double gap = -1, gap_slope = 0;
+  Vec3 gap_gradient;  // per picture length
   Vec3f light{1, 1, 1}, gloss;
 };
 
@@ -51,7 +56,8 @@ struct VolumeTracer::Walk {
   RayStretch now;
   bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` holds
   double t = 0;
-  double retry = 0;  // a place before t that is to be seen first; 0: none
+  double retry = 0;    // a place before t that is to be seen first; 0: none
+  int face_tries = 0;  // how often in a row that was for the face of a gap
   Sample before;
   std::optional<RayStretch> rest;     // of a stretch in which a surface stands: what is behind that
   std::size_t layer = 0, layers = 0;  // the next of the surfaces, and where they end
@@ -85,6 +91,8 @@ struct VolumeTracer::Scratch {
   std::vector<Vec3> x, gradients, other_gradients;
   std::vector<double> values, others;
   std::vector<std::uint8_t> inside;
+  std::vector<double> gaps;
+  std::vector<Vec3> gap_gradients;
   std::vector<Sample> samples;
   std::vector<Root> roots;
 };
@@ -108,6 +116,8 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
   weak_ = 1.5 * (separate_ ? transfer.opacities.back().value - transfer.opacities.front().value : upper - lower);
   for (const IsoSurface& iso : options.isos)
     iso_colors_.push_back(linear_color(iso.color ? *iso.color : transfer.color(iso.value)));
+  if (options.opacity_scale == 0)
+    for (const IsoSurface& iso : options.isos) least_shown_ = std::min(least_shown_.value_or(iso.value), iso.value);
   const VolumeCells& cells = *volume.cells;
   clear_.assign(cells.size(), 0);
   if (!options.skip_empty) return;
@@ -118,6 +128,15 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
       clear = clear && !(cells.range(c).least <= iso.value && iso.value <= cells.range(c).most);
     clear_[c] = clear;
   }
+  if (!volume.gap || !options.cut_faces || options.opacity_scale > 0) return;
+  // Faces of gaps show values that are clear otherwise.
+  const double radius = 0.5 * norm(cells.edge());
+  std::vector<Vec3> centers;
+  for (std::size_t c = 0; c < cells.size(); ++c) centers.push_back(cells.center(c));
+  std::vector<ValueRange> ranges(cells.size());
+  volume.gap->ranges(centers, radius, ranges);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    if (ranges[c].holds_zero() && (!least_shown_ || cells.range(c).most >= *least_shown_)) clear_[c] = 0;
 }
 
 Vec3 VolumeTracer::world(const Walk& walk, double t) const {
@@ -226,6 +245,10 @@ std::size_t VolumeTracer::evaluate(Scratch& s) const {
     s.others.resize(n), s.other_gradients.resize(n);
     volume_.opacity->evaluate(s.x, {s.others, s.other_gradients, {}, {}});
   }
+  if (volume_.gap) {
+    s.gaps.resize(n), s.gap_gradients.resize(n);
+    volume_.gap->evaluate(s.x, s.gaps, s.gap_gradients);
+  }
   return n;
 }
 
@@ -268,6 +291,99 @@ void VolumeTracer::cut_face(Walk& walk, const Sample& sample) const {
   if (options_.opacity_scale > 0)
     opacity = std::min(1.0, transfer_.opacity(separate_ ? sample.other : sample.value) / kFaceOpacity);
   if (opacity > 0) lay(walk, linear_color(transfer_.color(sample.value)), opacity);
+}
+
+/// The face behind a gap, lit by the gradient of the gap.
+void VolumeTracer::gap_face(Walk& walk, const Sample& sample) const {
+  if (!options_.cut_faces || !sample.inside) return;
+  double opacity = 1;
+  if (options_.opacity_scale > 0) {
+    opacity = std::min(1.0, transfer_.opacity(separate_ ? sample.other : sample.value) / kFaceOpacity);
+  } else if (least_shown_ && sample.value < *least_shown_) {
+    return;
+  }
+  if (!(opacity > 0)) return;
+  Sample face = sample;
+  face.gradient = face.gap_gradient, face.shaded = false;
+  if (options_.shading) shade(walk, face, true);
+  const Vec3f color = linear_color(transfer_.color(sample.value));
+  lay(walk, shoulder(product(color, face.light) + face.gloss), opacity);
+}
+
+/// Whether a gap may begin and end, or what is between two gaps, within a step, as the slopes at its ends say.
+bool VolumeTracer::may_pass_face(const Walk& walk, const Sample& now) const {
+  const Sample& before = walk.before;
+  const double d = now.t - before.t;
+  if ((before.gap > 0) != (now.gap > 0) || d < 0.5 * static_cast<double>(footprint_) * now.t) return false;
+  const double side = now.gap > 0 ? -1 : 1;  // going up is towards a face
+  const double rise = side * before.gap_slope, fall = side * now.gap_slope;
+  if (!(rise > 0) || !(fall < 0)) return false;
+  // Two lines meet where they would be highest.
+  const double v0 = side * before.gap, v1 = side * now.gap;
+  const double at = std::clamp((v1 - v0 - fall * d) / (rise - fall), 0.0, d);
+  return v0 + rise * at > 0;
+}
+
+/// Where steps of this round lead into a gap or out of it: a sample beside the face is to be seen first.
+std::size_t VolumeTracer::find_faces(Scratch& s) const {
+  struct Face {
+    std::size_t i;
+    double low, high, low_gap, high_gap, t;
+  };
+  std::vector<Face> faces;
+  for (std::size_t i = 0; i < s.active.size(); ++i) {
+    const Walk& walk = s.walks[s.active[i]];
+    const Sample& now = s.samples[i];
+    if (!walk.started || now.again || (walk.before.gap > 0) == (now.gap > 0)) continue;
+    Face f{i, walk.before.t, now.t, walk.before.gap, now.gap, 0};
+    f.t = f.low + (f.high - f.low) * std::clamp(f.low_gap / (f.low_gap - f.high_gap), 0.02, 0.98);
+    faces.push_back(f);
+  }
+  std::size_t count = 0;
+  std::vector<std::size_t> open(faces.size());
+  for (std::size_t k = 0; k < open.size(); ++k) open[k] = k;
+  std::vector<Vec3> x;
+  std::vector<double> gaps;
+  const auto beside = [&](const Face& f) { return kBesideFace * static_cast<double>(footprint_) * f.high; };
+  for (int round = 0; round < 4 * kRootRounds && !open.empty(); ++round) {
+    x.clear();
+    for (const std::size_t k : open) x.push_back(world(s.walks[s.active[faces[k].i]], faces[k].t));
+    gaps.resize(x.size());
+    volume_.gap->evaluate(x, gaps);
+    count += x.size();
+    std::size_t kept = 0;
+    for (std::size_t n = 0; n < open.size(); ++n) {
+      Face& f = faces[open[n]];
+      if ((gaps[n] > 0) == (f.low_gap > 0)) {
+        f.low = f.t, f.low_gap = gaps[n];
+      } else {
+        f.high = f.t, f.high_gap = gaps[n];
+      }
+      const double width = f.high - f.low;
+      if (width < 0.25 * beside(f)) continue;
+      // The secant, a little beyond so that the face comes between; every third time the middle.
+      const double share = std::clamp(f.low_gap / (f.low_gap - f.high_gap), 0.0, 1.0), more = 0.1 * beside(f) / width;
+      f.t = f.low + width * (round % 3 == 2 ? 0.5 : std::clamp(share + (share < 0.5 ? more : -more), 0.02, 0.98));
+      open[kept++] = open[n];
+    }
+    open.resize(kept);
+  }
+  for (const Face& f : faces) {
+    Walk& walk = s.walks[s.active[f.i]];
+    Sample& now = s.samples[f.i];
+    const bool into = walk.before.gap <= 0;
+    const double at = into ? f.low - beside(f) : f.high + beside(f);
+    const double left = into ? f.low - walk.before.t : now.t - f.high;
+    if (left <= 2 * beside(f) || walk.face_tries >= kFaceTries) {
+      now.on_face = !into;
+      walk.face_tries = 0;
+      continue;
+    }
+    ++walk.face_tries;
+    now.again = true;
+    walk.retry = at;
+  }
+  return count;
 }
 
 /// Emission and absorption between two shares of a step.
@@ -515,11 +631,18 @@ std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<Tra
         now.other = s.others[i], now.other_slope = dot(now.gradient, walk.direction);
       }
       now.inside = s.inside.empty() || s.inside[i];
-      if (walk.started && too_far(walk, now)) {
+      if (volume_.gap) {
+        now.gap = s.gaps[i], now.gap_gradient = s.gap_gradients[i] * volume_.frame.size;
+        now.gap_slope = dot(now.gap_gradient, walk.direction);
+        now.inside = now.inside && now.gap <= 0;
+      }
+      const bool both = walk.started && walk.before.gap <= 0 && now.gap <= 0;
+      if (walk.started && ((both && too_far(walk, now)) || (volume_.gap && may_pass_face(walk, now)))) {
         now.again = true;
         s.walks[s.active[i]].retry = 0.5 * (walk.before.t + now.t);
       }
     }
+    if (volume_.gap) count += find_faces(s);
     if (!options_.isos.empty()) count += find_roots(s);
     std::size_t root = 0;
     for (std::size_t i = 0; i < kept; ++i) {
@@ -530,6 +653,7 @@ std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<Tra
       while (last < s.roots.size() && s.roots[last].walk == i) ++last;
       if (walk.begun && walk.now.begins_at_cut && options_.cut_faces) cut_face(walk, now);
       walk.begun = false;
+      if (now.on_face) gap_face(walk, now);
       if (walk.started) go_through(walk, walk.before, now, std::span(s.roots).subspan(root, last - root));
       root = last;
       if (walk.left <= options_.least_light) {

@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/lighting.h"
@@ -29,6 +31,7 @@ struct TracedLight {
 struct TracedVolume {
   const VolumeField* field = nullptr;    ///< one component: colours, iso-surfaces, and opacities unless
   const VolumeField* opacity = nullptr;  ///< there is one for them
+  const ScalarField* gap = nullptr;      ///< above 0 where nothing is; may be null
   bool bounded = false;                  ///< the stretches end at the boundary; else the field is asked what is inside
   const VolumeStretches* stretches = nullptr;
   const VolumeCells* cells = nullptr;
@@ -65,6 +68,9 @@ class VolumeTracer {
   void absorb(Walk& walk, const Sample& a, const Sample& b, double from, double to) const;
   void lay(Walk& walk, const Vec3f& light, double opacity) const;
   void cut_face(Walk& walk, const Sample& sample) const;
+  bool may_pass_face(const Walk& walk, const Sample& now) const;
+  std::size_t find_faces(Scratch& scratch) const;
+  void gap_face(Walk& walk, const Sample& sample) const;
   Vec3 world(const Walk& walk, double t) const;
 
   TracedVolume volume_;
@@ -80,7 +86,8 @@ class VolumeTracer {
   double value_range_ = 0, other_range_ = 0;  // of the transfer function
   double weak_ = 0;      // gradients (per picture length) that say as little about a surface as they say much
   float footprint_ = 0;  // of a pixel at distance 1
-  std::vector<std::uint8_t> clear_;  // of each cell
+  std::optional<double> least_shown_;  // of values on faces of gaps, where only iso-surfaces are seen
+  std::vector<std::uint8_t> clear_;    // of each cell
   std::vector<Vec3f> iso_colors_;
 };
 

@@ -1,0 +1,155 @@
+// Gaps in volumes: nothing in them, and faces where they end.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "render/analytic_volumes.h"
+#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/volume_picture.h"
+
+namespace sansmesh {
+namespace {
+
+using test::constant_volume;
+using test::FormulaVolume;
+
+class FormulaGap final : public ScalarField {
+ public:
+  std::function<double(const Vec3&)> depth;
+  std::function<Vec3(const Vec3&)> slope;
+
+  Box3 bounds() const override { return {{0, 0, 0}, {1, 1, 1}}; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      values[i] = depth(x[i]);
+      if (!gradients.empty()) gradients[i] = slope(x[i]);
+    }
+  }
+};
+
+/// |⟨n, x⟩ − at| < half.
+FormulaGap slab(const Vec3& n, double at, double half) {
+  FormulaGap gap;
+  gap.depth = [=](const Vec3& x) { return half - std::abs(dot(n, x) - at); };
+  gap.slope = [=](const Vec3& x) { return n * (dot(n, x) > at ? -1.0 : 1.0); };
+  return gap;
+}
+
+VolumePictureOptions gap_pixel(double opacity, double length) {
+  VolumePictureOptions options;
+  options.width = options.height = options.samples = 1;
+  TransferFunction f;
+  f.colors = {{0, {1, 0, 0}}, {1, {0, 0, 1}}};
+  f.opacities = {{0, opacity}, {1, opacity}};
+  f.reference_length = length;
+  options.transfer = f;
+  options.shading = false;
+  options.least_light = 0;
+  return options;
+}
+
+std::array<float, 4> ray_along(const VolumeSubject& subject, const VolumePictureOptions& options, const Vec3& a,
+                               const Vec3& b) {
+  Progress progress;
+  const VolumePicture picture(subject, progress);
+  const Vec3 d = normalized(b - a);
+  Camera camera;
+  camera.position = Vec3f((a - d * 2 - picture.frame().center) / picture.frame().size);
+  camera.backward = Vec3f(-d);
+  tangent_frame(camera.backward, camera.right, camera.up);
+  camera.half_width = camera.half_height = 1e-4f;
+  return picture.light(camera, options, progress).at(0, 0);
+}
+
+TEST(VolumeGap, NothingIsSeenInGaps) {
+  const FormulaVolume field = constant_volume(0.5);
+  for (const double half : {0.2, 0.03, 0.004}) {  // samples are 0.03 apart
+    for (const Vec3& n : {Vec3{1, 0, 0}, normalized(Vec3{1, 0.4, -0.3})}) {
+      const FormulaGap gap = slab(n, 0.5 * n.x + 0.4 * n.y + 0.3 * n.z, half);
+      VolumeSubject subject{&field, nullptr, nullptr, {}};
+      subject.gap = &gap;
+      VolumePictureOptions options = gap_pixel(0.3, 0.25);
+      options.cut_faces = false;
+      for (const double step : {0.3, 1.0, 2.5}) {
+        options.step = step;
+        const double length = 1 - 2 * half / n.x;
+        EXPECT_NEAR(ray_along(subject, options, {0, 0.4, 0.3}, {1, 0.4, 0.3})[3], std::pow(0.7, 4 * length), 2e-4)
+            << half << ' ' << step;
+      }
+    }
+  }
+}
+
+TEST(VolumeGap, SlicesBetweenGapsAreNotMissed) {
+  const FormulaVolume field = constant_volume(0.5);
+  FormulaGap gap;  // all but |x − 0.52| < 0.003
+  gap.depth = [](const Vec3& x) { return std::abs(x.x - 0.52) - 0.003; };
+  gap.slope = [](const Vec3& x) { return Vec3{x.x > 0.52 ? 1.0 : -1.0, 0, 0}; };
+  VolumeSubject subject{&field, nullptr, nullptr, {}};
+  subject.gap = &gap;
+  VolumePictureOptions options = gap_pixel(0.3, 0.005);
+  options.cut_faces = false;
+  EXPECT_NEAR(ray_along(subject, options, {0, 0.4, 0.3}, {1, 0.4, 0.3})[3], std::pow(0.7, 1.2), 5e-3);
+}
+
+TEST(VolumeGap, FacesShowTheirValuesInTheLightOfTheGap) {
+  // Values rise along x: the face behind the gap tells where it is by its colour.
+  FormulaVolume field = test::linear_volume({1, 0, 0});
+  VolumePictureOptions options = gap_pixel(0.01, 1);
+  for (const double half : {0.1, 0.02}) {
+    const FormulaGap gap = slab({1, 0, 0}, 0.4, half);
+    VolumeSubject subject{&field, nullptr, nullptr, {}};
+    subject.gap = &gap;
+    const auto seen = ray_along(subject, options, {0, 0.4, 0.3}, {1, 0.4, 0.3});
+    EXPECT_EQ(seen[3], 0);  // the face is opaque
+    TransferFunction f = *options.transfer;
+    const Vec3f at_face = linear_color(f.color(0.4 + half));
+    EXPECT_NEAR(seen[0], at_face.x, 0.02);
+    EXPECT_NEAR(seen[2], at_face.z, 0.02);
+    // From the other side the other face is in front.
+    const auto back = ray_along(subject, options, {1, 0.4, 0.3}, {0, 0.4, 0.3});
+    EXPECT_NEAR(back[0], linear_color(f.color(0.4 - half)).x, 0.02);
+  }
+  // The light depends on how the face is turned, not on the gradient of the values.
+  options.shading = true;
+  const auto lit = [&](const Vec3& n) {
+    const FormulaGap gap = slab(n, dot(n, Vec3{0.4, 0.4, 0.3}), 0.05);
+    VolumeSubject subject{&field, nullptr, nullptr, {}};
+    subject.gap = &gap;
+    const auto light = ray_along(subject, options, {0, 0.4, 0.3}, {1, 0.4, 0.3});
+    return light[0] + light[2];
+  };
+  EXPECT_GT(std::abs(lit({1, 0, 0}) - lit(normalized(Vec3{1, 1, 0}))), 0.02);
+}
+
+TEST(VolumeGap, FacesOfIsoSurfacesShowWhatIsNotBelowTheLeast) {
+  FormulaVolume field = test::linear_volume({0, 1, 0});
+  const FormulaGap gap = slab({1, 0, 0}, 0.4, 0.1);
+  VolumeSubject subject{&field, nullptr, nullptr, {}};
+  subject.gap = &gap;
+  VolumePictureOptions options = gap_pixel(0.3, 0.25);
+  options.opacity_scale = 0;
+  options.isos = {{0.5, {}, 1}};
+  EXPECT_EQ(ray_along(subject, options, {0, 0.7, 0.3}, {1, 0.7, 0.3})[3], 0);
+  EXPECT_EQ(ray_along(subject, options, {0, 0.3, 0.3}, {1, 0.3, 0.3})[3], 1);
+  options.cut_faces = false;
+  EXPECT_EQ(ray_along(subject, options, {0, 0.7, 0.3}, {1, 0.7, 0.3})[3], 1);
+}
+
+TEST(VolumeGap, WithoutAnyNothingChanges) {
+  FormulaVolume field = test::ball_volume({0.3, 0.4, 0.5});
+  FormulaGap gap;
+  gap.depth = [](const Vec3&) { return -std::numeric_limits<double>::infinity(); };
+  gap.slope = [](const Vec3&) { return Vec3{}; };
+  VolumeSubject without{&field, nullptr, nullptr, {}}, with = without;
+  with.gap = &gap;
+  const VolumePictureOptions options = gap_pixel(0.3, 0.25);
+  for (const double y : {0.1, 0.4, 0.8})
+    EXPECT_EQ(ray_along(without, options, {0, y, 0.3}, {1, y, 0.6}),
+              ray_along(with, options, {0, y, 0.3}, {1, y, 0.6}));
+}
+
+}  // namespace
+}  // namespace sansmesh
