@@ -132,6 +132,7 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
   // Faces of gaps show values that are clear otherwise.
   const double radius = 0.5 * norm(cells.edge());
   std::vector<Vec3> centers;
+  centers.reserve(cells.size());
   for (std::size_t c = 0; c < cells.size(); ++c) centers.push_back(cells.center(c));
   std::vector<ValueRange> ranges(cells.size());
   volume.gap->ranges(centers, radius, ranges);

@@ -1,0 +1,118 @@
+#include "sansmesh/deform/cut_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kCutMapGrain = 4096;
+
+/// Answers in a part of the places only, in order.
+template <class T>
+std::vector<T> scratch_for(std::span<T> wanted, std::size_t n) {
+  return std::vector<T>(wanted.empty() ? 0 : n);
+}
+
+template <class T>
+void scatter(const std::vector<T>& from, const std::vector<std::size_t>& to, std::span<T> answers) {
+  for (std::size_t i = 0; i < from.size(); ++i) answers[to[i]] = from[i];
+}
+
+}  // namespace
+
+CutMap::CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_ptr<const Occluder>> cuts,
+               const Box3& box, const std::array<std::size_t, 3>& sizes, Progress& progress)
+    : exact_(std::move(exact)), lattice_(displacement_map(*exact_, box, sizes, progress)) {
+  std::array<std::size_t, 3> cells{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    cells[k] = sizes[k] - 1;
+    spacing_[k] = (box.upper[k] - box.lower[k]) / static_cast<double>(cells[k]);
+  }
+  const auto place = [&](const std::array<std::size_t, 3>& at) {
+    Vec3 x = box.lower;
+    for (std::size_t k = 0; k < 3; ++k) x[k] += static_cast<double>(at[k]) * spacing_[k];
+    return x;
+  };
+  const std::size_t points = sizes[0] * sizes[1] * sizes[2];
+  const std::array<std::size_t, 3> stride = {1, sizes[0], sizes[0] * sizes[1]};
+  std::vector<std::uint8_t> crossed(points);  // a link to the next point along some axis is crossed
+  parallel_ranges(0, points, kCutMapGrain, [&](std::size_t first, std::size_t last) {
+    std::vector<double> found;
+    for (std::size_t i = first; i < last; ++i) {
+      const std::array<std::size_t, 3> at = {i % sizes[0], i / sizes[0] % sizes[1], i / stride[2]};
+      const Vec3 x = place(at);
+      found.clear();
+      for (std::size_t k = 0; k < 3 && found.empty(); ++k) {
+        if (at[k] + 1 == sizes[k]) continue;
+        Vec3 y = x;
+        y[k] += spacing_[k];
+        for (const auto& cut : cuts) cut->crossings(x, y, found);
+      }
+      crossed[i] = !found.empty();
+    }
+  });
+  beside_cut_.assign(cells[0] * cells[1] * cells[2], 0);
+  for (std::size_t i = 0; i < points; ++i) {
+    if (!crossed[i]) continue;
+    const std::array<std::size_t, 3> at = {i % sizes[0], i / sizes[0] % sizes[1], i / stride[2]};
+    std::array<std::size_t, 3> from{}, to{};  // cells around the link, whichever it is, and their neighbours
+    for (std::size_t k = 0; k < 3; ++k) {
+      from[k] = at[k] < 2 ? 0 : at[k] - 2;
+      to[k] = std::min(at[k] + 1, cells[k] - 1);
+    }
+    for (std::size_t c = from[2]; c <= to[2]; ++c)
+      for (std::size_t b = from[1]; b <= to[1]; ++b)
+        for (std::size_t a = from[0]; a <= to[0]; ++a) beside_cut_[a + cells[0] * (b + cells[1] * c)] = 1;
+  }
+}
+
+double CutMap::exact_share() const {
+  return static_cast<double>(std::count(beside_cut_.begin(), beside_cut_.end(), 1)) /
+         static_cast<double>(beside_cut_.size());
+}
+
+std::size_t CutMap::cell_of(const Vec3& x) const {
+  std::size_t cell = 0;
+  for (std::size_t k = 3; k-- > 0;) {
+    const std::size_t cells = lattice_.sizes()[k] - 1;
+    const double at = std::clamp((x[k] - lattice_.box().lower[k]) / spacing_[k], 0.0, static_cast<double>(cells - 1));
+    cell = cell * cells + static_cast<std::size_t>(at);
+  }
+  return cell;
+}
+
+void CutMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
+  std::vector<std::uint8_t> exact(x.size());
+  parallel_for(0, x.size(), kCutMapGrain,
+               [&](std::size_t i) { exact[i] = !is_finite(x[i]) || beside_cut_[cell_of(x[i])]; });
+  lattice_.map(x, wanted);
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (exact[i]) which.push_back(i);
+  if (which.empty()) return;
+  std::vector<Vec3> y;
+  y.reserve(which.size());
+  for (const std::size_t i : which) y.push_back(x[i]);
+  std::vector<Vec3> positions = scratch_for(wanted.positions, y.size()),
+                    slopes = scratch_for(wanted.gap_gradients, y.size());
+  std::vector<Jacobian> jacobians = scratch_for(wanted.jacobians, y.size());
+  std::vector<double> gaps = scratch_for(wanted.gaps, y.size());
+  exact_->map(y, {positions, jacobians, gaps, slopes});
+  scatter(positions, which, wanted.positions);
+  scatter(jacobians, which, wanted.jacobians);
+  scatter(gaps, which, wanted.gaps);
+  scatter(slopes, which, wanted.gap_gradients);
+}
+
+void CutMap::images(std::span<const Box3> boxes, std::span<Box3> found) const {
+  std::vector<Box3> wider(boxes.begin(), boxes.end());
+  for (Box3& box : wider)
+    if (!box.empty()) box.lower -= spacing_ * 2.0, box.upper += spacing_ * 2.0;
+  lattice_.images(wider, found);
+}
+
+}  // namespace sansmesh
