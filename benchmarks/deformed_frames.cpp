@@ -39,21 +39,20 @@ std::vector<Handle> leaning(const Box3& box) {
   constexpr double kAngle = 0.6;
   const Vec3 c = box.center(), s = box.size();
   std::vector<Handle> handles;
-  const auto at = [&](double u, double v, double w) {
-    return box.lower + Vec3{u * s.x, v * s.y, w * s.z};
-  };
+  const auto at = [&](double u, double v, double w) { return box.lower + Vec3{u * s.x, v * s.y, w * s.z}; };
   for (const double w : {0.0, 0.45})
     for (int i = 0; i < 4; ++i) {
       Handle h;
       h.p = h.q = at(i & 1, i / 2, w);
       handles.push_back(h);
     }
-  for (const auto& [u, v] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {1.0, 1.0}, {0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}) {
+  for (const auto& [u, v] :
+       {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {1.0, 1.0}, {0.5, 0.5}, {0.5, 0.0}, {0.0, 0.5}}) {
     Handle h;
     h.p = at(u, v, 1);
     const Vec3 d = h.p - c;
-    h.q = c + Vec3{std::cos(kAngle) * d.x + std::sin(kAngle) * d.z, d.y,
-                   -std::sin(kAngle) * d.x + std::cos(kAngle) * d.z};
+    h.q = c +
+          Vec3{std::cos(kAngle) * d.x + std::sin(kAngle) * d.z, d.y, -std::sin(kAngle) * d.x + std::cos(kAngle) * d.z};
     h.group = "top";
     handles.push_back(h);
   }
@@ -98,11 +97,13 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
   look.up = UpAxis::z;
   look.view = {40, 20};
   look.steady = true;
-  look.transfer = preset.empty() ? suggest_transfer_function(values, true).function : transfer_function_preset(preset, values);
+  look.transfer =
+      preset.empty() ? suggest_transfer_function(values, true).function : transfer_function_preset(preset, values);
   const Box3 box = field->bounds();
   std::vector<Vec3> framed;
   for (int i = 0; i < 8; ++i)
-    framed.push_back({(i & 1 ? box.upper : box.lower).x, (i & 2 ? box.upper : box.lower).y, (i & 4 ? box.upper : box.lower).z});
+    framed.push_back(
+        {(i & 1 ? box.upper : box.lower).x, (i & 2 ? box.upper : box.lower).y, (i & 4 ? box.upper : box.lower).z});
   const std::vector<Handle> handles = leaning(box);
   Image image;
   for (const bool deformed : {false, true}) {
@@ -127,8 +128,7 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
         for (std::size_t a = 0; a < 3; ++a)
           sizes[a] = std::max<std::size_t>(
               2, static_cast<std::size_t>(std::lround(static_cast<double>(nodes) * s[a] / std::max({s.x, s.y, s.z}))));
-        const auto lattice =
-            std::make_shared<const DisplacementMap>(displacement_map(backward, near, sizes, progress));
+        const auto lattice = std::make_shared<const DisplacementMap>(displacement_map(backward, near, sizes, progress));
         t1 = process_cpu_seconds();
         seen = std::make_shared<const DeformedVolume>(baked, lattice, std::nullopt, near);
       }
@@ -145,9 +145,10 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
       wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
       evaluations += static_cast<double>(report.evaluations);
     }
-    fmt::print("{:10} {:6.3f} CPU s a frame ({:.3f} s): map {:.3f}, preparing {:.3f}, rays {:.3f}; {:.2f} M evaluations\n",
-               deformed ? "deformed" : "as it is", all / frames, wall / frames, map / frames, picture / frames,
-               rays / frames, evaluations / frames / 1e6);
+    fmt::print(
+        "{:10} {:6.3f} CPU s a frame ({:.3f} s): map {:.3f}, preparing {:.3f}, rays {:.3f}; {:.2f} M evaluations\n",
+        deformed ? "deformed" : "as it is", all / frames, wall / frames, map / frames, picture / frames, rays / frames,
+        evaluations / frames / 1e6);
     write_image(deformed ? "deformed_frame.png" : "frame.png", image);
   }
 }

@@ -218,7 +218,7 @@ Command add_deform(CommandLine& app) {
       .type_name("VALUE")
       .repeated()
       .group(volumes);
-  c.add_option("--cut", a.cuts, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
+  c.add_option("--clip", a.clips, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")
       .repeated()
       .group(volumes);
@@ -240,6 +240,7 @@ Command add_deform(CommandLine& app) {
       "  sansmesh deform scan.smf --handles pull.json -o pulled.stl\n"
       "  sansmesh deform 'box(2) - cylinder(r=0.5)' --handles twist.json -o twisted.ply --resolution 200\n"
       "  sansmesh deform head.mhd --handles nod.json -o nod.png --preset ct-bone --frames 12\n"
+      "  sansmesh deform solid.ply --handles open.json --cut 'half-plane(0,0,0; 0,0,1; 1,0,0)' -o opened.ply\n"
       "  sansmesh deform head.mhd --handles nod.json -o nod.vti --size 256\n"
       "  sansmesh deform body.ply --handles-from scan0.ply,scan1.ply --handle-count 60 -o body1.ply");
   return {&c, [shared](Console& console) { run_deform(*shared, console); }};

@@ -44,7 +44,7 @@ struct DeformArguments {
   std::vector<double> size;  ///< of volumes
   bool all_arrays = false, nan = false, exact = false, no_shading = false, no_bar = false;
   std::string transfer;
-  std::vector<std::string> isos, cuts;
+  std::vector<std::string> isos, clips;
   VolumePictureOptions volume;
   int map_nodes = 96;
 

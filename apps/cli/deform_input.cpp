@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::size_t kUsualHandles = 30;   // of registered pairs
 constexpr double kInverseTolerance = 1e-9;  // of the size of a map that is given
+constexpr double kCutRoom = 0.25;           // around handles, where ways around meshes are found
 constexpr double kBallShare = 0.008;        // radius of drawn handles, of what is drawn
 
 const char* kind_word(DeformationKind kind) {
@@ -101,6 +102,8 @@ void DeformationInput::check() const {
   require(vertices.empty() || handle_count == 0, "give --vertices or --handle-count, not both");
   require(map.empty() || (!kind && !degree && !alpha), "--kind, --degree and --alpha are of handles: not with --map");
   require(!degree || kind == DeformationKind::nonlinear, "--degree needs --kind nonlinear");
+  require(map.empty() || cuts.cuts.empty(), "--cut is of handles: a map has its gaps in the file");
+  cuts.check();
 }
 
 void add_deformation_options(CommandLine& c, DeformationInput& input) {
@@ -135,6 +138,7 @@ void add_deformation_options(CommandLine& c, DeformationInput& input) {
   c.add_option("--alpha", input.alpha, "How local it is: weights are 1/distance^(2 alpha), 0.5..8 [1]")
       .type_name("NUMBER")
       .group(group);
+  add_cut_options(c, input.cuts);
 }
 
 OpenDeformation::OpenDeformation(const DeformationInput& input, Console& console) {
@@ -142,6 +146,7 @@ OpenDeformation::OpenDeformation(const DeformationInput& input, Console& console
   if (input.kind) options_.kind = *input.kind;
   if (input.degree) options_.degree = *input.degree;
   if (input.alpha) options_.alpha = *input.alpha;
+  options_.damping = input.cuts.damping;
   options_.validate();
   if (!input.map.empty()) {
     file_ = input.map;
@@ -150,14 +155,18 @@ OpenDeformation::OpenDeformation(const DeformationInput& input, Console& console
   }
   file_ = input.handles.empty() ? input.pair : input.handles;
   handles_ = input.handles.empty() ? pair_handles(input) : read_handles(input.handles);
+  Box3 domain;
+  for (const Handle& h : handles_)
+    for (const Vec3& x : {h.p, h.q, h.p_end.value_or(h.p), h.q_end.value_or(h.q)}) domain.extend(x);
+  for (const std::string& text : input.cuts.cuts) cuts_.push_back(cut_of(text, with_room(domain, kCutRoom)));
 }
 
 DeformationMaps OpenDeformation::at(double share) const {
   if (map_) return {map_, std::make_shared<const InverseMap>(map_, kInverseTolerance)};
   std::vector<Handle> now = sansmesh::handles_at(handles_, share);
   try {
-    auto forward = std::make_shared<const MlsDeformation>(reversed(now), options_);
-    return {std::make_shared<const MlsDeformation>(std::move(now), options_), std::move(forward)};
+    auto forward = std::make_shared<const MlsDeformation>(reversed(now), options_, cuts_);
+    return {std::make_shared<const MlsDeformation>(std::move(now), options_, cuts_), std::move(forward)};
   } catch (const ArgumentError& error) {
     throw FileError(file_, error.what());
   }
@@ -190,8 +199,9 @@ TriangleMesh OpenDeformation::shapes(double share, double size) const {
 
 std::string OpenDeformation::words() const {
   if (map_) return "by a displacement map";
-  return fmt::format("{}, {}{}", counted(handles_.size(), "handle"), kind_word(options_.kind),
-                     options_.kind == DeformationKind::nonlinear ? fmt::format(" of degree {}", options_.degree) : "");
+  return fmt::format("{}, {}{}{}", counted(handles_.size(), "handle"), kind_word(options_.kind),
+                     options_.kind == DeformationKind::nonlinear ? fmt::format(" of degree {}", options_.degree) : "",
+                     cuts_.empty() ? "" : ", " + counted(cuts_.size(), "cut"));
 }
 
 Json OpenDeformation::json() const {
@@ -199,6 +209,7 @@ Json OpenDeformation::json() const {
   Json json = {{"handles", handles_.size()}, {"file", file_}, {"kind", kind_word(options_.kind)}};
   if (options_.kind == DeformationKind::nonlinear) json["degree"] = options_.degree;
   json["alpha"] = options_.alpha;
+  if (!cuts_.empty()) json["cuts"] = cuts_.size(), json["damping"] = options_.damping;
   return json;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "console.h"
+#include "cut_options.h"
 #include "json.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/data/triangle_mesh.h"
@@ -30,12 +31,14 @@ struct DeformationInput {
   std::optional<DeformationKind> kind;
   std::optional<int> degree;
   std::optional<double> alpha;
+  CutArguments cuts;
 
   /// Throws ArgumentError for what does not go together.
   void check() const;
 };
 
-/// --handles, --handles-from, --vertices, --handle-count, --map, --kind, --degree, --alpha
+/// --handles, --handles-from, --vertices, --handle-count, --map, --kind, --degree, --alpha, --cut, --cut-damping,
+/// --cut-open
 void add_deformation_options(CommandLine& command, DeformationInput& input);
 
 /// Points of a lattice along each axis, so many along the longest side of the box and 2 at least.
@@ -59,6 +62,7 @@ class OpenDeformation {
   /// The handles there; none of a map.
   std::vector<Handle> handles_at(double share) const;
   bool has_handles() const { return !handles_.empty(); }
+  const std::vector<std::shared_ptr<const Occluder>>& cuts() const { return cuts_; }
   /// About where what lies in `box` comes to lie; nothing where that is not known.
   std::optional<Box3> box_of(const DeformationMaps& maps, const Box3& box) const;
   /// Balls and arrows of the handles, for pictures of something so large.
@@ -70,6 +74,7 @@ class OpenDeformation {
 
  private:
   std::vector<Handle> handles_;
+  std::vector<std::shared_ptr<const Occluder>> cuts_;
   MlsDeformationOptions options_;
   std::shared_ptr<const DisplacementMap> map_;
   std::string file_;

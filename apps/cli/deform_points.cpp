@@ -10,8 +10,10 @@
 #include "deform.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/deform/handle_shapes.h"
+#include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_surfaces.h"
 
@@ -120,6 +122,15 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
   if (a.to_picture() && a.frames > 0)
     for (const double share : {0.0, 0.5, 1.0})
       add_corners(deformation.box_of(deformation.at(share), before).value_or(before), places);
+  TriangleMesh opened;  // along cuts; a cloud is as it is
+  OpenMeshReport cut;
+  if (mesh || a.to_picture()) opened = to_mesh(points);
+  if (mesh && !deformation.cuts().empty()) {
+    progress.begin("open");
+    OpenMeshOptions open;
+    open.close = !a.deformation.cuts.open && measure_topology(opened).closed();
+    opened = open_along_cuts(std::move(opened), deformation.cuts(), open, &cut);
+  }
   MeshDeformReport report;
   FoldWatch folds;
   std::size_t vertices = 0, triangles = 0;
@@ -130,7 +141,7 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
     progress.begin("deform");
     TriangleMesh moved;
     if (mesh || a.to_picture()) {
-      TriangleMesh whole = to_mesh(points);
+      TriangleMesh whole = opened;
       if (a.draw_folds) color_folded(whole, *maps.forward);
       moved = deform_mesh(std::move(whole), *maps.forward, options, &report);
       vertices = moved.vertices.size(), triangles = moved.triangles.size();
@@ -162,15 +173,27 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
   if (report.turned > 0)
     warnings.push_back(
         fmt::format("{} of {} lie where space is folded", grouped(report.turned), number_of(vertices, mesh)));
+  if (cut.unopened > 0)
+    warnings.push_back(
+        fmt::format("{} stayed whole where a cut passes: it does so in too many places", counted(cut.unopened, "triangle")));
+  if (cut.unclosed > 0)
+    warnings.emplace_back("the mesh stays open along a cut: faces are made along half-planes and polygons only");
   console.warn(input.name(), warnings);
   result.lines.push_back(mesh ? fmt::format("{}, {}{}", counted(triangles, "triangle"), number_of(vertices, mesh),
                                             report.added > 0 ? fmt::format(" ({} added)", grouped(report.added)) : "")
                               : counted(vertices, "point"));
+  if (mesh && !deformation.cuts().empty())
+    result.lines.push_back(cut.edges == 0 ? "no cut reaches it"
+                                          : fmt::format("opened along {}, {} on cut faces", counted(cut.edges, "edge"),
+                                                        counted(cut.faces, "triangle")));
   result.output = {{"vertices", vertices},
                    {"triangles", triangles},
                    {"added", report.added},
                    {"turned", report.turned},
                    {"undefined", report.undefined}};
+  if (!deformation.cuts().empty())
+    result.output["cut"] = {
+        {"edges", cut.edges}, {"faces", cut.faces}, {"unopened", cut.unopened}, {"unclosed", cut.unclosed}};
   folds.report(input.name(), result, console);
   return result;
 }

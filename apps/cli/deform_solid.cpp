@@ -9,6 +9,7 @@
 
 #include "deform.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
@@ -108,8 +109,11 @@ CsgMeshOptions mesh_options(const DeformArguments& a, const SolidSource& source)
 }
 
 /// The mesh of a surface that bounds no solid, its vertices carried by the inverse of the map that fields are seen by.
-TriangleMesh open_mesh(const SurfaceFunction& function, const DeformationMaps& maps, Console& console) {
+TriangleMesh open_mesh(const SurfaceFunction& function, const OpenDeformation& deformation, const DeformationMaps& maps,
+                       Console& console) {
   TriangleMesh mesh = mesh_function(function, {}, console.progress());
+  if (!deformation.cuts().empty())
+    return deform_mesh(open_along_cuts(std::move(mesh), deformation.cuts()), *maps.forward);
   const double size = static_cast<double>(bounds(mesh).diagonal());
   MeshDeformReport report;
   mesh = deform_mesh(std::move(mesh), InverseMap(maps.backward, kVertexShare * size, maps.forward), {}, &report);
@@ -172,7 +176,7 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
     result.files.push_back(a.file(k));
     const std::string& file = result.files.back();
     if (open && !a.to_section()) {
-      const TriangleMesh mesh = open_mesh(*source.function, maps, console);
+      const TriangleMesh mesh = open_mesh(*source.function, deformation, maps, console);
       if (a.to_picture()) {
         std::vector<Vec3> places = framed;
         if (places.empty())

@@ -13,9 +13,11 @@
 #include "picture_contents.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/deform/cut_map.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"
+#include "sansmesh/field/map_gaps.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/write_volume.h"
 #include "sansmesh/mesh/deformed_mesh.h"
@@ -102,7 +104,7 @@ VolumePictureOptions picture_options(const DeformArguments& a) {
   VolumePictureOptions o = a.volume;
   static_cast<RenderOptions&>(o) = deform_look(a);
   for (const std::string& text : a.isos) o.isos.push_back(iso_surface_of(text));
-  for (const std::string& text : a.cuts) o.cuts.push_back(volume_cut_of(text));
+  for (const std::string& text : a.clips) o.cuts.push_back(volume_cut_of(text));
   o.shading = !a.no_shading;
   o.color_bar = !a.no_bar;
   o.steady = a.frames > 0;
@@ -172,15 +174,26 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
     if (!a.exact && a.deformation.map.empty()) {
       const Box3 wide = with_room(box, kRoom);
       const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(a.map_nodes));
-      seen_by = std::make_shared<const DisplacementMap>(displacement_map(*maps.backward, wide, sizes, progress));
+      if (deformation.cuts().empty()) {
+        seen_by = std::make_shared<const DisplacementMap>(displacement_map(*maps.backward, wide, sizes, progress));
+      } else {
+        seen_by = std::make_shared<const CutMap>(maps.backward, deformation.cuts(), wide, sizes, progress);
+      }
     }
+    const MapGaps gaps(seen_by, box);
+    const bool torn = seen_by->has_gaps();
     const DeformedVolume field(fields[0], seen_by, {}, box);
     VolumeSubject subject;
     TriangleMesh boundary;
     VolumeSubject plain = volume_subject(*samples, boundary);
     progress.begin("boundary");
-    auto outside = moved_boundary(plain.boundary ? std::move(boundary) : box_mesh(before), {seen_by, maps.forward},
-                                  before.diagonal());
+    std::optional<TriangleMesh> outside;
+    if (torn) {
+      subject.gap = &gaps;  // the outside is torn, too: the field says what is inside
+    } else {
+      outside = moved_boundary(plain.boundary ? std::move(boundary) : box_mesh(before), {seen_by, maps.forward},
+                               before.diagonal());
+    }
     if (outside) subject.boundary = &*outside;
     subject.image = plain.image;
     subject.field = &field;
@@ -196,7 +209,7 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
     const VolumePicture picture(std::move(subject), progress);
     VolumePictureReport report;
     write_image(file, picture.render(look, progress, &report));
-    if (!outside)
+    if (!outside && !torn)
       report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
     console.warn(a.input.name(), report.notes);
     result.output = {{"rays", report.rays}, {"evaluations", report.evaluations}};
