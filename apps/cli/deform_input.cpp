@@ -79,15 +79,6 @@ std::shared_ptr<const DisplacementMap> read_map(const std::string& file) {
 
 }  // namespace
 
-std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t along) {
-  const Vec3 size = box.size();
-  const double step = std::max({size.x, size.y, size.z}) / static_cast<double>(along - 1);
-  std::array<std::size_t, 3> sizes{};
-  for (std::size_t k = 0; k < 3; ++k)
-    sizes[k] = std::max<std::size_t>(2, 1 + static_cast<std::size_t>(std::lround(size[k] / step)));
-  return sizes;
-}
-
 Box3 with_room(const Box3& box, double share) {
   const Vec3 room = Vec3{1, 1, 1} * (share * box.diagonal());
   return {box.lower - room, box.upper + room};

@@ -41,8 +41,6 @@ struct DeformationInput {
 /// --cut-open
 void add_deformation_options(CommandLine& command, DeformationInput& input);
 
-/// Points of a lattice along each axis, so many along the longest side of the box and 2 at least.
-std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t along);
 /// The box with so much room around it, as a share of its diagonal.
 Box3 with_room(const Box3& box, double share);
 
