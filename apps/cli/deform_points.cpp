@@ -174,8 +174,8 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
     warnings.push_back(
         fmt::format("{} of {} lie where space is folded", grouped(report.turned), number_of(vertices, mesh)));
   if (cut.unopened > 0)
-    warnings.push_back(
-        fmt::format("{} stayed whole where a cut passes: it does so in too many places", counted(cut.unopened, "triangle")));
+    warnings.push_back(fmt::format("{} stayed whole where a cut passes: it does so in too many places",
+                                   counted(cut.unopened, "triangle")));
   if (cut.unclosed > 0)
     warnings.emplace_back("the mesh stays open along a cut: faces are made along half-planes and polygons only");
   console.warn(input.name(), warnings);
