@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/tet_dataset.h"
@@ -77,15 +78,13 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
   scene.fixed = lowest_of(subject.mesh);
   SoftBody body(subject.mesh, options, scene);
   body.set_state(x, std::vector<Vec3>(n));
-  double best = 1e300, cpu = 1e300;
-  int frames = 0, iterations = 0;
+  std::vector<double> walls, cpus;
+  int iterations = 0;
   try {
-    for (const double begin = seconds(); seconds() - begin < patience || frames == 0;) {
-      const int some = is_implicit ? 2 : 10;
+    for (const double begin = seconds(); seconds() - begin < patience || walls.size() < 5;) {
       const double before = seconds(), used = process_cpu_seconds();
-      for (int k = 0; k < some; ++k) iterations += body.step().iterations;
-      best = std::min(best, (seconds() - before) / some), cpu = std::min(cpu, (process_cpu_seconds() - used) / some);
-      frames += some;
+      iterations += body.step().iterations;
+      walls.push_back(seconds() - before), cpus.push_back(process_cpu_seconds() - used);
     }
   } catch (const Error& error) {
     fmt::print("| {} | {} | {} | {} | | | | | {} |\n", subject.name, subject.mesh.tets.size(),
@@ -93,15 +92,16 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
                error.what());
     return;
   }
+  const double wall = median(walls), cpu = median(cpus);
   fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} |\n", subject.name, subject.mesh.tets.size(),
              model == SoftBodyModel::springs ? "springs" : "elasticity", kIntegrators[static_cast<int>(integrator)],
-             1000 * best, 1000 * cpu, 1 / best, static_cast<double>(iterations) / frames,
+             1000 * wall, 1000 * cpu, 1 / wall, static_cast<double>(iterations) / static_cast<double>(walls.size()),
              model == SoftBodyModel::springs ? subject.thesis[static_cast<int>(integrator)] : "");
   std::fflush(stdout);
 }
 
 /// Bullet's rows.
-void measure_peer(const Subject& subject, const std::string& program, double patience) {
+void measure_peer(const Subject& subject, const std::string& program) {
   const std::string file = (std::filesystem::temp_directory_path() / "benchmark_tetrahedra.txt").string();
   {
     std::ofstream out(file);
@@ -113,12 +113,12 @@ void measure_peer(const Subject& subject, const std::string& program, double pat
     out << fixed.size() << '\n';
     for (const std::uint32_t v : fixed) out << v << '\n';
   }
-  FILE* pipe = popen(fmt::format("'{}' '{}' 30000 {}", program, file, patience).c_str(), "r");
+  FILE* pipe = popen(fmt::format("'{}' '{}' 30000", program, file).c_str(), "r");
   char name[64];
-  double best = 0, cpu = 0;
-  while (pipe && std::fscanf(pipe, "%63s %lf %lf", name, &best, &cpu) == 3) {
+  double wall = 0, cpu = 0;
+  while (pipe && std::fscanf(pipe, "%63s %lf %lf", name, &wall, &cpu) == 3) {
     fmt::print("| {} | {} | Bullet | {} | {:.2f} | {:.2f} | {:.0f} | | |\n", subject.name, subject.mesh.tets.size(),
-               name, best, cpu, 1000 / best);
+               name, wall, cpu, 1000 / wall);
   }
   if (pipe) pclose(pipe);
   std::filesystem::remove(file);
@@ -154,6 +154,6 @@ int main(int argc, char** argv) {
     for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
       for (int k = 0; k < 4; ++k) measure(s, model, static_cast<DynamicsIntegrator>(k), patience);
     }
-    if (!peer.empty()) measure_peer(s, peer, patience);
+    if (!peer.empty()) measure_peer(s, peer);
   }
 }
