@@ -32,13 +32,6 @@ std::vector<double> lumped_masses(const TetMesh& mesh, const SoftBodyOptions& op
   return masses;
 }
 
-const TetMesh& checked(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene) {
-  options.validate();
-  check_tets(mesh);
-  scene.validate(mesh.vertices.size());
-  return mesh;
-}
-
 }  // namespace
 
 struct SoftBody::State {
@@ -65,7 +58,9 @@ struct SoftBody::State {
 
 SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene scene)
     : state_(std::make_unique<State>()) {
-  checked(mesh, options, scene);
+  options.validate();
+  check_tets(mesh);
+  scene.validate(mesh.vertices.size());
   State& s = *state_;
   s.mesh = std::move(mesh), s.scene = std::move(scene);
   s.masses = lumped_masses(s.mesh, options);
