@@ -53,7 +53,7 @@ std::vector<std::uint32_t> lowest_of(const TetMesh& mesh) {
   std::vector<std::uint32_t> found;
   const double height = bounds(mesh).size().z;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (mesh.vertices[v].z <= 0.05 * height) found.push_back(static_cast<std::uint32_t>(v));
+    if (mesh.vertices[v].z <= 0.2 * height) found.push_back(static_cast<std::uint32_t>(v));
   }
   return found;
 }

@@ -20,6 +20,9 @@
 #include "sansmesh/approximation/radial_basis.h"
 #include "sansmesh/csg/csg_functions.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/dynamics/tet_map.h"
 #include "sansmesh/field/level_set_curvature.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_function.h"
@@ -354,6 +357,26 @@ TEST(EveryRoom, VolumesAreAsked) {
       std::vector<double> values(x.size());
       field->evaluate(x, {values, {}, {}, {}});
       found << values << volume->stars.entries << volume_boundary(*volume).triangles;
+    }
+    return found;
+  });
+}
+
+TEST(EveryRoom, BodiesFall) {
+  test::expect_equal_for_any_threads([] {
+    Findings found;
+    const TetMesh mesh = box_of_tets({0, 0, 0.001}, {1, 1, 1}, 14, 14, 14);
+    DynamicsScene scene;
+    scene.floors.push_back({{0, 0, 0}, {0, 0, 1}, 0.5});
+    for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
+      SoftBodyOptions options;
+      options.model = model;
+      SoftBody body(mesh, options, scene);
+      body.advance(0.03);
+      const TetMap map(mesh.tets, body.positions(), mesh.vertices);
+      std::vector<Vec3> there(mesh.vertices.size());
+      map.map(mesh.vertices, {there, {}, {}, {}});
+      found << body.positions() << there;
     }
     return found;
   });
