@@ -18,7 +18,7 @@ struct DeformSetup {
   std::vector<DeformHandle> handles;
   MlsDeformationOptions options;
   double extent = 1;        ///< diagonal of the box of the handles after the deformation; 1 if they are one point
-  double floor_square = 0;  ///< distances whose squares are below this have the weight of this
+  double floor_square = 0;  ///< points whose squared distances are below this have the weight of this
   PolynomialTerms terms;    ///< of affine and nonlinear deformations
   HandleLine line = HandleLine::none;
   Vec3 line_direction;  ///< of length 1

@@ -14,11 +14,15 @@ constexpr std::array<double, kHalfRule> kRuleAt{0.1252334085114689, 0.3678314989
                                                 0.7699026741943047, 0.9041172563704749, 0.9815606342467192};
 constexpr std::array<double, kHalfRule> kRuleWeight{0.2491470458134028, 0.2334925365383548, 0.2031674267230659,
                                                     0.1600783285433462, 0.1069393259953184, 0.0471753363865118};
-constexpr double kPanel = 2;            // length of the stretches that one rule covers
-constexpr double kNearSegment = 1e-15;  // of its length: nearer places have the weights of this distance, and are on it
+/// Length of the stretches that one rule covers, for alpha up to 1; peaks are narrower by the root of alpha beyond.
+constexpr double kPanel = 2;
 /// Directions weigh as if they were so far from the place that they are no heavier than this at their own handle, in
 /// units of 1 / reach^(2 alpha): beyond that they would drown what the other handles say of the turn about them.
 constexpr double kMostOfDirection = 1e8;
+
+/// Places nearer to a segment than this share of its length are on it: there weights are so different that rounding
+/// would decide on all but where that is.
+double on_segment(double alpha) { return alpha <= 2 ? 1e-15 : 1e-13 * std::pow(10.0, 0.6 * (alpha - 3)); }
 
 struct NearSegment {
   double at = 0;      ///< fraction of the point of the line nearest to the place, not clamped
@@ -78,12 +82,13 @@ struct NodeMaker {
     NearSegment near = near_line(h, x);
     const double clamped = std::clamp(near.at, 0.0, 1.0);
     const Vec3 nearest = h.q + h.along_q * clamped;
-    if (norm(x - nearest) <= std::max(2 * rounding_of(x, nearest), kNearSegment * length))
+    if (norm(x - nearest) <= std::max(2 * rounding_of(x, nearest), on_segment(setup.options.alpha) * length))
       found.held = h.p + h.along_p * clamped;
-    near.square = std::max({near.square, std::pow(kNearSegment * length, 2), setup.floor_square});
+    near.square = std::max(near.square, std::pow(on_segment(setup.options.alpha) * length, 2));
     const double ratio = std::sqrt(near.square) / length;
     const double first = std::asinh(-near.at / ratio), last = std::asinh((1 - near.at) / ratio);
-    const auto panels = static_cast<std::size_t>(std::max(1.0, std::ceil((last - first) / kPanel)));
+    const auto panels = static_cast<std::size_t>(
+        std::max(1.0, std::ceil((last - first) * std::sqrt(std::max(1.0, setup.options.alpha)) / kPanel)));
     const double half = (last - first) / 2 / static_cast<double>(panels);
     for (std::size_t panel = 0; panel < panels; ++panel) {
       const double middle = first + half * static_cast<double>(2 * panel + 1);
