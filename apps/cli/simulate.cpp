@@ -312,6 +312,17 @@ std::string material_words(const SoftBodyOptions& o) {
                            o.poissons_ratio, o.stiffness_damping);
 }
 
+/// Values of options as they are given.
+std::string in_words(std::string message) {
+  for (const DynamicsIntegrator i : {DynamicsIntegrator::implicit_euler, DynamicsIntegrator::velocity_verlet}) {
+    std::string field = word_of(i);
+    std::replace(field.begin(), field.end(), '-', '_');
+    for (std::size_t at = message.find(field); at != std::string::npos; at = message.find(field, at))
+      message.replace(at, field.size(), word_of(i));
+  }
+  return message;
+}
+
 void run_simulate(SimulateArguments& a, Console& console) {
   check_arguments(a);
   if (!a.volume_file.empty()) a.volume.input.files = {a.volume_file};
@@ -348,7 +359,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
     SoftBody moving(std::move(metres), options, scaled(script.scene, unit));
     totals = simulate(moving, times, unit, !a.energies.empty(), motion, console.progress());
   } catch (const DataError& error) {
-    throw FileError(a.tets, error.what());
+    throw FileError(a.tets, in_words(console.in_flags(error.what())));
   } catch (const ArgumentError& error) {
     if (a.forces.empty()) throw;
     throw FileError(a.forces, error.what());
