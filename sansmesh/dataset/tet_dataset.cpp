@@ -81,6 +81,7 @@ std::string tets_in_words(std::size_t n) {
 
 AttributeTable joined(const GridData& data, bool of_points, const std::vector<std::size_t>& rows) {
   std::vector<const AttributeTable*> tables;
+  tables.reserve(data.blocks.size());
   for (const GridBlock& b : data.blocks) tables.push_back(of_points ? &b.point_arrays : &b.cell_arrays);
   return join_rows(tables, rows);
 }

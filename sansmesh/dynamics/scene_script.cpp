@@ -105,6 +105,7 @@ class SceneFields {
 std::vector<std::pair<std::string, const SceneJson*>> entries(const SceneJson& json, const std::string& where) {
   std::vector<std::pair<std::string, const SceneJson*>> all;
   if (!json.is_array()) return {{where, &json}};
+  all.reserve(json.size());
   for (std::size_t k = 0; k < json.size(); ++k) all.emplace_back(fmt::format("{} {}", where, k + 1), &json[k]);
   return all;
 }

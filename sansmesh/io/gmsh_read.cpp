@@ -195,10 +195,9 @@ class GmshFile {
     s.line();
     rest = s.rest();
     if (!binary_) return;
-    if (rest.size() < 4) in_.fail("truncated: its byte order is missing");
-    if (load<std::int32_t>(rest.data()) != 1) {
-      if (load<std::int32_t, true>(rest.data()) != 1) in_.fail("the number that tells its byte order is 1 in none");
+    if (numbers(rest).whole("format") != 1) {
       swap_ = true;
+      if (numbers(rest).whole("format") != 1) in_.fail("the number that tells its byte order is 1 in none");
     }
     rest.remove_prefix(4);
   }
@@ -425,7 +424,7 @@ class GmshFile {
     GridBlock& block = result.blocks.emplace_back();
     block.points = std::move(points_);
     numbers_->give_to(block);
-    const bool flat = cells_.size() == 0;
+    const bool flat = !cells_.solid();
     const std::vector<std::uint64_t>& cells = flat ? flat_numbers_ : cell_numbers_;
     cells_.give_to(block, result);
     std::map<std::uint64_t, std::size_t> nodes, elements;

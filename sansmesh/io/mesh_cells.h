@@ -45,7 +45,8 @@ class MeshCells {
   void leave_out(const std::string& kind, std::size_t count = 1) { left_out_[kind] += count; }
   /// Cells of which only the corners are used.
   void simplify(std::size_t count = 1) { simplified_ += count; }
-  std::size_t size() const { return cells_.size(); }
+  /// Whether any of them fill space.
+  bool solid() const { return !cells_.empty(); }
   bool empty() const { return cells_.empty() && rings_.empty(); }
 
   /// Moves all into the block, flat cells only where there are no others, and adds notes on what was left out.
