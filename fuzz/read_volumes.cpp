@@ -36,7 +36,8 @@ void check(const GridData& data) {
     require(b.hidden_points.empty() || b.hidden_points.size() == n, "hidden ones of other points");
     for (const std::uint32_t p : b.cells.corners) require(p < n, "a cell of points that are not there");
     for (const auto& ring : b.flat_cells)
-      for (const std::uint32_t p : ring) require(p < n, "a flat cell of points that are not there");
+      for (std::size_t k = 0; k < 4; ++k)
+        require(ring[k] < n || (k == 3 && ring[k] == GridBlock::kNone), "a flat cell of points that are not there");
     for (const auto& axis : b.axes)
       require(std::is_sorted(axis.begin(), axis.end(), std::less_equal<>()), "an axis that does not increase");
     require(b.point_numbers.empty() || b.point_numbers.size() == n, "numbers of other points");
