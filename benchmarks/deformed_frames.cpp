@@ -86,14 +86,13 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
   const ValueHistogram values = value_histogram(*field, 60000, samples->positions);
   double begin = process_cpu_seconds();
   BakeOptions bake;
-  bake.memory = std::size_t{512} << 20;
   const auto baked = std::make_shared<const BakedVolume>(*field, bake, progress);
   fmt::print("{}: {} samples, baked in {:.2f} CPU s, off by {:.3f} % on average; {} threads\n", file, samples->size(),
              process_cpu_seconds() - begin, 100 * baked->report().error_mean, thread_count());
 
   VolumePictureOptions look;
   look.width = look.height = size;
-  look.samples = 1, look.step = 1.5, look.least_light = 0.01;  // as volume render --interactive has it
+  look.samples = 1, look.step = 2, look.least_light = 0.02;  // while a handle is held
   look.up = UpAxis::z;
   look.view = {40, 20};
   look.steady = true;

@@ -15,9 +15,10 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kLookups = 1024;
-constexpr std::size_t kChunk = 256;  // points that are mapped at a time
-constexpr std::size_t kBlock = 8;    // points along each axis whose bounds are kept
-constexpr double kUneven = 1e-4;     // of the spacing
+constexpr std::size_t kChunk = 256;          // points that are mapped at a time
+constexpr std::size_t kBlock = 8;            // points along each axis whose bounds are kept
+constexpr std::size_t kMostNodes = 1200000;  // 77 MB: of larger lattices differences are taken at each place
+constexpr double kUneven = 1e-4;             // of the spacing
 
 void check_lattice(const Box3& box, const std::array<std::size_t, 3>& sizes) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -30,36 +31,14 @@ void check_lattice(const Box3& box, const std::array<std::size_t, 3>& sizes) {
 
 }  // namespace
 
-/// Which points count at a place, and how: along each axis the two around it, and their neighbours for derivatives.
-struct DisplacementMap::Stencil {
-  std::array<std::array<std::size_t, 4>, 3> at{};  ///< numbers of points along the axis
-  std::array<std::array<double, 4>, 3> value{}, slope{};
-
-  /// Σ of values, and of slopes along x, y, z.
-  template <class T, class Of>
-  std::array<T, 4> sums(const std::array<std::size_t, 3>& sizes, bool slopes, const Of& of) const {
-    std::array<T, 4> sum{};
-    for (std::size_t c = 0; c < 4; ++c) {
-      for (std::size_t b = 0; b < 4; ++b) {
-        const bool inner_c = c == 1 || c == 2, inner_b = b == 1 || b == 2;
-        if (!inner_c && (!inner_b || !slopes)) continue;
-        if (!inner_b && !slopes) continue;
-        const std::size_t row = sizes[0] * (at[1][b] + sizes[1] * at[2][c]);
-        const double vb = value[1][b], vc = value[2][c];
-        for (std::size_t a = 0; a < 4; ++a) {
-          const bool inner_a = a == 1 || a == 2;
-          if (static_cast<int>(inner_a) + inner_b + inner_c < (slopes ? 2 : 3)) continue;
-          const T v = of(row + at[0][a]);
-          const double va = value[0][a];
-          if (inner_a && inner_b && inner_c) sum[0] += v * (va * vb * vc);
-          if (!slopes) continue;
-          if (inner_b && inner_c) sum[1] += v * (slope[0][a] * vb * vc);
-          if (inner_a && inner_c) sum[2] += v * (va * slope[1][b] * vc);
-          if (inner_a && inner_b) sum[3] += v * (va * vb * slope[2][c]);
-        }
-      }
-    }
-    return sum;
+/// The points around a place, and their weights.
+struct DisplacementMap::Corners {
+  std::size_t first = 0;                ///< number of the lowest
+  std::array<std::size_t, 3> stride{};  ///< to the next along each axis
+  std::array<double, 8> weight{};       ///< of point (c & 1, c & 2, c & 4)
+  std::array<bool, 3> inside{};         ///< the place is not beyond the lattice: there are derivatives
+  std::size_t at(std::size_t c) const {
+    return first + (c & 1 ? stride[0] : 0) + (c & 2 ? stride[1] : 0) + (c & 4 ? stride[2] : 0);
   }
 };
 
@@ -83,47 +62,85 @@ DisplacementMap::DisplacementMap(const Box3& box, const std::array<std::size_t, 
         for (std::size_t i = block[0] * kBlock; i < std::min((block[0] + 1) * kBlock, sizes_[0]); ++i)
           bounds.extend(displacements_[i + sizes_[0] * (j + sizes_[1] * k)]);
   });
+  if (points > kMostNodes) return;
+  nodes_.resize(points);
+  parallel_for(0, points, 4096, [&](std::size_t p) { nodes_[p] = node_of(p); });
 }
 
-DisplacementMap::Stencil DisplacementMap::stencil_at(const Vec3& x) const {
-  Stencil s;
+/// Differences over two cells, over one at the border of the lattice.
+DisplacementMap::Node DisplacementMap::node_of(std::size_t p) const {
+  const std::array<std::size_t, 3> i{p % sizes_[0], p / sizes_[0] % sizes_[1], p / sizes_[0] / sizes_[1]};
+  const std::array<std::size_t, 3> stride{1, sizes_[0], sizes_[0] * sizes_[1]};
+  Node n;
+  n.d = displacements_[p];
+  if (!gaps_.empty()) n.gap = gaps_[p];
   for (std::size_t k = 0; k < 3; ++k) {
-    const double last = static_cast<double>(sizes_[k] - 1);
-    const double free = (x[k] - box_.lower[k]) / spacing_[k], u = std::clamp(free, 0.0, last);
-    const auto cell = std::min(static_cast<std::size_t>(u), sizes_[k] - 2);
-    const double f = u - static_cast<double>(cell);
-    s.at[k] = {cell > 0 ? cell - 1 : 0, cell, cell + 1, std::min(cell + 2, sizes_[k] - 1)};
-    s.value[k] = {0, 1 - f, f, 0};
-    if (free < 0 || free > last) continue;  // outside nothing changes across the border
-    // Differences at both ends of the cell, over two cells but at the border of the lattice.
-    const double left = (1 - f) / (static_cast<double>(s.at[k][2] - s.at[k][0]) * spacing_[k]);
-    const double right = f / (static_cast<double>(s.at[k][3] - s.at[k][1]) * spacing_[k]);
-    s.slope[k] = {-left, -right, left, right};
+    const bool below = i[k] > 0, above = i[k] + 1 < sizes_[k];
+    const std::size_t low = below ? p - stride[k] : p, high = above ? p + stride[k] : p;
+    const double inverse = 1 / ((below && above ? 2 : 1) * spacing_[k]);
+    n.by[k] = Vec3f((Vec3(displacements_[high]) - Vec3(displacements_[low])) * inverse);
+    if (!gaps_.empty()) n.gap_by[k] = static_cast<float>((double{gaps_[high]} - double{gaps_[low]}) * inverse);
   }
-  return s;
+  return n;
+}
+
+/// False where the place is not finite.
+bool DisplacementMap::corners_at(const Vec3& x, Corners& c) const {
+  std::array<double, 3> f{};
+  c.first = 0;
+  std::size_t stride = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double last = static_cast<double>(sizes_[k] - 1), free = (x[k] - box_.lower[k]) / spacing_[k];
+    if (!std::isfinite(free)) return false;
+    const double u = std::clamp(free, 0.0, last);
+    const auto cell = std::min(static_cast<std::size_t>(u), sizes_[k] - 2);
+    f[k] = u - static_cast<double>(cell);
+    c.inside[k] = free >= 0 && free <= last;  // outside nothing changes across the border
+    c.stride[k] = stride;
+    c.first += cell * stride;
+    stride *= sizes_[k];
+  }
+  for (std::size_t i = 0; i < 8; ++i)
+    c.weight[i] = (i & 1 ? f[0] : 1 - f[0]) * (i & 2 ? f[1] : 1 - f[1]) * (i & 4 ? f[2] : 1 - f[2]);
+  return true;
 }
 
 void DisplacementMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
   parallel_ranges(0, x.size(), kLookups, [&](std::size_t first, std::size_t last) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    Corners c;
     for (std::size_t i = first; i < last; ++i) {
-      const bool known = is_finite(x[i]);
-      const Stencil s = stencil_at(known ? x[i] : box_.lower);
-      const bool slopes = !wanted.jacobians.empty();
-      if (slopes || !wanted.positions.empty()) {
-        const auto d = s.sums<Vec3>(sizes_, slopes, [&](std::size_t p) { return Vec3(displacements_[p]); });
-        if (!wanted.positions.empty()) wanted.positions[i] = known ? x[i] + d[0] : Vec3{kNone, kNone, kNone};
-        for (std::size_t k = 0; slopes && k < 3; ++k) {
-          wanted.jacobians[i][k] = d[k + 1];
-          wanted.jacobians[i][k][k] += 1;
+      const bool known = corners_at(x[i], c);
+      if (!known) corners_at(box_.lower, c);
+      if (!wanted.positions.empty() || !wanted.jacobians.empty()) {
+        std::array<double, 12> sum{};
+        for (std::size_t k = 0; k < 8; ++k) {
+          const Node n = nodes_.empty() ? node_of(c.at(k)) : nodes_[c.at(k)];
+          const double w = c.weight[k];
+          const std::array<float, 12> part{n.d.x,     n.d.y,     n.d.z,     n.by[0].x, n.by[0].y, n.by[0].z,
+                                           n.by[1].x, n.by[1].y, n.by[1].z, n.by[2].x, n.by[2].y, n.by[2].z};
+          for (std::size_t m = 0; m < 12; ++m) sum[m] += w * double{part[m]};
         }
+        if (!wanted.positions.empty())
+          wanted.positions[i] = known ? x[i] + Vec3{sum[0], sum[1], sum[2]} : Vec3{kNone, kNone, kNone};
+        if (!wanted.jacobians.empty())
+          for (std::size_t k = 0; k < 3; ++k) {
+            Vec3& j = wanted.jacobians[i][k];
+            j = c.inside[k] ? Vec3{sum[3 * k + 3], sum[3 * k + 4], sum[3 * k + 5]} : Vec3{};
+            j[k] += 1;
+          }
       }
       if (wanted.gaps.empty() && wanted.gap_gradients.empty()) continue;
-      std::array<double, 4> g{-std::numeric_limits<double>::infinity(), 0, 0, 0};
-      if (!gaps_.empty())
-        g = s.sums<double>(sizes_, !wanted.gap_gradients.empty(), [&](std::size_t p) { return double{gaps_[p]}; });
-      if (!wanted.gaps.empty()) wanted.gaps[i] = g[0];
-      if (!wanted.gap_gradients.empty()) wanted.gap_gradients[i] = {g[1], g[2], g[3]};
+      double gap = gaps_.empty() ? -std::numeric_limits<double>::infinity() : 0;
+      Vec3 slope;
+      for (std::size_t k = 0; !gaps_.empty() && k < 8; ++k) {
+        const Node n = nodes_.empty() ? node_of(c.at(k)) : nodes_[c.at(k)];
+        gap += c.weight[k] * double{n.gap};
+        for (std::size_t m = 0; m < 3; ++m)
+          if (c.inside[m]) slope[m] += c.weight[k] * double{n.gap_by[m]};
+      }
+      if (!wanted.gaps.empty()) wanted.gaps[i] = gap;
+      if (!wanted.gap_gradients.empty()) wanted.gap_gradients[i] = slope;
     }
   });
 }

@@ -39,8 +39,14 @@ class DisplacementMap final : public SpaceMap {
   void images(std::span<const Box3> boxes, std::span<Box3> found) const override;
 
  private:
-  struct Stencil;
-  Stencil stencil_at(const Vec3& x) const;
+  /// A displacement with its differences along x, y, z: what eight of are mixed at a place.
+  struct Node {
+    Vec3f d, by[3];
+    float gap = 0, gap_by[3]{};
+  };
+  struct Corners;
+  bool corners_at(const Vec3& x, Corners& c) const;
+  Node node_of(std::size_t p) const;
   Box3f bounds_of_points(const std::array<std::size_t, 3>& first, const std::array<std::size_t, 3>& last) const;
 
   Box3 box_;
@@ -49,6 +55,7 @@ class DisplacementMap final : public SpaceMap {
   SharedArray<Vec3f> displacements_;
   SharedArray<float> gaps_;
   std::vector<Box3f> block_bounds_;  ///< of blocks of points
+  std::vector<Node> nodes_;          ///< kept while they are not too many
 };
 
 /// Points of a lattice of about cubic cells over a box, `longest` (>= 2) along its longest side, at least 2 along each.

@@ -72,6 +72,7 @@ struct BakedVolume::State {
 
   const VolumeField* field;
   BakeOptions options;
+  bool whole = false;  ///< all that is in the box is in the volume
   BakeReport report;
   Box3 box;
   std::array<int, 3> counts{1, 1, 1};
@@ -397,8 +398,9 @@ struct BakedVolume::State {
     report.bytes = nodes.size() * sizeof(float) + branches.size() * sizeof(std::int32_t) +
                    bricks.size() * sizeof(Brick) + hanging.size() * sizeof(hanging[0]);
     report.levels = 0, report.cell_error_most = 0;
-    report.finished = true;
+    report.finished = whole = true;
     for (const Brick& b : bricks) {
+      whole = whole && b.inside == Inside::all;
       report.levels = std::max(report.levels, b.level + 1);
       report.cell_error_most = std::max(report.cell_error_most, b.error / range());
       report.bytes += b.mask.size();
@@ -497,6 +499,10 @@ void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted)
     for (std::size_t i = first; i < last; ++i) {
       wanted.inside[i] = 0;
       if (!is_finite(x[i]) || !s.box.contains(x[i])) continue;
+      if (s.whole) {
+        wanted.inside[i] = 1;
+        continue;
+      }
       const detail::BrickPlace p = detail::brick_place(tree, x[i]);
       const State::Brick& brick = s.bricks[static_cast<std::size_t>(p.brick)];
       if (brick.inside != State::Inside::some) {

@@ -141,17 +141,49 @@ void VolumeCells::find_ranges(const VolumeField& field, std::vector<ValueRange>&
   }
 }
 
-double VolumeCells::exit(std::size_t cell, const Vec3& x, const Vec3& d) const {
-  const auto nx = static_cast<std::size_t>(counts_[0]), ny = static_cast<std::size_t>(counts_[1]);
-  const std::size_t index[3] = {cell % nx, cell / nx % ny, cell / nx / ny};
+double VolumeCells::exit(std::size_t cell, const Vec3& x, const Vec3& d, std::size_t around) const {
+  const auto number = static_cast<std::uint32_t>(cell), nx = static_cast<std::uint32_t>(counts_[0]);
+  const std::uint32_t row = number / nx, ny = static_cast<std::uint32_t>(counts_[1]);
+  const int index[3] = {static_cast<int>(number - row * nx), static_cast<int>(row % ny), static_cast<int>(row / ny)};
+  const int more = static_cast<int>(around);
   double t = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     if (d[k] == 0) continue;
-    const std::size_t wall = index[k] + (d[k] > 0 ? 1 : 0);
-    if (wall == 0 || wall == static_cast<std::size_t>(counts_[k])) continue;  // outermost cells have no outer end
+    const int wall = d[k] > 0 ? index[k] + 1 + more : index[k] - more;
+    if (wall <= 0 || wall >= counts_[k]) continue;  // outermost cells have no outer end
     t = std::min(t, (box_.lower[k] + static_cast<double>(wall) * edge_[k] - x[k]) / d[k]);
   }
   return std::max(0.0, t);
+}
+
+void detail::clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear) {
+  // The distance in the maximum norm from the nearest cell that is not clear: along one axis after the other, since a
+  // cube is a product. Along an axis it is the least of max(that so far, steps), and grows by at most one a step.
+  const auto n = cells.counts();
+  const auto nx = static_cast<std::size_t>(n[0]), ny = static_cast<std::size_t>(n[1]),
+             nz = static_cast<std::size_t>(n[2]);
+  for (std::uint8_t& c : clear) c = c ? 255 : 0;
+  const std::size_t stride[3] = {1, nx, nx * ny}, count[3] = {nx, ny, nz};
+  std::vector<std::uint8_t> line;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+    line.resize(count[k]);
+    for (std::size_t v = 0; v < count[b]; ++v)
+      for (std::size_t u = 0; u < count[a]; ++u) {
+        std::uint8_t* const first = &clear[u * stride[a] + v * stride[b]];
+        for (std::size_t i = 0; i < count[k]; ++i) line[i] = first[i * stride[k]];
+        for (std::size_t i = 0; i < count[k]; ++i) {
+          // No farther than what was found is looked for anything nearer.
+          unsigned found = line[i];
+          for (unsigned d = 1; d < found; ++d) {
+            if (d <= i) found = std::min(found, std::max<unsigned>(d, line[i - d]));
+            if (i + d < count[k]) found = std::min(found, std::max<unsigned>(d, line[i + d]));
+            if (d > i && i + d >= count[k]) break;
+          }
+          first[i * stride[k]] = static_cast<std::uint8_t>(found);
+        }
+      }
+  }
 }
 
 }  // namespace sansmesh

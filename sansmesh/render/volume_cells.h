@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sansmesh/core/box.h"
@@ -46,8 +47,9 @@ class VolumeCells {
     }
     return x;
   }
-  /// Where a line x + t d that is in a cell leaves it (t in lengths of d).
-  double exit(std::size_t cell, const Vec3& x, const Vec3& d) const;
+  /// Where a line x + t d that is in a cell leaves it (t in lengths of d), or so many cells around it in each
+  /// direction, too.
+  double exit(std::size_t cell, const Vec3& x, const Vec3& d, std::size_t around = 0) const;
   double spacing(std::size_t cell) const { return static_cast<double>(spacing_[cell]); }
   const ValueRange& range(std::size_t cell) const { return ranges_[cell]; }
   /// Of the other field.
@@ -62,5 +64,11 @@ class VolumeCells {
   std::vector<float> spacing_;
   std::vector<ValueRange> ranges_, other_ranges_;
 };
+
+namespace detail {
+/// In place of 1 for each clear cell: one more than how many cells around it in each direction are clear, too, at most
+/// 255. Cells beyond the outermost count as clear.
+void clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear);
+}  // namespace detail
 
 }  // namespace sansmesh

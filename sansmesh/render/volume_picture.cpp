@@ -6,7 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <optional>
+#include <mutex>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -99,10 +99,7 @@ class VolumePicture::Work {
       : subject_(std::move(subject)),
         frame_(framed()),
         cells_(*subject_.field, subject_.opacity, progress),
-        stretches_(*subject_.field, subject_.boundary, frame_),
-        histogram_(histogram_of(*subject_.field)) {
-    if (subject_.opacity) opacity_histogram_ = histogram_of(*subject_.opacity);
-  }
+        stretches_(*subject_.field, subject_.boundary, frame_) {}
 
   Camera camera(const VolumePictureOptions& options) const {
     Camera camera = picture_camera(outline_, options.steady, options);
@@ -118,8 +115,8 @@ class VolumePicture::Work {
       return options.preset.empty() ? suggest_transfer_function(values, subject_.image)
                                     : SuggestedTransferFunction{transfer_function_preset(options.preset, values), {}};
     };
-    SuggestedTransferFunction found = of(histogram_);
-    if (opacity_histogram_) found.function.opacities = of(*opacity_histogram_).function.opacities;
+    SuggestedTransferFunction found = of(histogram());
+    if (subject_.opacity) found.function.opacities = of(opacity_histogram()).function.opacities;
     return found;
   }
 
@@ -152,9 +149,18 @@ class VolumePicture::Work {
   void set_surfaces(std::vector<PictureSurface> surfaces) { subject_.surfaces = std::move(surfaces); }
   const Box3& box() const { return box_; }
   const PictureFrame& frame() const { return frame_; }
-  const ValueHistogram& histogram() const { return histogram_; }
+  /// Looked for when it is first asked for: where colours are given, nobody does.
+  const ValueHistogram& histogram() const {
+    std::call_once(histogram_once_, [&] { histogram_ = histogram_of(*subject_.field); });
+    return histogram_;
+  }
 
  private:
+  const ValueHistogram& opacity_histogram() const {
+    std::call_once(opacity_once_, [&] { opacity_histogram_ = histogram_of(*subject_.opacity); });
+    return opacity_histogram_;
+  }
+
   ValueHistogram histogram_of(const VolumeField& field) const {
     const TriangleMesh* mesh = subject_.boundary;
     if (!subject_.places.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.places);
@@ -167,10 +173,10 @@ class VolumePicture::Work {
   std::vector<std::string> notes(const VolumePictureOptions& options) const {
     std::vector<std::string> found;
     for (const IsoSurface& iso : options.isos)
-      if (iso.value < histogram_.least || iso.value > histogram_.most)
+      if (iso.value < histogram().least || iso.value > histogram().most)
         found.push_back(
             fmt::format("the iso-surface of {:g} may be empty: values found in the volume lie between {:g} and {:g}",
-                        iso.value, histogram_.least, histogram_.most));
+                        iso.value, histogram().least, histogram().most));
     for (const bool opacity : {false, true}) {
       const auto* baked = dynamic_cast<const BakedVolume*>(opacity ? subject_.opacity : subject_.field);
       if (!baked || baked->report().finished) continue;
@@ -328,8 +334,8 @@ class VolumePicture::Work {
   PictureFrame frame_;
   VolumeCells cells_;
   VolumeStretches stretches_;
-  ValueHistogram histogram_;
-  std::optional<ValueHistogram> opacity_histogram_;
+  mutable std::once_flag histogram_once_, opacity_once_;
+  mutable ValueHistogram histogram_, opacity_histogram_;
 };
 
 VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {

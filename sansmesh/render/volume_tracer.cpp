@@ -128,16 +128,18 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
       clear = clear && !(cells.range(c).least <= iso.value && iso.value <= cells.range(c).most);
     clear_[c] = clear;
   }
-  if (!volume.gap || !options.cut_faces || options.opacity_scale > 0) return;
   // Faces of gaps show values that are clear otherwise.
-  const double radius = 0.5 * norm(cells.edge());
-  std::vector<Vec3> centers;
-  centers.reserve(cells.size());
-  for (std::size_t c = 0; c < cells.size(); ++c) centers.push_back(cells.center(c));
-  std::vector<ValueRange> ranges(cells.size());
-  volume.gap->ranges(centers, radius, ranges);
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    if (ranges[c].holds_zero() && (!least_shown_ || cells.range(c).most >= *least_shown_)) clear_[c] = 0;
+  if (volume.gap && options.cut_faces && options.opacity_scale == 0) {
+    const double radius = 0.5 * norm(cells.edge());
+    std::vector<Vec3> centers;
+    centers.reserve(cells.size());
+    for (std::size_t c = 0; c < cells.size(); ++c) centers.push_back(cells.center(c));
+    std::vector<ValueRange> ranges(cells.size());
+    volume.gap->ranges(centers, radius, ranges);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (ranges[c].holds_zero() && (!least_shown_ || cells.range(c).most >= *least_shown_)) clear_[c] = 0;
+  }
+  detail::clear_reach(cells, clear_);
 }
 
 Vec3 VolumeTracer::world(const Walk& walk, double t) const {
@@ -202,7 +204,7 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
     double t = at;
     const Vec3 d = walk.direction * volume_.frame.size;
     while (clear_[cell] && t < walk.now.end) {
-      t += volume_.cells->exit(cell, world(walk, t), d) + 1e-7;
+      t += volume_.cells->exit(cell, world(walk, t), d, clear_[cell] - 1u) + 1e-7;
       if (t < walk.now.end) cell = volume_.cells->cell(world(walk, t));
     }
     walk.started = walk.begun = false;

@@ -87,7 +87,7 @@ class VolumeTracer {
   double weak_ = 0;      // gradients (per picture length) that say as little about a surface as they say much
   float footprint_ = 0;  // of a pixel at distance 1
   std::optional<double> least_shown_;  // of values on faces of gaps, where only iso-surfaces are seen
-  std::vector<std::uint8_t> clear_;    // of each cell
+  std::vector<std::uint8_t> clear_;    // of each cell: 0, or 1 + so many around it in each direction are clear, too
   std::vector<Vec3f> iso_colors_;
 };
 
