@@ -201,7 +201,8 @@ Command add_deform(CommandLine& app) {
                "Of pictures: nodes along the longest side of the map that they are seen through, 8..512 [96]")
       .type_name("COUNT")
       .group(volumes);
-  c.add_flag("--exact", a.exact, "Pictures straight through the deformation: slow").group(volumes);
+  c.add_flag("--exact", a.exact, "Straight through the deformation, and of functions without a mesh: slow")
+      .group("Picture");
   std::string presets;
   for (const std::string_view name : transfer_function_presets())
     presets += (presets.empty() ? "" : ", ") + std::string(name);

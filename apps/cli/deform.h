@@ -16,6 +16,7 @@
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/volume_options.h"
 #include "volume_input.h"
@@ -84,8 +85,8 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
 RenderOptions deform_look(const DeformArguments& a);
 /// Corners of a box.
 void add_corners(const Box3& box, std::vector<Vec3>& places);
-/// A mesh or a cloud, and what is to be seen beside it, framed by `places`.
-Image deformed_picture(const TriangleMesh& mesh, const DeformArguments& a, const OpenDeformation& deformation,
-                       double share, std::vector<Vec3> places, Progress& progress);
+/// Surfaces, and beside them handles and folds as far as they are asked for, framed by `places` and the handles.
+Image picture_beside(std::vector<PictureSurface> surfaces, const DeformArguments& a, const OpenDeformation& deformation,
+                     double share, std::vector<Vec3> places, const TriangleMesh& folds, Progress& progress);
 
 }  // namespace sansmesh::cli

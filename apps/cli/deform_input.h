@@ -1,7 +1,6 @@
 // The deformation that a command is told: handles with a kind, or a map from a file.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>

@@ -91,15 +91,17 @@ void FoldWatch::report(const std::string& name, DeformResult& result, Console& c
   result.output["folds"] = list;
 }
 
-Image deformed_picture(const TriangleMesh& mesh, const DeformArguments& a, const OpenDeformation& deformation,
-                       double share, std::vector<Vec3> places, Progress& progress) {
+Image picture_beside(std::vector<PictureSurface> surfaces, const DeformArguments& a, const OpenDeformation& deformation,
+                     double share, std::vector<Vec3> places, const TriangleMesh& folds, Progress& progress) {
   const RenderOptions look = deform_look(a);
-  std::vector<PictureSurface> surfaces{surface_in_picture(mesh, look)};
   if (a.draw_handles && deformation.has_handles()) {
-    const TriangleMesh shapes = deformation.shapes(share, world_box(mesh.origin, mesh.vertices).diagonal());
+    Box3 box;
+    for (const Vec3& p : places) box.extend(p);
+    const TriangleMesh shapes = deformation.shapes(share, box.diagonal());
     add_corners(world_box(shapes.origin, shapes.vertices), places);
     surfaces.push_back(surface_in_picture(shapes, look));
   }
+  if (a.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, look));
   return render_surfaces(surfaces, places, false, a.frames > 0, look, progress);
 }
 
@@ -152,7 +154,8 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
       if (framed.empty())
         for (const Vec3f& v : moved.vertices)
           if (is_finite(v)) framed.push_back(moved.origin + Vec3(v));
-      const Image image = deformed_picture(moved, a, deformation, share, std::move(framed), progress);
+      const Image image = picture_beside({surface_in_picture(moved, deform_look(a))}, a, deformation, share,
+                                         std::move(framed), {}, progress);
       write_image(result.files.back(), image);
     } else if (mesh) {
       progress.begin("write");

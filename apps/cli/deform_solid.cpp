@@ -122,33 +122,35 @@ TriangleMesh open_mesh(const SurfaceFunction& function, const OpenDeformation& d
   return mesh;
 }
 
-Image solid_picture(const DeformArguments& a, const OpenDeformation& deformation, const DeformedField& field,
-                    const SolidSource& source, double share, const std::vector<Vec3>& framed, const TriangleMesh& folds,
-                    Progress& progress) {
-  CsgMeshOptions options = mesh_options(a, source);
-  if (!options.cell && !options.resolution) options.resolution = kPictureCells;
-  options.simplify = 0;
-  const TriangleMesh mesh = mesh_csg(field, options, progress);
+/// The surface itself, found by rays within balls around the vertices of a mesh of it.
+Image exact_picture(const DeformedField& field, const TriangleMesh& mesh, const DeformArguments& a,
+                    const OpenDeformation& deformation, double share, std::vector<Vec3> places,
+                    const TriangleMesh& folds, Progress& progress) {
   const NearField near(field, mesh.origin);
   const SurfaceCaster caster(near, balls_of(mesh), {});
   Placement place;
   place.origin = mesh.origin;
   SurfaceRenderOptions look;
   static_cast<RenderOptions&>(look) = deform_look(a);
-  std::vector<PictureSurface> surfaces{surface_in_picture(caster, place, nullptr, look)};
-  std::vector<Vec3> places = framed;
-  Box3 box;
-  for (const Vec3f& v : mesh.vertices) {
-    box.extend(mesh.origin + Vec3(v));
-    if (framed.empty()) places.push_back(mesh.origin + Vec3(v));
+  return picture_beside({surface_in_picture(caster, place, nullptr, look)}, a, deformation, share, std::move(places),
+                        folds, progress);
+}
+
+/// A mesh of it, or the surface itself where that is asked for.
+Image solid_picture(const DeformArguments& a, const OpenDeformation& deformation, const DeformedField& field,
+                    const SolidSource& source, double share, std::vector<Vec3> places, const TriangleMesh& folds,
+                    Progress& progress) {
+  CsgMeshOptions options = mesh_options(a, source);
+  if (a.exact) {
+    if (!options.cell && !options.resolution) options.resolution = kPictureCells;
+    options.simplify = 0;
   }
-  if (a.draw_handles && deformation.has_handles()) {
-    const TriangleMesh shapes = deformation.shapes(share, box.diagonal());
-    for (const Vec3f& v : shapes.vertices) places.push_back(shapes.origin + Vec3(v));
-    surfaces.push_back(surface_in_picture(shapes, look));
-  }
-  if (a.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, look));
-  return render_surfaces(surfaces, places, false, a.frames > 0, look, progress);
+  const TriangleMesh mesh = mesh_csg(field, options, progress);
+  if (places.empty())
+    for (const Vec3f& v : mesh.vertices) places.push_back(mesh.origin + Vec3(v));
+  if (a.exact) return exact_picture(field, mesh, a, deformation, share, std::move(places), folds, progress);
+  return picture_beside({surface_in_picture(mesh, deform_look(a))}, a, deformation, share, std::move(places), folds,
+                        progress);
 }
 
 }  // namespace
@@ -181,7 +183,8 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
         std::vector<Vec3> places = framed;
         if (places.empty())
           for (const Vec3f& v : mesh.vertices) places.push_back(mesh.origin + Vec3(v));
-        write_image(file, deformed_picture(mesh, a, deformation, a.share(k), std::move(places), progress));
+        write_image(file, picture_beside({surface_in_picture(mesh, deform_look(a))}, a, deformation, a.share(k),
+                                         std::move(places), {}, progress));
       } else {
         write_mesh(file, mesh, {a.ascii});
       }
