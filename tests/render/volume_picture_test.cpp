@@ -539,6 +539,29 @@ TEST(VolumePicture, SameForAnyThreads) {
   test::expect_equal_for_any_threads([&] { return picture_of({&field, nullptr, &boundary, {}}, options).pixels; });
 }
 
+TEST(VolumeCells, KnowHowManyAroundAreClear) {
+  const FormulaVolume field = blobs(false);
+  Progress progress;
+  const VolumeCells cells(field, nullptr, progress);
+  const auto n = cells.counts();
+  std::vector<std::uint8_t> clear(cells.size());
+  for (std::size_t c = 0; c < clear.size(); ++c) clear[c] = c * 2654435761u % 997 < 994;  // few are not
+  std::vector<std::uint8_t> reach = clear;
+  detail::clear_reach(cells, reach);
+  const auto at = [&](int i, int j, int k) { return static_cast<std::size_t>(i + n[0] * (j + n[1] * k)); };
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        int nearest = 255;
+        for (int w = 0; w < n[2]; ++w)
+          for (int v = 0; v < n[1]; ++v)
+            for (int u = 0; u < n[0]; ++u)
+              if (!clear[at(u, v, w)])
+                nearest = std::min(nearest, std::max({std::abs(u - i), std::abs(v - j), std::abs(w - k)}));
+        ASSERT_EQ(reach[at(i, j, k)], nearest);
+      }
+}
+
 TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
   const FormulaVolume field = blobs(false);
   const TriangleMesh boundary = test::ring_surface();
