@@ -201,7 +201,9 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
     for (const Vec3f& v : outside ? outside->vertices : std::vector<Vec3f>{})
       places.push_back(outside->origin + Vec3(v));
     subject.places = places;
-    if (a.frames > 0) subject.framed = framed;
+    std::vector<Vec3> framed_here = framed;
+    if (framed.empty() && torn) add_corners(deformation.box_of(maps, before).value_or(box), framed_here);
+    subject.framed = framed_here;
     if (a.draw_folds && !folded.triangles.empty())
       subject.surfaces.push_back(surface_in_picture(folded, deform_look(a)));
     if (a.draw_handles && deformation.has_handles())

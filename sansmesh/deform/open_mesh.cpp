@@ -11,6 +11,8 @@
 namespace sansmesh {
 namespace {
 
+constexpr double kFaceEdges = 3;  // of the mean length: faces are flat, and finer where they meet the mesh
+
 double mean_edge(const TriangleMesh& mesh) {
   double sum = 0, n = 0;
   for (const Triangle& t : mesh.triangles)
@@ -38,7 +40,7 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   OpenMeshReport& r = report ? *report : own;
   r = {};
   const bool solid = options.close && measure_topology(mesh).closed();
-  const double length = options.face_edges.value_or(solid ? mean_edge(mesh) : 0);
+  const double length = options.face_edges.value_or(solid ? kFaceEdges * mean_edge(mesh) : 0);
   for (const auto& cut : cuts) {
     const Slit slit = open_slit(mesh, *cut, options.refinements);
     r.edges += slit.edges.size(), r.doubled += slit.doubled, r.unopened += slit.unopened;

@@ -19,7 +19,7 @@ struct OpenMeshOptions {
   /// Whether closed meshes become closed again, by faces along what half-planes and polygons cut of them. Normals of
   /// vertices are then left out: at the edges of these faces there are two.
   bool close = false;
-  /// Edges within these faces are at most so long; > 0. Default: the mean length of the mesh's edges.
+  /// Edges within these faces are at most so long; > 0. Default: three times the mean length of the mesh's edges.
   std::optional<double> face_edges = {};
 
   /// Throws ArgumentError naming the field.
