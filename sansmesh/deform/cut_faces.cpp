@@ -227,7 +227,11 @@ class FaceMaker {
         corners.push_back(c);
       }
     }
-    const PlanarFill fill = fill_planar(curves, length_);
+    // Edges between vertices that both faces share would be edges of four triangles.
+    std::vector<std::uint8_t> shared;
+    shared.reserve(corners.size());
+    for (const FaceCorner& c : corners) shared.push_back(c.above == c.below);
+    const PlanarFill fill = fill_planar(curves, length_, shared);
     if (fill.triangles.empty()) return 0;
     std::vector<std::uint32_t> aside;
     std::vector<Vec3f> offsets;

@@ -174,6 +174,39 @@ void turn_edges(const std::vector<Flat>& p, std::vector<Triangle>& triangles) {
   }
 }
 
+void halve_edge(std::vector<Flat>& p, std::vector<Triangle>& triangles, const FlatEdge& e, std::uint32_t t,
+                std::uint32_t s) {
+  const auto middle = static_cast<std::uint32_t>(p.size());
+  p.push_back({0.5 * (p[e.first][0] + p[e.second][0]), 0.5 * (p[e.first][1] + p[e.second][1])});
+  for (const std::uint32_t k : {t, s}) {
+    Triangle half = triangles[k];
+    for (std::uint32_t& v : half)
+      if (v == e.first) v = middle;
+    for (std::uint32_t& v : triangles[k])
+      if (v == e.second) v = middle;
+    triangles.push_back(half);
+  }
+}
+
+/// Cuts inner edges between chosen points in half.
+void keep_apart(std::vector<Flat>& p, std::vector<Triangle>& triangles, std::span<const std::uint8_t> chosen) {
+  const auto is_chosen = [&](std::uint32_t v) { return v < chosen.size() && chosen[v]; };
+  for (bool more = !chosen.empty(); more;) {
+    more = false;
+    const std::map<FlatEdge, std::uint32_t> of = edges_of(triangles);
+    std::vector<std::uint8_t> used(triangles.size());
+    for (const auto& [e, t] : of) {
+      if (e.first > e.second || !is_chosen(e.first) || !is_chosen(e.second)) continue;
+      const auto other = of.find({e.second, e.first});
+      if (other == of.end()) continue;
+      more = true;
+      if (used[t] || used[other->second]) continue;
+      used[t] = used[other->second] = 1;
+      halve_edge(p, triangles, e, t, other->second);
+    }
+  }
+}
+
 /// Cuts the longest inner edges in half, no two of one triangle; false: none is too long.
 bool halve_edges(std::vector<Flat>& p, std::vector<Triangle>& triangles, double length) {
   const std::map<FlatEdge, std::uint32_t> of = edges_of(triangles);
@@ -197,23 +230,15 @@ bool halve_edges(std::vector<Flat>& p, std::vector<Triangle>& triangles, double 
     const std::uint32_t t = of.at(e), s = of.at({e.second, e.first});
     if (used[t] || used[s]) continue;
     used[t] = used[s] = 1;
-    const auto middle = static_cast<std::uint32_t>(p.size());
-    p.push_back({0.5 * (p[e.first][0] + p[e.second][0]), 0.5 * (p[e.first][1] + p[e.second][1])});
-    for (const std::uint32_t k : {t, s}) {
-      Triangle half = triangles[k];
-      for (std::uint32_t& v : half)
-        if (v == e.first) v = middle;
-      for (std::uint32_t& v : triangles[k])
-        if (v == e.second) v = middle;
-      triangles.push_back(half);
-    }
+    halve_edge(p, triangles, e, t, s);
   }
   return true;
 }
 
 }  // namespace
 
-PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& loops, double length) {
+PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& loops, double length,
+                       std::span<const std::uint8_t> apart) {
   PlanarFill fill;
   std::vector<Ring> outer, holes;
   for (const auto& loop : loops) {
@@ -250,6 +275,7 @@ PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& lo
     if (!halve_edges(fill.points, fill.triangles, length)) break;
     turn_edges(fill.points, fill.triangles);
   }
+  keep_apart(fill.points, fill.triangles, apart);
   return fill;
 }
 

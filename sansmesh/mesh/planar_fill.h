@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sansmesh/data/triangle_mesh.h"
@@ -19,6 +21,10 @@ struct PlanarFill {
 /// than `length` cut in half, except where long edges of the curves are near: these stay as they are. Curves without
 /// three points, and holes within no outer curve, are left out. Time grows with the square of the number of points of a
 /// curve.
-PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& loops, double length);
+///
+/// Inner edges between two of the points whose entry in `apart` (one for each that is given, or none) is not 0 are cut
+/// in half, however short: so that two sheets that share these points share no edge.
+PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& loops, double length,
+                       std::span<const std::uint8_t> apart = {});
 
 }  // namespace sansmesh
