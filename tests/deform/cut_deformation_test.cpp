@@ -1,0 +1,249 @@
+// Deformations with cuts, from handles to closed solids.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "deform/cut_support.h"
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/deform/cut_map.h"
+#include "sansmesh/deform/mesh_occluder.h"
+#include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/field/deformed_field.h"
+#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/mesh_csg.h"
+#include "support/any_threads.h"
+#include "support/mesh_shapes.h"
+
+namespace sansmesh {
+namespace {
+
+using test::random_point;
+using CutList = std::vector<std::shared_ptr<const Occluder>>;
+
+/// Corners of a cube; those with x > 0 and z > 0 move up, those with x > 0 and z < 0 down.
+std::vector<Handle> opening_handles(double by) {
+  std::vector<Handle> handles;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-1.0, 1.0}) {
+        Handle h;
+        h.p = h.q = {x, y, z};
+        if (x > 0) h.q.z += z * by;
+        handles.push_back(h);
+      }
+  return handles;
+}
+
+std::shared_ptr<const PlanarOccluder> slot() { return half_plane({-0.1, 0, 0}, {0, 0, 1}, {1, 0, 0}); }
+
+MlsDeformationOptions damped() {
+  MlsDeformationOptions options;
+  options.damping = 4;
+  return options;
+}
+
+struct MapAt {
+  Vec3 position, gap_gradient;
+  Jacobian jacobian;
+  double gap = 0;
+};
+MapAt map_at(const SpaceMap& map, const Vec3& x) {
+  MapAt found;
+  map.map({&x, 1}, {{&found.position, 1}, {&found.jacobian, 1}, {&found.gap, 1}, {&found.gap_gradient, 1}});
+  return found;
+}
+
+TEST(CutDeformation, HandlesStayExactAndSeveralCutsSumUp) {
+  const std::vector<Handle> handles = opening_handles(0.4);
+  const auto other = polygon_occluder({{{-2, 0.1, -2}, {2, 0.1, -2}, {2, 0.1, 2}, {-2, 0.1, 2}}});
+  const MlsDeformation both(handles, damped(), {slot(), other});
+  const MlsDeformation one(handles, damped(), {slot()}), two(handles, damped(), {other});
+  for (const Handle& h : handles) EXPECT_LT(norm(map_at(both, h.q).position - h.p), 1e-12);
+  std::mt19937 random(1);
+  int differ = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 x = random_point(random, 1.3);
+    const MapAt found = map_at(both, x);
+    // The deeper of the gaps that the sources of both cuts together say.
+    const double depth = std::max(test::gap(*slot(), x, found.position, found.jacobian).depth,
+                                  test::gap(*other, x, found.position, found.jacobian).depth);
+    EXPECT_NEAR(found.gap, depth, 1e-9);
+    differ +=
+        norm(found.position - map_at(one, x).position) > 1e-3 && norm(found.position - map_at(two, x).position) > 1e-3;
+  }
+  EXPECT_GT(differ, 20);
+}
+
+TEST(CutDeformation, NothingMovesWhereHandlesDoNot) {
+  const MlsDeformation still(opening_handles(0), damped(), {slot()});
+  std::mt19937 random(2);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 x = random_point(random, 1.5);
+    const MapAt found = map_at(still, x);
+    EXPECT_LT(norm(found.position - x), 1e-12);
+    EXPECT_LE(found.gap, 1e-12);
+  }
+}
+
+TEST(CutDeformation, SidesPartAndMeetAtTheEdge) {
+  const MlsDeformation map(opening_handles(0.4), damped(), {slot()});
+  const auto jump = [&](double x) {
+    return norm(map_at(map, {x, 0, 1e-9}).position - map_at(map, {x, 0, -1e-9}).position);
+  };
+  EXPECT_GT(jump(0.8), 0.2);
+  EXPECT_GT(jump(0.8), jump(0.3));
+  EXPECT_LT(jump(-0.09), 0.05);
+  EXPECT_LT(jump(-0.0999), 5e-4);  // falls to nothing towards the edge
+  EXPECT_LT(jump(-0.2), 1e-7);
+  // Continuous on a way around the edge, at steps of any size.
+  for (const int steps : {1000, 20000}) {
+    double most = 0;
+    Vec3 before;
+    for (int i = 0; i <= steps; ++i) {
+      const double angle = 1e-3 + (2 * std::numbers::pi - 2e-3) * i / steps;
+      const Vec3 now = map_at(map, {-0.1 + 0.5 * std::cos(angle), 0.1, 0.5 * std::sin(angle)}).position;
+      if (i > 0) most = std::max(most, norm(now - before));
+      before = now;
+    }
+    EXPECT_LT(most, 10.0 / steps);
+  }
+}
+
+TEST(CutDeformation, JacobiansAndGapGradientsAreThoseOfDifferences) {
+  const MlsDeformation map(opening_handles(0.4), damped(), {slot()});
+  std::mt19937 random(3);
+  int gaps = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 x = random_point(random, 0.9);
+    if (std::abs(x.z) < 1e-3) continue;
+    const MapAt found = map_at(map, x);
+    gaps += found.gap > 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 step;
+      step[k] = 1e-6;
+      const MapAt ahead = map_at(map, x + step), behind = map_at(map, x - step);
+      EXPECT_LT(norm(found.jacobian[k] - (ahead.position - behind.position) / 2e-6), 1e-5);
+      EXPECT_NEAR(found.gap_gradient[k], (ahead.gap - behind.gap) / 2e-6, 1e-4);
+    }
+  }
+  EXPECT_GT(gaps, 3);
+}
+
+TEST(CutDeformation, SolidsComeOutClosedWithSmoothFaces) {
+  const Solid ball = csg::sphere({}, 0.9);
+  for (const bool by_mesh : {false, true}) {
+    CutList cuts{slot()};
+    if (by_mesh) {  // the same half-plane, as far as the ball goes
+      TriangleMesh sheet;
+      sheet.vertices = {{-0.1f, -1.5f, 0}, {1.6f, -1.5f, 0}, {1.6f, 1.5f, 0}, {-0.1f, 1.5f, 0}};
+      sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+      MeshOccluderOptions options;
+      options.resolution = 32;
+      options.domain = Box3{{-1.5, -1.5, -1.5}, {1.6, 1.5, 1.5}};
+      cuts = {mesh_occluder(sheet, options)};
+    }
+    const auto map = std::make_shared<const MlsDeformation>(opening_handles(0.4), damped(), cuts);
+    const DeformedField field(std::make_shared<const Solid>(ball), map, Box3{{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}});
+    CsgMeshOptions options;
+    options.resolution = 32;
+    options.simplify = 0;
+    Progress progress;
+    CsgMeshReport report;
+    const TriangleMesh mesh = mesh_csg(field, options, progress, &report);
+    EXPECT_TRUE(report.closed);
+    EXPECT_TRUE(measure_topology(mesh).closed());
+    // Vertices of the faces lie where what is there comes from the plane, or in it.
+    std::size_t on_faces = 0;
+    double farthest = 0;
+    for (const Vec3f& v : mesh.vertices) {
+      const Vec3 x = mesh.origin + Vec3(v);
+      const MapAt at = map_at(*map, x);
+      if (norm(at.position) > 0.88 || at.position.x < 0) continue;
+      ++on_faces;
+      farthest = std::max(farthest, std::min(std::abs(x.z), std::abs(at.position.z)));
+    }
+    EXPECT_GT(on_faces, 60u);
+    EXPECT_LT(farthest, 0.01);  // of cells of 0.08
+  }
+}
+
+TEST(CutDeformation, MeshesOpenAndPart) {
+  const TriangleMesh ball = test::octasphere(4);
+  const CutList cuts{half_plane({-0.1, 0, 0.013}, {0, 0, 1}, {1, 0, 0})};
+  const MlsDeformation forward(reversed(opening_handles(0.4)), damped(), cuts);
+  OpenMeshOptions options;
+  options.close = true;
+  const TriangleMesh opened = open_along_cuts(ball, cuts, options);
+  const TriangleMesh moved = deform_mesh(opened, forward);
+  EXPECT_TRUE(measure_topology(moved).closed());
+  ASSERT_EQ(moved.vertices.size(), opened.vertices.size());
+  // Copies of a vertex go their own ways, those at the cut's border with each other.
+  const std::vector<float>& sides = *opened.attributes.find<float>(kCutSide);
+  double widest = 0;
+  for (std::size_t v = 0; v < opened.vertices.size(); ++v) {
+    if (sides[3 * v + 2] == 0 || opened.vertices[v].x < 0.5f) continue;
+    const float up = moved.vertices[v].z - opened.vertices[v].z;
+    EXPECT_GT(sides[3 * v + 2] > 0 ? up : -up, 0.05f);
+    widest = std::max(widest, static_cast<double>(std::abs(up)));
+  }
+  EXPECT_GT(widest, 0.2);
+  // Handles that do not move leave all as it was.
+  const TriangleMesh still = deform_mesh(opened, MlsDeformation(reversed(opening_handles(0)), damped(), cuts));
+  for (std::size_t v = 0; v < opened.vertices.size(); ++v)
+    EXPECT_LT(norm(still.vertices[v] - opened.vertices[v]), 1e-6f);
+}
+
+TEST(CutMap, IsExactBesideCutsAndNearElsewhere) {
+  const CutList cuts{slot()};
+  const auto exact = std::make_shared<const MlsDeformation>(opening_handles(0.4), damped(), cuts);
+  Progress progress;
+  const Box3 box{{-1.2, -1.2, -1.6}, {1.2, 1.2, 1.6}};
+  const CutMap map(exact, cuts, box, {33, 33, 44}, progress);
+  EXPECT_GT(map.exact_share(), 0.02);
+  EXPECT_LT(map.exact_share(), 0.12);
+  EXPECT_TRUE(map.has_gaps());
+  std::mt19937 random(6);
+  std::vector<Vec3> x;
+  for (int i = 0; i < 4000; ++i) {
+    x.push_back(random_point(random, 0.9));
+    if (i % 2) x.back().z *= 0.02;
+  }
+  const auto all = [&](const SpaceMap& of) {
+    struct Found {
+      std::vector<Vec3> positions, slopes;
+      std::vector<Jacobian> jacobians;
+      std::vector<double> gaps;
+      bool operator==(const Found&) const = default;
+    } found{std::vector<Vec3>(x.size()), std::vector<Vec3>(x.size()), std::vector<Jacobian>(x.size()),
+            std::vector<double>(x.size())};
+    of.map(x, {found.positions, found.jacobians, found.gaps, found.slopes});
+    return found;
+  };
+  const auto right = all(*exact), found = all(map), plain = all(map.lattice());
+  double most = 0, most_plain = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double off = norm(found.positions[i] - right.positions[i]);
+    most_plain = std::max(most_plain, norm(plain.positions[i] - right.positions[i]));
+    most = std::max(most, off);
+    if (std::abs(x[i].z) < 0.03 && x[i].x > -0.1) {
+      EXPECT_LT(off, 1e-12);
+      EXPECT_EQ(found.gaps[i] > 0, right.gaps[i] > 0);
+    }
+  }
+  EXPECT_LT(most, 0.02);
+  EXPECT_GT(most_plain, 0.1);  // mixes both sides
+  test::expect_equal_for_any_threads([&] { return all(map); });
+  std::vector<Box3> boxes{{{0.1, 0.1, -0.1}, {0.3, 0.3, 0.1}}}, images(1);
+  map.images(boxes, images);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (boxes[0].contains(x[i])) EXPECT_TRUE(images[0].contains(found.positions[i]));
+}
+
+}  // namespace
+}  // namespace sansmesh
