@@ -20,6 +20,9 @@
 #include "sansmesh/approximation/radial_basis.h"
 #include "sansmesh/csg/csg_functions.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/deform/displacement_map.h"
+#include "sansmesh/deform/folds.h"
+#include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/tet_map.h"
@@ -359,6 +362,24 @@ TEST(EveryRoom, VolumesAreAsked) {
       found << values << volume->stars.entries << volume_boundary(*volume).triangles;
     }
     return found;
+  });
+}
+
+TEST(EveryRoom, SpaceIsDeformed) {
+  std::vector<Handle> handles;
+  for (const Vec3& q : points_about(12, 1)) {
+    Handle h;
+    h.q = q, h.p = q + Vec3{0.3 * q.y, 0, 0.1};
+    handles.push_back(h);
+  }
+  const Box3 box{{-1, -1, -1}, {1, 1, 1}};
+  test::expect_equal_for_any_threads([&] {
+    Findings found;
+    Progress progress;
+    const MlsDeformation map(handles, {});
+    const FoldReport folds = find_folds(map, box, {12, 12, 12}, progress);
+    return found << displacement_map(map, box, {24, 24, 24}, progress).displacements().copy()
+                 << *folds.determinants.point_arrays.find<float>("determinant");
   });
 }
 
