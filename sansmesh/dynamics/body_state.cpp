@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
@@ -12,11 +17,44 @@ constexpr std::size_t kStateRows = 2048;  ///< vertices a task
 
 }  // namespace
 
-void BodyState::explode(std::span<const Vec3> at) const {
-  const bool is_implicit = options.integrator == DynamicsIntegrator::implicit_euler;
-  throw DataError(fmt::format(
-      "the body explodes after {:.4g} s, first at {}: take a shorter `step` than {:.4g} s, or {}", time,
-      model->worst(at, names), options.step, is_implicit ? "weaker forces" : "`integrator = implicit_euler`"));
+double BodyState::stable_step() {
+  // The largest eigenvalue of M⁻¹ K is the square of the highest frequency. In the matrix of a long step damping is
+  // nothing beside K.
+  constexpr double kLong = 1e6;
+  constexpr int kIterations = 60;
+  const std::size_t n = size();
+  std::vector<Vec3> p(n), q(n);
+  model->linearize(rest, kLong, q);
+  std::vector<std::uint8_t> is_held(n, 0);
+  for (const std::uint32_t i : drive.held()) is_held[i] = 1;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double sign = names[i] % 2 ? 1 : -1;  // anything that has a part of the fastest
+    p[i] = Vec3{sign, 0.5 + 0.1 * static_cast<double>(i % 7), sign * (0.3 + 0.1 * static_cast<double>(i % 5))};
+  }
+  double eigenvalue = 0;
+  for (int k = 0; k < kIterations; ++k) {
+    double size = 0;  // in the norm of M
+    for (std::size_t i = 0; i < n; ++i) size += masses[i] * squared_norm(p[i]);
+    const double scale = size > 0 ? 1 / std::sqrt(size) : 0;
+    for (std::size_t i = 0; i < n; ++i) p[i] *= is_held[i] ? 0 : scale, q[i] = {};
+    parallel_ranges(0, n, kStateRows, [&](std::size_t first, std::size_t last) { model->add_rows(first, last, p, q); });
+    eigenvalue = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      eigenvalue += dot(p[i], q[i]);
+      p[i] = q[i] / masses[i];
+    }
+  }
+  return eigenvalue > 0 ? 0.9 * 2 * kLong / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
+}
+
+void BodyState::explode(std::span<const Vec3> at) {
+  const std::string what = fmt::format("the body explodes after {:.4g} s, first at {}", time, model->worst(at, names));
+  if (options.integrator == DynamicsIntegrator::implicit_euler) {
+    throw DataError(fmt::format("{}: take a shorter `step` than {:.4g} s, or weaker forces", what, options.step));
+  }
+  const double stable = stable_step();
+  throw DataError(fmt::format("{}: take a `step` of {:.2g} s (now {:.4g} s), or `integrator = implicit_euler`", what,
+                              stable < options.step ? stable : options.step / 4, options.step));
 }
 
 void BodyState::forces(std::span<const Vec3> at, std::span<const Vec3> velocities, double t, std::span<Vec3> f) {

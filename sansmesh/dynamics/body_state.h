@@ -29,7 +29,8 @@ struct BodyState {
 
   double time = 0;
   std::vector<Vec3> x, v;
-  double lag = 0;  ///< v is that of so much before `time`: half a step in Verlet's method, else 0
+  std::vector<Vec3> rest;  ///< positions
+  double lag = 0;          ///< v is that of so much before `time`: half a step in Verlet's method, else 0
 
   double near = 0;     ///< length: what is not farther from an obstacle touches it
   double longest = 0;  ///< length: who moves farther in a step has exploded
@@ -40,8 +41,10 @@ struct BodyState {
   void forces(std::span<const Vec3> at, std::span<const Vec3> velocities, double t, std::span<Vec3> f);
   /// Velocities of the same moment as the positions.
   std::vector<Vec3> velocities_now();
+  /// About the longest step with which undamped explicit methods would be stable at rest (SoftBody::stable_step).
+  double stable_step();
   /// Throws DataError: what exploded, and the remedy.
-  [[noreturn]] void explode(std::span<const Vec3> at) const;
+  [[noreturn]] void explode(std::span<const Vec3> at);
 };
 
 }  // namespace sansmesh

@@ -98,7 +98,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   }
   const double diagonal = bounds(s.mesh).diagonal();
   body.near = 1e-9 * diagonal, body.longest = ElasticModel::kMostStretch * diagonal;
-  body.x = std::move(rest), body.v.resize(n);
+  body.x = rest, body.rest = std::move(rest), body.v.resize(n);
 }
 
 SoftBody::~SoftBody() = default;
@@ -123,6 +123,7 @@ StepReport SoftBody::advance(double duration) {
   return report;
 }
 
+double SoftBody::stable_step() const { return state_->body->stable_step(); }
 double SoftBody::time() const { return state_->body->time; }
 std::vector<Vec3> SoftBody::positions() const { return state_->as_given(state_->body->x); }
 std::vector<Vec3> SoftBody::velocities() const { return state_->as_given(state_->body->velocities_now()); }

@@ -163,6 +163,24 @@ TEST(SoftBody, ImplicitEulerIsStableWhereExplicitMethodsExplode) {
   }
 }
 
+TEST(SoftBody, TheStepThatIsSaidToBeStableIs) {
+  for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
+    SoftBodyOptions options = ideal(DynamicsIntegrator::verlet, 1);
+    options.model = model;
+    const double stable = SoftBody(small_bar(), options).stable_step();
+    const auto shake = [&](double step) {
+      options.step = step;
+      SoftBody body(small_bar(), options);
+      body.set_state(body.positions(), random_vectors(body.rest().vertices.size(), 1e-3, 5));
+      const double start = body.energies().total();
+      for (int k = 0; k < 400; ++k) body.step();
+      return body.energies().total() / start;
+    };
+    EXPECT_LT(shake(stable), 10);
+    EXPECT_THROW(shake(1.25 * stable), DataError);
+  }
+}
+
 SoftBody hanging_bar(const SoftBodyOptions& options) {
   const TetMesh bar = small_bar();
   DynamicsScene scene;
