@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kImplicitRows = 2048;  ///< vertices a task
 constexpr int kContactPasses = 6;            ///< systems solved at most until contacts agree with the solution
 constexpr int kCalmParts = 4;                ///< that converge before a longer one is tried
-constexpr double kSameLoad = 0.02;           ///< relative change of a load that friction need not follow
+constexpr double kSameLoad = 0.1;            ///< relative change of a load that friction need not follow
 
 }  // namespace
 
@@ -34,11 +34,15 @@ void ImplicitStepper::set_up(BodyState& body, double h, std::span<const Vec3> he
     external_[vertex] += (targets[k] - body.x[vertex]) * stiffness;
     diagonal_[vertex] += h * h * stiffness;
   }
+  // Where conjugate gradients begin: of what nothing holds, and falls, the velocity with that of falling.
+  const bool falls = held.empty() && std::all_of(touches_.begin(), touches_.end(), [](const VertexTouch& touch) {
+                       return touch.obstacle == VertexTouch::kNone;
+                     });
   parallel_for(0, n, kImplicitRows, [&](std::size_t i) {
     external_[i] *= h;
     momentum_[i] = body.v[i] * body.masses[i];
     base_[i] = momentum_[i] + force_[i] * h + external_[i];
-    wanted_[i] = body.v[i];
+    wanted_[i] = falls ? body.v[i] + external_[i] / diagonal_[i] : body.v[i];
     touches_[i].settled = false;
   });
   for (std::size_t k = 0; k < held.size(); ++k) {
