@@ -144,6 +144,7 @@ class GmshFile {
       rest.remove_prefix(at + end.size());
     }
     if (!seen_nodes_) in_.fail("truncated: it holds no nodes");
+    if (points_.empty()) in_.fail("holds no nodes");
     if (!seen_elements_) in_.fail("truncated: it holds no elements");
     return finished();
   }

@@ -50,6 +50,7 @@ PointNumbers read_tetgen_nodes(const Input& in, GridBlock& block) {
   NumberText text(in, in.bytes);
   const char* const of = "points";
   const std::size_t count = text.count(of, 6);
+  if (count == 0) in.fail("holds no points");
   const std::int64_t dimension = number_of_line(text), attributes = number_of_line(text), marks = number_of_line(text);
   if (dimension != 3) in.fail(fmt::format("its points have {} coordinates, not 3", dimension));
   if (attributes < 0 || attributes > static_cast<std::int64_t>(kMostAttributes) || marks < 0 || marks > 1)

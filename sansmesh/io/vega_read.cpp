@@ -90,6 +90,7 @@ class VegaFile {
     if (points_) in.fail("has two sections *VERTICES");
     const char* const of = "vertices";
     const std::size_t count = text.count(of, 6);
+    if (count == 0) in.fail("holds no vertices");
     const std::int64_t dimension = text.whole(of);
     if (dimension != 3) in.fail(fmt::format("its vertices have {} coordinates, not 3", dimension));
     text.line();

@@ -315,7 +315,7 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   none.replace(none.find("bone, hard"), 4, "skin");
   expect_no_volume(folder.put("c.veg", none), "the set 'skin'");
   expect_no_volume(folder.put("loop.veg", "*INCLUDE loop.veg\n"), "more than 8 deep");
-  expect_no_volume(folder.put("e.veg", "*VERTICES\n0 3 0 0\n*SHELLS\n"), "'*SHELLS' is not known");
+  expect_no_volume(folder.put("e.veg", "*VERTICES\n1 3 0 0\n1 0 0 0\n*SHELLS\n"), "'*SHELLS' is not known");
 }
 
 TEST(VertexLists, CommasBlanksAndComments) {
