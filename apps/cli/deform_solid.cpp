@@ -141,14 +141,15 @@ Image solid_picture(const DeformArguments& a, const OpenDeformation& deformation
                     const SolidSource& source, double share, std::vector<Vec3> places, const TriangleMesh& folds,
                     Progress& progress) {
   CsgMeshOptions options = mesh_options(a, source);
-  if (a.exact) {
+  const bool exact = a.exact || source.function;  // functions of scans have hardly a crease: rays are quicker
+  if (exact) {
     if (!options.cell && !options.resolution) options.resolution = kPictureCells;
     options.simplify = 0;
   }
   const TriangleMesh mesh = mesh_csg(field, options, progress);
   if (places.empty())
     for (const Vec3f& v : mesh.vertices) places.push_back(mesh.origin + Vec3(v));
-  if (a.exact) return exact_picture(field, mesh, a, deformation, share, std::move(places), folds, progress);
+  if (exact) return exact_picture(field, mesh, a, deformation, share, std::move(places), folds, progress);
   return picture_beside({surface_in_picture(mesh, deform_look(a))}, a, deformation, share, std::move(places), folds,
                         progress);
 }

@@ -12,6 +12,9 @@ namespace sansmesh {
 namespace {
 
 constexpr double kMoreStretch = 1.25;  // than at nodes of the lattice
+/// Blocks are halved until they are no larger than the detail, which no longer is one of their sizes: on average they
+/// are as large as those of before the deformation.
+constexpr double kBlocksAbout = 1.4;
 constexpr std::size_t kFieldGrain = 4096;
 
 /// Corners and middles of the faces of a cube in the unit ball.
@@ -209,10 +212,10 @@ void DeformedField::survey(std::span<const Vec3> x, const SurveyReach& reach, st
   if (pieces_) finish(p, x, values, {}, true);
   for (std::size_t i = 0; i < x.size(); ++i) {
     Surroundings& a = around[i];
-    const double stretch = kMoreStretch * stretch_.around(x[i], std::max(reach.detail, reach.alone)).most;
     // One piece that fills all has no other beside it.
     if (!pieces_) a.alone = std::numeric_limits<double>::infinity();
-    a.alone /= stretch, a.detail /= stretch;
+    a.alone /= kMoreStretch * stretch_.around(x[i], reach.alone).most;
+    a.detail *= kBlocksAbout / stretch_.at(x[i]);
     if (!p.defined[i]) a = {};
     if (gaps_ && std::isfinite(p.gaps[i])) a.alone = std::min(a.alone, std::abs(p.gaps[i] - values[i]) / kAssumedSlope);
   }

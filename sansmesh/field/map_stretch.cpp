@@ -10,8 +10,10 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kFacePoints = 33;  // along each edge of a face
-constexpr std::size_t kBoxCells = 32;    // along each edge of the box
+constexpr std::size_t kFacePoints = 33;   // along each edge of a face
+constexpr std::size_t kBoxCells = 32;     // along each edge of the box
+constexpr std::size_t kStretchBlock = 6;  // nodes along each axis whose range is kept
+constexpr std::size_t kFewNodes = 100;    // that are looked at one by one
 constexpr int kMostGrowth = 60;
 constexpr double kGrowth = 0.2;     // of the box at a time
 constexpr double kFarthest = 1000;  // sizes of the source
@@ -125,6 +127,14 @@ MapStretch::MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes) 
   }
   for (double& s : nodes_)
     if (!(s > 0) || !std::isfinite(s)) s = usual;
+  for (std::size_t k = 0; k < 3; ++k) blocks_[k] = (counts_[k] + kStretchBlock - 1) / kStretchBlock;
+  block_ranges_.assign(blocks_[0] * blocks_[1] * blocks_[2], {std::numeric_limits<double>::infinity(), 0});
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const std::size_t x0 = i % counts_[0], y0 = i / counts_[0] % counts_[1], z0 = i / counts_[0] / counts_[1];
+    Range& r =
+        block_ranges_[x0 / kStretchBlock + blocks_[0] * (y0 / kStretchBlock + blocks_[1] * (z0 / kStretchBlock))];
+    r.least = std::min(r.least, nodes_[i]), r.most = std::max(r.most, nodes_[i]);
+  }
 }
 
 double MapStretch::at(const Vec3& x, Vec3* gradient) const {
@@ -166,14 +176,20 @@ MapStretch::Range MapStretch::around(const Vec3& x, double radius) const {
     last[k] = static_cast<std::size_t>(std::clamp(high, 0.0, most));
     count *= last[k] - first[k] + 1;
   }
-  if (count > nodes_.size() / 4) return all_;
   Range range{std::numeric_limits<double>::infinity(), 0};
+  const auto add = [&range](const Range& r) {
+    range.least = std::min(range.least, r.least), range.most = std::max(range.most, r.most);
+  };
+  if (count > kFewNodes) {
+    for (std::size_t l = first[2] / kStretchBlock; l <= last[2] / kStretchBlock; ++l)
+      for (std::size_t j = first[1] / kStretchBlock; j <= last[1] / kStretchBlock; ++j)
+        for (std::size_t i = first[0] / kStretchBlock; i <= last[0] / kStretchBlock; ++i)
+          add(block_ranges_[i + blocks_[0] * (j + blocks_[1] * l)]);
+    return range;
+  }
   for (std::size_t l = first[2]; l <= last[2]; ++l)
     for (std::size_t j = first[1]; j <= last[1]; ++j)
-      for (std::size_t i = first[0]; i <= last[0]; ++i) {
-        range.least = std::min(range.least, node(i, j, l));
-        range.most = std::max(range.most, node(i, j, l));
-      }
+      for (std::size_t i = first[0]; i <= last[0]; ++i) add({node(i, j, l), node(i, j, l)});
   return range;
 }
 

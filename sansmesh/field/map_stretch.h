@@ -27,7 +27,8 @@ class MapStretch {
   struct Range {
     double least, most;
   };
-  /// Of all nodes of the cells that a box around the ball meets, and of those beside these.
+  /// Of all nodes of the cells that a box around the ball meets and of those beside these, at least: of large balls
+  /// some farther away count, too.
   Range around(const Vec3& x, double radius) const;
   /// Of all nodes.
   Range range() const { return all_; }
@@ -40,6 +41,8 @@ class MapStretch {
   std::array<std::size_t, 3> counts_{1, 1, 1};
   Vec3 inverse_;  // cells per length
   std::vector<double> nodes_;
+  std::array<std::size_t, 3> blocks_{1, 1, 1};
+  std::vector<Range> block_ranges_;  // of blocks of nodes
   Range all_{1, 1};
 };
 
