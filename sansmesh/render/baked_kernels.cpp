@@ -1,9 +1,12 @@
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/render/baked_kernels.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as Highway requires.
 #include <hwy/highway.h>
+
+#include <algorithm>
 
 #include "sansmesh/render/baked_kernels.h"
 
@@ -75,12 +78,28 @@ HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPlace& p, float* 
   }
 }
 
+/// Fetches the nodes of a cell into the cache: bricks take far more than that holds, and rays meet them in no order.
+HWY_INLINE void FetchNodes(const BrickTree& tree, const BrickPlace& p) {
+  const auto cell = [](float at) { return std::min(static_cast<int>(at), kBrickCells - 1); };
+  const float* const at = tree.nodes + static_cast<std::size_t>(p.brick) * kBrickSize +
+                          4 * static_cast<std::size_t>(cell(p.x) + kBrickNodes * (cell(p.y) + kBrickNodes * cell(p.z)));
+  constexpr std::size_t kRow = 4u * kBrickNodes, kLayer = kRow * kBrickNodes;
+  for (const std::size_t row : {std::size_t{0}, kRow, kLayer, kLayer + kRow}) hwy::Prefetch(at + row);
+}
+
 void BrickValues(const BrickTree& tree, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) {
+  constexpr std::size_t kTogether = 16;
+  BrickPlace places[kTogether];
   float found[4];
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    BetweenNodes(tree, place_in_bricks(tree, x[i]), found);
-    if (!values.empty()) values[i] = static_cast<double>(found[0]);
-    if (!gradients.empty()) gradients[i] = Vec3(Vec3f{found[1], found[2], found[3]});
+  for (std::size_t first = 0; first < x.size(); first += kTogether) {
+    const std::size_t n = std::min(kTogether, x.size() - first);
+    for (std::size_t k = 0; k < n; ++k) FetchNodes(tree, places[k] = place_in_bricks(tree, x[first + k]));
+    for (std::size_t k = 0; k < n; ++k) {
+      BetweenNodes(tree, places[k], found);
+      const std::size_t i = first + k;
+      if (!values.empty()) values[i] = static_cast<double>(found[0]);
+      if (!gradients.empty()) gradients[i] = Vec3(Vec3f{found[1], found[2], found[3]});
+    }
   }
 }
 
