@@ -8,6 +8,7 @@
 namespace sansmesh::detail {
 namespace {
 
+constexpr std::size_t kDetourPlaces = 17;  // along a segment, from which ways around cuts are found
 /// Gauss and Legendre's rule of 12 nodes on −1..1: what lies right of the middle.
 constexpr std::size_t kHalfRule = 6;
 constexpr std::array<double, kHalfRule> kRuleAt{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
@@ -34,6 +35,15 @@ NearSegment near_line(const DeformHandle& h, const Vec3& x) {
   near.at = dot(from, h.along_q) / squared_norm(h.along_q);
   near.square = squared_norm(from - h.along_q * near.at);
   return near;
+}
+
+/// Linear between those of places evenly along a segment.
+Detour mixed(const std::array<Detour, kDetourPlaces>& detours, double t) {
+  const double at = t * (kDetourPlaces - 1);
+  const std::size_t k = std::min(static_cast<std::size_t>(at), kDetourPlaces - 2);
+  const double f = at - static_cast<double>(k);
+  const Detour &a = detours[k], &b = detours[k + 1];
+  return {a.extra * (1 - f) + b.extra * f, a.gradient * (1 - f) + b.gradient * f};
 }
 
 /// What all nodes of a handle share.
@@ -90,6 +100,12 @@ struct NodeMaker {
     const auto panels = static_cast<std::size_t>(
         std::max(1.0, std::ceil((last - first) * std::sqrt(std::max(1.0, setup.options.alpha)) / kPanel)));
     const double half = (last - first) / 2 / static_cast<double>(panels);
+    // Ways around cuts from few places, the same for all x: cuts may keep something for each place.
+    std::array<Detour, kDetourPlaces> detours;
+    if (!cuts.empty())
+      for (std::size_t k = 0; k < kDetourPlaces; ++k)
+        add_detours(cuts, h.q + h.along_q * (static_cast<double>(k) / (kDetourPlaces - 1)), {&x, 1}, {&detours[k], 1},
+                    scratch);
     for (std::size_t panel = 0; panel < panels; ++panel) {
       const double middle = first + half * static_cast<double>(2 * panel + 1);
       for (std::size_t k = 0; k < 2 * kHalfRule; ++k) {
@@ -98,8 +114,7 @@ struct NodeMaker {
         const double s = middle + side * half * kRuleAt[r];
         const double offset = ratio * std::sinh(s), t = std::clamp(near.at + offset, 0.0, 1.0);
         const Vec3 q = h.q + h.along_q * t;
-        Detour detour;
-        if (!cuts.empty()) add_detours(cuts, q, {&x, 1}, {&detour, 1}, scratch);
+        const Detour detour = cuts.empty() ? Detour{} : mixed(detours, t);
         add(h, q, h.p + h.along_p * t, kRuleWeight[r] * half * ratio * std::cosh(s),
             near.square + offset * offset * length * length, detour);
       }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <set>
 
 #include "deform/cut_support.h"
 #include "sansmesh/csg/solid.h"
@@ -171,6 +172,45 @@ TEST(CutDeformation, SolidsComeOutClosedWithSmoothFaces) {
     EXPECT_GT(on_faces, 60u);
     EXPECT_LT(farthest, 0.01);  // of cells of 0.08
   }
+}
+
+TEST(CutDeformation, SegmentsAskFromFewPlaces) {
+  class Counting final : public Occluder {
+   public:
+    void detours(const Vec3& handle, std::span<const Vec3> x, std::span<Detour> found) const override {
+      places.insert({handle.x, handle.y, handle.z});
+      inner->detours(handle, x, found);
+    }
+    void gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const std::array<Vec3, 3>> jacobians,
+              std::span<Gap> found) const override {
+      inner->gaps(x, sources, jacobians, found);
+    }
+    void crossings(const Vec3& a, const Vec3& b, std::vector<double>& found) const override {
+      inner->crossings(a, b, found);
+    }
+    void border_points(const Vec3& a, const Vec3& b, const Vec3& c, std::vector<Vec3>& found) const override {
+      inner->border_points(a, b, c, found);
+    }
+    std::shared_ptr<const Occluder> inner = slot();
+    mutable std::set<std::array<double, 3>> places;
+  };
+  const auto cut = std::make_shared<const Counting>();
+  std::vector<Handle> handles = opening_handles(0.4);
+  handles[0].p_end = handles[0].q_end = Vec3{-1, 1, 1};
+  const MlsDeformation map(handles, damped(), {cut});
+  std::mt19937 random(4);
+  for (int i = 0; i < 30; ++i) {
+    const Vec3 x = random_point(random, 0.9);
+    const MapAt found = map_at(map, x);
+    EXPECT_TRUE(is_finite(found.position));
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 step;
+      step[k] = 1e-6;
+      EXPECT_LT(norm(found.jacobian[k] - (map_at(map, x + step).position - map_at(map, x - step).position) / 2e-6),
+                1e-5);
+    }
+  }
+  EXPECT_LE(cut->places.size(), 7u + 17u);  // what is kept for each of them is bounded
 }
 
 TEST(CutDeformation, MeshesOpenAndPart) {
