@@ -241,12 +241,13 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
   std::vector<std::string> files;
   std::vector<TimedFile> series;
   TetMesh frame = motion.rest();
+  const std::vector<Vec3> at_rest = motion.positions(0);  // rounded as those of all frames
   progress.begin("writing tetrahedra", motion.frames());
   for (std::size_t k = 0; k < motion.frames(); ++k) {
     frame.vertices = motion.positions(k);
     std::vector<float> velocity, displacement;
     for (std::size_t v = 0; v < frame.vertices.size(); ++v) {
-      const Vec3f u = motion.velocities(k)[v], d = Vec3f(frame.vertices[v] - motion.rest().vertices[v]);
+      const Vec3f u = motion.velocities(k)[v], d = Vec3f(frame.vertices[v] - at_rest[v]);
       velocity.insert(velocity.end(), {u.x, u.y, u.z});
       displacement.insert(displacement.end(), {d.x, d.y, d.z});
     }
@@ -519,7 +520,7 @@ Command add_simulate(CommandLine& app) {
       "z).\nScenes: docs/formats/scene.md. Without one the body falls onto a floor; with --fixed it hangs.\n\n"
       "Examples:\n"
       "  sansmesh simulate turtle.veg --fixed turtle.bou --surface turtle.obj -o turtle.ply\n"
-      "  sansmesh simulate dolphin.msh --young 1e6 --animation dolphin.png --width 480 --height 360\n"
+      "  sansmesh simulate dolphin.msh --unit cm --animation dolphin.png --width 480 --height 360\n"
       "  sansmesh simulate bar.msh --forces twist.json -o twist.vtu --energies twist.csv      # open twist.pvd\n"
       "  sansmesh simulate head.msh --forces pull.json --volume head.vti --preset ct-bone -o head.png\n"
       "  twist.json: {\"fixed\": {\"side\": \"-x\"},\n"
