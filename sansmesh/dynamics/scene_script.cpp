@@ -147,9 +147,19 @@ class SceneReader {
     if (f.has("forces"))
       for (const auto& [where, entry] : entries(f.at("forces"), "forces"))
         s.scene.forces.push_back(force(*entry, where));
-    if (f.has("handles"))
-      for (const auto& [where, entry] : entries(f.at("handles"), "handles"))
+    if (f.has("handles")) {
+      std::vector<std::uint8_t> held(vertices_.mesh->vertices.size(), 0);
+      for (const std::uint32_t v : s.scene.fixed) held[v] = 1;
+      for (const auto& [where, entry] : entries(f.at("handles"), "handles")) {
         s.scene.handles.push_back(handle(*entry, where));
+        for (const std::uint32_t v : s.scene.handles.back().vertices) {
+          const Vec3& x = vertices_.mesh->vertices[v];
+          if (std::exchange(held[v], std::uint8_t{1}))
+            throw ArgumentError(fmt::format("{}.on: the vertex at ({:.6g}, {:.6g}, {:.6g}) is fixed or pulled already",
+                                            where, x.x, x.y, x.z));
+        }
+      }
+    }
     read_obstacles(f, s);
     return s;
   }
@@ -191,6 +201,11 @@ class SceneReader {
     }
     f.get("iterations", s.iterations, &SceneFields::whole);
     f.get("halvings", s.halvings, &SceneFields::whole);
+    // The ranges of SoftBodyOptions, told by the scene's keys.
+    if (s.poisson && *s.poisson > 0.49) f.fail("'poisson' must lie in 0..0.49");
+    if (s.tolerance && !(*s.tolerance >= 1e-14 && *s.tolerance <= 0.1)) f.fail("'tolerance' must lie in 1e-14..0.1");
+    if (s.iterations && *s.iterations < 1) f.fail("'iterations' must be at least 1");
+    if (s.halvings && (*s.halvings < 0 || *s.halvings > 20)) f.fail("'halvings' must lie in 0..20");
     if (f.has("unit")) s.unit = unit(f);
     if (f.has("up")) {
       const std::string up = f.text("up");

@@ -131,6 +131,10 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"handles\": {\"on\": [10], \"keys\": [{\"time\": 2}, {\"time\": 1}]}}",
        "handles.keys 2: times must increase"},
       {"{\"handles\": {\"on\": [10], \"turn\": {\"axis\": [0, 0, 0], \"degrees\": 3}}}", "'axis' has no direction"},
+      {"{\"poisson\": 0.6}", "'poisson' must lie in 0..0.49"},
+      {"{\"halvings\": 99}", "'halvings' must lie in 0..20"},
+      {"{\"fixed\": [10, 11], \"handles\": [{\"on\": [12], \"move\": [1, 0, 0]}, {\"on\": [11], \"move\": [1, 0, 0]}]}",
+       "handles 2.on: the vertex at (1, 0, 0) is fixed or pulled already"},
       {"{\"floor\": {}}", "floor: either 'point' or 'height'"},
       {"{\"spheres\": [{\"center\": [0, 0, 0], \"radius\": -1}]}", "spheres 1: 'radius' must be above 0"},
   };
