@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 
 #include "sansmesh/core/error.h"
@@ -124,13 +125,23 @@ Handle handle_of(const HandleJson& json, const HandlePlace& at) {
 }
 
 std::vector<Handle> handles_of_json(const std::string& text, const std::string& name) {
+  const HandlePlace file{name, {}};
   HandleJson json;
   try {
-    json = HandleJson::parse(text);
+    // Of two keys in an object the last would win, silently.
+    std::vector<std::set<std::string>> keys;
+    json = HandleJson::parse(text, [&](int, HandleJson::parse_event_t event, HandleJson& value) {
+      if (event == HandleJson::parse_event_t::object_start) keys.emplace_back();
+      if (event == HandleJson::parse_event_t::object_end) keys.pop_back();
+      if (event == HandleJson::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+        file.fail(fmt::format("key '{}' stands twice in an object", printable(value.get<std::string>(), 40)));
+      return true;
+    });
   } catch (const HandleJson::parse_error& error) {
-    throw FileError(name, fmt::format("is no JSON: it breaks off at byte {}", error.byte));
+    file.fail(fmt::format("is no JSON: it breaks off at byte {}", error.byte));
+  } catch (const HandleJson::exception&) {
+    file.fail("holds a number that is too large");
   }
-  const HandlePlace file{name, {}};
   if (!json.is_object()) file.fail("must be an object with 'handles'");
   check_keys(json, {"handles"}, file);
   if (!json.contains("handles") || !json["handles"].is_array()) file.fail("'handles' must be a list");
@@ -163,10 +174,17 @@ bool numbers_of(std::string_view line, std::vector<double>& numbers) {
   }
 }
 
+/// Whether a row begins like one of numbers, so that it is no names of columns.
+bool row_of_numbers(std::string_view row) {
+  const std::size_t first = row.find_first_not_of(" \t\r+-.");
+  return first != std::string_view::npos && row[first] >= '0' && row[first] <= '9';
+}
+
 std::vector<Handle> handles_of_table(const std::string& text, const std::string& name) {
   std::vector<Handle> handles;
   std::vector<double> n;
   std::size_t line = 0;
+  bool named = false;  // the names of the columns have been passed
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view row(text.data() + begin, end - begin);
@@ -176,7 +194,10 @@ std::vector<Handle> handles_of_table(const std::string& text, const std::string&
     if (first == std::string_view::npos || row[first] == '#') continue;
     const HandlePlace at{name, fmt::format("line {}", line)};
     if (!numbers_of(row, n)) {
-      if (handles.empty() && line == 1) continue;  // names of the columns
+      if (handles.empty() && !named && !row_of_numbers(row)) {
+        named = true;
+        continue;
+      }
       at.fail("must hold numbers: px,py,pz,qx,qy,qz and maybe a weight");
     }
     if (n.size() != 6 && n.size() != 7)
@@ -194,7 +215,9 @@ HandleJson json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-std::vector<Handle> parse_handles(const std::string& text, const std::string& name) {
+std::vector<Handle> parse_handles(const std::string& whole, const std::string& name) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";  // that some editors put before UTF-8
+  const std::string text = whole.starts_with(kMark) ? whole.substr(kMark.size()) : whole;
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) throw FileError(name, "is empty");
   std::vector<Handle> handles =

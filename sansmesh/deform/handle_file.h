@@ -15,7 +15,7 @@ namespace sansmesh {
 /// Handles as JSON, or as a table (where the text does not begin with a brace): rows px,py,pz,qx,qy,qz and, where there
 /// are seven numbers, the weight. `name` is that of the file in errors. A handle without `q` stays where it is.
 /// Throws FileError that says which handle or line, which key, and the cause.
-std::vector<Handle> parse_handles(const std::string& text, const std::string& name);
+std::vector<Handle> parse_handles(const std::string& whole, const std::string& name);
 /// The same of a file. Throws FileError.
 std::vector<Handle> read_handles(const std::string& file);
 

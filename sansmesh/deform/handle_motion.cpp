@@ -39,12 +39,12 @@ AxisAngle axis_angle(const detail::Rows3& r) {
   const Vec3 k{r[2].y - r[1].z, r[0].z - r[2].x, r[1].x - r[0].y};  // 2 sin(angle) axis
   const double s = 0.5 * norm(k), c = 0.5 * (r[0].x + r[1].y + r[2].z - 1), angle = std::atan2(s, c);
   if (angle < kNoTurn) return {};
-  if (s > 1e-6) return {normalized(k), angle};
-  // Half a turn: R + I is 2 e eᵀ; its longest row.
+  if (c > 0) return {normalized(k), angle};
+  // Towards half a turn the sine says little: the symmetric part is c I + (1 - c) e eᵀ; of e eᵀ the longest row.
   Vec3 axis;
   for (std::size_t i = 0; i < 3; ++i) {
-    Vec3 row = r[i];
-    row[i] += 1;
+    Vec3 row = (r[i] + Vec3{r[0][i], r[1][i], r[2][i]}) * 0.5;
+    row[i] -= c;
     if (norm(row) > norm(axis)) axis = row;
   }
   axis = normalized(axis);

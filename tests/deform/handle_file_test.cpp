@@ -48,7 +48,8 @@ TEST(HandleFile, JsonHoldsAllThatAHandleCanBe) {
 
 TEST(HandleFile, TablesHoldPointsAndWeights) {
   for (const std::string text : {"px,py,pz,qx,qy,qz,weight\n1,2,3,4,5,6,7\n# no row\n\n-1,0,0,+1e-1,0,0,1\n",
-                                 "1 2 3 4 5 6 7\r\n-1 0 0 0.1 0 0\r\n", "1;2;3;4;5;6;7\n-1;0;0;.1;0;0"}) {
+                                 "1 2 3 4 5 6 7\r\n-1 0 0 0.1 0 0\r\n", "1;2;3;4;5;6;7\n-1;0;0;.1;0;0",
+                                 "\xef\xbb\xbf# from a tracker\npx py pz qx qy qz w\n1 2 3 4 5 6 7\n-1 0 0 .1 0 0"}) {
     const std::vector<Handle> h = parse_handles(text, "h.csv");
     ASSERT_EQ(h.size(), 2u) << text;
     EXPECT_EQ(h[0].p, (Vec3{1, 2, 3}));
@@ -88,6 +89,10 @@ TEST(HandleFile, SaysWhichHandleAndWhichKeyIsWrong) {
       {R"({"handles": [{"p": [0,0,0], "frame": {"before": [[1,0,0],[0,1,0],[0,0,1]],
          "after": [[1,0,0],[0,1,0],[0,0,-1]]}}]})",
        {"right-handed"}},
+      {R"({"handles": [{"p": [1e999,0,0]}]})", {"too large"}},
+      {R"({"handles": [{"p": [0,0,0], "p": [1,0,0]}]})", {"'p' stands twice"}},
+      {"1,2,3,4,5,six\n", {"line 1"}},
+      {"x,y\nu,v\n", {"line 2"}},
       {"1,2,3,4,5,6\n1,2,3\n", {"line 2", "3 numbers"}},
       {"1,2,3,4,5,6\n1,2,3,4,5,x\n", {"line 2"}},
       {"px,py,pz,qx,qy,qz\n", {"no handles"}},
@@ -105,6 +110,10 @@ TEST(HandleFile, SaysWhichHandleAndWhichKeyIsWrong) {
     }
   }
   EXPECT_THROW(read_handles("/none/such.json"), FileError);
+}
+
+TEST(HandleFile, AMarkBeforeJsonIsNoMatter) {
+  EXPECT_EQ(parse_handles("\xef\xbb\xbf{\"handles\": [{\"p\": [1, 2, 3]}]}", "h.json").size(), 1u);
 }
 
 TEST(HandleFile, PairsOfMeshesGiveHandles) {
