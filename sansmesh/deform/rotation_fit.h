@@ -15,8 +15,8 @@ inline Vec3 transposed_times(const Rows3& a, const Vec3& v) { return a[0] * v.x 
 /// The rotation R that maximises Σ R_ij B_ij, for B = Σ w p qᵀ: the one that turns the q closest to the p. Its
 /// determinant is +1 whatever B is. Of equally good ones it is the smallest: B is pulled towards the identity by 10⁻¹⁴
 /// of its norm. (Largest root of the quartic in the depressed form of METHODS, eigenvector by the adjugate of Horn's
-/// matrix, two steps of Newton's on the rotations: errors of rounding over the gap of the singular values, not over its
-/// square.)
+/// matrix, steps of Newton's on the rotations; Jacobi's method on Horn's matrix where these do not end at what is
+/// certainly the best: errors of rounding over the gap of the singular values, not over its square.)
 Rows3 best_rotation(const Rows3& b);
 
 /// How R turns with B: the vector ω with ∂R = R [ω]×, where `turn` is Σ ∂w q × Rᵀp.

@@ -67,6 +67,18 @@ HWY_INLINE V LargestRoot(const V& f, const V& det, const V& c) {
   return y;
 }
 
+/// Horn's matrix of b less y.
+template <class V>
+HWY_INLINE void HornMatrix(const V (&b)[3][3], const V& y, V (&n)[4][4]) {
+  n[0][0] = hn::Sub(hn::Add(hn::Add(b[0][0], b[1][1]), b[2][2]), y);
+  for (int k = 0; k < 3; ++k) {
+    const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+    n[k + 1][k + 1] = hn::Sub(hn::Sub(hn::Sub(b[k][k], b[k1][k1]), b[k2][k2]), y);
+    n[0][k + 1] = n[k + 1][0] = hn::Sub(b[k2][k1], b[k1][k2]);
+    n[k1 + 1][k2 + 1] = n[k2 + 1][k1 + 1] = hn::Add(b[k1][k2], b[k2][k1]);
+  }
+}
+
 /// The quaternion of the largest eigenvalue of Horn's matrix of b.
 template <class V>
 HWY_INLINE void HornQuaternion(const V (&b)[3][3], V (&q)[4]) {
@@ -88,13 +100,7 @@ HWY_INLINE void HornQuaternion(const V (&b)[3][3], V (&q)[4]) {
   const V y = LargestRoot(f, det, rest);
 
   V n[4][4];
-  n[0][0] = hn::Sub(hn::Add(hn::Add(b[0][0], b[1][1]), b[2][2]), y);
-  for (int k = 0; k < 3; ++k) {
-    const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-    n[k + 1][k + 1] = hn::Sub(hn::Sub(hn::Sub(b[k][k], b[k1][k1]), b[k2][k2]), y);
-    n[0][k + 1] = n[k + 1][0] = hn::Sub(b[k2][k1], b[k1][k2]);
-    n[k1 + 1][k2 + 1] = n[k2 + 1][k1 + 1] = hn::Add(b[k1][k2], b[k2][k1]);
-  }
+  HornMatrix(b, y, n);
   // Its adjugate is a multiple of q qᵀ: the column that is longest.
   V s[6], c[6];
   constexpr int kPairs[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -139,9 +145,10 @@ HWY_INLINE V Sum3(const V& a, const V& b, const V& c) {
   return hn::Add(hn::Add(a, b), c);
 }
 
-/// q times (w, v), a quaternion.
-template <class V>
-HWY_INLINE void TurnQuaternion(const V& w, const V (&v)[3], V (&q)[4]) {
+/// q times (w, v), a quaternion, in lanes of the mask. Others keep every bit: what a lane finds must not depend on what
+/// its neighbours still have to do.
+template <class V, class Mask>
+HWY_INLINE void TurnQuaternion(const Mask& turns, const V& w, const V (&v)[3], V (&q)[4]) {
   const V p[4] = {q[0], q[1], q[2], q[3]};
   q[0] = hn::Sub(hn::Mul(p[0], w), Sum3(hn::Mul(p[1], v[0]), hn::Mul(p[2], v[1]), hn::Mul(p[3], v[2])));
   for (int k = 0; k < 3; ++k) {
@@ -150,6 +157,7 @@ HWY_INLINE void TurnQuaternion(const V& w, const V (&v)[3], V (&q)[4]) {
                        hn::Sub(hn::Mul(p[k1 + 1], v[k2]), hn::Mul(p[k2 + 1], v[k1])));
   }
   NormalizeQuaternion(q);
+  for (int k = 0; k < 4; ++k) q[k] = hn::IfThenElse(turns, q[k], p[k]);
 }
 
 /// What a rotation r lacks: S = rᵀ b is not symmetric by `skew`, and resists turns by H = (tr S) 1 − S.
@@ -235,8 +243,7 @@ HWY_INLINE void TurnAboutWeakAxis(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
     const auto solvable = hn::And(weak, hn::Gt(t.det, hn::Set(d, 1e-3)));
     const V size = HalfTurn(t, hn::Div(half, hn::IfThenElse(solvable, t.det, one)), w);
     const auto turns = hn::And(solvable, hn::Lt(size, hn::Set(d, 0.05)));
-    for (V& v : w) v = hn::IfThenElseZero(turns, v);
-    TurnQuaternion(one, w, q);
+    TurnQuaternion(turns, one, w, q);
     QuaternionMatrix(q, r);
     t = WhatIsLeft(b, r);
   }
@@ -257,27 +264,100 @@ HWY_INLINE void TurnAboutWeakAxis(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   const auto acute = hn::Ge(cosine, zero);
   const V across = hn::IfThenElse(acute, smaller, larger);
   for (int k = 0; k < 3; ++k) w[k] = hn::Mul(across, e[k]);
-  TurnQuaternion(hn::IfThenElse(acute, larger, smaller), w, q);
+  TurnQuaternion(turns, hn::IfThenElse(acute, larger, smaller), w, q);
   QuaternionMatrix(q, r);
 }
 
-/// Newton's method on the rotations: it makes up for what the coefficients of the quartic lost by rounding.
+/// Newton's method on the rotations: it makes up for what the coefficients of the quartic lost by rounding. The lanes
+/// where it came to rest at what is certainly the best rotation: resisting all turns by more than rounding makes.
 template <class V>
-HWY_INLINE void PolishRotation(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
+HWY_INLINE auto PolishRotation(const V (&b)[3][3], V (&q)[4], V (&r)[3][3]) {
   const hn::DFromV<V> d;
-  auto going = hn::Eq(q[0], q[0]);
+  const V zero = hn::Zero(d);
+  auto going = hn::Eq(q[0], q[0]), best = hn::Ne(q[0], q[0]);
   for (int step = 0; step < 5; ++step) {
     const TurnLeft<V> t = WhatIsLeft(b, r);
     going = hn::And(going, hn::Gt(t.det, hn::Set(d, 1e-16)));
     V w[3];
     const V size = HalfTurn(t, hn::Div(hn::Set(d, 0.5), hn::IfThenElse(going, t.det, hn::Set(d, 1.0))), w);
     going = hn::And(going, hn::Lt(size, hn::Set(d, 0.01)));
-    for (V& e : w) e = hn::IfThenElseZero(going, e);
-    TurnQuaternion(hn::Set(d, 1.0), w, q);
+    TurnQuaternion(going, hn::Set(d, 1.0), w, q);
     QuaternionMatrix(q, r);
-    going = hn::And(going, hn::Gt(size, hn::Set(d, 1e-20)));  // the next would be its square
+    const V pairs = Sum3(t.adjugate[0][0], t.adjugate[1][1], t.adjugate[2][2]);
+    const auto holds = hn::And(hn::Gt(t.det, hn::Set(d, 1e-12)), hn::And(hn::Gt(pairs, zero), hn::Gt(t.trace(), zero)));
+    const auto rests = hn::Le(size, hn::Set(d, 1e-20));  // the next would be its square
+    best = hn::Or(best, hn::And(going, hn::And(rests, holds)));
+    going = hn::AndNot(rests, going);
     if (hn::AllFalse(d, going)) break;
   }
+  return best;
+}
+
+/// Where nothing is left to turn but for rounding, and no more than one turn hardly matters: the best rotation.
+template <class V>
+HWY_INLINE auto IsBest(const V (&b)[3][3], const V (&r)[3][3]) {
+  const hn::DFromV<V> d;
+  const TurnLeft<V> t = WhatIsLeft(b, r);
+  const V skew = Sum3(hn::Mul(t.skew[0], t.skew[0]), hn::Mul(t.skew[1], t.skew[1]), hn::Mul(t.skew[2], t.skew[2]));
+  const V pairs = Sum3(t.adjugate[0][0], t.adjugate[1][1], t.adjugate[2][2]);
+  return hn::And(hn::And(hn::Lt(skew, hn::Set(d, 1e-26)), hn::Gt(t.trace(), hn::Zero(d))),
+                 hn::And(hn::Gt(pairs, hn::Set(d, 1e-2)), hn::Gt(t.det, hn::Set(d, -1e-15))));
+}
+
+template <class V>
+HWY_INLINE V Alignment(const V (&b)[3][3], const V (&r)[3][3]) {
+  V sum = hn::Zero(hn::DFromV<V>());
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) sum = hn::Add(sum, hn::Mul(b[i][j], r[i][j]));
+  return sum;
+}
+
+/// The same by Jacobi's method on Horn's matrix, in lanes of the mask: for mirrored sets that are (nearly) symmetric
+/// about an axis or a point several roots of the quartic coincide. Sweeps are as many for all lanes.
+template <class V, class Mask>
+HWY_NOINLINE void RepairRotation(const V (&b)[3][3], const Mask& wanted, V (&r)[3][3]) {
+  const hn::DFromV<V> d;
+  constexpr int kSweeps = 7;
+  const V one = hn::Set(d, 1.0), zero = hn::Zero(d), half = hn::Set(d, 0.5);
+  V a[4][4], v[4][4];
+  HornMatrix(b, zero, a);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) v[i][j] = i == j ? one : zero;
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (int i = 0; i < 3; ++i)
+      for (int j = i + 1; j < 4; ++j) {
+        // The tangent of the smaller angle by which a[i][j] becomes 0.
+        const V off = a[i][j], difference = hn::Mul(half, hn::Sub(a[j][j], a[i][i]));
+        const V root = hn::Sqrt(hn::Add(hn::Mul(difference, difference), hn::Mul(off, off)));
+        const V under = hn::Add(hn::Abs(difference), root);
+        const auto some = hn::Gt(under, hn::Set(d, 1e-290));
+        const V size = hn::IfThenElseZero(some, hn::Div(off, hn::IfThenElse(some, under, one)));
+        const V tangent = hn::IfThenElse(hn::Lt(difference, zero), hn::Neg(size), size);
+        const V c = hn::Div(one, hn::Sqrt(hn::Add(one, hn::Mul(tangent, tangent)))), s = hn::Mul(tangent, c);
+        a[i][i] = hn::Sub(a[i][i], hn::Mul(tangent, off)), a[j][j] = hn::Add(a[j][j], hn::Mul(tangent, off));
+        a[i][j] = a[j][i] = zero;
+        for (int k = 0; k < 4; ++k) {
+          const V x = v[k][i], y = v[k][j];
+          v[k][i] = hn::Sub(hn::Mul(c, x), hn::Mul(s, y)), v[k][j] = hn::Add(hn::Mul(s, x), hn::Mul(c, y));
+          if (k == i || k == j) continue;
+          const V e = a[k][i], f = a[k][j];
+          a[k][i] = a[i][k] = hn::Sub(hn::Mul(c, e), hn::Mul(s, f));
+          a[k][j] = a[j][k] = hn::Add(hn::Mul(s, e), hn::Mul(c, f));
+        }
+      }
+  V most = a[0][0], q[4] = {v[0][0], v[1][0], v[2][0], v[3][0]};
+  for (int i = 1; i < 4; ++i) {
+    const auto more = hn::Gt(a[i][i], most);
+    most = hn::Max(most, a[i][i]);
+    for (int k = 0; k < 4; ++k) q[k] = hn::IfThenElse(more, v[k][i], q[k]);
+  }
+  NormalizeQuaternion(q);
+  V found[3][3];
+  QuaternionMatrix(q, found);
+  const auto good = hn::Gt(hn::Add(Alignment(b, found), hn::Set(d, 1e-15)), Alignment(b, r));
+  const auto taken = hn::And(wanted, good);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) r[i][j] = hn::IfThenElse(taken, found[i][j], r[i][j]);
 }
 
 /// The rotation r that maximises Σ r_ij b_ij. Of several the smallest, by a pull towards the identity of 10⁻¹⁴ of the
@@ -305,7 +385,10 @@ HWY_INLINE void BestRotation(const V (&b)[3][3], V (&r)[3][3]) {
   HornQuaternion(c, q);
   QuaternionMatrix(q, r);
   TurnAboutWeakAxis(c, q, r);
-  PolishRotation(c, q, r);
+  auto best = PolishRotation(c, q, r);
+  if (hn::AllTrue(d, best)) return;
+  best = hn::Or(best, IsBest(c, r));
+  if (!hn::AllTrue(d, best)) RepairRotation(c, hn::Not(best), r);
 }
 
 }  // namespace HWY_NAMESPACE

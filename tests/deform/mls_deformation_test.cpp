@@ -317,6 +317,38 @@ TEST(MlsDeformation, IsTheSameForAnyThreadsAndBatches) {
   }
 }
 
+/// How many of x are mapped elsewhere when others are beside them.
+std::size_t differ_in_company(const SpaceMap& map, const std::vector<Vec3>& x) {
+  const std::vector<Vec3> all = mapped(map, x);
+  std::size_t different = 0;
+  for (const std::size_t first : {1, 2, 3, 5}) {
+    const std::vector<Vec3> part = mapped(map, {x.begin() + static_cast<std::ptrdiff_t>(first), x.end()});
+    for (std::size_t i = 0; i < part.size(); ++i)
+      different += std::memcmp(&part[i], &all[first + i], sizeof(Vec3)) != 0;
+  }
+  return different;
+}
+
+TEST(MlsDeformation, PlacesBesideDifficultOnesAreTheSame) {
+  // Flattened sets of points: some places need turns about a weak axis, more steps or other roots than those beside
+  // them in a vector.
+  const std::vector<Vec3> x = random_places(20'000, 3, 1.3);
+  for (const double thin : {0.05, 0.1, 0.15, 0.2}) {
+    for (const DeformationKind kind : {DeformationKind::affine, DeformationKind::similarity, DeformationKind::rigid}) {
+      std::vector<Handle> handles = loose_handles(12);
+      for (Handle& h : handles) h.q.y *= thin, h.q.z *= thin, h.p.y *= thin, h.p.z *= thin;
+      EXPECT_EQ(differ_in_company(MlsDeformation(handles, of_kind(kind)), x), 0u) << thin;
+      for (Handle& h : handles) h.p.x *= -1;
+      const MlsDeformation mirrored(handles, of_kind(kind));
+      EXPECT_EQ(differ_in_company(mirrored, x), 0u) << thin;
+      if (thin == 0.1) expect_equal_for_any_threads([&] { return mapped(mirrored, x); });
+    }
+  }
+  EXPECT_EQ(differ_in_company(MlsDeformation(loose_handles(25), of_kind(DeformationKind::nonlinear, 2, 1.7)),
+                              random_places(2000, 3, 1.3)),
+            0u);
+}
+
 TEST(MlsDeformation, ForwardAndBackwardInterpolateTheSameHandles) {
   const std::vector<Handle> handles = loose_handles(15);
   const MlsDeformation back(handles, {}), forth(reversed(handles), {});

@@ -71,6 +71,34 @@ TEST(RotationFit, NeverFlipsAndIsAsGoodAsAnyRotation) {
   }
 }
 
+Eigen::Matrix3d random_rotation(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const double w = normal(random), x = normal(random), y = normal(random), z = normal(random);
+  return Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix();
+}
+
+TEST(RotationFit, IsAsGoodAsAnyWhereMirroredSetsAreSymmetric) {
+  // Corners of boxes and rings, mirrored: roots of the quartic coincide, or nearly.
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (const double gap : {0.0, 1e-14, 1e-12, 1e-10, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-2}) {
+    for (int round = 0; round < 600; ++round) {
+      const double a = round % 3 == 0 ? 1 : round % 3 == 1 ? u(random) : std::pow(10, -12 * u(random));
+      const Eigen::Matrix3d from = random_rotation(random), to = random_rotation(random);
+      const Eigen::Vector3d values(1, a * (round % 2 ? 1 : 1 - gap / 3), -a * (1 - gap));
+      const Eigen::Matrix3d target = to * values.asDiagonal() * from.transpose();
+      Rows3 b;
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) b[i][j] = target(static_cast<int>(i), static_cast<int>(j));
+      const Eigen::Matrix3d m = eigen(detail::best_rotation(b));
+      ASSERT_NEAR(m.determinant(), 1, 1e-14) << gap << " " << a;
+      ASSERT_GT(m.cwiseProduct(target).sum(), values.sum() - 1e-12 * target.norm()) << gap << " " << a;
+      // Where one rotation is best it is found to rounding over how much it is.
+      ASSERT_LT((m - to * from.transpose()).norm() * (values[1] + values[2]), 3e-13) << gap << " " << a;
+    }
+  }
+}
+
 TEST(RotationFit, FindsTheRotationOfThinSets) {
   // Of a set of thickness t the second singular value is t² of the first: the turn about the long axis is known to
   // rounding over t².
