@@ -16,10 +16,13 @@ constexpr double kMoreStretch = 1.25;  // than at nodes of the lattice
 /// are as large as those of before the deformation.
 constexpr double kBlocksAbout = 1.4;
 constexpr std::size_t kFieldGrain = 4096;
+/// Where a ball is looked at, in radii: every half-space that meets the ball holds one of these points.
+constexpr double kLookAt = 1.25;
 
-/// Corners and middles of the faces of a cube in the unit ball.
-std::array<Vec3, 14> ball_points() {
-  std::array<Vec3, 14> p;
+/// Corners and middles of the faces of a cube, on the unit ball.
+constexpr std::size_t kBallPoints = 14;
+std::array<Vec3, kBallPoints> ball_points() {
+  std::array<Vec3, kBallPoints> p;
   const double c = 1 / std::sqrt(3.0);
   for (std::size_t i = 0; i < 8; ++i) p[i] = {i & 1 ? c : -c, i & 2 ? c : -c, i & 4 ? c : -c};
   for (std::size_t i = 0; i < 6; ++i) p[8 + i][i / 2] = i % 2 ? 1 : -1;
@@ -52,6 +55,13 @@ struct DeformedField::Places {
   std::vector<double> gaps;
   std::vector<Vec3> gap_gradients;
   std::vector<std::uint8_t> defined;
+};
+
+/// What points about balls know: of each ball where they come from, whether a cut may pass, the range of the gaps.
+struct DeformedField::Around {
+  std::vector<Vec3> sources;
+  std::vector<ValueRange> gaps;
+  std::vector<std::uint8_t> cut, undefined;
 };
 
 DeformedField::DeformedField(std::shared_ptr<const ScalarField> source, std::shared_ptr<const SpaceMap> map,
@@ -119,51 +129,83 @@ void DeformedField::evaluate_in_domain(std::span<const Vec3> x, std::span<double
 void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
   const Places p = places(x, false);
   const std::size_t n = x.size();
-  // Balls of few sizes: those that need about the same are asked together.
   std::vector<MapStretch::Range> stretch(n);
-  std::vector<int> size(n);
   for (std::size_t i = 0; i < n; ++i) {
-    stretch[i] = stretch_.around(x[i], radius);
+    stretch[i] = stretch_.around(x[i], gaps_ ? kLookAt * radius : radius);
     stretch[i].most *= kMoreStretch, stretch[i].least /= kMoreStretch;
-    size[i] = static_cast<int>(std::ceil(4 * std::log2(stretch[i].most)));
   }
-  std::vector<int> sizes(size);
-  std::sort(sizes.begin(), sizes.end());
-  sizes.erase(std::unique(sizes.begin(), sizes.end()), sizes.end());
-  std::vector<std::size_t> of;
+  Around around;
+  if (gaps_) around = look_around(x, radius, p, stretch);
+  // What may come from a ball is in balls about where these places come from.
+  struct SourceBall {
+    std::size_t of;
+    Vec3 middle;
+    int size;  // in quarters of octaves: those of about the same size are asked together
+  };
+  std::vector<SourceBall> balls;
+  const auto add = [&](std::size_t i, const Vec3& middle, double times) {
+    balls.push_back({i, middle, static_cast<int>(std::ceil(4 * std::log2(times * stretch[i].most)))});
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    add(i, p.source[i], 1);
+    // Across a cut the map jumps: from the place that is beside there is a straight way on its side.
+    if (gaps_ && around.cut[i])
+      for (std::size_t k = 0; k < kBallPoints; ++k) add(i, around.sources[kBallPoints * i + k], 1 + kLookAt);
+    found[i] = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  }
+  std::stable_sort(balls.begin(), balls.end(),
+                   [](const SourceBall& a, const SourceBall& b) { return a.size < b.size; });
   std::vector<Vec3> y;
   std::vector<ValueRange> part;
-  for (const int q : sizes) {
-    of.clear(), y.clear();
-    for (std::size_t i = 0; i < n; ++i)
-      if (size[i] == q) of.push_back(i), y.push_back(p.source[i]);
+  for (std::size_t first = 0, last = 0; first < balls.size(); first = last) {
+    y.clear();
+    for (last = first; last < balls.size() && balls[last].size == balls[first].size; ++last)
+      y.push_back(balls[last].middle);
     part.resize(y.size());
-    source_->ranges(y, radius * std::exp2(q / 4.0), part);
-    for (std::size_t k = 0; k < of.size(); ++k) {
-      const std::size_t i = of[k];
+    source_->ranges(y, radius * std::exp2(balls[first].size / 4.0), part);
+    for (std::size_t k = 0; k < y.size(); ++k) {
+      const std::size_t i = balls[first + k].of;
       const auto& [least, most] = stretch[i];
-      found[i] = {part[k].least / (part[k].least < 0 ? least : most), part[k].most / (part[k].most > 0 ? least : most)};
-      // Beyond where the map is defined nothing is known of what lies beside.
-      if (!p.defined[i]) found[i] = {-nothing_, nothing_};
+      found[i].least = std::min(found[i].least, part[k].least / (part[k].least < 0 ? least : most));
+      found[i].most = std::max(found[i].most, part[k].most / (part[k].most > 0 ? least : most));
     }
   }
-  if (!gaps_) return;
-  static const std::array<Vec3, 14> kBall = ball_points();
-  std::vector<Vec3> around;
-  around.reserve(kBall.size() * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    // Beyond where the map is defined nothing is known of what lies beside.
+    if (!p.defined[i] || (gaps_ && around.undefined[i])) found[i] = {-nothing_, nothing_};
+    if (!gaps_) continue;
+    const ValueRange& gap = around.gaps[i];
+    if (gap.most > -nothing_) found[i] = {std::max(found[i].least, gap.least), std::max(found[i].most, gap.most)};
+  }
+}
+
+DeformedField::Around DeformedField::look_around(std::span<const Vec3> x, double radius, const Places& p,
+                                                 std::span<const MapStretch::Range> stretch) const {
+  static const std::array<Vec3, kBallPoints> kBall = ball_points();
+  const std::size_t n = x.size();
+  std::vector<Vec3> beside;
+  beside.reserve(kBallPoints * n);
   for (std::size_t i = 0; i < n; ++i)
-    for (const Vec3& d : kBall) around.push_back(x[i] + d * radius);
-  std::vector<double> gaps(around.size());
-  map_->map(around, {{}, {}, gaps, {}});
+    for (const Vec3& d : kBall) beside.push_back(x[i] + d * (kLookAt * radius));
+  Around a;
+  a.sources.resize(beside.size()), a.gaps.resize(n), a.cut.resize(n), a.undefined.resize(n);
+  std::vector<double> gaps(beside.size());
+  map_->map(beside, {a.sources, {}, gaps, {}});
   const double change = kAssumedSlope * radius;
   for (std::size_t i = 0; i < n; ++i) {
     double least = p.gaps[i], most = p.gaps[i];
-    for (std::size_t k = 0; k < kBall.size(); ++k) {
-      const double g = gaps[kBall.size() * i + k];
+    const double farthest = kLookAt * radius * stretch[i].most;
+    for (std::size_t k = 0; k < kBallPoints; ++k) {
+      const double g = gaps[kBallPoints * i + k];
       least = std::min(least, g), most = std::max(most, g);
+      Vec3& source = a.sources[kBallPoints * i + k];
+      if (!is_finite(source)) a.undefined[i] = 1, source = p.source[i];
+      if (norm(source - p.source[i]) > farthest) a.cut[i] = 1;
     }
-    if (most > -nothing_) found[i] = {std::max(found[i].least, least - change), std::max(found[i].most, most + change)};
+    a.gaps[i] = {least - change, most + change};
+    if (most + change > 0) a.cut[i] = 1;
   }
+  return a;
 }
 
 void DeformedField::active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const {

@@ -34,8 +34,9 @@ class DeformedField final : public PiecewiseField {
                           std::span<std::uint8_t> inside) const override;
   /// Those of the source in balls as large as the stretch makes them. Taken for granted is that T stretches no more
   /// than a quarter more than at the nodes of the lattice (33 along the longest side) in and beside the ball, that
-  /// gaps change no faster than kAssumedSlope, and that no gap lies in a ball whose middle and 14 other points know of
-  /// none.
+  /// gaps change no faster than kAssumedSlope, and that no gap lies in a ball whose middle and 14 points about it know
+  /// of none. Where the gaps say that a cut may pass the ball, or these points come from farther apart than the stretch
+  /// allows, the ranges are those of what comes from all 15, as of cuts that are flat there.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
   std::uint32_t pieces() const override { return source_pieces() + (gaps_ ? 1 : 0); }
@@ -48,8 +49,11 @@ class DeformedField final : public PiecewiseField {
 
  private:
   struct Places;
+  struct Around;
   std::uint32_t source_pieces() const { return pieces_ ? pieces_->pieces() : 1; }
   Places places(std::span<const Vec3> x, bool jacobians) const;
+  Around look_around(std::span<const Vec3> x, double radius, const Places& places,
+                     std::span<const MapStretch::Range> stretch) const;
   /// From the source's answers to the quotient, and the gap where that is larger.
   void finish(const Places& places, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
               bool with_gaps) const;

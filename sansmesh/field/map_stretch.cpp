@@ -226,6 +226,8 @@ Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> nea
       tight.extend(x[i] - step * 0.5);
       tight.extend(x[i] + step * 0.5);
     }
+  // Cells that a cut passes show what their middle does not.
+  if (!tight.empty() && map.has_gaps()) tight = {tight.lower - step, tight.upper + step};
   if (tight.empty()) throw DataError("the deformation leaves nothing: no place shows what is to be deformed");
   return tight;
 }

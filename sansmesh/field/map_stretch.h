@@ -49,8 +49,8 @@ class MapStretch {
 /// A box that holds all x with T(x) in `source` (finite), as far as can be found: from a box that is near it (default:
 /// from the inverse at points of the source) it grows until no point of a lattice of 33² on each of its faces maps into
 /// the source widened by what the map does between these points, then shrinks to the cells of a lattice of 32³ that
-/// may. Throws DataError where nothing maps there or there is no end to it (growth stops at a thousand times the
-/// source's size).
+/// may, and where the map has gaps those beside them. Throws DataError where nothing maps there or there is no end to
+/// it (growth stops at a thousand times the source's size).
 Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> near = {});
 
 }  // namespace sansmesh

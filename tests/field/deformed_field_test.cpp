@@ -151,6 +151,58 @@ TEST(DeformedField, GapsAreClosedByOneMorePiece) {
   }
 }
 
+/// What is on the upper side of a plane comes from elsewhere: a cut whose sides slid along or came apart. As of cuts by
+/// handles the gap says how far both the place and its source are from the plane.
+class ShiftMap final : public SpaceMap {
+ public:
+  explicit ShiftMap(const Vec3& way) : way_(way) {}
+  bool has_gaps() const override { return true; }
+  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+    identity_map().map(x, wanted);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double s = dot(x[i], normal_), z = s < 0 ? s : s + dot(way_, normal_), sum = s + z;
+      if (s >= 0 && !wanted.positions.empty()) wanted.positions[i] += way_;
+      if (!wanted.gaps.empty()) wanted.gaps[i] = sum != 0 ? -s * z / std::abs(sum) : 0;
+      if (!wanted.gap_gradients.empty())
+        wanted.gap_gradients[i] = normal_ * ((s < 0 ? 1 : -1) * (s * s + z * z) / (sum * sum));
+    }
+  }
+
+ private:
+  Vec3 way_, normal_ = normalized(Vec3{1, 0.02, 0.01});
+};
+
+TEST(DeformedField, RangesHoldWhereTheMapJumps) {
+  for (const Vec3& way : {Vec3{0, 2, 0}, Vec3{0, 0.3, 0}, Vec3{1, 0, 0}, Vec3{3, 0, 0}}) {
+    const DeformedField field(shared(sphere({}, 1)), std::make_shared<const ShiftMap>(way));
+    for (const double radius : {0.02, 0.1, 0.3}) {
+      expect_ranges_hold(field, {{-0.1, -2, -1}, {0.1, 2, 1}}, radius);
+      // Away from the cut they are no wider than those of a smooth map.
+      std::vector<Vec3> x{{-0.95, 0.3, 0.1}};
+      std::vector<ValueRange> range(1);
+      field.ranges(x, radius, range);
+      if (radius < 0.2) EXPECT_LT(range[0].most - range[0].least, 4 * radius);
+    }
+  }
+}
+
+TEST(DeformedField, SolidsReachTheFacesOfCuts) {
+  // The upper half of the ball is gone: half of it is left, up to the plane.
+  const DeformedField field(shared(sphere({}, 1)), std::make_shared<const ShiftMap>(Vec3{3, 0, 0}));
+  const std::vector<Vec3> x = points_in({{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}}, 100'000);
+  std::vector<double> values(x.size());
+  field.evaluate(x, values);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (values[i] < 0) ASSERT_TRUE(field.bounds().contains(x[i])) << x[i].x;
+  Progress progress;
+  CsgMeshReport report;
+  CsgMeshOptions options;
+  options.resolution = 64;
+  mesh_csg(field, options, progress, &report);
+  EXPECT_TRUE(report.closed);
+  EXPECT_NEAR(report.volume, 2.0 / 3 * std::numbers::pi, 4e-3);
+}
+
 TEST(DeformedField, NothingIsWhereTheMapIsNotDefined) {
   class Half final : public SpaceMap {
    public:
