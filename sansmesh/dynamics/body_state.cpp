@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <string>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dynamics/stable_step.h"
 
 namespace sansmesh {
 namespace {
@@ -17,16 +18,11 @@ constexpr std::size_t kStateRows = 2048;  ///< vertices a task
 
 }  // namespace
 
-double BodyState::stable_step() {
-  // The largest eigenvalue of M⁻¹ K is the square of the highest frequency. In the matrix of a long step damping is
-  // nothing beside K.
-  constexpr double kLong = 1e6;
+double BodyState::largest_eigenvalue(double h, double unit, bool handles) {
   constexpr int kIterations = 60;
   const std::size_t n = size();
   std::vector<Vec3> p(n), q(n);
-  model->linearize(rest, kLong, q);
-  std::vector<std::uint8_t> is_held(n, 0);
-  for (const std::uint32_t i : drive.held()) is_held[i] = 1;
+  model->linearize(rest, h, q);
   for (std::size_t i = 0; i < n; ++i) {
     const double sign = names[i] % 2 ? 1 : -1;  // anything that has a part of the fastest
     p[i] = Vec3{sign, 0.5 + 0.1 * static_cast<double>(i % 7), sign * (0.3 + 0.1 * static_cast<double>(i % 5))};
@@ -34,17 +30,38 @@ double BodyState::stable_step() {
   double eigenvalue = 0;
   for (int k = 0; k < kIterations; ++k) {
     double size = 0;  // in the norm of M
-    for (std::size_t i = 0; i < n; ++i) size += masses[i] * squared_norm(p[i]);
+    for (std::size_t i = 0; i < n; ++i) size += is_held[i] ? 0 : masses[i] * squared_norm(p[i]);
     const double scale = size > 0 ? 1 / std::sqrt(size) : 0;
     for (std::size_t i = 0; i < n; ++i) p[i] *= is_held[i] ? 0 : scale, q[i] = {};
     parallel_ranges(0, n, kStateRows, [&](std::size_t first, std::size_t last) { model->add_rows(first, last, p, q); });
+    for (Vec3& a : q) a *= 1 / unit;
+    if (handles) {
+      for (const PulledVertex& pulled : drive.pulled()) q[pulled.vertex] += p[pulled.vertex] * pulled.stiffness;
+    }
     eigenvalue = 0;
     for (std::size_t i = 0; i < n; ++i) {
       eigenvalue += dot(p[i], q[i]);
       p[i] = q[i] / masses[i];
     }
   }
-  return eigenvalue > 0 ? 0.9 * 2 * kLong / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
+  return eigenvalue;
+}
+
+double BodyState::stable_step() {
+  if (options.integrator == DynamicsIntegrator::implicit_euler) return std::numeric_limits<double>::infinity();
+  // The matrix h² K + h D of a long step is K alone, that of a short one D.
+  constexpr double kLong = 1e6, kShort = 1e-9;
+  const bool springs = options.model == SoftBodyModel::springs;
+  VibrationBounds found;
+  found.frequency = largest_eigenvalue(kLong, kLong * kLong, true);
+  for (const PulledVertex& p : drive.pulled()) {
+    found.handles = std::max(found.handles, p.stiffness / masses[p.vertex]);
+  }
+  found.uniform_decay = springs ? 0 : options.mass_damping;
+  found.relative_decay = springs ? options.damping / options.stiffness : options.stiffness_damping;
+  found.decay = found.uniform_decay;
+  if (found.relative_decay > 0) found.decay += largest_eigenvalue(kShort, kShort, false);
+  return 0.9 * sansmesh::stable_step(options.integrator, found);
 }
 
 void BodyState::explode(std::span<const Vec3> at) {
@@ -53,6 +70,11 @@ void BodyState::explode(std::span<const Vec3> at) {
     throw DataError(fmt::format("{}: take a shorter `step` than {:.4g} s, or weaker forces", what, options.step));
   }
   const double stable = stable_step();
+  if (!(stable > 0)) {
+    throw DataError(fmt::format("{}: explicit Euler is not stable without damping, however short the `step`: take "
+                                "`integrator = velocity_verlet` or `implicit_euler`",
+                                what));
+  }
   throw DataError(fmt::format("{}: take a `step` of {:.2g} s (now {:.4g} s), or `integrator = implicit_euler`", what,
                               stable < options.step ? stable : options.step / 4, options.step));
 }

@@ -2,6 +2,7 @@
 // in space are neighbours in memory.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
@@ -26,6 +27,7 @@ struct BodyState {
   std::vector<std::uint32_t> names;  ///< a user's numbers of the vertices
   std::vector<double> masses;        ///< kg; 1 of vertices without a tetrahedron, which are held
   std::vector<Vec3> weights;         ///< N; zero of those
+  std::vector<std::uint8_t> is_held;  ///< 1: its motion is given
 
   double time = 0;
   std::vector<Vec3> x, v;
@@ -41,10 +43,15 @@ struct BodyState {
   void forces(std::span<const Vec3> at, std::span<const Vec3> velocities, double t, std::span<Vec3> f);
   /// Velocities of the same moment as the positions.
   std::vector<Vec3> velocities_now();
-  /// About the longest step with which undamped explicit methods would be stable at rest (SoftBody::stable_step).
+  /// SoftBody::stable_step.
   double stable_step();
   /// Throws DataError: what exploded, and the remedy.
   [[noreturn]] void explode(std::span<const Vec3> at);
+
+ private:
+  /// The largest eigenvalue of M⁻¹ (A + handles K), with the model's matrix A for the step h divided by `unit`, where
+  /// what is held rests.
+  double largest_eigenvalue(double h, double unit, bool handles);
 };
 
 }  // namespace sansmesh

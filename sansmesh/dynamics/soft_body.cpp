@@ -77,6 +77,8 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   s.body = std::make_unique<BodyState>(options, s.scene, SceneDrive(s.scene, rest, s.place, loose));
   BodyState& body = *s.body;
   body.names = s.order;
+  body.is_held.assign(n, 0);
+  for (const std::uint32_t i : body.drive.held()) body.is_held[i] = 1;
   for (const std::uint32_t v : s.order) {
     body.masses.push_back(s.masses[v] > 0 ? s.masses[v] : 1);
     body.weights.push_back(options.gravity * s.masses[v]);
