@@ -92,12 +92,12 @@ std::uint32_t TetDataset::vertex(std::uint64_t number) const {
   // Nearly always they stand in order.
   const std::uint64_t guess = numbers.empty() || number < numbers[0] ? numbers.size() : number - numbers[0];
   if (guess < numbers.size() && numbers[guess] == number) return static_cast<std::uint32_t>(guess);
-  const auto it = std::find(numbers.begin(), numbers.end(), number);
-  if (it != numbers.end()) return static_cast<std::uint32_t>(it - numbers.begin());
-  if (numbers.empty()) throw DataError(fmt::format("there is no vertex {}", number));
-  const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
-  throw DataError(
-      fmt::format("there is no vertex {} with tetrahedra: their numbers go from {} to {}", number, *least, *most));
+  const auto it = std::lower_bound(by_number.begin(), by_number.end(), number,
+                                   [&](std::uint32_t v, std::uint64_t n) { return numbers[v] < n; });
+  if (it != by_number.end() && numbers[*it] == number) return *it;
+  if (by_number.empty()) throw DataError(fmt::format("there is no vertex {}", number));
+  throw DataError(fmt::format("there is no vertex {} with tetrahedra: their numbers go from {} to {}", number,
+                              numbers[by_number.front()], numbers[by_number.back()]));
 }
 
 TetDataset tet_dataset(const GridData& data) {
@@ -165,6 +165,10 @@ TetDataset tet_dataset(const GridData& data) {
     result.mesh.vertices.push_back(points[v]);
     result.numbers.push_back(numbers.empty() ? v : numbers[v]);
   }
+  result.by_number.resize(kept.size());
+  std::iota(result.by_number.begin(), result.by_number.end(), 0u);
+  std::stable_sort(result.by_number.begin(), result.by_number.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return result.numbers[a] < result.numbers[b]; });
   if (kept.size() < points.size())
     result.notes.push_back(
         fmt::format("{} without tetrahedra left out", counted(points.size() - kept.size(), "point")));

@@ -12,9 +12,10 @@
 namespace sansmesh {
 
 struct TetDataset {
-  TetMesh mesh;                        ///< all volumes positive, no vertex without a tetrahedron
-  std::vector<std::uint64_t> numbers;  ///< by which the file calls the vertices of `mesh`
-  std::vector<std::string> notes;      ///< what was turned, cut or left out, one line each
+  TetMesh mesh;                          ///< all volumes positive, no vertex without a tetrahedron
+  std::vector<std::uint64_t> numbers;    ///< by which the file calls the vertices of `mesh`
+  std::vector<std::uint32_t> by_number;  ///< all vertices by ascending numbers
+  std::vector<std::string> notes;        ///< what was turned, cut or left out, one line each
 
   /// The vertex that the file calls so. Throws DataError where there is none, or no tetrahedron uses it.
   std::uint32_t vertex(std::uint64_t number) const;

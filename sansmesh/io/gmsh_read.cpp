@@ -139,6 +139,12 @@ class GmshFile {
       } else if (*name == "NodeData" || *name == "ElementData") {
         read_data(rest, *name == "NodeData");
       }
+      if (*name == "Nodes" || *name == "Elements" || name->ends_with("Data")) {
+        TextScanner s(rest);
+        s.skip_space();
+        if (!s.at_end() && *s.position() != '$')
+          in_.fail(fmt::format("more in its ${} than this says that there is", printable(*name, 40)));
+      }
       const std::size_t at = rest.find(end);
       if (at == std::string_view::npos) in_.fail(fmt::format("truncated: '{}' is missing", end));
       rest.remove_prefix(at + end.size());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 
 namespace sansmesh::io {
@@ -41,7 +42,12 @@ bool NumberText::at_end() {
 double NumberText::real(const char* of) {
   skip();
   double value = 0;
+  TextScanner ahead = scanner_;
   if (!scanner_.number(value)) fail_number(of);
+  // "1.5.5" is none: what follows would be read as the next number.
+  if (!scanner_.at_end() && !TextScanner::is_blank(*scanner_.position()) && *scanner_.position() != '\n' &&
+      *scanner_.position() != '#')
+    fail(fmt::format("'{}' is no number, among its {}", printable(ahead.word(), 30), of));
   return value;
 }
 

@@ -46,6 +46,11 @@ std::int64_t number_of_line(NumberText& text) {
   return n;
 }
 
+/// A column too many would be taken for the beginning of the next row.
+void end_row(NumberText& text, const char* of) {
+  if (!text.at_line_end()) text.fail(fmt::format("a row of its {} has more columns than its header says", of));
+}
+
 PointNumbers read_tetgen_nodes(const Input& in, GridBlock& block) {
   NumberText text(in, in.bytes);
   const char* const of = "points";
@@ -64,7 +69,9 @@ PointNumbers read_tetgen_nodes(const Input& in, GridBlock& block) {
     const double x = text.real(of), y = text.real(of), z = text.real(of);
     block.points.push_back({x, y, z});
     columns.read(text, of);
+    end_row(text, of);
   }
+  if (!text.at_end()) text.fail("more points than its header says");
   columns.give_to(block.point_arrays, "attribute", "marker");
   return {in, std::move(numbers)};
 }
@@ -89,7 +96,9 @@ void read_tetgen_cells(const Input& in, const PointNumbers& points, GridBlock& b
     if (nodes > 4) cells.simplify();
     cells.add(CellShape::tetrahedron, corners, {});
     columns.read(text, of);
+    end_row(text, of);
   }
+  if (!text.at_end()) text.fail("more tetrahedra than its header says");
   cells.give_to(block, data);
   columns.give_to(block.cell_arrays, "region", "region");
 }

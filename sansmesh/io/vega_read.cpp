@@ -3,9 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/header_fields.h"
@@ -17,7 +19,8 @@
 namespace sansmesh::io {
 namespace {
 
-constexpr int kMostIncluded = 8;  ///< files inside files
+constexpr int kMostIncluded = 8;       ///< files inside files
+constexpr int kMostInclusions = 1000;  ///< all together: files that name each other often would be read for ever
 
 std::string_view trimmed(std::string_view s) {
   s = s.substr(0, s.find('#'));
@@ -71,6 +74,7 @@ class VegaFile {
         read_elements(in, text);
       } else if (section == "*include") {
         if (depth == kMostIncluded) in.fail(fmt::format("includes files in files, more than {} deep", kMostIncluded));
+        if (++inclusions_ > kMostInclusions) in_.fail(fmt::format("includes more than {} files", kMostInclusions));
         const std::string name = beside(in, trimmed(text.line()));
         const FileContent content(name);
         read_sections({name, content.bytes(), in.report}, depth + 1);
@@ -142,16 +146,21 @@ class VegaFile {
     const std::string name(trimmed(text.line()));
     const std::vector<std::string> words = words_of_section(text);
     if (words.empty() || lower(words[0]) != "enu") {
-      other_materials_ = true;
+      other_materials_.insert(name);
       return;
     }
     double v[3] = {};
     for (std::size_t k = 0; k < 3; ++k) {
       TextScanner s(k + 1 < words.size() ? std::string_view(words[k + 1]) : std::string_view());
-      if (!s.number(v[k]))
+      if (!s.number(v[k]) || !s.at_end())
         text.fail(fmt::format("the material '{}' must be ENU, density, Young's modulus, Poisson's ratio",
                               printable(name, 40)));
     }
+    if (!(std::isfinite(v[0]) && v[0] > 0 && std::isfinite(v[1]) && v[1] > 0 && v[2] > -1 && v[2] < 0.5))
+      text.fail(
+          fmt::format("the material '{}' must have a density and a Young's modulus above 0 and a Poisson's ratio "
+                      "between -1 and 0.5, not {:g}, {:g}, {:g}",
+                      printable(name, 40), v[0], v[1], v[2]));
     materials_[name] = {v[0], v[1], v[2]};
   }
 
@@ -177,14 +186,16 @@ class VegaFile {
 
   /// What elements are made of, as arrays; later regions win.
   void give_materials(GridBlock& block, GridData& data) {
-    if (other_materials_) data.notes.emplace_back("materials of other kinds than ENU were left out");
+    if (!other_materials_.empty()) data.notes.emplace_back("materials of other kinds than ENU were left out");
     std::vector<double> columns[3];
     for (auto& c : columns) c.assign(elements_.size(), std::numeric_limits<double>::quiet_NaN());
     std::map<std::uint64_t, std::size_t> place;
     bool any = false;
     for (const auto& [set, material] : regions_) {
       const auto m = materials_.find(material);
-      if (m == materials_.end()) continue;
+      if (m == materials_.end() && other_materials_.contains(material)) continue;
+      if (m == materials_.end())
+        in_.fail(fmt::format("a region names the material '{}', which is not there", printable(material, 40)));
       const double v[] = {m->second.density, m->second.young, m->second.poisson};
       const auto give = [&](std::size_t e) {
         for (std::size_t k = 0; k < 3; ++k) columns[k][e] = v[k];
@@ -217,7 +228,8 @@ class VegaFile {
   std::map<std::string, Material> materials_;
   std::map<std::string, std::vector<std::uint64_t>> sets_;
   std::vector<std::pair<std::string, std::string>> regions_;
-  bool other_materials_ = false;
+  std::set<std::string> other_materials_;  ///< not ENU
+  int inclusions_ = 0;
 };
 
 }  // namespace

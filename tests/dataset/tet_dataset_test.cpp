@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -55,6 +56,9 @@ TEST(TetDataset, TurnsDropsAndKeepsNumbers) {
   EXPECT_EQ(d.vertex(83), 7u);
   EXPECT_THROW(d.vertex(3), DataError);  // it has no tetrahedron
   EXPECT_THROW(d.vertex(14), DataError);
+  std::reverse(b.point_numbers.begin(), b.point_numbers.end());
+  EXPECT_EQ(tet_dataset(data).vertex(73), 0u);
+  EXPECT_EQ(tet_dataset(data).vertex(3), 7u);
   ASSERT_EQ(d.notes.size(), 3u);
   EXPECT_NE(d.notes[0].find("inside out"), std::string::npos);
   EXPECT_EQ(d.notes[1], "1 tetrahedron of the same corners as others left out");

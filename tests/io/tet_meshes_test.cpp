@@ -314,7 +314,23 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   std::string none = vega_text();
   none.replace(none.find("bone, hard"), 4, "skin");
   expect_no_volume(folder.put("c.veg", none), "the set 'skin'");
+  std::string misspelt = vega_text();
+  misspelt.replace(misspelt.find("allElements, soft"), 17, "allElements, sfot");
+  expect_no_volume(folder.put("d.veg", misspelt), "the material 'sfot', which is not there");
+  for (const char* const wrong : {"1000, -5, 0.45", "0, 2.5e5, 0.45", "1000, 2.5e5, 0.5", "1000, 2.5e5, nan"}) {
+    std::string material = vega_text();
+    material.replace(material.find("1000, 2.5e5, 0.45"), 17, wrong);
+    expect_no_volume(folder.put("d.veg", material), "the material 'soft' must have");
+  }
   expect_no_volume(folder.put("loop.veg", "*INCLUDE loop.veg\n"), "more than 8 deep");
+  // Twenty files that name twenty each, and so on: 20^7 of them.
+  for (int depth = 0; depth < 7; ++depth) {
+    std::string many;
+    for (int k = 0; k < 20; ++k) many += fmt::format("*INCLUDE bomb{}.veg\n", depth + 1);
+    folder.put(fmt::format("bomb{}.veg", depth), many);
+  }
+  folder.put("bomb7.veg", "# nothing\n");
+  expect_no_volume(folder / "bomb0.veg", "more than 1000 files");
   expect_no_volume(folder.put("e.veg", "*VERTICES\n1 3 0 0\n1 0 0 0\n*SHELLS\n"), "'*SHELLS' is not known");
 }
 
@@ -398,6 +414,23 @@ TEST(MeshReaders, SayWhatIsWrong) {
                    "line 5: 'zero' is no number");
   expect_no_volume(folder.put("f.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n900000\n0 0 0 0\n"),
                    "truncated");
+  // Rows and columns that nobody told of, and numbers that are none.
+  const std::string gmsh =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n{}$EndNodes\n"
+      "$Elements\n1\n1 4 0 1 2 3 4\n{}$EndElements\n";
+  EXPECT_NO_THROW(read_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "", ""))));
+  expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "5 1 1 1\n", "")), "more in its $Nodes");
+  expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "", "2 4 0 1 2 4 3\n")),
+                   "more in its $Elements");
+  expect_no_volume(folder.put("h.node", tetgen_nodes(1) + "6 1 1 1 0 0\n"), "more points than its header");
+  std::string columns = tetgen_nodes(1);
+  columns.insert(columns.find("\n2 "), " 5");
+  expect_no_volume(folder.put("h.node", columns), "line 3: a row of its points has more columns");
+  columns = tetgen_nodes(1);
+  columns.replace(columns.find("\n2 ") + 3, 1, "1.5.5");
+  expect_no_volume(folder.put("h.node", columns), "line 4: '1.5.5");
+  folder.put("i.node", tetgen_nodes(1));
+  expect_no_volume(folder.put("i.ele", tetgen_cells(1) + "3 1 2 3 4 5\n"), "more tetrahedra than its header");
   std::string twice = tetgen_nodes(1);
   twice.replace(twice.find("\n3 "), 3, "\n2 ");
   expect_no_volume(folder.put("g.node", twice), "two points the number 2");
