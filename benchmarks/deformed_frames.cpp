@@ -1,11 +1,12 @@
 // Pictures of a volume while it is deformed: frames a second (METHODS §7.1; thesis 6.4.3 on a graphics card).
 //
-//   benchmark_deformed_frames VOLUME [SIZE] [NODES] [FRAMES] [PRESET]
+//   benchmark_deformed_frames VOLUME [SIZE] [NODES] [FRAMES] [PRESET] [STEP]
 //
 // VOLUME is baked once, at its own resolution or, where its longest side has fewer than 256 points, resampled to 256
 // before. Then its upper end leans and turns by 15 handles, rigid, in FRAMES (12) poses. A frame is all that a new pose
 // needs: the map with NODES (64) points along the longest side, its picture with what leaps over the empty parts, and
-// SIZE × SIZE (512) pixels, one ray each.
+// SIZE × SIZE (512) pixels, one ray each, in steps of STEP (3) cells. What steps of half the length would change is
+// told, too, in levels of 0..255.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -65,7 +66,7 @@ std::shared_ptr<const VolumeField> field_of(VolumeDataset& data, Progress& progr
   return data.field({data.default_array().name, {}, false}, options, progress);
 }
 
-void run(const std::string& file, int size, std::size_t nodes, int frames, const std::string& preset) {
+void run(const std::string& file, int size, std::size_t nodes, int frames, const std::string& preset, double step) {
   Progress progress;
   VolumeDataset data(read_volume(file));
   std::shared_ptr<const VolumeField> field = field_of(data, progress);
@@ -92,7 +93,7 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
 
   VolumePictureOptions look;
   look.width = look.height = size;
-  look.samples = 1, look.step = 2, look.least_light = 0.02;  // while a handle is held
+  look.samples = 1, look.step = step, look.least_light = 0.02;  // while a handle is held
   look.up = UpAxis::z;
   look.view = {40, 20};
   look.steady = true;
@@ -148,6 +149,13 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
         "{:10} {:6.3f} CPU s a frame ({:.3f} s): map {:.3f}, preparing {:.3f}, rays {:.3f}; {:.2f} M evaluations\n",
         deformed ? "deformed" : "as it is", all / frames, wall / frames, map / frames, picture / frames, rays / frames,
         evaluations / frames / 1e6);
+    VolumeSubject last;
+    last.field = baked.get(), last.framed = framed;
+    if (!deformed) {
+      VolumePictureReport report;
+      VolumePicture(last, progress).render(look, progress, &report, true);
+      fmt::print("           steps: {:.2f} levels on average\n", report.step_error_mean);
+    }
     write_image(deformed ? "deformed_frame.png" : "frame.png", image);
   }
 }
@@ -156,10 +164,10 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print("benchmark_deformed_frames VOLUME [SIZE] [NODES] [FRAMES] [PRESET]\n");
+    fmt::print("benchmark_deformed_frames VOLUME [SIZE] [NODES] [FRAMES] [PRESET] [STEP]\n");
     return 2;
   }
   run(argv[1], argc > 2 ? std::atoi(argv[2]) : 512, static_cast<std::size_t>(argc > 3 ? std::atoi(argv[3]) : 64),
-      argc > 4 ? std::atoi(argv[4]) : 12, argc > 5 ? argv[5] : "");
+      argc > 4 ? std::atoi(argv[4]) : 12, argc > 5 ? argv[5] : "", argc > 6 ? std::atof(argv[6]) : 3);
   return 0;
 }
