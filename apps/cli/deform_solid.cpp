@@ -161,6 +161,7 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
   if (!a.to_picture() && !a.to_section()) check_writable(a.output, "mesh");
   Progress& progress = console.progress();
   std::vector<CutPlane> planes;
+  planes.reserve(a.planes.size());
   for (const std::string& text : a.planes) planes.push_back(parse_plane(text));
   const SolidSource source = open_source(a, console);
   const bool open = source.function && is_open(*source.function) && !a.mesh.box;

@@ -45,6 +45,7 @@ Box3 box_of_inverse(const SpaceMap& map, const Box3& source) {
   const Vec3 middle = source.center();
   const InverseAnswers first = inverse_map(map, std::span(&middle, 1), std::span(&middle, 1));
   std::vector<Vec3> starts;
+  starts.reserve(targets.size());
   for (const Vec3& u : targets) starts.push_back(first.found[0] ? u + (first.positions[0] - middle) : u);
   const InverseAnswers all = inverse_map(map, targets, starts);
   Box3 box;
