@@ -83,8 +83,9 @@ void VolumeCells::find_ranges(const VolumeField& field, std::vector<ValueRange>&
   const std::size_t total = spacing_.size();
   const auto nx = static_cast<std::size_t>(counts_[0]), ny = static_cast<std::size_t>(counts_[1]);
   const auto corner = [&](std::size_t c) {
-    return box_.lower + Vec3{static_cast<double>(c % nx) * edge_.x, static_cast<double>(c / nx % ny) * edge_.y,
-                             static_cast<double>(c / nx / ny) * edge_.z};
+    const std::size_t row = c / nx, layer = row / ny;
+    return box_.lower + Vec3{static_cast<double>(c % nx) * edge_.x, static_cast<double>(row % ny) * edge_.y,
+                             static_cast<double>(layer) * edge_.z};
   };
   std::vector<Box3> boxes(total);
   for (std::size_t c = 0; c < total; ++c) boxes[c] = {corner(c), corner(c) + edge_};
