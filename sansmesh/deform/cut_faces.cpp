@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/planar_fill.h"
 
@@ -30,8 +31,12 @@ struct BorderPlace {
 
 class FaceMaker {
  public:
-  FaceMaker(TriangleMesh& mesh, const PlanarOccluder& cut, double edge_length)
-      : mesh_(mesh), cut_(cut), length_(edge_length) {}
+  FaceMaker(TriangleMesh& mesh, const PlanarOccluder& cut, double edge_length, bool inward)
+      : mesh_(mesh), cut_(cut), length_(edge_length), inward_(inward) {
+    for (const Vec3f& v : mesh.vertices) box_.extend(mesh.origin + Vec3(v));
+    const double room = 1e-3 * box_.diagonal();
+    box_.lower -= Vec3{room, room, room}, box_.upper += Vec3{room, room, room};
+  }
 
   std::size_t make(const Slit& slit) {
     if (!chains(slit) || !loops()) return 0;
@@ -64,6 +69,8 @@ class FaceMaker {
         pieces.push_back({corner(e.second[1], e.first[1]), corner(e.second[0], e.first[0])});
       }
     }
+    if (inward_)
+      for (Piece& p : pieces) std::swap(p.from, p.to);
     for (std::size_t i = 0; i < pieces.size(); ++i) from[{pieces[i].from.above, pieces[i].from.below}].push_back(i);
     std::map<std::array<std::uint32_t, 2>, int> into;
     for (const Piece& p : pieces) ++into[{p.to.above, p.to.below}];
@@ -185,6 +192,9 @@ class FaceMaker {
           if (to < least) least = to, next = b.chain;
         }
         if (next == open_.size()) return false;
+        // Within the solid the border stays in its box.
+        if (least > end.at && !box_.contains(cut_.in_space(at_border({end.border, 0.5 * (end.at + least)}))))
+          return false;
         along_border(loop, end, least, open_[at].back().above);
         at = next;
         if (at == c) break;
@@ -258,7 +268,8 @@ class FaceMaker {
     set_cut_sides(mesh_, aside, offsets);
     std::vector<std::uint32_t> rows(mesh_.triangles.size());
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<std::uint32_t>(i);
-    for (const Triangle& t : fill.triangles) {
+    for (Triangle t : fill.triangles) {
+      if (inward_) std::swap(t[0], t[2]);
       mesh_.triangles.push_back({corners[t[0]].below, corners[t[1]].below, corners[t[2]].below});
       mesh_.triangles.push_back({corners[t[2]].above, corners[t[1]].above, corners[t[0]].above});
       rows.insert(rows.end(), 2, 0);
@@ -270,6 +281,8 @@ class FaceMaker {
   TriangleMesh& mesh_;
   const PlanarOccluder& cut_;
   double length_;
+  bool inward_;
+  Box3 box_;  // that the solid lies in
   std::vector<Chain> open_, loops_;
   std::vector<std::size_t> touched_;  // borders of the cut at which slits end
   std::vector<std::uint32_t> still_;  // vertices that both sides share
@@ -277,8 +290,9 @@ class FaceMaker {
 
 }  // namespace
 
-std::size_t add_cut_faces(TriangleMesh& mesh, const Slit& slit, const PlanarOccluder& cut, double edge_length) {
-  return FaceMaker(mesh, cut, edge_length).make(slit);
+std::size_t add_cut_faces(TriangleMesh& mesh, const Slit& slit, const PlanarOccluder& cut, double edge_length,
+                          bool inward) {
+  return FaceMaker(mesh, cut, edge_length, inward).make(slit);
 }
 
 }  // namespace sansmesh

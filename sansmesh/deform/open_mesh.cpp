@@ -25,6 +25,17 @@ double mean_edge(const TriangleMesh& mesh) {
   return n > 0 ? sum / n : 0;
 }
 
+double enclosed_volume(const TriangleMesh& mesh) {
+  const Vec3 from(mesh.vertices.front());
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a = Vec3(mesh.vertices[t[0]]) - from, b = Vec3(mesh.vertices[t[1]]) - from,
+               c = Vec3(mesh.vertices[t[2]]) - from;
+    sum += dot(a, cross(b, c)) / 6;
+  }
+  return sum;
+}
+
 }  // namespace
 
 void OpenMeshOptions::validate() const {
@@ -41,12 +52,13 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   r = {};
   const bool solid = options.close && measure_topology(mesh).closed();
   const double length = options.face_edges.value_or(solid ? kFaceEdges * mean_edge(mesh) : 0);
+  const bool inward = solid && enclosed_volume(mesh) < 0;
   for (const auto& cut : cuts) {
     const Slit slit = open_slit(mesh, *cut, options.refinements);
     r.edges += slit.edges.size(), r.doubled += slit.doubled, r.unopened += slit.unopened;
     if (!options.close || slit.edges.empty()) continue;
     const auto* const planar = dynamic_cast<const PlanarOccluder*>(cut.get());
-    const std::size_t added = solid && planar ? add_cut_faces(mesh, slit, *planar, length) : 0;
+    const std::size_t added = solid && planar ? add_cut_faces(mesh, slit, *planar, length, inward) : 0;
     r.faces += added, r.unclosed += added == 0;
     if (added > 0) mesh.normals.clear();
   }

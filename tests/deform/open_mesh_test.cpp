@@ -170,6 +170,20 @@ TEST(OpenMesh, SlitsInSolidsAreClosed) {
   }
 }
 
+TEST(OpenMesh, SolidsThatFaceInwardAreClosedInward) {
+  TriangleMesh mesh = test::octasphere(3);
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  OpenMeshOptions options;
+  options.close = true;
+  OpenMeshReport report;
+  const TriangleMesh closed =
+      open_along_cuts(mesh, Cuts{half_plane({0.31, 0, 0}, {0.1, 0.2, 1}, {1, 0, 0.1})}, options, &report);
+  EXPECT_EQ(report.unclosed, 0u);
+  EXPECT_TRUE(measure_topology(closed).closed());
+  EXPECT_NEAR(volume(closed), volume(mesh), 1e-5);
+  EXPECT_NEAR(area(closed), area(mesh) + 2 * 0.5 * (std::numbers::pi - 2 * std::asin(0.31) - 2 * 0.31 * 0.95), 0.1);
+}
+
 TEST(OpenMesh, SeveralCutsAndManyPlaces) {
   const TriangleMesh mesh = test::torus_mesh(40, 24);
   OpenMeshOptions options;
