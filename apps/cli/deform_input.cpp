@@ -126,7 +126,8 @@ void add_deformation_options(CommandLine& c, DeformationInput& input) {
   c.add_option("--degree", input.degree, "Of nonlinear: 2 (from 9 handles on) or 3 (19) [2]")
       .type_name("DEGREE")
       .group(group);
-  c.add_option("--alpha", input.alpha, "How local it is: weights are 1/distance^(2 alpha), 0.5..8 [1]")
+  c.add_option("--alpha", input.alpha,
+               "How local it is: weights are 1/distance^(2 alpha), 0.5..8, with segments 1..8 [1]")
       .type_name("NUMBER")
       .group(group);
   add_cut_options(c, input.cuts);

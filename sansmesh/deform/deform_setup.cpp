@@ -18,6 +18,8 @@ namespace {
 constexpr double kLeastWeight = 1e-60;  // of a handle against one that is at the place
 constexpr double kOnLine = 1e-10;       // distance from a line over extent
 constexpr double kInPlane = 1e-9;
+/// Next to a segment its weight grows as distance^(1 − 2 alpha): too slowly below this, not at all at 1/2.
+constexpr double kLeastOfSegments = 1;
 constexpr double kDependent = 1e-6;  // what is left of a polynomial on the handles once others are taken out
 
 std::string handle_number(std::size_t i) { return "handle " + std::to_string(i + 1); }
@@ -197,6 +199,8 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
     setup.handles.push_back(checked_handle(handles[i], i));
     const DeformHandle& h = setup.handles.back();
     if (h.segment || !h.directions.empty()) setup.plain = false;
+    if (h.segment && options.alpha < kLeastOfSegments)
+      throw ArgumentError(handle_number(i) + " is a segment, which would not be held for `alpha` below 1: raise it");
     reach_wanted = reach_wanted || (!h.directions.empty() && !handles[i].reach);
   }
   const double reach = reach_wanted ? default_reach(setup.handles) : 0;

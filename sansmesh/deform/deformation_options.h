@@ -17,8 +17,8 @@ struct MlsDeformationOptions {
   /// Nonlinear: 2 (9 handles in general position) or 3 (19). With no more than that, or where the handles lie on a
   /// sphere or its like, terms of the highest degree whose Laplacian is not 0 are left out.
   int degree = 2;
-  /// Weights are 1 / distance^(2 alpha); 0.5..8. At 0.5 the map has creases at handles. Above about 4 places are seldom
-  /// within reach of more than two handles as far as double precision goes.
+  /// Weights are 1 / distance^(2 alpha); 0.5..8, with segments 1..8. At 0.5 the map has creases at handles. Above about
+  /// 4 places are seldom within reach of more than two handles as far as double precision goes.
   double alpha = 1;
   /// Influence on the far side of a cut falls with distance / (distance + damping · detour); >= 1.
   double damping = 1;

@@ -15,7 +15,7 @@ struct TurnedDirection {
   Vec3 before, after;
 };
 
-/// A point that went from p to q, or a segment from p to *p_end that went to q to *q_end.
+/// A point that went from p to q, or a segment from p to *p_end that went to q to *q_end (for `alpha` of 1 and above).
 struct Handle {
   Vec3 p, q;
   std::optional<Vec3> p_end, q_end;  ///< both or neither
@@ -23,7 +23,9 @@ struct Handle {
   /// Directions that went with it: one is the normal of a plane through the point, three orthonormal ones are a frame.
   /// They count as points so far from the handle (in both directions) as `reach` says would.
   std::vector<TurnedDirection> directions;
-  std::optional<double> reach;  ///< length, > 0; default: from the handles' distances
+  /// Length, > 0; default: half the mean distance from a handle to the nearest other one, after the deformation
+  /// (of the forward map: before it).
+  std::optional<double> reach;
 
   double weight = 1;  ///< multiplies its influence, > 0
   std::string group;  ///< handles of one group turn as one body between poses

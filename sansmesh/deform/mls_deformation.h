@@ -14,9 +14,9 @@ namespace sansmesh {
 
 /// From places after the deformation back to those before it (weights by distances from where the handles went). The
 /// forward map, for meshes and clouds, is that of reversed(handles). Interpolates: at handles, and all along those that
-/// are segments, it is exact, and its Jacobian is the limit. Handles without size that are the same twice count twice.
-/// All handles of a rigid map may lie on a line or be one: then nothing turns more than it must. Positions are NaN
-/// where x is not finite.
+/// are segments, it is exact, and for `alpha` above 0.5 its Jacobian is the limit. Handles without size that are the
+/// same twice count twice. All handles of a rigid map may lie on a line or be one: then nothing turns more than it
+/// must. Positions are NaN where x is not finite.
 class MlsDeformation final : public SpaceMap {
  public:
   /// Throws ArgumentError naming what is wrong with which handle (counted from 1), or with all of them for the kind,

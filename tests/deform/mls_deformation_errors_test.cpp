@@ -48,6 +48,14 @@ TEST(MlsDeformationErrors, NameTheHandle) {
   expect_parts(said({}), {"at least one handle"});
 }
 
+TEST(MlsDeformationErrors, SegmentsNeedWeightsThatHoldThem) {
+  std::vector<Handle> handles = loose_handles(6);
+  EXPECT_EQ(said(handles, of_kind(DeformationKind::rigid, 2, 0.75)), "");
+  handles[3].q_end = handles[3].q + Vec3{1, 0, 0}, handles[3].p_end = handles[3].p + Vec3{0, 1, 0};
+  EXPECT_EQ(said(handles, of_kind(DeformationKind::rigid, 2, 1)), "");
+  expect_parts(said(handles, of_kind(DeformationKind::rigid, 2, 0.75)), {"handle 4", "segment", "`alpha`", "raise"});
+}
+
 TEST(MlsDeformationErrors, NameBothOfTwoThatContradictEachOther) {
   std::vector<Handle> handles = loose_handles(6);
   handles[4].q = handles[1].q;

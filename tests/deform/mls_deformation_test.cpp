@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -327,6 +329,84 @@ std::size_t differ_in_company(const SpaceMap& map, const std::vector<Vec3>& x) {
       different += std::memcmp(&part[i], &all[first + i], sizeof(Vec3)) != 0;
   }
   return different;
+}
+
+Eigen::Vector3d eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+/// A rigid map at x as singular values have it, and how much more of the alignment its turn reaches than the next best,
+/// over all of it: what is left open is rounding over that.
+struct OracleAt {
+  Eigen::Vector3d mean_q, mean_p, image;
+  double certainty;
+};
+OracleAt oracle_at(const std::vector<Handle>& handles, const Vec3& x) {
+  OracleAt o{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {}, 0};
+  double total = 0;
+  for (const Handle& h : handles) {
+    const double w = 1 / squared_norm(h.q - x);
+    total += w, o.mean_q += w * eigen(h.q), o.mean_p += w * eigen(h.p);
+  }
+  o.mean_q /= total, o.mean_p /= total;
+  Eigen::Matrix3d b = Eigen::Matrix3d::Zero();
+  for (const Handle& h : handles)
+    b += (eigen(h.p) - o.mean_p) * (eigen(h.q) - o.mean_q).transpose() / squared_norm(h.q - x);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(b, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  const Eigen::Vector3d values = svd.singularValues();
+  o.image = o.mean_p + svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose() *
+                           (eigen(x) - o.mean_q);
+  o.certainty = (values[1] + sign * values[2]) / values[0];
+  return o;
+}
+
+TEST(MlsDeformation, NeverFlips) {
+  // Sets all around, (nearly) in planes, and from 10⁻⁹ to 10⁻⁶ off a line; moved at random, rigidly, or mirrored.
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> u(-1, 1);
+  const auto place = [&] { return Vec3{u(random), u(random), u(random)}; };
+  std::size_t certain = 0;
+  for (int round = 0; round < 10'000; ++round) {
+    const double thin = round % 5 == 0 ? 0 : std::pow(10, -7.5 + 1.5 * u(random));
+    const Vec3 axis = place();
+    std::vector<Handle> handles(3 + static_cast<std::size_t>(round % 6));
+    for (Handle& h : handles) {
+      h.q = place();
+      if (round % 4 > 0) h.q.z *= thin;
+      if (round % 4 > 2) h.q.y *= thin;
+      const Vec3 mirrored{h.q.x, h.q.y, -h.q.z};
+      h.p = round % 3 == 0 ? place() : turned(round % 3 == 1 ? h.q : mirrored, axis, round);
+      if (round % 7 == 0) h.p += place() * 1e-3;
+    }
+    const Vec3 x = place() * 1.5;
+    const Eigen::Vector3d found = eigen(mapped(MlsDeformation(handles, {}), {x})[0]);
+    const OracleAt o = oracle_at(handles, x);
+    ASSERT_NEAR((found - o.mean_p).norm(), (eigen(x) - o.mean_q).norm(), 1e-12) << round;  // what turns keep
+    if (o.certainty < 1e-6) continue;
+    ++certain;
+    ASSERT_LT((found - o.image).norm(), 1e-13 / o.certainty + 1e-12) << round << " " << o.certainty;
+  }
+  EXPECT_GT(certain, 6000u);
+}
+
+TEST(MlsDeformation, SetsThatBecomeALineTurnAsItDoes) {
+  // Two rows of handles so far off a line: what the turn about it is fades out at about the root of rounding.
+  const Vec3 axis{0.3, 1, 2};
+  const auto motion = [&](const Vec3& v) { return turned(v, axis, 2.0) + Vec3{1, 2, 0}; };
+  const auto map = [&](double off) {
+    std::vector<Handle> handles = handles_from(10, [](const Vec3& v) { return v; });
+    for (Handle& h : handles) h.q.y *= off, h.q.z *= off, h.p = motion(h.q);
+    return MlsDeformation(handles, {});
+  };
+  const std::vector<Vec3> x = random_places(50, 9), line = mapped(map(0), x);
+  for (const double off : {1e-12, 1e-11, 3e-10, 1e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-2}) {
+    const MlsDeformation near = map(off);
+    const std::vector<Vec3> found = mapped(near, x);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      EXPECT_LT(norm(mapped(near, {{x[i].x, 0, 0}})[0] - motion({x[i].x, 0, 0})), 1e-7) << off;
+      if (off < 2e-9) EXPECT_LT(norm(found[i] - line[i]), 1e-3) << off;
+      if (off > 5e-6) EXPECT_LT(norm(found[i] - motion(x[i])), 1e-12 / (off * off)) << off;
+    }
+  }
 }
 
 TEST(MlsDeformation, PlacesBesideDifficultOnesAreTheSame) {
