@@ -1,5 +1,6 @@
 #include "sansmesh/dynamics/block_solver.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sansmesh/core/parallel.h"
@@ -48,21 +49,23 @@ void BlockSolver::multiply(std::span<const Vec3> w, std::span<Vec3> product) con
                   [&](std::size_t first, std::size_t last) { multiply_rows(first, last, w, product); });
 }
 
-SolverReport BlockSolver::solve(std::span<const VertexConstraint> constraints, std::span<const Vec3> b,
-                                std::span<const std::span<const Vec3>> scales, double tolerance, int iterations,
-                                std::span<Vec3> w) {
+double BlockSolver::squared_size(std::span<const VertexConstraint> constraints, std::span<const Vec3> r) const {
+  return sum_rows(r.size(), [&](std::size_t first, std::size_t last) {
+    double sum = 0;
+    for (std::size_t i = first; i < last; ++i) {
+      const Vec3 free = constraints[i].filter(r[i]);
+      sum += dot(free, inverses_[i] * free);
+    }
+    return sum;
+  });
+}
+
+SolverReport BlockSolver::solve(std::span<const VertexConstraint> constraints, std::span<const Vec3> b, double size,
+                                double least, double tolerance, int iterations, std::span<Vec3> w) {
   const std::size_t n = w.size();
   const auto conditioned = [&](std::size_t i, const Vec3& r) {
     return constraints[i].filter(inverses_[i] * constraints[i].filter(r));
   };
-  double size = 0;  // squared, of what counts as large
-  for (const auto& scale : scales) {
-    size = std::max(size, sum_rows(n, [&](std::size_t first, std::size_t last) {
-                      double sum = 0;
-                      for (std::size_t i = first; i < last; ++i) sum += dot(scale[i], conditioned(i, scale[i]));
-                      return sum;
-                    }));
-  }
   double rz = sum_rows(n, [&](std::size_t first, std::size_t last) {
     multiply_rows(first, last, w, product_);
     double sum = 0;
@@ -73,8 +76,10 @@ SolverReport BlockSolver::solve(std::span<const VertexConstraint> constraints, s
     }
     return sum;
   });
-  const double enough = tolerance * tolerance * std::max(size, rz);
+  const double enough = std::max(least, tolerance * tolerance * std::max(size, rz));
   SolverReport report;
+  report.first = rz, report.finite = std::isfinite(rz) && std::isfinite(enough);
+  if (!report.finite) return report;
   for (;;) {
     if (rz <= enough) {
       report.converged = true;

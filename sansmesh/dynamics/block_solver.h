@@ -25,6 +25,8 @@ struct VertexConstraint {
 struct SolverReport {
   int iterations = 0;
   bool converged = false;
+  bool finite = true;  ///< false: numbers became too large to tell whether it converged
+  double first = 0;    ///< squared norm of the first residual
 };
 
 /// The system (diag(d) + B) w = b with the matrix B of an elastic model, and the memory that solving it takes.
@@ -37,12 +39,14 @@ class BlockSolver {
   /// (diag(d) + B) w.
   void multiply(std::span<const Vec3> w, std::span<Vec3> product) const;
 
-  /// Solves for the parts of w that constraints leave free; the others stay as they come. Preconditioned by the inverse
-  /// blocks of the diagonal. Ends when the residual is `tolerance` of the larger of its first and of `scales` (each as
-  /// a right-hand side), in the norm of the preconditioner.
-  SolverReport solve(std::span<const VertexConstraint> constraints, std::span<const Vec3> b,
-                     std::span<const std::span<const Vec3>> scales, double tolerance, int iterations,
-                     std::span<Vec3> w);
+  /// The squared norm of r where constraints leave vertices free: that of the preconditioner, the inverse blocks of the
+  /// diagonal.
+  double squared_size(std::span<const VertexConstraint> constraints, std::span<const Vec3> r) const;
+
+  /// Solves for the parts of w that constraints leave free; the others stay as they come. Ends when the squared norm of
+  /// the residual is squared `tolerance` times the larger of that of the first one and of `size`, or `least`.
+  SolverReport solve(std::span<const VertexConstraint> constraints, std::span<const Vec3> b, double size, double least,
+                     double tolerance, int iterations, std::span<Vec3> w);
 
  private:
   void multiply_rows(std::size_t first, std::size_t last, std::span<const Vec3> p, std::span<Vec3> q) const;

@@ -20,13 +20,16 @@ int ExplicitStepper::finish(BodyState& body, double h, std::span<const Vec3> hel
     bool sane = true;
   };
   const double most = body.longest / h;
+  // Explicit Euler has moved by the velocity before, which obstacles had corrected.
+  const double moved = body.options.integrator == DynamicsIntegrator::explicit_euler ? 0 : h;
   const Found found = parallel_reduce(
       body.size(), kExplicitRows, Found{},
       [&](std::size_t first, std::size_t last) {
         Found part;
         for (std::size_t i = first; i < last; ++i) {
           part.sane &= squared_norm(body.v[i]) <= most * most;
-          if (!body.obstacles.empty() && body.obstacles.push_out(body.x[i], body.v[i], body.near)) ++part.contacts;
+          if (body.obstacles.empty() || body.is_held[i]) continue;
+          if (body.obstacles.push_out(body.x[i], body.v[i], body.near, moved)) ++part.contacts;
         }
         return part;
       },
@@ -84,7 +87,7 @@ void ExplicitStepper::step(BodyState& body, double h, StepReport& report) {
     body.forces(x, guess_, end, force_);
     parallel_for(0, n, kExplicitRows, [&](std::size_t i) {
       v[i] += force_[i] * (0.5 * h / m[i]);
-      if (!body.obstacles.empty()) body.obstacles.push_out(x[i], v[i], body.near);
+      if (!body.obstacles.empty() && !body.is_held[i]) body.obstacles.push_out(x[i], v[i], body.near, 0);
     });
     for (std::size_t k = 0; k < held.size(); ++k) {
       v[body.drive.held()[k]] = (held[k] - held_before_[k]) / h;

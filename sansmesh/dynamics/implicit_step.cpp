@@ -1,7 +1,6 @@
 #include "sansmesh/dynamics/implicit_step.h"
 
 #include <algorithm>
-#include <array>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -12,6 +11,7 @@ namespace {
 constexpr std::size_t kImplicitRows = 2048;  ///< vertices a task
 constexpr int kContactPasses = 6;            ///< systems solved at most until contacts agree with the solution
 constexpr int kCalmParts = 4;                ///< that converge before a longer one is tried
+constexpr double kRounding = 1e-12;          ///< of momentum and forces: no residual is known better
 constexpr double kSameLoad = 0.1;            ///< relative change of a load that friction need not follow
 
 }  // namespace
@@ -35,14 +35,12 @@ void ImplicitStepper::set_up(BodyState& body, double h, std::span<const Vec3> he
     diagonal_[vertex] += h * h * stiffness;
   }
   // Where conjugate gradients begin: of what nothing holds, and falls, the velocity with that of falling.
-  const bool falls = held.empty() && std::all_of(touches_.begin(), touches_.end(), [](const VertexTouch& touch) {
-                       return touch.obstacle == VertexTouch::kNone;
-                     });
+  const bool free = held.empty() && falls();
   parallel_for(0, n, kImplicitRows, [&](std::size_t i) {
     external_[i] *= h;
     momentum_[i] = body.v[i] * body.masses[i];
     base_[i] = momentum_[i] + force_[i] * h + external_[i];
-    wanted_[i] = falls ? body.v[i] + external_[i] / diagonal_[i] : body.v[i];
+    wanted_[i] = free ? body.v[i] + external_[i] / diagonal_[i] : body.v[i];
     touches_[i].settled = false;
   });
   for (std::size_t k = 0; k < held.size(); ++k) {
@@ -52,6 +50,34 @@ void ImplicitStepper::set_up(BodyState& body, double h, std::span<const Vec3> he
     touches_[i].obstacle = VertexTouch::kHeld;
   }
   solver_.prepare(*body.model, diagonal_);
+}
+
+bool ImplicitStepper::falls() const {
+  return std::all_of(touches_.begin(), touches_.end(),
+                     [](const VertexTouch& touch) { return touch.obstacle == VertexTouch::kNone; });
+}
+
+/// The sum of all equations holds exactly, whatever the tolerance: as the model's matrix is zero on translations, it is
+/// that of Σ d w = Σ b, met by the translation that leaves the least error.
+void ImplicitStepper::keep_momentum() {
+  struct Sums {
+    Vec3 missing;
+    double mass = 0;
+  };
+  const Sums all = parallel_reduce(
+      wanted_.size(), kImplicitRows, Sums{},
+      [&](std::size_t first, std::size_t last) {
+        Sums part;
+        for (std::size_t i = first; i < last; ++i) {
+          part.missing += right_[i] - wanted_[i] * diagonal_[i], part.mass += diagonal_[i];
+        }
+        return part;
+      },
+      [](const Sums& a, const Sums& b) {
+        return Sums{a.missing + b.missing, a.mass + b.mass};
+      });
+  const Vec3 gain = all.missing / all.mass;
+  parallel_for(0, wanted_.size(), kImplicitRows, [&](std::size_t i) { wanted_[i] += gain; });
 }
 
 /// Contacts as constraints of the solver, friction of those that slide as impulses.
@@ -84,11 +110,19 @@ bool ImplicitStepper::revise_contacts(const BodyState& body, double h) {
     if (touch.obstacle == VertexTouch::kNone) {
       const Vec3 there = body.x[i] + wanted_[i] * h;
       double deepest = -body.near;
+      Vec3 out;
       for (std::size_t o = 0; o < body.obstacles.size(); ++o) {
-        const double distance = body.obstacles.side(o, there).distance;
-        if (distance < deepest) deepest = distance, touch = {static_cast<std::int32_t>(o), false, false, 0, {}};
+        const auto [distance, normal] = body.obstacles.side(o, there);
+        if (distance < deepest) deepest = distance, out = normal, touch.obstacle = static_cast<std::int32_t>(o);
       }
-      return touch.obstacle >= 0;
+      if (touch.obstacle == VertexTouch::kNone) return false;
+      // Sticks if friction could stop it, were it alone: what is fast must not be stopped to learn its load.
+      const double into = -dot(out, wanted_[i]);
+      const Vec3 along = wanted_[i] + out * into;
+      const double speed = norm(along);
+      const double friction = body.obstacles.friction(static_cast<std::size_t>(touch.obstacle));
+      if (friction > 0 && speed > friction * into) touch.sliding = true, touch.drag = along / -speed;
+      return true;
     }
     const Vec3 push = reaction_[i] - right_[i], normal = constraints_[i].normal;
     const double friction = body.obstacles.friction(static_cast<std::size_t>(touch.obstacle));
@@ -139,7 +173,7 @@ void ImplicitStepper::take_over(BodyState& body, double h, std::span<const Vec3>
           body.x[i] += wanted_[i] * h;
           body.v[i] = wanted_[i];
           if (body.obstacles.empty() || touches_[i].obstacle == VertexTouch::kHeld) continue;
-          if (body.obstacles.push_out(body.x[i], body.v[i], body.near)) ++result.contacts;
+          if (body.obstacles.push_out(body.x[i], body.v[i], body.near, 0)) ++result.contacts;
           VertexTouch& touch = touches_[i];
           if (!touch.sliding || touch.obstacle < 0) continue;
           const Vec3 along = constraints_[i].filter(body.v[i]);
@@ -160,17 +194,28 @@ bool ImplicitStepper::part(BodyState& body, double h, StepReport& report) {
   const auto held = body.drive.held_positions(body.time + h);
   set_up(body, h, held);
   touches_before_ = touches_;
-  const std::array<std::span<const Vec3>, 3> scales{base_, momentum_, external_};
+  // What drives the step is the first residual, METHODS' right-hand side, or forces from outside where these are in
+  // balance with others. How fast the body is does not count: a small force on a fast one acts, too.
+  double drive = 0, least = 0;
   for (int pass = 1;; ++pass) {
     constrain(body, h);
-    const SolverReport solved =
-        solver_.solve(constraints_, right_, scales, body.options.tolerance, body.options.iterations, wanted_);
+    if (pass == 1) {
+      const auto size = [&](std::span<const Vec3> of) { return solver_.squared_size(constraints_, of); };
+      drive = size(external_);
+      least = kRounding * kRounding * std::max({size(momentum_), size(base_), drive});
+    }
+    const SolverReport solved = solver_.solve(constraints_, right_, drive, least, body.options.tolerance,
+                                              body.options.iterations, wanted_);
+    if (!solved.finite) body.explode(body.x);
+    drive = std::max(drive, solved.first);
     report.solves += 1, report.iterations += solved.iterations;
     if (!solved.converged) {
       touches_ = touches_before_;
       return false;
     }
-    if (body.obstacles.empty() || !revise_contacts(body, h) || pass == kContactPasses) break;
+    const bool settled = body.obstacles.empty() || !revise_contacts(body, h);
+    if (settled && held.empty() && falls()) keep_momentum();
+    if (settled || pass == kContactPasses) break;
   }
   take_over(body, h, held, report);
   return true;

@@ -30,6 +30,8 @@ class ImplicitStepper {
  private:
   bool part(BodyState& body, double h, StepReport& report);
   void set_up(BodyState& body, double h, std::span<const Vec3> held);
+  bool falls() const;  ///< no vertex is held or at an obstacle
+  void keep_momentum();
   void constrain(const BodyState& body, double h);
   bool revise_contacts(const BodyState& body, double h);
   void take_over(BodyState& body, double h, std::span<const Vec3> held, StepReport& report);

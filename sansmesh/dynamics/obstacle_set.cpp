@@ -23,7 +23,14 @@ double ObstacleSet::friction(std::size_t obstacle) const {
   return obstacle < floors_.size() ? floors_[obstacle].friction : spheres_[obstacle - floors_.size()].friction;
 }
 
-bool ObstacleSet::push_out(Vec3& x, Vec3& v, double near) const {
+bool ObstacleSet::holds(const Vec3& x, double near) const {
+  for (std::size_t o = 0; o < size(); ++o) {
+    if (side(o, x).distance < -near) return true;
+  }
+  return false;
+}
+
+bool ObstacleSet::push_out(Vec3& x, Vec3& v, double near, double moved) const {
   bool touched = false;
   for (std::size_t o = 0; o < size(); ++o) {
     const auto [distance, normal] = side(o, x);
@@ -34,7 +41,8 @@ bool ObstacleSet::push_out(Vec3& x, Vec3& v, double near) const {
     if (into <= 0) continue;
     v += normal * into;
     const double along = norm(v), stopped = friction(o) * into;
-    v *= along > stopped ? 1 - stopped / along : 0;
+    const double kept = along > stopped ? 1 - stopped / along : 0;
+    x -= v * (moved * (1 - kept)), v *= kept;
   }
   return touched;
 }

@@ -25,8 +25,13 @@ class ObstacleSet {
   double friction(std::size_t obstacle) const;
 
   /// Moves x out of all obstacles that it is in, as far as one after the other can, and takes from v what leads into
-  /// those that it is in or within `near` of, and Coulomb's share of what leads along them. Whether there was one.
-  bool push_out(Vec3& x, Vec3& v, double near) const;
+  /// those that it is in or within `near` of, and Coulomb's share of what leads along them; from x, too, what that
+  /// share made of the way in the time `moved` for which x has gone with v: where it sticks it stays. Whether there was
+  /// an obstacle.
+  bool push_out(Vec3& x, Vec3& v, double near, double moved) const;
+
+  /// Whether x lies in an obstacle, deeper than `near`.
+  bool holds(const Vec3& x, double near) const;
 
  private:
   std::vector<FloorObstacle> floors_;  ///< unit normals

@@ -126,6 +126,17 @@ StepReport SoftBody::advance(double duration) {
 }
 
 double SoftBody::stable_step() const { return state_->body->stable_step(); }
+
+std::vector<std::uint32_t> SoftBody::within_obstacles() const {
+  const BodyState& body = *state_->body;
+  std::vector<std::uint32_t> within;
+  for (std::size_t i = 0; i < body.size(); ++i) {
+    if (!body.is_held[i] && body.obstacles.holds(body.x[i], body.near)) within.push_back(body.names[i]);
+  }
+  std::sort(within.begin(), within.end());
+  return within;
+}
+
 double SoftBody::time() const { return state_->body->time; }
 std::vector<Vec3> SoftBody::positions() const { return state_->as_given(state_->body->x); }
 std::vector<Vec3> SoftBody::velocities() const { return state_->as_given(state_->body->velocities_now()); }

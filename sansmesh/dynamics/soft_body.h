@@ -39,6 +39,11 @@ class SoftBody {
   /// damps, or handles hang on springs that nothing damps. Of what turns or is under load, a little less.
   double stable_step() const;
 
+  /// Numbers, ascending, of the vertices, neither fixed nor pulled without a stiffness, that lie in an obstacle now, by
+  /// more than rounding. Before the first step these are a fault of the scene: they are put out at once, which throws
+  /// the body. After a step there are none, but where obstacles overlap.
+  std::vector<std::uint32_t> within_obstacles() const;
+
   double time() const;  ///< s since the beginning
   std::vector<Vec3> positions() const;
   std::vector<Vec3> velocities() const;

@@ -68,8 +68,9 @@ struct HandleKey {
   Vec3 turn;  ///< direction of the axis times the angle in radians
 };
 
-/// Vertices that are pulled: they go from their rest positions along the keys, straight and at constant speed between
-/// two of them, at rest before the first and after the last.
+/// Vertices that are pulled: they go from their rest positions along the keys, at rest before the first and after the
+/// last. Between two keys displacements, and vectors of turns, change linearly with time: the centre goes straight, and
+/// turns about one and the same axis have a constant speed.
 struct PulledHandle {
   std::vector<std::uint32_t> vertices;
   std::vector<HandleKey> keys;  ///< at least one, times increasing

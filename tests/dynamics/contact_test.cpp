@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dynamics/body_checks.h"
-#include "sansmesh/dynamics/obstacle_set.h"
+#include "sansmesh/dynamics/stable_step.h"
 
 namespace sansmesh {
 namespace {
@@ -94,6 +94,75 @@ TEST(Contact, SlidesDownASlopeThatIsSteeperThanItsFriction) {
       } else {
         EXPECT_NEAR(gone, free, 0.05 * free + 0.005);
       }
+    }
+  }
+}
+
+/// A cube of rubber on a slope of 30 degrees, which moves at a speed along it. `step` 0: half of what is stable.
+SoftBody on_a_slope(DynamicsIntegrator integrator, double friction, double step, double speed) {
+  SoftBodyOptions options;
+  options.integrator = integrator, options.model = SoftBodyModel::corotational, options.youngs_modulus = 1e6;
+  options.stiffness_damping = 0.004;
+  options.gravity = {9.81 * 0.5, 0, -9.81 * std::sqrt(0.75)};
+  DynamicsScene scene;
+  scene.floors.push_back({{0, 0, 0}, {0, 0, 1}, friction});
+  const TetMesh mesh = box_of_tets({-0.5, -0.5, 0}, {0.5, 0.5, 1}, 2, 2, 2);
+  options.step = step > 0 ? step : 0.5 * stable_step(mesh, options, scene);
+  SoftBody body(mesh, options, scene);
+  body.set_state(mesh.vertices, std::vector<Vec3>(mesh.vertices.size(), Vec3{speed, 0, 0}));
+  return body;
+}
+
+// At the usual tolerance, from a speed beside which the impulse of gravity in a step is small.
+TEST(Contact, ShortStepsSlideAsFarAsLongOnes) {
+  for (const double h : {1e-2, 1e-3, 1e-4}) {
+    for (const double friction : {0.0, 0.2}) {
+      for (const double speed : {0.0, 20.0}) {
+        const double time = 0.2, gain = 9.81 * (0.5 - friction * std::sqrt(0.75)) * time * time / 2;
+        SoftBody body = on_a_slope(DynamicsIntegrator::implicit_euler, friction, h, speed);
+        body.advance(time);
+        EXPECT_NEAR(test::center_of(body).x - speed * time, gain, 0.11 * gain) << h << ' ' << friction << ' ' << speed;
+      }
+    }
+  }
+}
+
+TEST(Contact, WhatSticksDoesNotCreep) {
+  for (const DynamicsIntegrator integrator : kAllIntegrators) {
+    SoftBody body = on_a_slope(integrator, 1.5, integrator == DynamicsIntegrator::implicit_euler ? 0.01 : 0, 0);
+    const auto foot = [&] {
+      Vec3 sum;
+      const auto x = body.positions();
+      for (std::size_t v = 0; v < 9; ++v) sum += x[v] / 9;
+      return sum;
+    };
+    body.advance(0.5);
+    const Vec3 before = foot();
+    body.advance(1);
+    EXPECT_LT(norm(foot() - before), 1e-4) << static_cast<int>(integrator);
+  }
+}
+
+TEST(Contact, WhatIsHeldStaysInObstacles) {
+  for (const DynamicsIntegrator integrator : kAllIntegrators) {
+    DynamicsScene scene;
+    scene.floors.push_back({{0, 0, 0.3}, {0, 0, 1}, 0.5});
+    const TetMesh mesh = cube(0);
+    PulledHandle down{{}, {{0, {}, {}}, {0.1, {0, 0, -0.1}, {}}}, {}, {}};
+    for (std::uint32_t v = 0; v < 25; ++v) (v < 13 ? scene.fixed : down.vertices).push_back(v);
+    scene.handles.push_back(down);
+    SoftBody body(mesh, of_rubber(integrator), scene);
+    const auto within = body.within_obstacles();
+    ASSERT_EQ(within.size(), 25);  // the layer above, at 0.25
+    EXPECT_EQ(within.front(), 25);
+    EXPECT_EQ(within.back(), 49);
+    int contacts = 0;
+    for (int k = 0; k < 10; ++k) contacts = std::max(contacts, body.advance(0.02).contacts);
+    EXPECT_LE(contacts, 25) << static_cast<int>(integrator);
+    EXPECT_TRUE(body.within_obstacles().empty());
+    for (std::uint32_t v = 0; v < 25; ++v) {
+      const Vec3 wanted = mesh.vertices[v] - Vec3{0, 0, v < 13 ? 0 : 0.1};
+      EXPECT_LT(norm(body.positions()[v] - wanted), 1e-12) << static_cast<int>(integrator) << ' ' << v;
     }
   }
 }

@@ -130,8 +130,8 @@ TEST(ElasticModel, ConjugateGradientsSolveWhatDenseMatricesSolve) {
   const auto b = test::random_vectors(n, 1, 4);
   auto w = test::random_vectors(n, 1, 5);
   const auto given = w;
-  const SolverReport report = solver.solve(constraints, b, {}, 1e-13, 1000, w);
-  EXPECT_TRUE(report.converged);
+  const SolverReport report = solver.solve(constraints, b, 0, 0, 1e-13, 1000, w);
+  EXPECT_TRUE(report.converged && report.finite);
   EXPECT_EQ(w[1], given[1]);
   EXPECT_NEAR(dot(w[4] - given[4], constraints[4].normal), 0, 1e-14);
   for (std::size_t i = 0; i < n; ++i) {
@@ -143,6 +143,20 @@ TEST(ElasticModel, ConjugateGradientsSolveWhatDenseMatricesSolve) {
     }
     EXPECT_LT(norm(constraints[i].filter(left)), 1e-11);
   }
+}
+
+TEST(ElasticModel, ConjugateGradientsDoNotTakeInfinityForASolution) {
+  const TetMesh mesh = little_box();
+  const std::size_t n = mesh.vertices.size();
+  const auto model = springs_of(mesh);
+  matrix_of(*model, mesh.vertices, 0.3);
+  const std::vector<double> masses(n, 2);
+  BlockSolver solver;
+  solver.prepare(*model, masses);
+  std::vector<Vec3> w(n);
+  const SolverReport report =
+      solver.solve(std::vector<VertexConstraint>(n), std::vector<Vec3>(n, {1e300, 0, 0}), 0, 0, 1e-3, 1000, w);
+  EXPECT_FALSE(report.converged || report.finite);
 }
 
 TEST(CorotationalModel, TurnedBodiesHaveNoForces) {
