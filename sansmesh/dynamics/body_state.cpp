@@ -71,9 +71,10 @@ void BodyState::explode(std::span<const Vec3> at) {
   }
   const double stable = stable_step();
   if (!(stable > 0)) {
-    throw DataError(fmt::format("{}: explicit Euler is not stable without damping, however short the `step`: take "
-                                "`integrator = velocity_verlet` or `implicit_euler`",
-                                what));
+    throw DataError(
+        fmt::format("{}: explicit Euler is not stable without damping, however short the `step`: take "
+                    "`integrator = velocity_verlet` or `implicit_euler`",
+                    what));
   }
   throw DataError(fmt::format("{}: take a `step` of {:.2g} s (now {:.4g} s), or `integrator = implicit_euler`", what,
                               stable < options.step ? stable : options.step / 4, options.step));

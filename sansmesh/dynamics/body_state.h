@@ -24,9 +24,9 @@ struct BodyState {
   std::unique_ptr<ElasticModel> model;
   ObstacleSet obstacles;
   SceneDrive drive;
-  std::vector<std::uint32_t> names;  ///< a user's numbers of the vertices
-  std::vector<double> masses;        ///< kg; 1 of vertices without a tetrahedron, which are held
-  std::vector<Vec3> weights;         ///< N; zero of those
+  std::vector<std::uint32_t> names;   ///< a user's numbers of the vertices
+  std::vector<double> masses;         ///< kg; 1 of vertices without a tetrahedron, which are held
+  std::vector<Vec3> weights;          ///< N; zero of those
   std::vector<std::uint8_t> is_held;  ///< 1: its motion is given
 
   double time = 0;

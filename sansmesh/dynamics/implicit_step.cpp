@@ -204,8 +204,8 @@ bool ImplicitStepper::part(BodyState& body, double h, StepReport& report) {
       drive = size(external_);
       least = kRounding * kRounding * std::max({size(momentum_), size(base_), drive});
     }
-    const SolverReport solved = solver_.solve(constraints_, right_, drive, least, body.options.tolerance,
-                                              body.options.iterations, wanted_);
+    const SolverReport solved =
+        solver_.solve(constraints_, right_, drive, least, body.options.tolerance, body.options.iterations, wanted_);
     if (!solved.finite) body.explode(body.x);
     drive = std::max(drive, solved.first);
     report.solves += 1, report.iterations += solved.iterations;

@@ -216,8 +216,8 @@ TEST(SoftBody, StepsThatDoNotConvergeAreHalvedAndBecomeLongAgain) {
   }
 }
 
-/// How the bar hangs, relative to where it would be carried, after 40 steps: one end is pulled along at a speed that all
-/// of it has.
+/// How the bar hangs, relative to where it would be carried, after 40 steps: one end is pulled along at a speed that
+/// all of it has.
 std::vector<Vec3> carried_bar(double h, const Vec3& velocity) {
   SoftBodyOptions options;
   options.step = h;
