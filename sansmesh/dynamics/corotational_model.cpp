@@ -40,21 +40,11 @@ CorotationalModel::CorotationalModel(std::vector<Tet> tets, std::span<const Vec3
       mu_(youngs_modulus / (2 * (1 + poissons_ratio))),
       lambda_(youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))),
       damping_(damping) {
-  parallel_for(0, tets_.size(), kTetRange, [&](std::size_t t) {
-    const Tet& c = tets_[t];
-    const Vec3 a = rest[c[1]] - rest[c[0]], b = rest[c[2]] - rest[c[0]], d = rest[c[3]] - rest[c[0]];
-    const double six = dot(a, cross(b, d));
-    shapes_[t] = {{cross(b, d) / six, cross(d, a) / six, cross(a, b) / six}, six / 6};
-  });
+  parallel_for(0, tets_.size(), kTetRange, [&](std::size_t t) { shapes_[t] = tet_gradients(tets_[t], rest); });
 }
 
-/// Columns ∂x/∂X_k.
 Matrix3 CorotationalModel::gradient(std::size_t t, std::span<const Vec3> x) const {
-  const Tet& c = tets_[t];
-  const auto& [g, volume] = shapes_[t];
-  const Vec3 a = x[c[1]] - x[c[0]], b = x[c[2]] - x[c[0]], d = x[c[3]] - x[c[0]];
-  return {a * g[0].x + b * g[1].x + d * g[2].x, a * g[0].y + b * g[1].y + d * g[2].y,
-          a * g[0].z + b * g[1].z + d * g[2].z};
+  return tet_jacobian(tets_[t], shapes_[t].of, x);
 }
 
 bool CorotationalModel::forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> f) {
@@ -77,7 +67,7 @@ bool CorotationalModel::forces(std::span<const Vec3> x, std::span<const Vec3> v,
           }
           const double pressure = lambda_ * s.trace(), two = 2 * mu_;
           for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 g = shapes_[t].gradients[k];
+            const Vec3 g = shapes_[t].of[k];
             const Vec3 stress{two * (s.xx * g.x + s.xy * g.y + s.xz * g.z) + pressure * g.x,
                               two * (s.xy * g.x + s.yy * g.y + s.yz * g.z) + pressure * g.y,
                               two * (s.xz * g.x + s.yz * g.y + s.zz * g.z) + pressure * g.z};

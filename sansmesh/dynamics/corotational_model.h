@@ -7,6 +7,7 @@
 #include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/elastic_model.h"
 #include "sansmesh/dynamics/polar_rotation.h"
+#include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/vertex_graph.h"
 
 namespace sansmesh {
@@ -28,18 +29,14 @@ class CorotationalModel final : public ElasticModel {
   std::string worst(std::span<const Vec3> x, std::span<const std::uint32_t> names) const override;
 
  private:
-  /// At rest: gradients of the barycentric coordinates of corners 1 to 3, and the volume.
-  struct Shape {
-    std::array<Vec3, 3> gradients;
-    double volume = 0;
-  };
   using Block = std::array<Vec3, 3>;  ///< by rows
 
+  /// Columns ∂x/∂X_k.
   Matrix3 gradient(std::size_t t, std::span<const Vec3> x) const;
   Block edge_block(std::size_t edge) const;
 
   std::vector<Tet> tets_;
-  std::vector<Shape> shapes_;
+  std::vector<TetGradients> shapes_;          ///< at rest
   std::vector<Turn> turns_;                   ///< where the search for the next rotation begins
   std::vector<std::array<Vec3, 3>> carried_;  ///< gradients in the rotated frame
   std::vector<std::array<Vec3, 3>> pulls_;    ///< forces on corners 1 to 3; that on corner 0 is minus their sum

@@ -47,11 +47,9 @@ TetEmbedding::TetEmbedding(const TetMesh& rest, std::span<const Vec3> points)
 
   parallel_for(0, points.size(), kEmbeddedRange, [&](std::size_t i) {
     const Tet& c = rest.tets[tets_[i]];
-    const std::vector<Vec3>& x = rest.vertices;
-    const Vec3 a = x[c[1]] - x[c[0]], b = x[c[2]] - x[c[0]], d = x[c[3]] - x[c[0]], p = points[i] - x[c[0]];
-    const double six = dot(a, cross(b, d));
+    const Vec3 p = points[i] - rest.vertices[c[0]];
     corners_[i] = c;
-    gradients_[i] = {cross(b, d) / six, cross(d, a) / six, cross(a, b) / six};
+    gradients_[i] = tet_gradients(c, rest.vertices).of;
     const double u = dot(gradients_[i][0], p), v = dot(gradients_[i][1], p), w = dot(gradients_[i][2], p);
     weights_[i] = {1 - u - v - w, u, v, w};
   });
@@ -70,12 +68,8 @@ std::vector<Vec3> TetEmbedding::positions(std::span<const Vec3> x) const {
 std::vector<Vec3> TetEmbedding::normals(std::span<const Vec3> x, std::span<const Vec3> at_rest) const {
   std::vector<Vec3> found(corners_.size());
   parallel_for(0, found.size(), kEmbeddedRange, [&](std::size_t i) {
-    const Tet& c = corners_[i];
-    const auto& g = gradients_[i];
-    const Vec3 a = x[c[1]] - x[c[0]], b = x[c[2]] - x[c[0]], d = x[c[3]] - x[c[0]];
     // Cofactors of J: its inverse transpose times its determinant, whose sign counts where a tetrahedron is inside out.
-    const Matrix3 j{a * g[0].x + b * g[1].x + d * g[2].x, a * g[0].y + b * g[1].y + d * g[2].y,
-                    a * g[0].z + b * g[1].z + d * g[2].z};
+    const Matrix3 j = tet_jacobian(corners_[i], gradients_[i], x);
     const Vec3 n = at_rest[i];
     found[i] = normalized(cross(j.b, j.c) * n.x + cross(j.c, j.a) * n.y + cross(j.a, j.b) * n.z);
   });

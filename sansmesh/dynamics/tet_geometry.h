@@ -1,11 +1,13 @@
 // Tetrahedral meshes as such: whether they can be used, their volume, surface, refinement.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/data/triangle_mesh.h"
 
@@ -13,6 +15,26 @@ namespace sansmesh {
 
 /// Signed volume of tetrahedron `t` with its vertices at `x`; negative where it is inside out.
 double tet_volume(const Tet& t, std::span<const Vec3> x);
+
+/// A tetrahedron as linear functions see it.
+struct TetGradients {
+  std::array<Vec3, 3> of;  ///< gradients of the barycentric coordinates of corners 1 to 3; that of corner 0 is minus
+                           ///< their sum. Not finite where the volume is 0
+  double volume = 0;       ///< signed
+};
+inline TetGradients tet_gradients(const Tet& t, std::span<const Vec3> x) {
+  const Vec3 a = x[t[1]] - x[t[0]], b = x[t[2]] - x[t[0]], d = x[t[3]] - x[t[0]];
+  const double six = dot(a, cross(b, d));
+  return {{cross(b, d) / six, cross(d, a) / six, cross(a, b) / six}, six / 6};
+}
+
+/// Columns ∂y/∂x_k of the affine map that takes the corners, of whose places `gradients` are, to y.
+inline Matrix3 tet_jacobian(const Tet& t, const std::array<Vec3, 3>& gradients, std::span<const Vec3> y) {
+  const auto& g = gradients;
+  const Vec3 a = y[t[1]] - y[t[0]], b = y[t[2]] - y[t[0]], d = y[t[3]] - y[t[0]];
+  return {a * g[0].x + b * g[1].x + d * g[2].x, a * g[0].y + b * g[1].y + d * g[2].y,
+          a * g[0].z + b * g[1].z + d * g[2].z};
+}
 
 /// The same mesh with positive volumes: some writers order the corners the other way round, some even within a file.
 /// `turned`, if given, gets the number of tetrahedra whose last corners were exchanged.

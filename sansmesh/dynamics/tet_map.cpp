@@ -10,6 +10,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/vertex_graph.h"
 #include "sansmesh/search/box_levels.h"
 
@@ -152,17 +153,14 @@ TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<
   if (!whole.empty()) state->origin = whole.center();
   for (const std::uint32_t t : order_in_space(centers)) {
     const Tet& c = tets[t];
-    const Vec3 a = from[c[1]] - from[c[0]], b = from[c[2]] - from[c[0]], d = from[c[3]] - from[c[0]];
-    const double six = dot(a, cross(b, d)), size = norm(a) * norm(b) * norm(d);
-    if (!(std::abs(six) > 1e-14 * size)) continue;
+    const TetGradients shape = tet_gradients(c, from);
+    const double size = norm(from[c[1]] - from[c[0]]) * norm(from[c[2]] - from[c[0]]) * norm(from[c[3]] - from[c[0]]);
+    if (!(std::abs(6 * shape.volume) > 1e-14 * size)) continue;
     State::Affine affine;
     affine.corner = from[c[0]], affine.image = to[c[0]], affine.number = t;
-    affine.gradients = {cross(b, d) / six, cross(d, a) / six, cross(a, b) / six};
-    for (std::size_t k = 0; k < 3; ++k) {
-      affine.jacobian[k] = (to[c[1]] - to[c[0]]) * affine.gradients[0][k] +
-                           (to[c[2]] - to[c[0]]) * affine.gradients[1][k] +
-                           (to[c[3]] - to[c[0]]) * affine.gradients[2][k];
-    }
+    affine.gradients = shape.of;
+    const Matrix3 j = tet_jacobian(c, shape.of, to);
+    affine.jacobian = {j.a, j.b, j.c};
     for (const std::uint32_t v : c) affine.from.extend(from[v]), affine.to.extend(to[v]);
     state->affines.push_back(affine);
   }
