@@ -93,14 +93,22 @@ TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
 
 }  // namespace
 
-Motion::Motion(const TetMesh& rest, bool with_velocities)
-    : rest_(rest), origin_(bounds(rest).center()), with_velocities_(with_velocities) {}
+Motion::Motion(const TetMesh& rest, bool with_positions, bool with_velocities)
+    : rest_(rest), origin_(bounds(rest).center()), with_positions_(with_positions), with_velocities_(with_velocities) {}
+
+double Motion::bytes(std::size_t frames) const {
+  const int vectors = (with_positions_ ? 1 : 0) + (with_velocities_ ? 1 : 0);
+  return static_cast<double>(vectors * sizeof(Vec3f)) * static_cast<double>(frames) *
+         static_cast<double>(rest_.vertices.size());
+}
 
 void Motion::add(double time, const std::vector<Vec3>& positions, const std::vector<Vec3>& velocities, double unit) {
   times_.push_back(time);
   std::vector<Vec3f>& x = positions_.emplace_back();
-  x.reserve(positions.size());
-  for (const Vec3& p : positions) x.push_back(Vec3f(p / unit - origin_));
+  if (with_positions_) {
+    x.reserve(positions.size());
+    for (const Vec3& p : positions) x.push_back(Vec3f(p / unit - origin_));
+  }
   std::vector<Vec3f>& v = velocities_.emplace_back();
   if (!with_velocities_) return;
   v.reserve(velocities.size());
@@ -171,16 +179,23 @@ struct MotionPictures::Volume {
 };
 
 MotionPictures::MotionPictures(const Motion& motion, const CarriedSurface* surface, const CarriedVolume& volume,
-                               const DynamicsScene& scene, const RenderOptions& options, Console& console)
+                               const RenderOptions& options, Console& console)
     : motion_(motion), surface_(surface), options_(options) {
+  if (!volume.wanted()) return;
+  volume_ = std::make_unique<Volume>(volume, motion, console);
+  static_cast<RenderOptions&>(volume_->options) = options_;
+  volume_->options.validate();
+}
+
+void MotionPictures::frame(const DynamicsScene& scene) {
   FarthestPoints farthest;
   Box3 box;
-  for (std::size_t frame = 0; frame < motion.frames(); ++frame) {
-    if (surface) {
-      const TriangleMesh m = surface->at(motion, frame);
+  for (std::size_t frame = 0; frame < motion_.frames(); ++frame) {
+    if (surface_) {
+      const TriangleMesh m = surface_->at(motion_, frame);
       for (const Vec3f& p : m.vertices) farthest.add(m.origin + Vec3(p));
     } else {
-      for (const Vec3& p : motion.positions(frame)) farthest.add(p);
+      for (const Vec3& p : motion_.positions(frame)) farthest.add(p);
     }
   }
   for (const Vec3& p : farthest.points()) box.extend(p);
@@ -200,11 +215,9 @@ MotionPictures::MotionPictures(const Motion& motion, const CarriedSurface* surfa
     color(obstacles_.back(), kFloorColor);
   }
   framed_ = farthest.points();
-  if (!scene.floors.empty()) options_.ground = false;
-  if (!volume.wanted()) return;
-  volume_ = std::make_unique<Volume>(volume, motion, console);
-  static_cast<RenderOptions&>(volume_->options) = options_;
-  volume_->options.validate();
+  if (scene.floors.empty()) return;
+  options_.ground = false;
+  if (volume_) volume_->options.ground = false;
 }
 
 MotionPictures::~MotionPictures() = default;

@@ -22,8 +22,10 @@ namespace sansmesh::cli {
 /// Positions and velocities of all vertices at moments, in the unit of the body's file.
 class Motion {
  public:
-  /// `with_velocities`: whether these are wanted.
-  Motion(const TetMesh& rest, bool with_velocities);
+  /// `with_positions`, `with_velocities`: whether these are wanted; otherwise only the times are kept.
+  Motion(const TetMesh& rest, bool with_positions, bool with_velocities);
+  /// What so many frames take in memory.
+  double bytes(std::size_t frames) const;
   /// `unit`: metres of the file's unit, in which positions and velocities do not come.
   void add(double time, const std::vector<Vec3>& positions, const std::vector<Vec3>& velocities, double unit);
 
@@ -38,7 +40,7 @@ class Motion {
  private:
   const TetMesh& rest_;
   Vec3 origin_;
-  bool with_velocities_;
+  bool with_positions_, with_velocities_;
   std::vector<double> times_;
   std::vector<std::vector<Vec3f>> positions_;  ///< from the origin
   std::vector<std::vector<Vec3f>> velocities_;
@@ -74,10 +76,12 @@ struct CarriedVolume {
 /// Pictures of all frames from one place, from which the whole motion is seen.
 class MotionPictures {
  public:
-  /// What is passed must outlive it; `scene` is in the unit of the body's file.
+  /// Opens the volume and checks all options, before there is any motion. What is passed must outlive it.
   MotionPictures(const Motion& motion, const CarriedSurface* surface, const CarriedVolume& volume,
-                 const DynamicsScene& scene, const RenderOptions& options, Console& console);
+                 const RenderOptions& options, Console& console);
   ~MotionPictures();
+  /// When the motion is complete, before pictures are drawn; `scene` is in the unit of the body's file.
+  void frame(const DynamicsScene& scene);
   Image draw(std::size_t frame, Progress& progress);
 
  private:

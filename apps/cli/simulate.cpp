@@ -2,12 +2,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +21,8 @@
 #include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/dynamics/stable_step.h"
+#include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/io/animation.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/io.h"
@@ -30,14 +34,15 @@ namespace sansmesh::cli {
 namespace {
 
 constexpr double kUsualTime = 2, kUsualRate = 25;
-constexpr double kMostFrames = 100000;
+constexpr double kMostFrames = 100000, kMostSteps = 1e8;
+constexpr double kMostBytes = 8e9;                    ///< of frames in memory
+constexpr double kLeastSize = 1e-6, kMostSize = 1e9;  ///< of bodies, m
 constexpr double kFloorBelow = 0.3;  ///< of the body's height: how far it falls to the floor that nobody asked for
 
 struct SimulateArguments {
   std::string tets, forces, fixed, surface, animation, energies, background = "gradient";
   std::vector<std::string> outputs;
   SceneScript flags;  ///< as far as they are given: those of the command line
-  std::optional<SoftBodyModel> model;
   std::optional<int> frames;
   bool ascii = false;
   CarriedVolume volume;
@@ -81,6 +86,8 @@ void check_arguments(const SimulateArguments& a) {
   require(!a.frames || *a.frames >= 2, "--frames must be at least 2: the first one is the body at rest");
   require(!(a.frames && a.flags.frames_per_second && a.flags.duration),
           "of --frames, --fps and --time only two can be given");
+  require(!a.flags.poisson || (*a.flags.poisson >= 0 && *a.flags.poisson <= 0.49), "--poisson must lie in 0..0.49");
+  require(!a.flags.damping || *a.flags.damping >= 0, "--damping must not be negative");
   require(a.volume_file.empty() || a.draws(), "--volume needs pictures: --output NAME.png or --animation");
   require(!a.volume_file.empty() || (a.volume.preset.empty() && a.volume.transfer.empty() && a.volume.isos.empty() &&
                                      a.volume.input.array.empty() && a.volume.opacity == 1),
@@ -93,8 +100,46 @@ void override_by(std::optional<T>& value, const std::optional<T>& flag) {
   if (flag) value = flag;
 }
 
+/// Materials of the file (Vega's, or arrays of the same three names) where nobody says another: their means.
+void take_material(const SimulateArguments& a, const TetDataset& body, SceneScript& s,
+                   std::vector<std::string>& notes) {
+  const AttributeTable& arrays = body.mesh.tet_attributes;
+  const auto* const density = arrays.find<double>("density");
+  const auto* const young = arrays.find<double>("young");
+  const auto* const poisson = arrays.find<double>("poisson");
+  if (!density || !young || !poisson) return;
+  double sum[3] = {};
+  std::size_t known = 0;
+  bool differ = false;
+  std::array<double, 3> first{};
+  for (std::size_t t = 0; t < density->size(); ++t) {
+    const std::array<double, 3> m{(*density)[t], (*young)[t], (*poisson)[t]};
+    if (std::isnan(m[0]) || std::isnan(m[1]) || std::isnan(m[2])) continue;
+    if (!(m[0] > 0 && m[1] > 0 && m[2] >= 0 && m[2] <= 0.49 && std::isfinite(m[0]) && std::isfinite(m[1])))
+      throw FileError(a.tets,
+                      fmt::format("the material of a cell cannot be simulated (density {:g}, Young's modulus {:g} Pa, "
+                                  "Poisson's ratio {:g}): the first two must be above 0, the last in 0..0.49",
+                                  m[0], m[1], m[2]));
+    if (known++ == 0) first = m;
+    differ = differ || m != first;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += m[k];
+  }
+  if (known == 0) return;
+  const bool springs = s.model == SoftBodyModel::springs || s.stiffness;
+  const bool taken = !s.density || (!springs && (!s.young || !s.poisson));
+  const auto mean = [&](std::size_t k, std::optional<double>& value) {
+    if (!value) value = differ ? sum[k] / static_cast<double>(known) : first[k];
+  };
+  mean(0, s.density);
+  if (!springs) mean(1, s.young), mean(2, s.poisson);
+  if (taken && differ) notes.emplace_back("several materials: the whole body is of their mean");
+  if (taken && known < density->size())
+    notes.push_back(
+        fmt::format("{} without a material: they are of that of the others", counted(density->size() - known, "cell")));
+}
+
 /// What the scene file and the command line say together.
-SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
+SceneScript read_scene(const SimulateArguments& a, const TetDataset& body, std::vector<std::string>& notes) {
   SceneVertices vertices;
   vertices.mesh = &body.mesh;
   vertices.find = [&](std::uint64_t n) { return body.vertex(n); };
@@ -105,7 +150,7 @@ SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
   if (!a.forces.empty()) {
     const io::FileContent content(a.forces);
     try {
-      s = parse_scene_script(std::string(content.bytes()), vertices);
+      s = parse_scene_script(std::string(content.bytes()), vertices, a.picture.z_up);
     } catch (const ArgumentError& error) {
       throw FileError(a.forces, error.what());
     }
@@ -120,25 +165,13 @@ SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
     s.scene.fixed.erase(std::unique(s.scene.fixed.begin(), s.scene.fixed.end()), s.scene.fixed.end());
   }
   const SceneScript& f = a.flags;
-  override_by(s.model, a.model);
+  override_by(s.model, f.model);
   override_by(s.integrator, f.integrator);
   override_by(s.step, f.step), override_by(s.duration, f.duration);
   override_by(s.frames_per_second, f.frames_per_second);
   override_by(s.stiffness, f.stiffness), override_by(s.young, f.young), override_by(s.poisson, f.poisson);
   override_by(s.density, f.density), override_by(s.unit, f.unit);
-  // Materials of the file (Vega) where nobody says another.
-  const auto material = [&](const char* name, std::optional<double>& value) {
-    const std::vector<double>* const v = body.mesh.tet_attributes.find<double>(name);
-    if (value || !v) return false;
-    double sum = 0;
-    for (const double x : *v) sum += x;
-    if (!(std::isfinite(sum) && sum > 0)) return false;
-    value = sum / static_cast<double>(v->size());
-    return true;
-  };
-  const bool springs = s.model == SoftBodyModel::springs || s.stiffness;
-  material("density", s.density);
-  if (!springs) material("young", s.young), material("poisson", s.poisson);
+  take_material(a, body, s, notes);
   if (s.stiffness && !s.model) s.model = SoftBodyModel::springs;
   if (f.damping) {
     s.damping = f.damping;
@@ -184,13 +217,22 @@ FrameTimes frame_times(const SimulateArguments& a, const SceneScript& s) {
     else
       rate = steps / time;
   }
-  const double frames = std::round(time * rate);
+  // Whole frames at the rate that is asked for; where their number is given, both are kept.
+  const double frames = a.frames ? *a.frames - 1 : std::floor(time * rate * (1 + 1e-9));
   if (!(frames >= 1))
     throw ArgumentError(fmt::format("a `duration` of {:g} s is shorter than a frame ({:g} a second)", time, rate));
   if (frames > kMostFrames)
     throw ArgumentError(
         fmt::format("{:g} s with {:g} frames a second are more than {:g} frames", time, rate, kMostFrames));
-  return {static_cast<std::size_t>(frames) + 1, time / frames};
+  return {static_cast<std::size_t>(frames) + 1, 1 / rate};
+}
+
+/// Steps in a frame.
+std::size_t steps_a_frame(const FrameTimes& times, double step) {
+  const double steps = std::max(1.0, std::ceil(times.step / step - 1e-9));
+  if (!(steps * static_cast<double>(times.frames - 1) <= kMostSteps))
+    throw ArgumentError(fmt::format("a `step` of {:.3g} s makes more than {:g} steps", step, kMostSteps));
+  return static_cast<std::size_t>(steps);
 }
 
 /// What the steps took, all together.
@@ -208,13 +250,12 @@ struct SimulationTotals {
   }
 };
 
-SimulationTotals simulate(SoftBody& body, const FrameTimes& times, double unit, bool energies, Motion& motion,
-                          Progress& progress) {
+SimulationTotals simulate(SoftBody& body, const FrameTimes& times, std::size_t steps, double unit, bool energies,
+                          Motion& motion, Progress& progress) {
   SimulationTotals t;
   t.first = body.energies();
   t.row(t.first, {});
   motion.add(0, body.positions(), body.velocities(), unit);
-  const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(times.step / body.options().step - 1e-9)));
   const double h = times.step / static_cast<double>(steps);
   progress.begin("simulating", (times.frames - 1) * steps);
   const auto begin = std::chrono::steady_clock::now();
@@ -263,9 +304,32 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
   return files;
 }
 
+/// What pictures need, opened and checked before anything moves.
+struct PicturesToDraw {
+  std::optional<MotionPictures> pictures;
+  std::optional<Animation> animation;
+};
+
+/// Inputs are not to be lost: frames get names that nobody typed.
+void check_overwriting(const SimulateArguments& a, std::size_t frames) {
+  const auto place = [](const std::string& file) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(file, ignored);
+  };
+  std::set<std::filesystem::path> inputs;
+  for (const std::string& file : {a.tets, a.forces, a.fixed, a.surface, a.volume_file, a.volume.transfer})
+    if (!file.empty()) inputs.insert(place(file));
+  const auto check = [&](const std::string& file) {
+    if (inputs.contains(place(file))) throw FileError(file, "is an input, which a result would overwrite");
+  };
+  for (const std::string& o : a.outputs)
+    for (std::size_t k = 0; k < frames; ++k) check(motion_frame_name(o, k));
+  if (!a.animation.empty()) check(a.animation);
+  if (!a.energies.empty()) check(a.energies);
+}
+
 std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion& motion, const CarriedSurface& surface,
-                                       const DynamicsScene& scene, const RenderOptions& look, Console& console) {
-  Progress& progress = console.progress();
+                                       const DynamicsScene& scene, PicturesToDraw& draw, Progress& progress) {
   std::vector<std::string> files;
   for (const std::string& o : a.outputs) {
     if (io::ending(o) == "png") continue;
@@ -280,23 +344,19 @@ std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion&
       progress.advance();
     }
   }
-  if (!a.draws()) return files;
-  // A volume is seen alone, unless a surface is asked for beside it.
-  const bool with_surface = !a.volume.wanted() || !a.surface.empty();
-  MotionPictures pictures(motion, with_surface ? &surface : nullptr, a.volume, scene, look, console);
-  std::optional<Animation> animation;
-  if (!a.animation.empty()) animation.emplace(1 / (motion.time(1) - motion.time(0)));
+  if (!draw.pictures) return files;
+  draw.pictures->frame(scene);
   for (std::size_t k = 0; k < motion.frames(); ++k) {
-    const Image image = pictures.draw(k, progress);
+    const Image image = draw.pictures->draw(k, progress);
     for (const std::string& o : a.outputs)
       if (io::ending(o) == "png") {
         files.push_back(motion_frame_name(o, k));
         write_image(files.back(), image);
       }
-    if (animation) animation->add(image);
+    if (draw.animation) draw.animation->add(image);
   }
-  if (animation) {
-    animation->write(a.animation);
+  if (draw.animation) {
+    draw.animation->write(a.animation);
     files.push_back(a.animation);
   }
   return files;
@@ -331,10 +391,20 @@ void run_simulate(SimulateArguments& a, Console& console) {
   set_background(look, a.background);
   const TetDataset body = read_tets(a.tets);
   console.warn(a.tets, body.notes);
-  SceneScript script = read_scene(a, body);
+  std::vector<std::string> notes;
+  SceneScript script = read_scene(a, body, notes);
+  const double unit = suited_unit(script, body.mesh);
+  const double size = bounds(body.mesh).diagonal();
+  if (!script.unit && unit != 1)
+    notes.push_back(fmt::format("{:.4g} long in a unit that nobody says: taken as {}, {:.3g} m; --unit says another",
+                                size, unit == 0.01 ? "centimetres" : "millimetres", size * unit));
+  script.unit = unit;
+  if (!(size * unit >= kLeastSize && size * unit <= kMostSize))
+    throw FileError(a.tets, fmt::format("is {:.3g} m large, which cannot be simulated: --unit tells of what its "
+                                        "lengths are",
+                                        size * unit));
+  console.warn(a.tets, notes);
   if (script.z_up.value_or(false)) look.up = UpAxis::z;
-  const double unit = script.unit.value_or(1);
-  const FrameTimes times = frame_times(a, script);
   std::optional<CarriedSurface> surface;
   try {
     if (a.surface.empty())
@@ -351,26 +421,54 @@ void run_simulate(SimulateArguments& a, Console& console) {
   TetMesh metres = body.mesh;
   metres.attributes = {}, metres.tet_attributes = {};
   for (Vec3& p : metres.vertices) p *= unit;
-  const SoftBodyOptions options = suited_options(script, metres);
-  options.validate();
+  // Errors of what the scene says are those of its file.
+  const auto told = [&](auto&& work, bool by_flags = false) {
+    try {
+      return work();
+    } catch (const ArgumentError& error) {
+      if (a.forces.empty() || by_flags) throw;
+      throw FileError(a.forces, in_words(console.in_flags(error.what())));
+    } catch (const DataError& error) {
+      throw FileError(a.tets, in_words(console.in_flags(error.what())));
+    }
+  };
+  const FrameTimes times =
+      told([&] { return frame_times(a, script); }, a.frames || a.flags.duration || a.flags.frames_per_second);
+  const SoftBodyOptions options = told([&] {
+    const SoftBodyOptions suited = suited_options(script, metres);
+    suited.validate();
+    return suited;
+  });
+  const std::size_t steps = told([&] { return steps_a_frame(times, options.step); }, a.flags.step.has_value());
   if (script.floor_below || falls(script)) add_floor(script, body.mesh, options);
-  Motion motion(body.mesh, a.writes_tets());
-  SimulationTotals totals;
-  try {
-    SoftBody moving(std::move(metres), options, scaled(script.scene, unit));
-    totals = simulate(moving, times, unit, !a.energies.empty(), motion, console.progress());
-  } catch (const DataError& error) {
-    throw FileError(a.tets, in_words(console.in_flags(error.what())));
-  } catch (const ArgumentError& error) {
-    if (a.forces.empty()) throw;
-    throw FileError(a.forces, error.what());
-  }
+  check_overwriting(a, times.frames);
+  Motion motion(body.mesh, a.draws() || !a.outputs.empty(), a.writes_tets());
+  if (motion.bytes(times.frames) > kMostBytes)
+    throw ArgumentError(fmt::format("{} frames of {} vertices are {:.1f} GB: fewer --frames", grouped(times.frames),
+                                    grouped(body.mesh.vertices.size()), 1e-9 * motion.bytes(times.frames)));
+  // A volume is seen alone, unless a surface is asked for beside it.
+  const bool with_surface = !a.volume.wanted() || !a.surface.empty();
+  PicturesToDraw draw;
+  if (a.draws()) draw.pictures.emplace(motion, with_surface ? &*surface : nullptr, a.volume, look, console);
+  if (!a.animation.empty()) draw.animation.emplace(1 / times.step);
+
+  const SimulationTotals totals = told([&] {
+    const DynamicsScene scene = scaled(script.scene, unit);
+    if (script.step) {
+      const double stable = stable_step(metres, options, scene);
+      if (options.step > stable)
+        console.warn({fmt::format("steps of {:.3g} s are longer than is stable for {} ({:.2g} s)", options.step,
+                                  word_of(options.integrator), stable)});
+    }
+    SoftBody moving(std::move(metres), options, scene);
+    return simulate(moving, times, steps, unit, !a.energies.empty(), motion, console.progress());
+  });
   if (totals.halvings > 0)
     console.warn(
         {fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge; a "
                      "smaller --step, or less stiffness, is quicker",
                      grouped(totals.halvings), totals.shortest)});
-  std::vector<std::string> files = write_outputs(a, motion, *surface, script.scene, look, console);
+  std::vector<std::string> files = write_outputs(a, motion, *surface, script.scene, draw, console.progress());
   if (!a.energies.empty()) {
     write_text(a.energies, totals.table);
     files.push_back(a.energies);
@@ -449,7 +547,7 @@ Command add_simulate(CommandLine& app) {
   c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
       .type_name("FILE")
       .group(body);
-  c.add_choice<SoftBodyModel>("--model", a.model,
+  c.add_choice<SoftBodyModel>("--model", a.flags.model,
                               {{"springs", SoftBodyModel::springs}, {"corotational", SoftBodyModel::corotational}},
                               "springs, or corotational (elasticity in pascals) [springs, but with --young]")
       .type_name("NAME")
@@ -473,11 +571,12 @@ Command add_simulate(CommandLine& app) {
          if (a.flags.unit) return;
          double metres = 0;
          const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
-         if (error != std::errc() || end != text.data() + text.size() || !(metres > 0) || !std::isfinite(metres))
-           throw ValueError("must be mm, cm, dm, m, km, inch, foot, or its length in metres, not " + text);
+         if (error != std::errc() || end != text.data() + text.size() || !(metres >= kLeastUnit && metres <= kMostUnit))
+           throw ValueError("must be mm, cm, dm, m, km, inch, foot, or its length in metres, 1e-9..1e9, not " + text);
          a.flags.unit = metres;
        },
-       "Of lengths in TETS and the scene: mm, cm, dm, m, km, inch, foot or metres [m]")
+       "Of lengths in TETS and the scene: mm, cm, dm, m, km, inch, foot or metres [m; where nobody says "
+       "more, cm or mm of bodies above 20]")
       .type_name("UNIT")
       .group(body);
   const char* const time = "Time";

@@ -3,116 +3,23 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/dynamics/scene_fields.h"
 
 namespace sansmesh {
 namespace {
 
-using SceneJson = nlohmann::ordered_json;
-
-/// Parses; a key that an object has twice would win unnoticed.
-SceneJson parse_json(const std::string& text) {
-  std::vector<std::set<std::string>> open;
-  std::string twice;
-  const auto look = [&](int, SceneJson::parse_event_t event, SceneJson& parsed) {
-    using Event = SceneJson::parse_event_t;
-    if (event == Event::object_start) open.emplace_back();
-    if (event == Event::object_end) open.pop_back();
-    if (event == Event::key && !open.back().insert(parsed.get_ref<const std::string&>()).second && twice.empty())
-      twice = parsed.get_ref<const std::string&>();
-    return true;
-  };
-  SceneJson json;
-  try {
-    json = SceneJson::parse(text, look, true, true);
-  } catch (const SceneJson::exception& error) {
-    const std::string what = error.what();
-    const std::size_t at = what.find("parse error");
-    throw ArgumentError("is no JSON: " + printable(at == std::string::npos ? what : what.substr(at), 200));
-  }
-  if (!twice.empty()) throw ArgumentError(fmt::format("'{}' is given twice", printable(twice, 40)));
-  return json;
-}
-
-/// An object of the scene, all of whose keys must be known.
-class SceneFields {
- public:
-  SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known)
-      : json_(json), where_(std::move(where)) {
-    if (!json.is_object()) fail("must be an object");
-    for (const auto& [key, value] : json.items()) {
-      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      std::string all;
-      for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
-      fail(fmt::format("unknown key '{}'; known: {}", printable(key, 40), all));
-    }
-  }
-  [[noreturn]] void fail(const std::string& cause) const {
-    throw ArgumentError(where_.empty() ? cause : where_ + ": " + cause);
-  }
-  bool has(const char* key) const { return json_.contains(key); }
-  std::string where(const char* key) const { return where_.empty() ? std::string(key) : where_ + "." + key; }
-  const SceneJson& at(const char* key) const {
-    if (!has(key)) fail(fmt::format("'{}' is missing", key));
-    return json_.at(key);
-  }
-  double number(const char* key) const {
-    const SceneJson& v = at(key);
-    if (!v.is_number() || !std::isfinite(v.get<double>())) fail(fmt::format("'{}' must be a number", key));
-    return v.get<double>();
-  }
-  int whole(const char* key) const {
-    const double v = number(key);
-    if (v != std::floor(v) || std::abs(v) > 1e9) fail(fmt::format("'{}' must be a whole number", key));
-    return static_cast<int>(v);
-  }
-  std::string text(const char* key) const {
-    const SceneJson& v = at(key);
-    if (!v.is_string()) fail(fmt::format("'{}' must be a text", key));
-    return v.get<std::string>();
-  }
-  Vec3 vector(const char* key) const {
-    const SceneJson& v = at(key);
-    const auto finite = [](const SceneJson& c) { return c.is_number() && std::isfinite(c.get<double>()); };
-    if (!v.is_array() || v.size() != 3 || !std::all_of(v.begin(), v.end(), finite))
-      fail(fmt::format("'{}' must be three numbers", key));
-    return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
-  }
-  Vec3 direction(const char* key) const {
-    const Vec3 v = vector(key);
-    if (!(norm(v) > 0)) fail(fmt::format("'{}' has no direction", key));
-    return normalized(v);
-  }
-  template <class T, class Get>
-  void get(const char* key, std::optional<T>& value, Get&& how) const {
-    if (has(key)) value = (this->*how)(key);
-  }
-
- private:
-  const SceneJson& json_;
-  std::string where_;
-};
-
-/// The entries of a list; anything else stands for a list of it alone.
-std::vector<std::pair<std::string, const SceneJson*>> entries(const SceneJson& json, const std::string& where) {
-  std::vector<std::pair<std::string, const SceneJson*>> all;
-  if (!json.is_array()) return {{where, &json}};
-  all.reserve(json.size());
-  for (std::size_t k = 0; k < json.size(); ++k) all.emplace_back(fmt::format("{} {}", where, k + 1), &json[k]);
-  return all;
-}
+using detail::SceneFields;
+using detail::SceneJson;
 
 class SceneReader {
  public:
-  explicit SceneReader(const SceneVertices& vertices) : vertices_(vertices), box_(bounds(*vertices.mesh)) {}
+  SceneReader(const SceneVertices& vertices, bool z_up)
+      : vertices_(vertices), z_up_(z_up), box_(bounds(*vertices.mesh)) {}
 
   SceneScript read(const SceneJson& json) {
     const SceneFields f(json, "",
@@ -145,12 +52,12 @@ class SceneReader {
     read_material(f, s);
     if (f.has("fixed")) s.scene.fixed = unique(selections(f.at("fixed"), "fixed"));
     if (f.has("forces"))
-      for (const auto& [where, entry] : entries(f.at("forces"), "forces"))
+      for (const auto& [where, entry] : detail::scene_entries(f.at("forces"), "forces"))
         s.scene.forces.push_back(force(*entry, where));
     if (f.has("handles")) {
       std::vector<std::uint8_t> held(vertices_.mesh->vertices.size(), 0);
       for (const std::uint32_t v : s.scene.fixed) held[v] = 1;
-      for (const auto& [where, entry] : entries(f.at("handles"), "handles")) {
+      for (const auto& [where, entry] : detail::scene_entries(f.at("handles"), "handles")) {
         s.scene.handles.push_back(handle(*entry, where));
         for (const std::uint32_t v : s.scene.handles.back().vertices) {
           const Vec3& x = vertices_.mesh->vertices[v];
@@ -212,18 +119,22 @@ class SceneReader {
       if (up != "y" && up != "z") f.fail("'up' must be y or z");
       s.z_up = up == "z";
     }
+    if (z_up_) s.z_up = true;
     if (f.has("gravity")) {
       if (f.at("gravity").is_number())
         s.downwards = f.number("gravity");
       else
         s.gravity = f.vector("gravity");
+      if (!(norm(s.gravity.value_or(Vec3{s.downwards.value_or(0), 0, 0})) <= kMostGravity))
+        f.fail(fmt::format("'gravity' must be at most {:g} m/s²", kMostGravity));
     }
   }
 
   static double unit(const SceneFields& f) {
     if (f.at("unit").is_number()) {
       const double metres = f.number("unit");
-      if (!(metres > 0)) f.fail("'unit' must be above 0");
+      if (!(metres >= kLeastUnit && metres <= kMostUnit))
+        f.fail(fmt::format("'unit' must lie in {:g}..{:g} m", kLeastUnit, kMostUnit));
       return metres;
     }
     if (const auto metres = metres_of(f.text("unit"))) return *metres;
@@ -252,11 +163,12 @@ class SceneReader {
   /// A file, a list of numbers, an object, or several of them: all that any of them says.
   std::vector<std::uint32_t> selections(const SceneJson& json, const std::string& where) const {
     std::vector<std::uint32_t> all;
-    if (json.is_array() && std::all_of(json.begin(), json.end(), [](const SceneJson& v) { return v.is_number(); })) {
+    if (json.is_array() && !json.empty() &&
+        std::all_of(json.begin(), json.end(), [](const SceneJson& v) { return v.is_number(); })) {
       for (const SceneJson& v : json) all.push_back(vertex(v, where));
       return all;
     }
-    for (const auto& [place, entry] : entries(json, where)) {
+    for (const auto& [place, entry] : detail::scene_entries(json, where)) {
       if (entry->is_number())
         all.push_back(vertex(*entry, place));
       else if (const std::vector<std::uint32_t> some = selection(*entry, place); true)
@@ -361,7 +273,7 @@ class SceneReader {
     if (f.has("keys")) {
       if (f.has("move") || f.has("turn") || f.has("from") || f.has("until"))
         f.fail("either 'keys' or 'move', 'turn', 'from' and 'until' are wanted");
-      for (const auto& [place, entry] : entries(f.at("keys"), f.where("keys"))) {
+      for (const auto& [place, entry] : detail::scene_entries(f.at("keys"), f.where("keys"))) {
         const SceneFields k(*entry, place, {"time", "move", "turn"});
         HandleKey key;
         key.time = k.number("time");
@@ -388,7 +300,7 @@ class SceneReader {
   }
 
   void read_obstacles(const SceneFields& f, SceneScript& s) const {
-    const double usual = s.friction.value_or(0);
+    const double usual = s.friction.value_or(kUsualFriction);
     const auto friction = [&](const SceneFields& o) {
       const double mu = o.has("friction") ? o.number("friction") : usual;
       if (!(mu >= 0)) o.fail("'friction' must not be negative");
@@ -398,7 +310,7 @@ class SceneReader {
       s.floor_below = f.at("floor").get<bool>();
       s.no_floor = !s.floor_below;
     } else if (f.has("floor")) {
-      for (const auto& [where, entry] : entries(f.at("floor"), "floor")) {
+      for (const auto& [where, entry] : detail::scene_entries(f.at("floor"), "floor")) {
         const SceneFields o(*entry, where, {"point", "normal", "height", "friction"});
         FloorObstacle floor;
         const bool z = s.z_up.value_or(false);
@@ -410,7 +322,7 @@ class SceneReader {
       }
     }
     if (f.has("spheres"))
-      for (const auto& [where, entry] : entries(f.at("spheres"), "spheres")) {
+      for (const auto& [where, entry] : detail::scene_entries(f.at("spheres"), "spheres")) {
         const SceneFields o(*entry, where, {"center", "radius", "friction"});
         SphereObstacle sphere{o.vector("center"), o.number("radius"), friction(o)};
         if (!(sphere.radius > 0)) o.fail("'radius' must be above 0");
@@ -419,62 +331,14 @@ class SceneReader {
   }
 
   const SceneVertices& vertices_;
+  bool z_up_;
   Box3 box_;
 };
 
-constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
-constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
-constexpr double kSuitedStep = 0.01;      ///< s, of implicit methods
-constexpr double kSafeStep = 0.5;         ///< of the longest that is stable
-constexpr double kEarth = 9.81;
-
-/// The longest stable step of explicit methods, roughly: 2 / ω, shorter where damping is strong.
-double stable_step(const SoftBodyOptions& o, const TetMesh& mesh) {
-  double most = 0;  // ω²
-  double damping = 0;
-  if (o.model == SoftBodyModel::springs) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-    std::vector<double> mass(mesh.vertices.size(), 0), stiffness(mesh.vertices.size(), 0);
-    double whole = 0;
-    for (const Tet& t : mesh.tets) {
-      const std::vector<Vec3>& x = mesh.vertices;
-      const double volume = std::abs(dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]]))) / 6;
-      whole += volume;
-      for (std::size_t i = 0; i < 4; ++i) {
-        mass[t[i]] += volume * o.density / 4;
-        for (std::size_t j = i + 1; j < 4; ++j) edges.push_back(std::minmax(t[i], t[j]));
-      }
-    }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    for (const auto& [a, b] : edges) stiffness[a] += o.stiffness, stiffness[b] += o.stiffness;
-    const double share = o.total_mass ? *o.total_mass / (whole * o.density) : 1;
-    for (std::size_t v = 0; v < mass.size(); ++v)
-      if (mass[v] > 0) most = std::max(most, 2 * stiffness[v] / (share * mass[v]));
-    damping = o.damping / o.stiffness;
-  } else {
-    const double nu = o.poissons_ratio;
-    const double speed2 = o.youngs_modulus * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) / o.density;
-    for (const Tet& t : mesh.tets) {
-      const std::vector<Vec3>& x = mesh.vertices;
-      const double six = std::abs(dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]])));
-      double largest = 0;  // twice the largest face
-      for (std::size_t k = 0; k < 4; ++k)
-        largest = std::max(largest, norm(cross(x[t[(k + 1) % 4]] - x[t[k]], x[t[(k + 2) % 4]] - x[t[k]])));
-      const double height = six / largest;
-      most = std::max(most, 12 * speed2 / (height * height));
-    }
-    damping = o.stiffness_damping;
-  }
-  if (!(most > 0)) return kSuitedStep;
-  const double zeta = damping * std::sqrt(most) / 2;
-  return 2 / std::sqrt(most) * (std::sqrt(1 + zeta * zeta) - zeta);
-}
-
 }  // namespace
 
-SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices) {
-  return SceneReader(vertices).read(parse_json(text));
+SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices, bool z_up) {
+  return SceneReader(vertices, z_up).read(detail::parse_scene_json(text));
 }
 
 std::optional<double> metres_of(std::string_view unit) {
@@ -522,43 +386,6 @@ DynamicsScene scaled(DynamicsScene scene, double factor) {
   for (FloorObstacle& f : scene.floors) f.point *= factor;
   for (SphereObstacle& s : scene.spheres) s.center *= factor, s.radius *= factor;
   return scene;
-}
-
-SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
-  SoftBodyOptions o;
-  const bool elastic = s.young || s.poisson;
-  o.model = s.model.value_or(elastic ? SoftBodyModel::corotational : SoftBodyModel::springs);
-  o.integrator = s.integrator.value_or(o.integrator);
-  const double down = s.downwards.value_or(kEarth);
-  o.gravity = s.gravity.value_or(s.z_up.value_or(false) ? Vec3{0, 0, -down} : Vec3{0, -down, 0});
-  o.density = s.density.value_or(o.density);
-  o.total_mass = s.mass;
-  o.tolerance = s.tolerance.value_or(o.tolerance);
-  o.iterations = s.iterations.value_or(o.iterations);
-  o.halvings = s.halvings.value_or(o.halvings);
-
-  double edges = 0, whole = 0;
-  for (const Tet& t : mesh.tets) {
-    const std::vector<Vec3>& x = mesh.vertices;
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j) edges += norm(x[t[i]] - x[t[j]]);
-    whole += std::abs(dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]]))) / 6;
-  }
-  const double mean_edge = mesh.tets.empty() ? 1 : edges / (6 * static_cast<double>(mesh.tets.size()));
-  const double density = s.mass && whole > 0 ? *s.mass / whole : o.density;
-  const double pull = norm(o.gravity) > 0 ? norm(o.gravity) : kEarth;
-  const double young = kSuitedStiffness * density * pull * bounds(mesh).diagonal();
-  o.youngs_modulus = s.young.value_or(young > 0 ? young : o.youngs_modulus);
-  o.poissons_ratio = s.poisson.value_or(o.poissons_ratio);
-  o.stiffness = s.stiffness.value_or(o.youngs_modulus * mean_edge);
-  o.damping = s.damping.value_or(kSuitedDamping * o.stiffness);
-  o.mass_damping = s.mass_damping.value_or(o.mass_damping);
-  o.stiffness_damping = s.stiffness_damping.value_or(kSuitedDamping);
-  o.step = kSuitedStep;
-  if (o.integrator != DynamicsIntegrator::implicit_euler)
-    o.step = std::min(kSuitedStep, kSafeStep * stable_step(o, mesh));
-  o.step = s.step.value_or(o.step);
-  return o;
 }
 
 }  // namespace sansmesh

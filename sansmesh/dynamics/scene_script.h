@@ -35,18 +35,22 @@ struct SceneScript {
   std::optional<int> iterations, halvings;
   std::optional<Vec3> gravity;      ///< m/s²
   std::optional<double> downwards;  ///< the same as a number: gravity along the axis that points down
-  std::optional<double> friction;   ///< of obstacles that have none of their own
+  std::optional<double> friction;   ///< of obstacles that have none of their own: kUsualFriction
   bool no_floor = false;            ///< "floor": false
   bool floor_below = false;         ///< "floor": true
   DynamicsScene scene;              ///< lengths and positions in the file's unit
 };
 
 /// Throws ArgumentError that begins with the place in the scene ("forces 2.on"), FileError for files that it names.
-SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices);
+/// `z_up`: that z points up whatever the scene says, of which floors without a normal of their own take it.
+SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices, bool z_up = false);
 
 /// The words for models and integrators: "springs", "implicit-euler".
 std::optional<SoftBodyModel> soft_body_model(std::string_view word);
 std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word);
+constexpr double kMostGravity = 1e6;                  ///< m/s²
+constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;  ///< m
+constexpr double kUsualFriction = 0.3;                ///< of obstacles of which nobody says another
 /// Metres of "mm", "cm", "dm", "m", "km", "inch", "foot".
 std::optional<double> metres_of(std::string_view unit);
 const char* word_of(SoftBodyModel model);
@@ -54,11 +58,5 @@ const char* word_of(DynamicsIntegrator integrator);
 
 /// A scene whose lengths are so many times as large.
 DynamicsScene scaled(DynamicsScene scene, double factor);
-
-/// What is not said, from the body: `mesh` in metres, `script` with all that is known. A body of unknown material is
-/// one that bends under its own weight but stands (Young's modulus 25 times density, gravity and size; springs as
-/// stiff as a tetrahedron's edge of it), a little damped. The step of explicit methods is half of what is stable; else
-/// 0.01 s.
-SoftBodyOptions suited_options(const SceneScript& script, const TetMesh& mesh);
 
 }  // namespace sansmesh

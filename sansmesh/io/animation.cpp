@@ -134,8 +134,9 @@ void Animation::write(const std::string& file) const {
   put_chunk(bytes, "acTL", chunk);
   std::uint32_t sequence = 0;
   // Seconds as a fraction of 16 bits each.
-  const std::uint32_t bottom =
-      rate_ >= 1 ? static_cast<std::uint32_t>(std::lround(rate_ >= 60 ? 60000 : 1000 * rate_)) : 1000;
+  const std::uint32_t bottom = rate_ >= 1
+                                   ? static_cast<std::uint32_t>(std::lround(rate_ >= 60 ? 60000 : 1000 * rate_))
+                                   : static_cast<std::uint32_t>(std::clamp(std::floor(65000 * rate_), 1.0, 1000.0));
   const auto top = static_cast<std::uint32_t>(std::clamp(std::lround(bottom / rate_), 1l, 65535l));
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const Frame& f = frames_[k];

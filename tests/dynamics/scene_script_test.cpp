@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 
 namespace sansmesh {
@@ -20,7 +21,7 @@ namespace {
 struct Stage {
   TetMesh mesh = box_of_tets({0, 0, 0}, {2, 1, 1}, 2, 1, 1);
 
-  SceneScript parse(const std::string& text) const {
+  SceneScript parse(const std::string& text, bool z_up = false) const {
     SceneVertices v;
     v.mesh = &mesh;
     v.find = [&](std::uint64_t n) {
@@ -31,7 +32,7 @@ struct Stage {
       if (file != "ends.bou") throw FileError(file, "no such file");
       return std::vector<std::uint64_t>{10, 12};
     };
-    return parse_scene_script(text, v);
+    return parse_scene_script(text, v, z_up);
   }
   std::string wrong(const std::string& text) const {
     try {
@@ -131,6 +132,12 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"handles\": {\"on\": [10], \"keys\": [{\"time\": 2}, {\"time\": 1}]}}",
        "handles.keys 2: times must increase"},
       {"{\"handles\": {\"on\": [10], \"turn\": {\"axis\": [0, 0, 0], \"degrees\": 3}}}", "'axis' has no direction"},
+      {"{\"fixed\": []}", "fixed: the list is empty"},
+      {"{\"floor\": []}", "floor: the list is empty"},
+      {"{\"unit\": 1e300}", "'unit' must lie in"},
+      {"{\"gravity\": 1e300}", "'gravity' must be at most"},
+      {"{\"iterations\": 0}", "'iterations' must be at least 1"},
+      {"{\"tolerance\": 1}", "'tolerance' must lie in 1e-14..0.1"},
       {"{\"poisson\": 0.6}", "'poisson' must lie in 0..0.49"},
       {"{\"halvings\": 99}", "'halvings' must lie in 0..20"},
       {"{\"fixed\": [10, 11], \"handles\": [{\"on\": [12], \"move\": [1, 0, 0]}, {\"on\": [11], \"move\": [1, 0, 0]}]}",
@@ -166,17 +173,75 @@ TEST(SceneScript, WhatIsNotSaidSuitsTheBody) {
   }
 }
 
-TEST(SceneScript, ExplicitStepsAreStable) {
+TEST(SceneScript, FloorsStandAcrossUpWhoeverSaysIt) {
+  const Stage s;
+  const auto floor = [&](const std::string& text, bool z_up) { return s.parse(text, z_up).scene.floors.at(0); };
+  EXPECT_EQ(floor("{\"floor\": {\"height\": -2}}", false).point, (Vec3{0, -2, 0}));
+  EXPECT_EQ(floor("{\"up\": \"z\", \"floor\": {\"height\": -2}}", false).point, (Vec3{0, 0, -2}));
+  EXPECT_EQ(floor("{\"floor\": {\"height\": -2}}", true).point, (Vec3{0, 0, -2}));
+  EXPECT_EQ(floor("{\"up\": \"y\", \"floor\": {\"point\": [1, 2, 3]}}", true).normal, (Vec3{0, 0, 1}));
+  EXPECT_EQ(s.parse("{\"up\": \"y\"}", true).z_up, true);
+}
+
+TEST(SceneScript, UnitsThatNobodySaysFollowTheSize) {
   Stage s;
-  for (const char* integrator : {"explicit-euler", "verlet", "velocity-verlet"})
-    for (const char* model : {"springs", "corotational"}) {
-      SceneScript script = s.parse(std::string("{\"fixed\": {\"side\": \"-x\"}, \"integrator\": \"") + integrator +
-                                   "\", \"model\": \"" + model + "\"}");
-      const SoftBodyOptions o = suited_options(script, s.mesh);
-      SoftBody body(s.mesh, o, script.scene);
-      EXPECT_NO_THROW(body.advance(1)) << integrator << " " << model;
-      EXPECT_LT(body.energies().kinetic, 1e4) << integrator << " " << model << ", step " << o.step;
+  const auto unit = [&](double size, const char* text) {
+    s.mesh = box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 2, 1, 1);
+    return suited_unit(s.parse(text), s.mesh);
+  };
+  EXPECT_EQ(unit(0.01, "{}"), 1);
+  EXPECT_EQ(unit(5, "{}"), 1);
+  EXPECT_EQ(unit(50, "{}"), 0.01);
+  EXPECT_EQ(unit(2000, "{}"), 0.001);
+  EXPECT_EQ(unit(50, "{\"unit\": \"m\"}"), 1);
+  EXPECT_EQ(unit(50, "{\"young\": 2e11}"), 1) << "who knows its material means metres";
+}
+
+TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
+  // What falls free and hangs has no more energy than at first, at any moment: with damping or none, whatever it
+  // weighs, and with handles on stiff springs.
+  struct Case {
+    const char *integrator, *rest;
+    int cells;
+  };
+  const Case cases[] = {
+      {"explicit-euler", "", 1},
+      {"explicit-euler", "", 3},
+      {"explicit-euler", "\"model\": \"corotational\",", 3},
+      {"verlet", "\"model\": \"corotational\",", 3},
+      {"velocity-verlet", "\"young\": 1e5, \"mass\": 1,", 2},
+      {"velocity-verlet", "\"young\": 1e5, \"mass\": 1, \"stiffness_damping\": 0,", 2},
+      {"verlet", "\"damping\": 0,", 2},
+      {"velocity-verlet", "\"handles\": {\"on\": {\"side\": \"+x\"}, \"move\": [0, 0, 0], \"stiffness\": 1e7},", 1}};
+  for (const Case& c : cases) {
+    Stage s;
+    s.mesh = box_of_tets({0, 0, 0}, {2, 1, 1}, 2 * static_cast<std::size_t>(c.cells), static_cast<std::size_t>(c.cells),
+                         static_cast<std::size_t>(c.cells));
+    const std::string what =
+        std::string("{") + c.rest + "\"fixed\": {\"side\": \"-x\"}, \"integrator\": \"" + c.integrator + "\"}";
+    const SceneScript script = s.parse(what);
+    const SoftBodyOptions o = suited_options(script, s.mesh);
+    SoftBody body(s.mesh, o, script.scene);
+    const double first = body.energies().total();
+    // The scale of what moves: the weight over the body's height.
+    double mass = 0;
+    for (const double m : body.masses()) mass += m;
+    for (int k = 0; k < 20; ++k) {
+      ASSERT_NO_THROW(body.advance(0.02)) << what << ", step " << o.step;
+      EXPECT_LT(body.energies().total(), first + 0.01 * mass * 9.81) << what << ", step " << o.step;
     }
+  }
+  // Nothing damps: no step will do.
+  const Stage s;
+  for (const char* text : {R"({"integrator": "explicit-euler", "damping": 0})",
+                           R"({"integrator": "explicit-euler", "young": 1e5, "stiffness_damping": 0})"}) {
+    try {
+      suited_options(s.parse(text), s.mesh);
+      ADD_FAILURE() << text;
+    } catch (const ArgumentError& e) {
+      EXPECT_NE(std::string(e.what()).find("explicit-euler is not stable"), std::string::npos) << e.what();
+    }
+  }
 }
 
 }  // namespace
