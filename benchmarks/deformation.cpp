@@ -4,6 +4,7 @@
 // library do not.
 //
 //   benchmark_deformation [largest size, default 256]
+//   benchmark_deformation picture FILE.png   a plate through both, plain singular values on the left
 #include <fmt/core.h>
 
 #include <Eigen/Dense>
@@ -13,16 +14,22 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/progress.h"
+#include "sansmesh/csg/solid.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/deform/rotation_fit.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/render/mesh_picture.h"
 
 namespace {
 
@@ -141,6 +148,26 @@ detail::Rows3 plain_svd(const detail::Rows3& b) {
   return rows;
 }
 
+/// Σ w q̂ p̂ᵀ at a place, with the means.
+struct Moment {
+  detail::Rows3 b{};
+  Vec3 q, p;
+};
+Moment moment_at(const std::vector<Handle>& handles, const Vec3& x, bool weighted) {
+  Moment m;
+  double sum = 0;
+  std::vector<double> w;
+  for (const Handle& h : handles) {
+    w.push_back(1 / (squared_norm(x - h.q) + 1e-12));
+    sum += w.back(), m.q += h.q * w.back(), m.p += h.p * w.back();
+  }
+  m.q = m.q / sum, m.p = m.p / sum;
+  for (std::size_t h = 0; h < handles.size(); ++h)
+    for (std::size_t k = 0; k < 3; ++k)
+      m.b[k] += (handles[h].q - m.q) * ((weighted ? w[h] : 1) * (handles[h].p - m.p)[k]);
+  return m;
+}
+
 Noise noise_of(Turn turn, const std::vector<Handle>& handles, bool weighted, double thickness, std::size_t n) {
   std::vector<detail::Rows3> turns(n * n * n);
   Noise noise;
@@ -148,18 +175,7 @@ Noise noise_of(Turn turn, const std::vector<Handle>& handles, bool weighted, dou
     const double last = static_cast<double>(n - 1);
     const Vec3 x{2 * static_cast<double>(i % n) / last - 1, 2 * static_cast<double>(i / n % n) / last - 1,
                  (2 * static_cast<double>(i / n / n) / last - 1) * std::max(thickness, 0.2)};
-    double sum = 0;
-    Vec3 q, p;
-    std::vector<double> w;
-    for (const Handle& h : handles) {
-      w.push_back(1 / (squared_norm(x - h.q) + 1e-12));
-      sum += w.back(), q += h.q * w.back(), p += h.p * w.back();
-    }
-    q = q / sum, p = p / sum;
-    detail::Rows3 b{};
-    for (std::size_t h = 0; h < handles.size(); ++h)
-      for (std::size_t k = 0; k < 3; ++k) b[k] += (handles[h].q - q) * ((weighted ? w[h] : 1) * (handles[h].p - p)[k]);
-    turns[i] = turn(b);
+    turns[i] = turn(moment_at(handles, x, weighted).b);
     const detail::Rows3& r = turns[i];
     noise.mirrored += dot(r[0], cross(r[1], r[2])) < 0;
     const auto compare = [&](std::size_t other) {
@@ -196,9 +212,65 @@ void count_flips() {
   }
 }
 
+/// The rigid map with rotations by plain singular values.
+class PlainSvdMap : public SpaceMap {
+ public:
+  explicit PlainSvdMap(std::vector<Handle> handles) : handles_(std::move(handles)) {}
+  void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
+    for (std::size_t i = 0; i < x.size() && !wanted.positions.empty(); ++i) {
+      const Moment m = moment_at(handles_, x[i], true);
+      const detail::Rows3 r = plain_svd(m.b);
+      wanted.positions[i] = m.p + Vec3{dot(r[0], x[i] - m.q), dot(r[1], x[i] - m.q), dot(r[2], x[i] - m.q)};
+    }
+    std::fill(wanted.jacobians.begin(), wanted.jacobians.end(), Jacobian{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+  }
+
+ private:
+  std::vector<Handle> handles_;
+};
+
+/// A plate with holes, its 15 handles in its middle plane: through rotations by plain singular values, and by ours.
+void draw_noise(const std::string& file) {
+  std::vector<Handle> handles = fifteen_handles();
+  for (Handle& h : handles) {
+    h.q.z = 0;
+    h.p = h.q + (h.p - h.q) * 0.8;
+  }
+  Solid plate = csg::box({-1, -1, -0.15}, {1, 1, 0.15}, 0.05);
+  for (const double a : {-0.5, 0.5})
+    for (const double b : {-0.5, 0.5}) plate = csg::subtract(plate, csg::cylinder({a, b, 0}, {0, 0, 1}, 0.25));
+  Progress progress;
+  CsgMeshOptions options;
+  options.resolution = 160;
+  options.simplify = 0;
+  TriangleMesh mesh = mesh_csg(plate, options, progress);
+  mesh.normals.clear();
+  RenderOptions look;
+  look.width = 480, look.height = 400;
+  look.view = {30, 40};
+  look.up = UpAxis::z;
+  const PlainSvdMap plain(handles);
+  const MlsDeformation ours(handles, {});
+  Image both(2 * look.width, look.height);
+  int column = 0;
+  for (const SpaceMap* map : {static_cast<const SpaceMap*>(&plain), static_cast<const SpaceMap*>(&ours)}) {
+    TriangleMesh moved = deform_mesh(mesh, *map);
+    moved.normals.clear();
+    const Image image = render_mesh(moved, look);
+    for (int y = 0; y < look.height; ++y)
+      for (int x = 0; x < look.width; ++x) both.at(column + x, y) = image.at(x, y);
+    column += look.width;
+  }
+  write_image(file, both);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3 && std::string(argv[1]) == "picture") {
+    draw_noise(argv[2]);
+    return 0;
+  }
   time_maps(argc > 1 ? static_cast<std::size_t>(std::atoi(argv[1])) : 256);
   time_folds();
   count_flips();
