@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh::detail {
@@ -46,8 +47,13 @@ bool conflict(const DeformHandle& a, const DeformHandle& b, double together, dou
 }  // namespace
 
 void check_handle_conflicts(const std::vector<DeformHandle>& handles, double together, double apart) {
-  const auto begin = [&](std::size_t i) { return handles[i].q.x + std::min(0.0, handles[i].along_q.x); };
-  const auto end = [&](std::size_t i) { return handles[i].q.x + std::max(0.0, handles[i].along_q.x); };
+  // In order along the longest side: landmarks may all lie in a plane.
+  Box3 box;
+  for (const DeformHandle& h : handles) box.extend(h.q), box.extend(h.q + h.along_q);
+  const Vec3 size = box.size();
+  const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto begin = [&](std::size_t i) { return handles[i].q[axis] + std::min(0.0, handles[i].along_q[axis]); };
+  const auto end = [&](std::size_t i) { return handles[i].q[axis] + std::max(0.0, handles[i].along_q[axis]); };
   std::vector<std::size_t> order(handles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),

@@ -98,20 +98,7 @@ namespace {
 std::optional<detail::PointMap> map_of_points(const detail::DeformSetup& setup) {
   if (!setup.plain || setup.line != detail::HandleLine::none) return std::nullopt;
   detail::PointMap map;
-  switch (setup.options.kind) {
-    case DeformationKind::rigid:
-      map.kind = detail::PointMapKind::rigid;
-      break;
-    case DeformationKind::similarity:
-      map.kind = detail::PointMapKind::similarity;
-      break;
-    case DeformationKind::affine:
-      map.kind = detail::PointMapKind::affine;
-      break;
-    case DeformationKind::nonlinear:
-      map.kind = detail::PointMapKind::polynomials;
-      break;
-  }
+  map.kind = setup.options.kind;
   for (const detail::DeformHandle& h : setup.handles) {
     for (std::size_t k = 0; k < 3; ++k) map.q[k].push_back(h.q[k]), map.p[k].push_back(h.p[k]);
     map.weight.push_back(h.weight);

@@ -8,11 +8,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "sansmesh/deform/point_kernels.h"
 #include "sansmesh/deform/rotation_lanes-inl.h"
+#include "sansmesh/deform/weight_power-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
@@ -23,22 +23,6 @@ using PlaceTag = hn::CappedTag<double, 8>;
 using PlaceV = hn::Vec<PlaceTag>;
 
 constexpr std::size_t kWidest = 8;
-
-/// base^alpha.
-HWY_INLINE PlaceV WeightPower(const PlaceV& base, double alpha) {
-  const PlaceTag d;
-  const double doubled = 2 * alpha;
-  const int times = static_cast<int>(doubled);
-  if (doubled != times || times > 16) {
-    HWY_ALIGN double lanes[kWidest];
-    hn::Store(base, d, lanes);
-    for (std::size_t i = 0; i < hn::Lanes(d); ++i) lanes[i] = std::pow(lanes[i], alpha);
-    return hn::Load(d, lanes);
-  }
-  PlaceV power = times % 2 ? hn::Sqrt(base) : hn::Set(d, 1.0);
-  for (int k = 0; k < times / 2; ++k) power = hn::Mul(power, base);
-  return power;
-}
 
 /// A vector of places, and the handle nearest to each. Everything is relative to that: where it is far heavier than the
 /// rest, this costs no digits, and moments need not be about the means.
@@ -326,16 +310,16 @@ void MapTile(const PointMap& map, std::size_t places, const double* const* x, co
     FindNearest(seen);
     PlaceV moved[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     switch (map.kind) {
-      case PointMapKind::affine:
+      case DeformationKind::affine:
         FitAffine(seen, weights + lanes * count, moved);
         break;
-      case PointMapKind::rigid:
+      case DeformationKind::rigid:
         FitRotation(seen, moved);
         break;
-      case PointMapKind::similarity:
+      case DeformationKind::similarity:
         FitSimilarity(seen, moved);
         break;
-      case PointMapKind::polynomials:
+      case DeformationKind::nonlinear:
         FitPolynomials(seen, weights + lanes * count, moved);
         break;
     }

@@ -2,20 +2,18 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "sansmesh/core/vec.h"
+#include "sansmesh/deform/deformation_options.h"
 #include "sansmesh/deform/polynomial_terms.h"
 
 namespace sansmesh::detail {
 
-enum class PointMapKind : std::uint8_t { affine, polynomials, rigid, similarity };
-
 /// Handles as a structure of arrays, and what is fitted to them.
 struct PointMap {
-  PointMapKind kind = PointMapKind::rigid;
+  DeformationKind kind = DeformationKind::rigid;
   std::vector<double> q[3], p[3], weight;
   double alpha = 1;
   double damping = 1;       ///< of what is behind cuts

@@ -5,6 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "sansmesh/core/simd_targets.h"
+// After simd_targets.h, which says what the library holds.
+#include "sansmesh/deform/weight_power-inl.h"
+
 namespace sansmesh::detail {
 namespace {
 
@@ -54,7 +58,7 @@ struct NodeMaker {
   double unit;  ///< square of the distance at which weights are 1
   NodesFrom& found;
 
-  /// `rest` is q less x; `square` is that of the distance, or a little more where that is next to nothing.
+  /// `square` is that of the distance, or a little more where that is next to nothing.
   void add(const DeformHandle& h, const Vec3& q, const Vec3& p, double share, double square, const Detour& detour) {
     const double alpha = setup.options.alpha;
     const Vec3 from = x - q;
@@ -125,12 +129,8 @@ struct NodeMaker {
 }  // namespace
 
 double weight_power(double base, double alpha) {
-  const double doubled = 2 * alpha;
-  const int times = static_cast<int>(doubled);
-  if (doubled != times || times > 16) return std::pow(base, alpha);
-  double power = times % 2 ? std::sqrt(base) : 1;
-  for (int k = 0; k < times / 2; ++k) power *= base;
-  return power;
+  using One = hwy::HWY_NAMESPACE::CappedTag<double, 1>;
+  return hwy::HWY_NAMESPACE::GetLane(HWY_NAMESPACE::WeightPower(hwy::HWY_NAMESPACE::Set(One(), base), alpha));
 }
 
 double rounding_of(const Vec3& x, const Vec3& q) {

@@ -26,7 +26,7 @@ struct NodesFrom {
   std::optional<Vec3> held;  ///< where the place came from, if it lies on a handle
 };
 
-/// base to the power alpha, exactly rounded steps only where 2 alpha is a whole number.
+/// base to the power alpha, the same bits as in kernels.
 double weight_power(double base, double alpha);
 
 /// Distances below this are zero but for rounding.

@@ -53,6 +53,19 @@ TEST(PointKernels, SayWhatOnePlaceAtATimeSays) {
   }
 }
 
+TEST(PointKernels, PowersOfWeightsAreThoseOfTheLibrary) {
+  double most = 0;
+  for (const double alpha : {0.5, 0.51, 0.9, 1.0, 1.25, 1.5, 1.7, 3.3, 7.75, 8.0})
+    for (double base = 1; std::pow(base, alpha) > 1e-60; base *= 0.9371)
+      most = std::max(most, std::abs(detail::weight_power(base, alpha) / std::pow(base, alpha) - 1));
+  for (const double base :
+       {0.5, 0.70710678118654746, 0.70710678118654757, 0.9999999999999999, 1.0, 1.0000001, 2.0, 1e100})
+    most = std::max(most, std::abs(detail::weight_power(base, 1.1) / std::pow(base, 1.1) - 1));
+  EXPECT_LT(most, 1e-13);
+  EXPECT_EQ(detail::weight_power(1, 1.3), 1);
+  EXPECT_EQ(detail::weight_power(0, 1.3), 0);
+}
+
 TEST(PointKernels, HeedCuts) {
   const Cuts cuts{half_plane({0.1, 0, 0}, {1, 0.2, 0}, {0, 0, -1}), half_plane({0, 0.3, 0.2}, {0, 1, 0}, {0, 0, 1})};
   const std::vector<Handle> handles = loose_handles(25);
