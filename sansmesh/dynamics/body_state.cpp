@@ -9,7 +9,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/dynamics/stable_step.h"
+#include "sansmesh/dynamics/vibration_bounds.h"
 
 namespace sansmesh {
 namespace {

@@ -194,17 +194,16 @@ TEST(SoftBody, HandlesGoWhereTheyAreSent) {
 
 TEST(SoftBody, StepsThatDoNotConvergeAreHalvedAndBecomeLongAgain) {
   SoftBodyOptions options;
-  options.stiffness = 1e5, options.iterations = 12, options.tolerance = 1e-6;
+  options.stiffness = 1e5, options.damping = 100, options.iterations = 12, options.tolerance = 1e-6;
   SoftBody body = hanging_bar(options);
   const StepReport first = body.step();
   EXPECT_GT(first.halvings, 0);
   EXPECT_GT(first.parts, 1);
   EXPECT_LT(first.shortest, options.step);
   EXPECT_DOUBLE_EQ(first.time, options.step);
-  // Where it is slow to come to rest there is less to solve.
-  int whole = 0;
-  for (int k = 0; k < 400; ++k) whole += body.step().parts == 1;
-  EXPECT_GT(whole, 10);
+  // As it comes to rest there is less to solve.
+  for (int k = 0; k < 250; ++k) body.step();
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(body.step().parts, 1);
 
   options.iterations = 1, options.halvings = 2, options.tolerance = 1e-12;
   SoftBody never = hanging_bar(options);
@@ -272,6 +271,7 @@ TEST(SoftBody, ForcesTooLargeForNumbersAreErrors) {
     SoftBodyOptions options;
     options.integrator = integrator;
     DynamicsScene scene;
+    scene.fixed = {0};
     scene.forces.push_back({{1}, {1e300, 0, 0}});
     SoftBody body(small_bar(), options, scene);
     try {

@@ -10,6 +10,7 @@
 
 #include "dynamics/body_checks.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/dynamics/vibration_bounds.h"
 
 namespace sansmesh {
 namespace {
