@@ -461,6 +461,9 @@ void run_simulate(SimulateArguments& a, Console& console) {
                                   word_of(options.integrator), stable)});
     }
     SoftBody moving(std::move(metres), options, scene);
+    if (const std::size_t within = moving.within_obstacles().size(); within > 0)
+      console.warn({fmt::format("{} within an obstacle: what is pushed out at once may be thrown",
+                                within == 1 ? "1 vertex begins" : grouped(within) + " vertices begin")});
     return simulate(moving, times, steps, unit, !a.energies.empty(), motion, console.progress());
   });
   if (totals.halvings > 0)

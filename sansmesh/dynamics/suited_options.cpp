@@ -11,10 +11,11 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
-constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
-constexpr double kSuitedStep = 0.01;      ///< s, of implicit methods
-constexpr double kSafeStep = 0.5;         ///< of the longest that is stable
+constexpr double kSuitedStiffness = 25;    ///< Young's modulus over density × gravity × size
+constexpr double kSuitedDamping = 0.004;   ///< s, damping over stiffness
+constexpr double kSuitedTolerance = 0.01;  ///< of conjugate gradients: half the time of 0.001, and nothing to be seen
+constexpr double kSuitedStep = 0.01;       ///< s, of implicit methods
+constexpr double kSafeStep = 0.5;          ///< of the longest that is stable
 constexpr double kEarth = 9.81;
 constexpr double kLargestSuited = 20;  ///< m, of a body whose unit nobody says
 
@@ -46,7 +47,7 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
   o.gravity = s.gravity.value_or(s.z_up.value_or(false) ? Vec3{0, 0, -down} : Vec3{0, -down, 0});
   o.density = s.density.value_or(o.density);
   o.total_mass = s.mass;
-  o.tolerance = s.tolerance.value_or(o.tolerance);
+  o.tolerance = s.tolerance.value_or(kSuitedTolerance);
   o.iterations = s.iterations.value_or(o.iterations);
   o.halvings = s.halvings.value_or(o.halvings);
 

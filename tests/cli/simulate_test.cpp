@@ -10,6 +10,7 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/read_volume.h"
+#include "support/png_file.h"
 
 namespace sansmesh::test {
 namespace {
@@ -94,6 +95,85 @@ TEST_F(SimulateTool, DrawsFramesAndAnAnimationOfBodiesAndVolumes) {
   }
 }
 
+TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
+  if (!has_vtk_readers()) GTEST_SKIP();
+  // The bar is pulled to the right by its own length: so is what is seen of the volume in it, a sheet across its
+  // middle.
+  write("v.csv", "x,y,z,f\n0,0,0,0\n4,0,0,1\n0,1,0,0\n4,1,0,1\n0,0,1,0\n4,0,1,1\n0,1,1,0\n4,1,1,1\n");
+  ASSERT_EQ(run({"volume", "resample", "v.csv", "--size", "12", "--method", "linear", "-o", "v.vti"}).code, 0);
+  write("pull.json", R"({"gravity": 0, "handles": {"on": {"box": {"lower": [-1, -1, -1], "upper": [9, 9, 9]}},
+                         "move": [4, 0, 0], "until": 0.2}})");
+  const Outcome o =
+      run({"simulate",  "bar.mesh", "--forces", "pull.json", "--volume",     "v.vti",   "--iso",    "0.5:#ff0000:1",
+           "--opacity", "0",        "--view",   "front",     "--background", "#ffffff", "-o",       "b.png",
+           "--frames",  "2",        "--time",   "0.2",       "--width",      "160",     "--height", "80"});
+  ASSERT_EQ(o.code, 0) << o.err;
+  const auto red_column = [&](const char* file) {
+    const PngPicture image = read_png(path(file));
+    double sum = 0, count = 0;
+    for (std::size_t y = 0; y < image.height; ++y)
+      for (std::size_t x = 0; x < image.width; ++x)
+        if (const auto c = image.at(x, y); c[0] > c[1] + 50) sum += static_cast<double>(x), ++count;
+    EXPECT_GT(count, 3) << file;
+    return sum / std::max(count, 1.0);
+  };
+  // The camera sees 8 units in rather less than 160 pixels.
+  const double moved = red_column("b_0001.png") - red_column("b_0000.png");
+  EXPECT_GT(moved, 45);
+  EXPECT_LT(moved, 90);
+}
+
+TEST_F(SimulateTool, FloorsOfScenesStandAcrossTheirUp) {
+  write("floor.json", R"({"floor": {"height": -0.5}})");
+  const auto json =
+      json_of({"simulate", "bar.mesh", "--forces", "floor.json", "--z-up", "--time", "1", "-o", "a.ply", "--fps", "5"});
+  EXPECT_GT(json["most_contacts"], 4);
+  const TriangleMesh last = read_mesh(path("a_0005.ply"));
+  for (const Vec3f& p : last.vertices) EXPECT_GT(last.origin.z + static_cast<double>(p.z), -0.6);
+}
+
+TEST_F(SimulateTool, WarnsOfBodiesThatBeginWithinObstacles) {
+  write("in.json", R"({"spheres": {"center": [0, 0, 0], "radius": 0.5}, "gravity": 0})");
+  const Outcome o =
+      run({"simulate", "bar.mesh", "--forces", "in.json", "--energies", "e.csv", "--frames", "2", "--time", "0.02"});
+  EXPECT_EQ(o.code, 0);
+  EXPECT_NE(o.err.find("1 vertex begins within an obstacle"), std::string::npos) << o.err;
+}
+
+TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
+  write("volume.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n");
+  const auto before = listing();
+  expect_failures({
+      {{"simulate", "bar.mesh", "-o", "a.vtu", "-o", "a.png", "--volume", "none.vti"}, 1, {"none.vti: "}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "-o", "a.png", "--volume", "volume.csv"}, 1, {"volume.csv: "}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--animation", "b.png", "--fps", "2000", "--time", "0.01"},
+       2,
+       {"--fps"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--step", "1e-300"}, 2, {"--step", "more than 1e+08 steps"}},
+      {{"simulate", "bar.mesh", "-o", "bar.mesh"}, 1, {"no writer for frames"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--unit", "1e300"}, 2, {"--unit"}},
+  });
+  EXPECT_EQ(listing(), before);
+  // Frames have names that nobody typed.
+  ASSERT_EQ(run({"simulate", "bar.mesh", "-o", "a.ply", "--frames", "2", "--time", "0.02"}).code, 0);
+  expect_failures({{{"simulate", "bar.mesh", "--surface", "a_0001.ply", "-o", "a.ply", "--frames", "2"},
+                    1,
+                    {"a_0001.ply: is an input"}}});
+}
+
+TEST_F(SimulateTool, MaterialsOfTheFileAreTakenAsTheyAre) {
+  const auto vega = [&](const std::string& materials) {
+    return "*VERTICES\n4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n*ELEMENTS\nTET\n1 4 0\n1 1 2 3 4\n" + materials;
+  };
+  write("cork.veg", vega("*MATERIAL cork\nENU, 200, 1e5, 0\n*REGION\nallElements, cork\n"));
+  const auto json = json_of({"simulate", "cork.veg", "--energies", "e.csv", "--frames", "2", "--time", "0.02"});
+  EXPECT_EQ(json["poisson"], 0);
+  EXPECT_EQ(json["young"], 1e5);
+  EXPECT_EQ(json["density"], 200);
+  write("rubber.veg", vega("*MATERIAL rubber\nENU, 200, 1e5, 0.495\n*REGION\nallElements, rubber\n"));
+  expect_failures({{{"simulate", "rubber.veg", "--energies", "e.csv"}, 1, {"rubber.veg: ", "Poisson's ratio 0.495"}}});
+}
+
 TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
   write("flat.mesh",
         "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n1 1 0 0\nTetrahedra 1\n1 2 3 4 "
@@ -124,6 +204,9 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
        1,
        {"twice.json: handles.on: the vertex at", "is fixed or pulled already"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--poisson", "0.7"}, 2, {"--poisson"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--integrator", "explicit-euler", "--damping", "0"},
+       2,
+       {"explicit-euler is not stable"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--time", "1"},
        2,
        {"only two can be given"}},
