@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "sansmesh/core/error.h"
@@ -47,6 +48,8 @@ SceneFields::SceneFields(const SceneJson& json, std::string where, std::initiali
 void SceneFields::fail(const std::string& cause) const {
   throw ArgumentError(where_.empty() ? cause : where_ + ": " + cause);
 }
+
+bool SceneFields::has(const char* key) const { return json_.contains(key); }
 
 const SceneJson& SceneFields::at(const char* key) const {
   if (!has(key)) fail(fmt::format("'{}' is missing", key));

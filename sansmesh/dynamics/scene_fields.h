@@ -2,7 +2,7 @@
 #pragma once
 
 #include <initializer_list>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,7 +24,7 @@ class SceneFields {
   SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known);
 
   [[noreturn]] void fail(const std::string& cause) const;
-  bool has(const char* key) const { return json_.contains(key); }
+  bool has(const char* key) const;
   std::string where(const char* key) const { return where_.empty() ? std::string(key) : where_ + "." + key; }
   const SceneJson& at(const char* key) const;
   double number(const char* key) const;
