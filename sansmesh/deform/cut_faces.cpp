@@ -245,7 +245,7 @@ class FaceMaker {
     if (fill.triangles.empty()) return 0;
     std::vector<std::uint32_t> aside;
     std::vector<Vec3f> offsets;
-    const Vec3f up(cut_.normal() * (static_cast<double>(kAsideShare) * length_));
+    const double beside = static_cast<double>(kAsideShare) * length_;
     const std::size_t known = corners.size();
     for (std::size_t i = known; i < fill.points.size(); ++i) {
       const OnPlane p{fill.points[i][0], fill.points[i][1]};
@@ -260,7 +260,8 @@ class FaceMaker {
       for (const std::uint32_t v : {c.above, c.below}) {
         mesh_.vertices[v] = Vec3f(cut_.in_space(p) - mesh_.origin);
         aside.push_back(v);
-        offsets.push_back(v == c.above ? up : -up);
+        const double rounded = cut_.height(mesh_.origin + Vec3(mesh_.vertices[v]));
+        offsets.push_back(Vec3f(cut_.normal() * ((v == c.above ? beside : -beside) - rounded)));
       }
       corners.push_back(c);
     }

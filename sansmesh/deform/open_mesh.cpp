@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/deform/cut_faces.h"
 #include "sansmesh/deform/slit.h"
@@ -36,6 +37,21 @@ double enclosed_volume(const TriangleMesh& mesh) {
   return sum;
 }
 
+/// Along the axes along which the mesh is farther from its origin than it is large the origin moves to its middle:
+/// vertices keep their places to the last bit, and new ones are rounded less.
+void bring_origin_near(TriangleMesh& mesh) {
+  Box3 box;
+  for (const Vec3f& v : mesh.vertices)
+    if (is_finite(v)) box.extend(Vec3(v));
+  if (box.empty()) return;
+  Vec3f by;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::abs(box.center()[k]) > box.diagonal()) by[k] = static_cast<float>(box.center()[k]);
+  if (by == Vec3f{}) return;
+  mesh.origin += Vec3(by);
+  for (Vec3f& v : mesh.vertices) v = v - by;
+}
+
 }  // namespace
 
 void OpenMeshOptions::validate() const {
@@ -53,8 +69,10 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   const bool solid = options.close && measure_topology(mesh).closed();
   const double length = options.face_edges.value_or(solid ? kFaceEdges * mean_edge(mesh) : 0);
   const bool inward = solid && enclosed_volume(mesh) < 0;
-  for (const auto& cut : cuts) {
-    const Slit slit = open_slit(mesh, *cut, options.refinements);
+  if (!cuts.empty()) bring_origin_near(mesh);
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const std::shared_ptr<const Occluder>& cut = cuts[i];
+    const Slit slit = open_slit(mesh, cuts.first(i + 1), options.refinements);
     r.edges += slit.edges.size(), r.doubled += slit.doubled, r.unopened += slit.unopened;
     if (!options.close || slit.edges.empty()) continue;
     const auto* const planar = dynamic_cast<const PlanarOccluder*>(cut.get());

@@ -38,7 +38,8 @@ struct OpenMeshReport {
 /// its border, where the slit ends: what belongs to one side of the cut is no longer connected with the other. Vertices
 /// within a thousandth of an edge from the cut are moved onto it. One cut after the other. Nothing moves: the copies
 /// lie in the same place, and carry as an attribute named kCutSide from where they are to be deformed (deform_mesh).
-/// Within a triangle the cut is taken as straight. Clouds need none of this: each point is on one side or on the other.
+/// The origin moves near where the mesh is farther from it than it is large. Within a triangle the cut is taken as
+/// straight. Clouds need none of this: each point is on one side or on the other.
 TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<const Occluder>> cuts,
                              const OpenMeshOptions& options = {}, OpenMeshReport* report = nullptr);
 

@@ -16,7 +16,8 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kSnap = 1e-3;  // of an edge: vertices so near the cut are on it
+constexpr double kSnap = 1e-3;        // of an edge: vertices so near the cut are on it
+constexpr double kMostRounded = 0.5;  // of the way to the middles of triangles: what is farther is no rounding
 constexpr int kSnapRounds = 4;
 constexpr std::size_t kEdgesAtATime = 1024;
 
@@ -28,7 +29,8 @@ std::uint32_t larger_end(std::uint64_t key) { return static_cast<std::uint32_t>(
 
 class SlitMaker {
  public:
-  SlitMaker(TriangleMesh& mesh, const Occluder& cut) : mesh_(mesh), cut_(cut) {}
+  SlitMaker(TriangleMesh& mesh, std::span<const std::shared_ptr<const Occluder>> cuts)
+      : mesh_(mesh), cuts_(cuts), cut_(*cuts.back()) {}
 
   Slit make(int refinements) {
     for (int round = 0;; ++round) {
@@ -340,6 +342,17 @@ class SlitMaker {
     cut_edges_ = std::move(edges);
   }
 
+  /// A part of the way from a vertex to the middle of the triangles on one side. Vertices are rounded and may so have
+  /// come to lie across the cut: the part begins where the way crosses it for that.
+  Vec3f offset_to(std::uint32_t v, const Vec3& way) const {
+    std::vector<double> found;
+    for (const auto& cut : cuts_) cut->crossings(world(v), world(v) + way, found);
+    double share = 0;
+    for (const double at : found)
+      if (at < kMostRounded) share = std::max(share, at);
+    return Vec3f(way * (share + static_cast<double>(kAsideShare)));
+  }
+
   /// Doubles vertices: corners that meet at a vertex stay together as far as edges that are not cut join them.
   void part(Slit& slit) {
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around;  // triangles
@@ -384,7 +397,7 @@ class SlitMaker {
           n += 1;
         }
         aside.push_back(copy);
-        offsets.push_back(Vec3f(sum / n - Vec3(mesh_.vertices[v])) * kAsideShare);
+        offsets.push_back(offset_to(v, sum / n - Vec3(mesh_.vertices[v])));
       }
     }
     set_cut_sides(mesh_, aside, offsets);
@@ -406,6 +419,7 @@ class SlitMaker {
   }
 
   TriangleMesh& mesh_;
+  std::span<const std::shared_ptr<const Occluder>> cuts_;  // the last one and those before
   const Occluder& cut_;
   std::vector<std::uint8_t> on_cut_;  // of each vertex
   std::vector<std::pair<std::uint64_t, double>> all_;
@@ -429,8 +443,8 @@ void set_cut_sides(TriangleMesh& mesh, const std::vector<std::uint32_t>& vertice
   mesh.attributes.set(kCutSide, std::move(sides), 3);
 }
 
-Slit open_slit(TriangleMesh& mesh, const Occluder& cut, int refinements) {
-  return SlitMaker(mesh, cut).make(refinements);
+Slit open_slit(TriangleMesh& mesh, std::span<const std::shared_ptr<const Occluder>> cuts, int refinements) {
+  return SlitMaker(mesh, cuts).make(refinements);
 }
 
 }  // namespace sansmesh

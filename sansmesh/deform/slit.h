@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "sansmesh/data/triangle_mesh.h"
@@ -31,7 +33,7 @@ constexpr float kAsideShare = 0.01f;
 /// The offset of a vertex that is looked at from beside its place: attribute kCutSide, made if there is none.
 void set_cut_sides(TriangleMesh& mesh, const std::vector<std::uint32_t>& vertices, const std::vector<Vec3f>& offsets);
 
-/// Opens the mesh along one cut.
-Slit open_slit(TriangleMesh& mesh, const Occluder& cut, int refinements);
+/// Opens the mesh along the last of the cuts, after those before it.
+Slit open_slit(TriangleMesh& mesh, std::span<const std::shared_ptr<const Occluder>> cuts, int refinements);
 
 }  // namespace sansmesh

@@ -214,6 +214,56 @@ TEST(OpenMesh, SeveralCutsAndManyPlaces) {
   EXPECT_NEAR(volume(eight), volume(test::octasphere(4)), 1e-4);
 }
 
+/// Triangles whose corners are looked at from different sides of a plane.
+std::size_t mixed_triangles(const TriangleMesh& mesh, const PlanarOccluder& cut) {
+  const std::vector<float>& sides = *mesh.attributes.find<float>(kCutSide);
+  std::size_t mixed = 0;
+  for (const Triangle& t : mesh.triangles) {
+    std::size_t above = 0;
+    for (const std::uint32_t v : t)
+      above += cut.height(mesh.origin + Vec3(mesh.vertices[v]) +
+                          Vec3(Vec3f{sides[3 * v], sides[3 * v + 1], sides[3 * v + 2]})) >= 0;
+    mixed += above % 3 != 0;
+  }
+  return mixed;
+}
+
+TEST(OpenMesh, SidesAreKnownFarFromTheOrigin) {
+  const Vec3 normal = normalized(Vec3{0.3, 0.2, 1}), along = normalized(Vec3{1, 0, 0} - normal * normal.x);
+  for (const float far : {0.0f, 100.0f, 1000.0f})
+    for (const bool companion : {false, true}) {  // far on the other side: the middle of both is the origin
+      if (companion && far > 100) continue;       // there rounding is a hundredth of an edge
+      TriangleMesh mesh = test::octasphere(5);
+      for (Vec3f& v : mesh.vertices) v = v + Vec3f{far, far, far};
+      if (companion) {
+        const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
+        for (const Vec3f& v : {Vec3f{-1, -1, -1}, Vec3f{-1.5f, -1, -1}, Vec3f{-1, -1.5f, -1}})
+          mesh.vertices.push_back(v * (far + 1));
+        mesh.triangles.push_back({n, n + 1, n + 2});
+      }
+      const Vec3 middle{far, far, far};
+      const auto place = [&](const TriangleMesh& of, std::size_t v) { return of.origin + Vec3(of.vertices[v]); };
+      for (const double height : {0.0, 0.9}) {
+        const auto cut = half_plane(middle + normal * height - along * 9.0, normal, along);
+        OpenMeshReport report;
+        const TriangleMesh opened = open_along_cuts(mesh, Cuts{cut}, {}, &report);
+        EXPECT_GT(report.edges, 50u);
+        EXPECT_EQ(mixed_triangles(opened, *cut), 0u) << far << ' ' << companion << ' ' << height;
+        if (!companion) EXPECT_EQ(report.unopened, 0u) << far << ' ' << height;
+        std::size_t moved = 0;  // but for those that were put on the cut
+        for (std::size_t v = 0; v < mesh.vertices.size(); ++v) moved += place(opened, v) != place(mesh, v);
+        EXPECT_LT(moved, 10u);
+        if (companion) continue;
+        OpenMeshOptions options;
+        options.close = true;
+        const TriangleMesh closed = open_along_cuts(mesh, Cuts{cut}, options, &report);
+        EXPECT_EQ(report.unclosed, 0u);
+        EXPECT_EQ(mixed_triangles(closed, *cut), 0u);
+        EXPECT_EQ(measure_topology(closed).components, 2u);
+      }
+    }
+}
+
 TEST(OpenMesh, MeshesAsCuts) {
   // A dome above the equator, through a finer sphere.
   TriangleMesh dome;
