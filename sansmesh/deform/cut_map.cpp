@@ -37,9 +37,11 @@ CutMap::CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_pt
     for (std::size_t k = 0; k < 3; ++k) x[k] += static_cast<double>(at[k]) * spacing_[k];
     return x;
   };
+  const double reach = norm(spacing_) / 2;  // whatever is in a cell is no farther from one of its corners
   const std::size_t points = sizes[0] * sizes[1] * sizes[2];
   const std::array<std::size_t, 3> stride = {1, sizes[0], sizes[0] * sizes[1]};
   std::vector<std::uint8_t> crossed(points);  // a link to the next point along some axis is crossed
+  std::vector<std::uint8_t> near(points);     // a cut may be within reach
   parallel_ranges(0, points, kCutMapGrain, [&](std::size_t first, std::size_t last) {
     std::vector<double> found;
     for (std::size_t i = first; i < last; ++i) {
@@ -53,6 +55,25 @@ CutMap::CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_pt
         for (const auto& cut : cuts) cut->crossings(x, y, found);
       }
       crossed[i] = !found.empty();
+      for (const auto& cut : cuts) {
+        Gap gap;
+        cut->gaps({&x, 1}, {&x, 1}, {}, {&gap, 1});  // no deeper below 0 than x is far from the cut
+        near[i] = near[i] || gap.depth >= -reach;
+      }
+    }
+  });
+  // Cuts narrower than a cell pass between links.
+  const std::vector<std::uint8_t> links = crossed;
+  parallel_ranges(0, points, kCutMapGrain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      if (!near[i]) continue;
+      const std::array<std::size_t, 3> at = {i % sizes[0], i / sizes[0] % sizes[1], i / stride[2]};
+      bool known = false;
+      for (std::size_t c = at[2] - (at[2] > 0); c <= std::min(at[2] + 1, sizes[2] - 1); ++c)
+        for (std::size_t b = at[1] - (at[1] > 0); b <= std::min(at[1] + 1, sizes[1] - 1); ++b)
+          for (std::size_t a = at[0] - (at[0] > 0); a <= std::min(at[0] + 1, sizes[0] - 1); ++a)
+            known = known || links[a + stride[1] * b + stride[2] * c];
+      if (!known) crossed[i] = 1;
     }
   });
   beside_cut_.assign(cells[0] * cells[1] * cells[2], 0);
@@ -88,7 +109,7 @@ std::size_t CutMap::cell_of(const Vec3& x) const {
 void CutMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
   std::vector<std::uint8_t> exact(x.size());
   parallel_for(0, x.size(), kCutMapGrain,
-               [&](std::size_t i) { exact[i] = !is_finite(x[i]) || beside_cut_[cell_of(x[i])]; });
+               [&](std::size_t i) { exact[i] = lattice_.box().contains(x[i]) && beside_cut_[cell_of(x[i])]; });
   lattice_.map(x, wanted);
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < x.size(); ++i)

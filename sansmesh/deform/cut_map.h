@@ -16,7 +16,8 @@ namespace sansmesh {
 
 /// Answers come from the lattice but in its cells that a cut passes and those next to them: there the map itself is
 /// asked. So the faces of gaps lie where they are and what belongs to one side of a cut is not mixed with the other's,
-/// for the price of the few places near cuts (the adaptive sampling of thesis 6.4.3).
+/// for the price of the few places near cuts (the adaptive sampling of thesis 6.4.3). Cuts narrower than a cell count,
+/// too. Beyond the lattice's box answers are those of the lattice.
 class CutMap final : public SpaceMap {
  public:
   /// `exact` with these cuts, on a lattice as displacement_map makes it. The stage of `progress` is that of that.

@@ -219,6 +219,7 @@ double FreeWays::in_cut_cell(const std::vector<float>& values, const std::array<
 }
 
 FreeWays::Value FreeWays::interpolate(const std::vector<float>& values, const Vec3& x) const {
+  if (!is_finite(x)) return {};
   std::array<std::size_t, 3> cell{};
   Vec3 f, p = x;
   std::array<bool, 3> beyond{};

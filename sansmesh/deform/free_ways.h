@@ -29,8 +29,8 @@ class FreeWays {
 
   /// Of values at the nodes: linear in between, from the nodes that lie on the same side of the sheet as x. Where a
   /// node comes into sight around the border its weight grows gradually, within half a cell of the border, so that the
-  /// result is continuous in x but across the sheet. Beyond the lattice that of the nearest place in it. The gradient
-  /// is that of the interpolation.
+  /// result is continuous in x but across the sheet. Beyond the lattice that of the nearest place in it; 0 where x is
+  /// not finite. The gradient is that of the interpolation.
   struct Value {
     double value = 0;
     Vec3 gradient;

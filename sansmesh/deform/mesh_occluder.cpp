@@ -46,8 +46,12 @@ class MeshOccluder final : public Occluder {
     std::vector<TriangleSheet::Crossing> crossings;
     for (std::size_t i = 0; i < x.size(); ++i) {
       const std::array<Vec3, 3>* const jacobian = jacobians.empty() ? nullptr : &jacobians[i];
+      if (!is_finite(x[i]) || !is_finite(sources[i])) {
+        found[i] = {-std::numeric_limits<double>::infinity(), {}};
+        continue;
+      }
       crossings.clear();
-      if (is_finite(sources[i])) sheet_.crossings(x[i], sources[i], crossings);
+      sheet_.crossings(x[i], sources[i], crossings);
       found[i] =
           crossings.empty() ? without(x[i], sources[i], jacobian) : across(x[i], sources[i], jacobian, crossings);
     }

@@ -285,5 +285,68 @@ TEST(CutMap, IsExactBesideCutsAndNearElsewhere) {
     if (boxes[0].contains(x[i])) EXPECT_TRUE(images[0].contains(found.positions[i]));
 }
 
+TEST(CutMap, CutsNarrowerThanCellsCount) {
+  const Box3 box{{-2, -2, -2}, {2, 2, 2}};
+  Progress progress;
+  std::vector<CutList> all;  // between the lines of the lattice; so small that they lie within a cell; a mesh
+  all.push_back({polygon_occluder({{{0.01, 0.02, -1.5}, {0.01, 0.1, -1.5}, {0.01, 0.1, 1.5}, {0.01, 0.02, 1.5}}})});
+  all.push_back({polygon_occluder({{{0.05, 0.02, 0.02}, {0.06, 0.1, 0.03}, {0.055, 0.06, 0.1}}})});
+  TriangleMesh strip;
+  strip.vertices = {{0.01f, 0.02f, -1.5f}, {0.01f, 0.1f, -1.5f}, {0.01f, 0.1f, 1.5f}, {0.01f, 0.02f, 1.5f}};
+  strip.triangles = {{0, 1, 2}, {0, 2, 3}};
+  MeshOccluderOptions options;
+  options.resolution = 16;
+  all.push_back({mesh_occluder(strip, options)});
+  const std::array<Box3, 3> where{Box3{{0, 0.02, -1.5}, {0.02, 0.1, 1.5}}, Box3{{0.05, 0.02, 0.02}, {0.06, 0.1, 0.1}},
+                                  Box3{{0, 0.02, -1.5}, {0.02, 0.1, 1.5}}};
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> in(0, 1);
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    const auto exact = std::make_shared<const MlsDeformation>(opening_handles(0.4), damped(), all[c]);
+    const CutMap map(exact, all[c], box, {33, 33, 33}, progress);
+    EXPECT_GT(map.exact_share(), 0) << c;
+    EXPECT_LT(map.exact_share(), 0.03) << c;
+    for (int i = 0; i < 200; ++i) {
+      Vec3 x;
+      for (std::size_t k = 0; k < 3; ++k)
+        x[k] = where[c].lower[k] + (where[c].upper[k] - where[c].lower[k]) * in(random);
+      ASSERT_EQ(map_at(map, x).position, map_at(*exact, x).position) << c;
+    }
+  }
+}
+
+TEST(CutMap, BeyondItsBoxNothingJumpsButAtCuts) {
+  const CutList cuts{slot()};
+  const auto exact = std::make_shared<const MlsDeformation>(opening_handles(0.4), damped(), cuts);
+  Progress progress;
+  const CutMap map(exact, cuts, {{-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6}}, {25, 25, 25}, progress);
+  std::vector<Vec3> x;
+  for (int i = 0; i <= 20000; ++i) x.push_back({0.3, 0.9, -0.5 + i * 5e-5});
+  std::vector<Vec3> y(x.size());
+  map.map(x, {y, {}, {}, {}});
+  double most = 0;
+  for (std::size_t i = 1; i < x.size(); ++i) most = std::max(most, norm(y[i] - y[i - 1]));
+  EXPECT_LT(most, 0.002);
+}
+
+TEST(CutDeformation, PlacesThatAreNotFiniteAreAnswered) {
+  TriangleMesh sheet;
+  sheet.vertices = {{0, -1, 0.01f}, {1, -1, 0.01f}, {1, 1, 0.01f}, {0, 1, 0.01f}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  MeshOccluderOptions options;
+  options.resolution = 8;
+  const auto cut = mesh_occluder(sheet, options);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
+  for (const Vec3& x : {Vec3{nan, 0, 0}, Vec3{0, 0, nan}, Vec3{endless, 0, 0}, Vec3{0, -endless, 0}}) {
+    const Detour found = test::detour(*cut, {0.1, 0.1, 0.5}, x);
+    EXPECT_EQ(found.extra, 0);
+    EXPECT_EQ(found.gradient, Vec3{});
+    EXPECT_EQ(test::gap(*cut, x, {0, 0, 0}, {}).depth, -endless);
+    EXPECT_EQ(test::gap(*cut, {0, 0, 0}, x, {}).depth, -endless);
+    const MlsDeformation map(opening_handles(0.4), damped(), {cut, slot()});
+    EXPECT_FALSE(is_finite(map_at(map, x).position));
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh
