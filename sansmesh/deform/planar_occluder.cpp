@@ -41,30 +41,44 @@ double bend_at(const PlaneEdge& e, double t0, double r0, double t1, double r1) {
   return on_edge(e, sum > 0 ? t0 + (t1 - t0) * (r0 / sum) : t0);
 }
 
+bool loop_holds(const std::vector<PlaneEdge>& border, const PlanePoint& p) {
+  bool inside = false;
+  for (const PlaneEdge& e : border) {
+    const PlanePoint end = at(e, e.length);
+    if ((e.begin.b > p.b) == (end.b > p.b)) continue;
+    const double side = cross2(minus(end, e.begin), minus(p, e.begin));
+    if ((side > 0) == (end.b > e.begin.b)) inside = !inside;
+  }
+  return inside;
+}
+
+double loop_distance(const std::vector<PlaneEdge>& border, const PlanePoint& p) {
+  double least = kEndless;
+  for (const PlaneEdge& e : border) {
+    const PlanePoint off = minus(p, at(e, on_edge(e, dot2(minus(p, e.begin), e.along))));
+    least = std::min(least, dot2(off, off));
+  }
+  return std::sqrt(least);
+}
+
 void fail(const std::string& what) { throw ArgumentError(what); }
 
 /// Whether two edges have a point in common that is not the corner between them.
 bool edges_cross(const PlaneEdge& e, const PlaneEdge& f, bool neighbours) {
+  if (neighbours) return false;
   const PlanePoint e1 = at(e, e.length), f1 = at(f, f.length);
   const double a = cross2(e.along, minus(f.begin, e.begin)), b = cross2(e.along, minus(f1, e.begin));
   const double c = cross2(f.along, minus(e.begin, f.begin)), d = cross2(f.along, minus(e1, f.begin));
-  if (neighbours) return false;
   return (a > 0) != (b > 0) && (c > 0) != (d > 0);
 }
 
 }  // namespace
 
 bool PlanarOccluder::covers(const Point& p) const {
-  bool within = false;
-  for (const std::vector<Edge>& border : borders_)
-    for (const Edge& e : border) {
-      if (is_line(e)) return cross2(e.along, minus(p, e.begin)) > 0;
-      const Point end = at(e, e.length);
-      if ((e.begin.b > p.b) == (end.b > p.b)) continue;
-      const double side = cross2(minus(end, e.begin), minus(p, e.begin));
-      if ((side > 0) == (end.b > e.begin.b)) within = !within;
-    }
-  return within;
+  if (is_line(borders_[0][0])) return cross2(borders_[0][0].along, minus(p, borders_[0][0].begin)) > 0;
+  bool inside = false;
+  for (const std::vector<Edge>& border : borders_) inside = inside != loop_holds(border, p);
+  return inside;
 }
 
 double PlanarOccluder::depth(const Point& p, Point* inwards) const {
@@ -188,6 +202,10 @@ std::shared_ptr<const PlanarOccluder> half_plane(const Vec3& edge_point, const V
 
 std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::vector<Vec3>>& loops) {
   if (loops.empty()) fail("a polygon has no corners");
+  const auto name = [](std::size_t l) { return l == 0 ? std::string("a polygon") : "hole " + std::to_string(l); };
+  for (std::size_t l = 0; l < loops.size(); ++l)
+    if (loops[l].size() < 3)
+      fail(name(l) + " has " + std::to_string(loops[l].size()) + " corners: three are the least");
   Box3 box;
   for (const std::vector<Vec3>& loop : loops)
     for (const Vec3& p : loop) {
@@ -199,7 +217,6 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
   Vec3 area;
   for (std::size_t i = 0; i < loops[0].size(); ++i)
     area += cross(loops[0][i] - loops[0][0], loops[0][(i + 1) % loops[0].size()] - loops[0][0]);
-  if (loops[0].size() < 3) fail("a polygon has " + std::to_string(loops[0].size()) + " corners: three are the least");
   if (!(norm(area) > 1e-12 * size * size)) fail("a polygon has no area: its corners lie on a line");
   made->origin_ = loops[0][0];
   made->normal_ = normalized(area);
@@ -210,13 +227,13 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
     for (std::size_t i = 0; i < loops[l].size(); ++i) {
       const Vec3 &p = loops[l][i], &q = loops[l][(i + 1) % loops[l].size()];
       if (std::abs(made->height(p)) > 1e-6 * size)
-        fail("corner " + std::to_string(i + 1) + " of a polygon lies off the plane of the others");
+        fail("corner " + std::to_string(i + 1) + " of " + name(l) + " lies off the plane of the others");
       const PlanePoint begin = made->in_plane(p), way = minus(made->in_plane(q), begin);
       turn += cross2(begin, made->in_plane(q));
       const double length = std::hypot(way.a, way.b);
       if (length > 0) border.push_back({begin, {way.a / length, way.b / length}, length});
     }
-    if (border.size() < 3) fail("a hole of a polygon has fewer than three different corners");
+    if (border.size() < 3) fail(name(l) + " has fewer than three different corners");
     if ((turn > 0) != (l == 0)) {  // outlines run counter-clockwise, holes clockwise
       std::reverse(border.begin(), border.end());
       for (PlaneEdge& e : border) e = {at(e, e.length), {-e.along.a, -e.along.b}, e.length};
@@ -232,6 +249,21 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
     for (std::size_t j = i + 1; j < all.size(); ++j) {
       const bool neighbours = of[i][0] == of[j][0] && (of[j][1] - of[i][1] == 1 || of[j][1] - of[i][1] == of[i][2] - 1);
       if (edges_cross(all[i], all[j], neighbours)) fail("edges of a polygon cross each other");
+    }
+  // As no edges cross, one corner tells of all.
+  for (std::size_t l = 1; l < made->borders_.size(); ++l)
+    for (std::size_t m = 0; m < made->borders_.size(); ++m) {
+      if (m == l) continue;
+      const auto touches = [&](const std::vector<PlaneEdge>& one, const std::vector<PlaneEdge>& other) {
+        return std::any_of(one.begin(), one.end(),
+                           [&](const PlaneEdge& e) { return loop_distance(other, e.begin) <= 1e-9 * size; });
+      };
+      if (touches(made->borders_[l], made->borders_[m]) || touches(made->borders_[m], made->borders_[l]))
+        fail("hole " + std::to_string(l) + " of a polygon touches " +
+             (m == 0 ? "its outline" : "hole " + std::to_string(m)));
+      if (loop_holds(made->borders_[m], made->borders_[l][0].begin) == (m == 0)) continue;
+      fail(m == 0 ? "hole " + std::to_string(l) + " of a polygon does not lie within its outline"
+                  : "hole " + std::to_string(l) + " of a polygon lies within hole " + std::to_string(m));
     }
   return made;
 }

@@ -65,7 +65,8 @@ std::shared_ptr<const PlanarOccluder> half_plane(const Vec3& edge_point, const V
 
 /// A polygon, convex or not: the first loop is its outline, others are holes, in any direction; the normal is that of
 /// the outline (right-hand rule). Throws ArgumentError where a loop has fewer than three different corners, corners are
-/// off the plane by more than a millionth of the size, the outline has no area, or edges cross each other.
+/// off the plane by more than a millionth of the size, the outline has no area, edges cross each
+/// other, or a hole touches another loop, lies in another hole or not within the outline.
 std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::vector<Vec3>>& loops);
 
 }  // namespace sansmesh

@@ -238,6 +238,32 @@ TEST(PlanarCut, BadOnesAreRefused) {
   EXPECT_THROW(polygon_occluder({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}}), ArgumentError);
   EXPECT_THROW(polygon_occluder({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.1}}}), ArgumentError);
   EXPECT_THROW(polygon_occluder({{{0, 0, 0}, {1, 0, 0}, {0.2, 1, 0}, {0.9, 1.5, 0}}}), ArgumentError);
+  EXPECT_THROW(polygon_occluder({{}}), ArgumentError);
+  EXPECT_THROW(polygon_occluder({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {}}), ArgumentError);
+}
+
+TEST(Polygon, HolesLieWithinTheOutlineAndApart) {
+  const auto square = [](double x, double y, double half) {
+    return std::vector<Vec3>{
+        {x - half, y - half, 1}, {x + half, y - half, 1}, {x + half, y + half, 1}, {x - half, y + half, 1}};
+  };
+  const auto why = [](const std::vector<std::vector<Vec3>>& loops) -> std::string {
+    try {
+      polygon_occluder(loops);
+    } catch (const ArgumentError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::vector<Vec3> outline = square(0, 0, 2);
+  EXPECT_EQ(why({outline, square(1, 0, 0.5), square(-1, 0, 0.5)}), "");
+  EXPECT_EQ(why({outline, square(1, 0, 0.5), square(5, 0, 1)}), "hole 2 of a polygon does not lie within its outline");
+  EXPECT_EQ(why({outline, square(0, 0, 3)}), "hole 1 of a polygon does not lie within its outline");
+  EXPECT_EQ(why({outline, outline}), "hole 1 of a polygon touches its outline");
+  EXPECT_NE(why({outline, square(1.5, 0, 0.5)}), "");
+  EXPECT_EQ(why({outline, square(0, 0, 1), square(0, 0, 0.5)}), "hole 2 of a polygon lies within hole 1");
+  EXPECT_EQ(why({outline, square(0, 0, 0.5), square(0, 0, 1)}), "hole 1 of a polygon lies within hole 2");
+  EXPECT_EQ(why({outline, square(1, 0, 1.5)}), "edges of a polygon cross each other");
 }
 
 }  // namespace
