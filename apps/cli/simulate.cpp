@@ -21,7 +21,6 @@
 #include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body.h"
-#include "sansmesh/dynamics/stable_step.h"
 #include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/io/animation.h"
 #include "sansmesh/io/file_content.h"
@@ -454,17 +453,17 @@ void run_simulate(SimulateArguments& a, Console& console) {
 
   const SimulationTotals totals = told([&] {
     const DynamicsScene scene = scaled(script.scene, unit);
-    if (script.step) {
-      const double stable = stable_step(metres, options, scene);
-      if (options.step > stable)
-        console.warn({fmt::format("steps of {:.3g} s are longer than is stable for {} ({:.2g} s)", options.step,
-                                  word_of(options.integrator), stable)});
-    }
     SoftBody moving(std::move(metres), options, scene);
+    const double stable = script.step ? moving.stable_step() : options.step;
     if (const std::size_t within = moving.within_obstacles().size(); within > 0)
       console.warn({fmt::format("{} within an obstacle: what is pushed out at once may be thrown",
                                 within == 1 ? "1 vertex begins" : grouped(within) + " vertices begin")});
-    return simulate(moving, times, steps, unit, !a.energies.empty(), motion, console.progress());
+    SimulationTotals done = simulate(moving, times, steps, unit, !a.energies.empty(), motion, console.progress());
+    // What explodes says so itself.
+    if (options.step > stable)
+      console.warn({fmt::format("steps of {:.3g} s are longer than is stable for {} ({:.2g} s)", options.step,
+                                word_of(options.integrator), stable)});
+    return done;
   });
   if (totals.halvings > 0)
     console.warn(

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/dynamics/scene_fields.h"
+#include "sansmesh/dynamics/scene_fields-inl.h"
 
 namespace sansmesh {
 namespace {

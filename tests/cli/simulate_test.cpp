@@ -104,9 +104,9 @@ TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
   write("pull.json", R"({"gravity": 0, "handles": {"on": {"box": {"lower": [-1, -1, -1], "upper": [9, 9, 9]}},
                          "move": [4, 0, 0], "until": 0.2}})");
   const Outcome o =
-      run({"simulate",  "bar.mesh", "--forces", "pull.json", "--volume",     "v.vti",   "--iso",    "0.5:#ff0000:1",
-           "--opacity", "0",        "--view",   "front",     "--background", "#ffffff", "-o",       "b.png",
-           "--frames",  "2",        "--time",   "0.2",       "--width",      "160",     "--height", "80"});
+      run({"simulate",  "bar.mesh", "--forces", "pull.json", "--volume",     "v.vti", "--iso",    "0.5:#ff0000:1",
+           "--opacity", "0",        "--view",   "front",     "--background", "white", "-o",       "b.png",
+           "--frames",  "2",        "--time",   "0.2",       "--width",      "160",   "--height", "80"});
   ASSERT_EQ(o.code, 0) << o.err;
   const auto red_column = [&](const char* file) {
     const PngPicture image = read_png(path(file));
@@ -156,9 +156,9 @@ TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
   EXPECT_EQ(listing(), before);
   // Frames have names that nobody typed.
   ASSERT_EQ(run({"simulate", "bar.mesh", "-o", "a.ply", "--frames", "2", "--time", "0.02"}).code, 0);
-  expect_failures({{{"simulate", "bar.mesh", "--surface", "a_0001.ply", "-o", "a.ply", "--frames", "2"},
+  expect_failures({{{"simulate", "bar.mesh", "--surface", "a_0000.ply", "-o", "a.ply", "--frames", "2"},
                     1,
-                    {"a_0001.ply: is an input"}}});
+                    {"a_0000.ply: is an input"}}});
 }
 
 TEST_F(SimulateTool, MaterialsOfTheFileAreTakenAsTheyAre) {

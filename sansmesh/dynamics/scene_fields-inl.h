@@ -1,17 +1,52 @@
-#include "sansmesh/dynamics/scene_fields.h"
+// JSON of scenes: objects all of whose keys must be known, with errors that tell the place.
+#pragma once
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/vec.h"
 
 namespace sansmesh::detail {
 
-SceneJson parse_scene_json(const std::string& text) {
+using SceneJson = nlohmann::ordered_json;
+
+/// An object of the scene. All members throw ArgumentError that begins with the place.
+class SceneFields {
+ public:
+  SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known);
+
+  [[noreturn]] void fail(const std::string& cause) const;
+  bool has(const char* key) const;
+  std::string where(const char* key) const { return where_.empty() ? std::string(key) : where_ + "." + key; }
+  const SceneJson& at(const char* key) const;
+  double number(const char* key) const;
+  int whole(const char* key) const;
+  std::string text(const char* key) const;
+  Vec3 vector(const char* key) const;
+  Vec3 direction(const char* key) const;  ///< of length 1
+  template <class T, class Get>
+  void get(const char* key, std::optional<T>& value, Get&& how) const {
+    if (has(key)) value = (this->*how)(key);
+  }
+
+ private:
+  const SceneJson& json_;
+  std::string where_;
+};
+
+/// Throws ArgumentError for what is no JSON, and for a key that an object has twice: one of them would win unnoticed.
+inline SceneJson parse_scene_json(const std::string& text) {
   std::vector<std::set<std::string>> open;
   std::string twice;
   const auto look = [&](int, SceneJson::parse_event_t event, SceneJson& parsed) {
@@ -34,7 +69,7 @@ SceneJson parse_scene_json(const std::string& text) {
   return json;
 }
 
-SceneFields::SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known)
+inline SceneFields::SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known)
     : json_(json), where_(std::move(where)) {
   if (!json.is_object()) fail("must be an object");
   for (const auto& [key, value] : json.items()) {
@@ -45,36 +80,36 @@ SceneFields::SceneFields(const SceneJson& json, std::string where, std::initiali
   }
 }
 
-void SceneFields::fail(const std::string& cause) const {
+inline void SceneFields::fail(const std::string& cause) const {
   throw ArgumentError(where_.empty() ? cause : where_ + ": " + cause);
 }
 
-bool SceneFields::has(const char* key) const { return json_.contains(key); }
+inline bool SceneFields::has(const char* key) const { return json_.contains(key); }
 
-const SceneJson& SceneFields::at(const char* key) const {
+inline const SceneJson& SceneFields::at(const char* key) const {
   if (!has(key)) fail(fmt::format("'{}' is missing", key));
   return json_.at(key);
 }
 
-double SceneFields::number(const char* key) const {
+inline double SceneFields::number(const char* key) const {
   const SceneJson& v = at(key);
   if (!v.is_number() || !std::isfinite(v.get<double>())) fail(fmt::format("'{}' must be a number", key));
   return v.get<double>();
 }
 
-int SceneFields::whole(const char* key) const {
+inline int SceneFields::whole(const char* key) const {
   const double v = number(key);
   if (v != std::floor(v) || std::abs(v) > 1e9) fail(fmt::format("'{}' must be a whole number", key));
   return static_cast<int>(v);
 }
 
-std::string SceneFields::text(const char* key) const {
+inline std::string SceneFields::text(const char* key) const {
   const SceneJson& v = at(key);
   if (!v.is_string()) fail(fmt::format("'{}' must be a text", key));
   return v.get<std::string>();
 }
 
-Vec3 SceneFields::vector(const char* key) const {
+inline Vec3 SceneFields::vector(const char* key) const {
   const SceneJson& v = at(key);
   const auto finite = [](const SceneJson& c) { return c.is_number() && std::isfinite(c.get<double>()); };
   if (!v.is_array() || v.size() != 3 || !std::all_of(v.begin(), v.end(), finite))
@@ -82,13 +117,16 @@ Vec3 SceneFields::vector(const char* key) const {
   return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
 }
 
-Vec3 SceneFields::direction(const char* key) const {
+inline Vec3 SceneFields::direction(const char* key) const {
   const Vec3 v = vector(key);
   if (!(norm(v) > 0)) fail(fmt::format("'{}' has no direction", key));
   return normalized(v);
 }
 
-std::vector<std::pair<std::string, const SceneJson*>> scene_entries(const SceneJson& json, const std::string& where) {
+/// The entries of a list, with the place of each; anything else stands for a list of it alone. An empty list, which
+/// would say nothing, is an error.
+inline std::vector<std::pair<std::string, const SceneJson*>> scene_entries(const SceneJson& json,
+                                                                           const std::string& where) {
   std::vector<std::pair<std::string, const SceneJson*>> all;
   if (!json.is_array()) return {{where, &json}};
   if (json.empty()) throw ArgumentError(where + ": the list is empty");
