@@ -279,10 +279,19 @@ TEST(CutMap, IsExactBesideCutsAndNearElsewhere) {
   EXPECT_LT(most, 0.02);
   EXPECT_GT(most_plain, 0.1);  // mixes both sides
   test::expect_equal_for_any_threads([&] { return all(map); });
-  std::vector<Box3> boxes{{{0.1, 0.1, -0.1}, {0.3, 0.3, 0.1}}}, images(1);
+  std::vector<Box3> boxes;
+  for (const Vec3& p : x) boxes.push_back({p - Vec3{0.04, 0.03, 0.02}, p + Vec3{0.04, 0.03, 0.02}});
+  std::vector<Box3> images(boxes.size());
   map.images(boxes, images);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (boxes[0].contains(x[i])) EXPECT_TRUE(images[0].contains(found.positions[i]));
+  std::vector<Vec3> within;
+  for (const Box3& b : boxes)
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 at = random_point(random);
+      within.push_back(b.center() + Vec3{0.04 * at.x, 0.03 * at.y, 0.02 * at.z});
+    }
+  std::vector<Vec3> mapped(within.size());
+  map.map(within, {mapped, {}, {}, {}});
+  for (std::size_t i = 0; i < mapped.size(); ++i) EXPECT_TRUE(images[i / 8].contains(mapped[i]));
 }
 
 TEST(CutMap, CutsNarrowerThanCellsCount) {
@@ -327,6 +336,37 @@ TEST(CutMap, BeyondItsBoxNothingJumpsButAtCuts) {
   double most = 0;
   for (std::size_t i = 1; i < x.size(); ++i) most = std::max(most, norm(y[i] - y[i - 1]));
   EXPECT_LT(most, 0.002);
+}
+
+TEST(CutDeformation, JacobiansBesideMeshesAreThoseOfDifferences) {
+  TriangleMesh sheet;  // bent along x = 0.5
+  sheet.vertices = {{-0.1f, -0.8f, 0.01f}, {0.5f, -0.8f, 0.2f},  {0.5f, 0.8f, 0.2f},
+                    {-0.1f, 0.8f, 0.01f},  {0.9f, -0.8f, 0.01f}, {0.9f, 0.8f, 0.01f}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
+  MeshOccluderOptions options;
+  options.resolution = 16;
+  options.domain = Box3{{-1, -1, -1}, {1, 1, 1}};
+  const auto cut = mesh_occluder(sheet, options);
+  const MlsDeformation map(opening_handles(0.4), damped(), {cut}), free(opening_handles(0.4), damped(), {});
+  std::mt19937 random(9);
+  int shadowed = 0, off = 0;
+  for (int i = 0; i < 600; ++i) {
+    const Vec3 x = random_point(random, 0.9);
+    const MapAt found = map_at(map, x);
+    if (norm(found.position - map_at(free, x).position) < 1e-3) continue;
+    ++shadowed;
+    bool differs = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 step;
+      step[k] = 1e-6;
+      if (test::blocked(*cut, x - step, x + step)) continue;
+      const Vec3 slope = (map_at(map, x + step).position - map_at(map, x - step).position) / 2e-6;
+      differs = differs || norm(found.jacobian[k] - slope) > 2e-3;
+    }
+    off += differs;  // at faces of cells ways have kinks
+  }
+  EXPECT_GT(shadowed, 100);
+  EXPECT_LE(off, shadowed / 50);
 }
 
 TEST(CutDeformation, PlacesThatAreNotFiniteAreAnswered) {
