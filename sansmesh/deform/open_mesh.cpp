@@ -69,6 +69,7 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   const bool solid = options.close && measure_topology(mesh).closed();
   const double length = options.face_edges.value_or(solid ? kFaceEdges * mean_edge(mesh) : 0);
   const bool inward = solid && enclosed_volume(mesh) < 0;
+  bool closed = solid;  // still
   if (!cuts.empty()) bring_origin_near(mesh);
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     const std::shared_ptr<const Occluder>& cut = cuts[i];
@@ -77,7 +78,9 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
     if (!options.close || slit.edges.empty()) continue;
     const auto* const planar = dynamic_cast<const PlanarOccluder*>(cut.get());
     const std::size_t added = solid && planar ? add_cut_faces(mesh, slit, *planar, length, inward) : 0;
-    r.faces += added, r.unclosed += added == 0;
+    r.faces += added;
+    const bool whole = added > 0 && (!closed || measure_topology(mesh).closed());
+    closed = closed && whole, r.unclosed += !whole;
     if (added > 0) mesh.normals.clear();
   }
   return mesh;

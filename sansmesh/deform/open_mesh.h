@@ -31,7 +31,7 @@ struct OpenMeshReport {
   std::size_t doubled = 0;   ///< vertices that were added for them
   std::size_t faces = 0;     ///< triangles of cut faces, both sides together
   std::size_t unopened = 0;  ///< triangles that a cut crosses in too complicated a way, after all refinements
-  std::size_t unclosed = 0;  ///< cuts that could not be closed: meshes as cuts, open meshes
+  std::size_t unclosed = 0;  ///< cuts that left something open: meshes as cuts, open meshes
 };
 
 /// Splits the edges that a cut crosses, and the triangles at them, and doubles the vertices on the cut but for those at

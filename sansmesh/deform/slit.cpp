@@ -58,7 +58,7 @@ class SlitMaker {
   struct Place {  // on an edge, as a share from its smaller vertex
     double share;
   };
-  enum class Way : std::uint8_t { none, across, ending, bad };
+  enum class Way : std::uint8_t { none, across, ending, along };
   struct Look {
     Way way = Way::none;
     Vec3 tip;
@@ -97,6 +97,11 @@ class SlitMaker {
       for (std::size_t i = 0; i < counts[chunk].size(); ++i) {
         const std::uint64_t key = edges[chunk * kEdgesAtATime + i];
         int inner = 0;
+        // Between two vertices on the cut, along it, rounding makes crossings.
+        if (counts[chunk][i] > 0 && on_cut_[smaller_end(key)] && on_cut_[larger_end(key)] && lies_along(key)) {
+          at += counts[chunk][i];
+          continue;
+        }
         for (std::uint32_t k = 0; k < counts[chunk][i]; ++k, ++at) {
           const double share = found[chunk][at];
           if (on_cut_[smaller_end(key)] && share < 2 * kSnap) continue;
@@ -166,7 +171,10 @@ class SlitMaker {
         } else if (share[least] < kSnap) {  // on an edge
           const std::uint32_t v = t[(least + 1) % 3], w = t[(least + 2) % 3];
           const double along = share[(least + 2) % 3] / (share[(least + 1) % 3] + share[(least + 2) % 3]);
-          places_.try_emplace(slit_key(v, w), Place{v < w ? along : 1 - along});
+          const Place place{v < w ? along : 1 - along};
+          const auto [at, fresh] = places_.try_emplace(slit_key(v, w), place);
+          // Along an edge that lies in the cut rounding decides where it crosses.
+          if (!fresh && runs_along(v, w)) at->second = place;
         } else {
           tips_[i].push_back(p);
         }
@@ -180,13 +188,34 @@ class SlitMaker {
     }
   }
 
+  /// Whether the cut runs along an edge from one of its ends, which is on it, to the place on the edge.
+  bool runs_along(std::uint32_t v, std::uint32_t w) const {
+    const std::uint64_t key = slit_key(v, w);
+    const auto place = places_.find(key);
+    if (place == places_.end() || (on_cut_[v] != 0) == (on_cut_[w] != 0)) return false;
+    const Vec3 a = world(smaller_end(key)), b = world(larger_end(key));
+    const double share = place->second.share;
+    return lies_at(a + (b - a) * (on_cut_[smaller_end(key)] ? share / 2 : (1 + share) / 2), norm(b - a));
+  }
+  bool lies_along(std::uint64_t key) const {
+    const Vec3 a = world(smaller_end(key)), b = world(larger_end(key));
+    for (const double share : {0.25, 0.5, 0.75})
+      if (!lies_at(a + (b - a) * share, norm(b - a))) return false;
+    return true;
+  }
+  bool lies_at(const Vec3& p, double edge) const {
+    Gap gap;
+    cut_.gaps({&p, 1}, {&p, 1}, {}, {&gap, 1});  // half the distance from the cut or more, below 0
+    return gap.depth > -kSnap * edge;
+  }
+
   /// How the cut passes each triangle; which edges it runs along.
   void look_at_triangles(bool last) {
     bad_.clear(), ways_.clear(), cut_edges_.clear();
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
       const Triangle& t = mesh_.triangles[i];
       if (!good(t)) continue;
-      std::size_t corners = 0, edges = 0;
+      std::size_t corners = 0, edges = 0, along = 0;
       bool bad = false, beside = false;  // a corner on the cut, and a place on an edge at it
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint64_t key = slit_key(t[k], t[(k + 1) % 3]);
@@ -194,6 +223,10 @@ class SlitMaker {
         bad = bad || twice_.count(key) != 0;
         if (places_.count(key) == 0) continue;
         ++edges;
+        if (runs_along(t[k], t[(k + 1) % 3])) {
+          ++along;
+          continue;
+        }
         beside = beside || on_cut_[t[k]] || on_cut_[t[(k + 1) % 3]];
       }
       std::vector<Vec3> tips;
@@ -202,11 +235,14 @@ class SlitMaker {
       std::erase_if(tips, [&](const Vec3& p) { return near_a_place(t, p); });
       const std::size_t n = corners + edges;
       Look look;
-      if (!bad && !beside && n == 2 && tips.empty()) {
+      if (!bad && along == 1 && n == 2 && tips.empty()) {
+        look.way = Way::along;
+      } else if (!bad && !beside && along == 0 && n == 2 && tips.empty()) {
         look.way = Way::across;
       } else if (!bad && n == 1 && tips.size() == 1) {
         look = {Way::ending, tips[0]};
-      } else if (bad || tips.size() > 1 || n > 3 || (n == 3 && edges > 0) || (n == 2 && !tips.empty()) || beside) {
+      } else if (bad || tips.size() > 1 || n > 3 || (n == 3 && edges > 0) || (n == 2 && !tips.empty()) || beside ||
+                 along > 0) {
         bad_.push_back(i);
         continue;
       } else {
@@ -302,6 +338,7 @@ class SlitMaker {
       } else if (splits == 1) {
         add(t[0], m[0], t[2]), add(m[0], t[1], t[2]);
         if (look.way == Way::across) cut_edges_.insert(slit_key(m[0], t[2]));
+        if (look.way == Way::along) cut_edges_.insert(slit_key(m[0], on_cut_[t[0]] ? t[0] : t[1]));
       } else if (splits == 2) {
         add(m[0], t[1], m[1]);
         if (norm(world(t[0]) - world(m[1])) <= norm(world(m[0]) - world(t[2]))) {

@@ -214,6 +214,34 @@ TEST(OpenMesh, SeveralCutsAndManyPlaces) {
   EXPECT_NEAR(volume(eight), volume(test::octasphere(4)), 1e-4);
 }
 
+TEST(OpenMesh, CutsAlongTheMeshsOwnEdges) {
+  const TriangleMesh mesh = test::octasphere(4);  // with vertices and edges in z = 0
+  OpenMeshOptions options;
+  options.close = true;
+  std::vector<std::shared_ptr<const Occluder>> all = {
+      half_plane({0.1, 0, 0}, {0, 0, 1}, {1, 0, 0}), half_plane({0.1, 0, 0}, {0, 0, -1}, {1, 0.3, 0}),
+      half_plane({0, 0, 0}, {0, 0, 1}, {1, 0, 0}),
+      polygon_occluder({{{0.31, -2, 0}, {2, -2, 0}, {2, 2, 0}, {0.31, 2, 0}}})};
+  for (const double turn : {0.0, 0.7}) {  // turned they lie in the plane but for rounding
+    const Vec3 x{1, 0, 0}, y{0, std::cos(turn), std::sin(turn)}, z = cross(x, y);
+    TriangleMesh turned = mesh;
+    for (Vec3f& v : turned.vertices) v = Vec3f(x * double{v.x} + y * double{v.y} + z * double{v.z});
+    if (turn > 0) all = {half_plane(x * 0.1, z, x), half_plane(x * 0.1, -z, x + y * 0.3), half_plane({}, z, x)};
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      OpenMeshReport report;
+      const TriangleMesh opened = open_along_cuts(turned, Cuts{all[c]}, {}, &report);
+      EXPECT_EQ(report.unopened, 0u) << turn << ' ' << c;
+      EXPECT_EQ(measure_topology(opened).boundary_loops, 1u) << turn << ' ' << c;
+      EXPECT_LT(report.edges, 60u);
+      EXPECT_EQ(crossed(opened, *all[c]), 0u) << turn << ' ' << c;
+      const TriangleMesh closed = open_along_cuts(turned, Cuts{all[c]}, options, &report);
+      EXPECT_EQ(report.unclosed, 0u);
+      EXPECT_TRUE(measure_topology(closed).closed());
+      EXPECT_NEAR(volume(closed), volume(turned), 1e-5);
+    }
+  }
+}
+
 /// Triangles whose corners are looked at from different sides of a plane.
 std::size_t mixed_triangles(const TriangleMesh& mesh, const PlanarOccluder& cut) {
   const std::vector<float>& sides = *mesh.attributes.find<float>(kCutSide);
