@@ -84,6 +84,8 @@ HWY_INLINE void ClearMeans(SeenHandles& seen) {
 
 /// Sums over the handles about the weighted means: Σ w p qᵀ, and where wanted Σ w q qᵀ (xx xy xz yy yz zz).
 struct Moments {
+  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  HWY_ATTR Moments() {}
   PlaceV pq[3][3], qq[6];
 };
 

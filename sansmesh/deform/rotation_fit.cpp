@@ -15,7 +15,7 @@ constexpr double kOpposite = 1e-12;  // of 1 + a·b
 
 }  // namespace
 
-Rows3 best_rotation(const Rows3& b) {
+HWY_ATTR Rows3 best_rotation(const Rows3& b) {
   using One = hwy::HWY_NAMESPACE::CappedTag<double, 1>;
   const One d;
   hwy::HWY_NAMESPACE::Vec<One> from[3][3], to[3][3];

@@ -163,8 +163,10 @@ HWY_INLINE void TurnQuaternion(const Mask& turns, const V& w, const V (&v)[3], V
 /// What a rotation r lacks: S = rᵀ b is not symmetric by `skew`, and resists turns by H = (tr S) 1 − S.
 template <class V>
 struct TurnLeft {
+  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  HWY_ATTR TurnLeft() {}
   V s[3][3], skew[3], stiffness[3][3], adjugate[3][3], det;  ///< the last two of H
-  V trace() const { return hn::Add(hn::Add(s[0][0], s[1][1]), s[2][2]); }
+  HWY_ATTR V trace() const { return hn::Add(hn::Add(s[0][0], s[1][1]), s[2][2]); }
 };
 
 template <class V>

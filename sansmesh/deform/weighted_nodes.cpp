@@ -128,7 +128,7 @@ struct NodeMaker {
 
 }  // namespace
 
-double weight_power(double base, double alpha) {
+HWY_ATTR double weight_power(double base, double alpha) {
   using One = hwy::HWY_NAMESPACE::CappedTag<double, 1>;
   return hwy::HWY_NAMESPACE::GetLane(HWY_NAMESPACE::WeightPower(hwy::HWY_NAMESPACE::Set(One(), base), alpha));
 }

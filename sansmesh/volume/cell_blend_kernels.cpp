@@ -22,6 +22,8 @@ using BlendV = hn::Vec<BlendTag>;
 // A number and its gradient.
 template <bool kGradient>
 struct Dual {
+  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  HWY_ATTR Dual() {}
   BlendV v;
   BlendV g[kGradient ? 3 : 1];
 };

@@ -25,6 +25,8 @@ HWY_INLINE std::size_t Row(std::size_t j) { return j * (j + 1) / 2; }
 
 // u, w and the monomials of a sample at a vector of points; false where none has a weight.
 struct MlsTerm {
+  // Not implicit: that would be compiled for no instruction set in particular, which ARM refuses.
+  HWY_ATTR MlsTerm() {}
   MlsV d[3], u[3], q, w;
 };
 HWY_INLINE bool Weigh(MlsTag d, const MlsSample& s, const StarMetric& frame, const MlsV* x, MlsTerm& t) {
