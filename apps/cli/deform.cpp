@@ -15,7 +15,6 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/write_volume.h"
-#include "sansmesh/render/transfer_presets.h"
 #include "solid_input.h"
 
 namespace sansmesh::cli {
@@ -203,22 +202,7 @@ Command add_deform(CommandLine& app) {
       .group(volumes);
   c.add_flag("--exact", a.exact, "Straight through the deformation, and of functions without a mesh: slow")
       .group("Picture");
-  std::string presets;
-  for (const std::string_view name : transfer_function_presets())
-    presets += (presets.empty() ? "" : ", ") + std::string(name);
-  c.add_option("--preset", a.volume.preset, "Colours and opacities: " + presets + " [from the values' histogram]")
-      .type_name("NAME")
-      .group(volumes);
-  c.add_option("--transfer", a.transfer, "The same from a file: JSON of ours or a colour map of ParaView")
-      .type_name("FILE")
-      .group(volumes);
-  c.add_option("--opacity", a.volume.opacity_scale, "Multiplies the opacity; 0: iso-surfaces only [1]")
-      .type_name("FACTOR")
-      .group(volumes);
-  c.add_option("--iso", a.isos, "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated")
-      .type_name("VALUE")
-      .repeated()
-      .group(volumes);
+  a.colors.add_options(c, volumes);
   c.add_option("--clip", a.clips, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")
       .repeated()

@@ -18,7 +18,7 @@
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/render_options.h"
-#include "sansmesh/render/volume_options.h"
+#include "volume_colors.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -44,9 +44,8 @@ struct DeformArguments {
 
   std::vector<double> size;  ///< of volumes
   bool all_arrays = false, nan = false, exact = false, no_shading = false, no_bar = false;
-  std::string transfer;
-  std::vector<std::string> isos, clips;
-  VolumePictureOptions volume;
+  std::vector<std::string> clips;
+  VolumeColors colors;
   int map_nodes = 96;
 
   bool to_picture() const { return output.ends_with(".png"); }

@@ -23,7 +23,6 @@
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_picture.h"
@@ -101,14 +100,13 @@ void write_resampled(const DeformArguments& a, const std::string& file,
 }
 
 VolumePictureOptions picture_options(const DeformArguments& a) {
-  VolumePictureOptions o = a.volume;
+  VolumePictureOptions o;
   static_cast<RenderOptions&>(o) = deform_look(a);
-  for (const std::string& text : a.isos) o.isos.push_back(iso_surface_of(text));
+  a.colors.put_into(o);
   for (const std::string& text : a.clips) o.cuts.push_back(volume_cut_of(text));
   o.shading = !a.no_shading;
   o.color_bar = !a.no_bar;
   o.steady = a.frames > 0;
-  if (!a.transfer.empty()) o.transfer = read_transfer_function(a.transfer);
   o.validate();
   return o;
 }

@@ -16,8 +16,6 @@
 #include "sansmesh/dynamics/tet_map.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/transfer_json.h"
-#include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
 
 namespace sansmesh::cli {
@@ -163,10 +161,7 @@ struct MotionPictures::Volume {
     } catch (const DataError& error) {
       throw FileError(carried.input.name(), error.what());
     }
-    options.preset = carried.preset;
-    if (!carried.transfer.empty()) options.transfer = read_transfer_function(carried.transfer);
-    options.opacity_scale = carried.opacity;
-    for (const std::string& text : carried.isos) options.isos.push_back(iso_surface_of(text));
+    carried.colors.put_into(options);
     boundary = boundary_mesh(motion.rest(), motion.rest().vertices, &sources);
     const Box3 body = bounds(motion.rest()), all = field->bounds();
     const double rim = 0.01 * body.diagonal();

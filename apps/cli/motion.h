@@ -15,6 +15,7 @@
 #include "sansmesh/dynamics/tet_embedding.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/volume_options.h"
+#include "volume_colors.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -66,9 +67,7 @@ class CarriedSurface {
 /// A volume that is seen through the tetrahedra.
 struct CarriedVolume {
   VolumeInput input;
-  std::string preset, transfer;
-  std::vector<std::string> isos;
-  double opacity = 1;
+  VolumeColors colors;
 
   bool wanted() const { return !input.files.empty(); }
 };

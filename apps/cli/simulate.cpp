@@ -88,8 +88,7 @@ void check_arguments(const SimulateArguments& a) {
   require(!a.flags.poisson || (*a.flags.poisson >= 0 && *a.flags.poisson <= 0.49), "--poisson must lie in 0..0.49");
   require(!a.flags.damping || *a.flags.damping >= 0, "--damping must not be negative");
   require(a.volume_file.empty() || a.draws(), "--volume needs pictures: --output NAME.png or --animation");
-  require(!a.volume_file.empty() || (a.volume.preset.empty() && a.volume.transfer.empty() && a.volume.isos.empty() &&
-                                     a.volume.input.array.empty() && a.volume.opacity == 1),
+  require(!a.volume_file.empty() || (a.volume.colors.usual() && a.volume.input.array.empty()),
           "--array, --preset, --transfer, --opacity and --iso belong to --volume");
   a.picture.chosen().validate();
 }
@@ -316,7 +315,7 @@ void check_overwriting(const SimulateArguments& a, std::size_t frames) {
     return std::filesystem::weakly_canonical(file, ignored);
   };
   std::set<std::filesystem::path> inputs;
-  for (const std::string& file : {a.tets, a.forces, a.fixed, a.surface, a.volume_file, a.volume.transfer})
+  for (const std::string& file : {a.tets, a.forces, a.fixed, a.surface, a.volume_file, a.volume.colors.transfer})
     if (!file.empty()) inputs.insert(place(file));
   const auto check = [&](const std::string& file) {
     if (inputs.contains(place(file))) throw FileError(file, "is an input, which a result would overwrite");
@@ -549,9 +548,10 @@ Command add_simulate(CommandLine& app) {
   c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
       .type_name("FILE")
       .group(body);
-  c.add_choice<SoftBodyModel>("--model", a.flags.model,
-                              {{"springs", SoftBodyModel::springs}, {"corotational", SoftBodyModel::corotational}},
-                              "springs, or corotational (elasticity in pascals) [springs, but with --young]")
+  using M = SoftBodyModel;
+  c.add_choice<M>("--model", a.flags.model,
+                  {{word_of(M::springs), M::springs}, {word_of(M::corotational), M::corotational}},
+                  "springs, or corotational (elasticity in pascals) [springs, but with --young]")
       .type_name("NAME")
       .group(body);
   c.add_option("--stiffness", a.flags.stiffness, "Of springs, N/m [from data]").positive().type_name("N/M").group(body);
@@ -587,10 +587,10 @@ Command add_simulate(CommandLine& app) {
   c.add_option("--frames", a.frames, "So many frames, the body at rest among them").type_name("COUNT").group(time);
   using I = DynamicsIntegrator;
   c.add_choice<I>("--integrator", a.flags.integrator,
-                  {{"implicit-euler", I::implicit_euler},
-                   {"explicit-euler", I::explicit_euler},
-                   {"verlet", I::verlet},
-                   {"velocity-verlet", I::velocity_verlet}},
+                  {{word_of(I::implicit_euler), I::implicit_euler},
+                   {word_of(I::explicit_euler), I::explicit_euler},
+                   {word_of(I::verlet), I::verlet},
+                   {word_of(I::velocity_verlet), I::velocity_verlet}},
                   "implicit-euler, explicit-euler, verlet or velocity-verlet [implicit-euler]")
       .type_name("NAME")
       .group(time);
@@ -603,15 +603,7 @@ Command add_simulate(CommandLine& app) {
       .type_name("FILE")
       .group(seen);
   c.add_option("--array", a.volume.input.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
-  c.add_option("--preset", a.volume.preset, "Its colours and opacities, as of volume render")
-      .type_name("NAME")
-      .group(seen);
-  c.add_option("--transfer", a.volume.transfer, "The same from a file").type_name("FILE").group(seen);
-  c.add_option("--opacity", a.volume.opacity, "Multiplies its opacity [1]").type_name("FACTOR").group(seen);
-  c.add_option("--iso", a.volume.isos, "Surface of a value of it: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated")
-      .type_name("VALUE")
-      .repeated()
-      .group(seen);
+  a.volume.colors.add_options(c, seen);
   add_ascii_flag(c, a.ascii);
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);

@@ -13,8 +13,8 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/transfer_json.h"
-#include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
+#include "volume_colors.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -22,8 +22,9 @@ namespace {
 
 struct VolumeRenderArguments {
   VolumeInput input;
-  std::string output, transfer, save_transfer, opacity_by, background = "gradient";
-  std::vector<std::string> isos, cuts;
+  std::string output, save_transfer, opacity_by, background = "gradient";
+  std::vector<std::string> cuts;
+  VolumeColors colors;
   PictureContents contents;
   PictureArguments picture;
   VolumePictureOptions options;
@@ -36,14 +37,13 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   VolumePictureOptions o = a.options;
   static_cast<RenderOptions&>(o) = a.picture.chosen();
   set_background(o, a.background);
-  for (const std::string& text : a.isos) o.isos.push_back(iso_surface_of(text));
+  a.colors.put_into(o);
   for (const std::string& text : a.cuts) o.cuts.push_back(volume_cut_of(text));
   o.shading = !a.no_shading;
   o.cut_faces = !a.no_cut_faces;
   o.color_bar = !a.no_bar;
   o.steady = a.frames > 0;
   if (a.interactive) o.samples = 1, o.step = 1.5, o.least_light = 0.01;
-  if (!a.transfer.empty()) o.transfer = read_transfer_function(a.transfer);
   o.validate();
   return o;
 }
@@ -141,21 +141,10 @@ Command add_volume_render(CommandLine& volume) {
   VolumeRenderArguments& a = *shared;
   add_volume_input(c, a.input);
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
-  std::string presets;
-  for (const std::string_view name : transfer_function_presets())
-    presets += (presets.empty() ? "" : ", ") + std::string(name);
-  c.add_option("--preset", a.options.preset, "Colours and opacities: " + presets + " [from the values' histogram]")
-      .type_name("NAME");
-  c.add_option("--transfer", a.transfer, "The same from a file: JSON of ours or a colour map of ParaView")
-      .type_name("FILE");
+  a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
-  c.add_option("--opacity", a.options.opacity_scale, "Multiplies the opacity; 0: iso-surfaces and cuts only [1]")
-      .type_name("FACTOR");
   c.add_option("--opacity-by", a.opacity_by, "Array for the opacity, --array then gives the colours").type_name("NAME");
-  c.add_option("--iso", a.isos, "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated")
-      .type_name("VALUE")
-      .repeated();
   c.add_option("--cut", a.cuts, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")
       .repeated();
