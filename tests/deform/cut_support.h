@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -55,6 +58,20 @@ inline const std::vector<std::vector<Vec3>>& l_shape() {
 
 inline std::shared_ptr<const PlanarOccluder> tilted_half_plane() {
   return half_plane({0.1, -0.2, 0.05}, {0.2, 0.4, 1}, {1, 0.3, 0.1});
+}
+
+/// The gradient of a depth by differences; none at a kink.
+template <class Depth>
+std::optional<Vec3> depth_slopes(const Depth& depth, const Vec3& x, double here) {
+  Vec3 slopes;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Vec3 step;
+    step[k] = 1e-6;
+    const double ahead = depth(x + step) - here, behind = here - depth(x - step);
+    if (std::abs(ahead - behind) > 1e-9) return std::nullopt;
+    slopes[k] = (ahead + behind) / 2e-6;
+  }
+  return slopes;
 }
 
 }  // namespace sansmesh::test
