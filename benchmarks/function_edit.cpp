@@ -12,6 +12,7 @@
 
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 

@@ -24,4 +24,26 @@ install(FILES ${PROJECT_BINARY_DIR}/sansmeshConfig.cmake ${PROJECT_BINARY_DIR}/s
 
 if(TARGET sansmesh_cli)
   install(TARGETS sansmesh_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  # The tool writes its manual pages and completions itself, when it is installed; one for another machine cannot run here.
+  if(NOT CMAKE_CROSSCOMPILING)
+    install(CODE "
+      set(texts \"${PROJECT_BINARY_DIR}/texts\")
+      set(share \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
+      file(REMOVE_RECURSE \"\${texts}\")
+      file(MAKE_DIRECTORY \"\${texts}/man1\")
+      execute_process(COMMAND \"$<TARGET_FILE:sansmesh_cli>\" manual --folder \"\${texts}/man1\" COMMAND_ERROR_IS_FATAL ANY)
+      file(GLOB pages \"\${texts}/man1/*.1\")
+      file(INSTALL DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\" TYPE FILE FILES \${pages})
+      foreach(shell_place bash:bash-completion/completions/sansmesh zsh:zsh/site-functions/_sansmesh
+                          fish:fish/vendor_completions.d/sansmesh.fish)
+        string(REPLACE : \";\" shell_place \${shell_place})
+        list(GET shell_place 0 shell)
+        list(GET shell_place 1 place)
+        get_filename_component(folder \${place} DIRECTORY)
+        get_filename_component(name \${place} NAME)
+        execute_process(COMMAND \"$<TARGET_FILE:sansmesh_cli>\" completion \${shell} OUTPUT_FILE \"\${texts}/\${name}\"
+                        COMMAND_ERROR_IS_FATAL ANY)
+        file(INSTALL DESTINATION \"\${share}/\${folder}\" TYPE FILE FILES \"\${texts}/\${name}\")
+      endforeach()")
+  endif()
 endif()

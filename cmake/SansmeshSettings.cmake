@@ -54,7 +54,7 @@ function(sansmesh_warnings target)
   endif()
 endfunction()
 
-# For the tool and tests, much of whose compile time is that of headers of others (CLI11, Eigen, GoogleTest): undefined
+# For the tool and tests, much of whose compile time is that of headers of others (JSON, Eigen, GoogleTest): undefined
 # behaviour is looked for in the library, errors of memory everywhere. Not optimized, a third of the time: the work is done
 # in the library, which is linked first and whole so that its instances of templates are the ones that all call.
 function(sansmesh_instrument_lightly target)

@@ -6,6 +6,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io/io.h"
 
 using namespace sansmesh;

@@ -14,6 +14,7 @@
 #include "sansmesh/advise/traits.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/points/noise.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -24,6 +25,9 @@ Json to_json(const CloudTraits& t) {
           {"diagonal", t.diagonal},
           {"spacing", t.spacing},
           {"noise", t.noise},
+          {"noise_known", t.noise_known},
+          {"most_noise", t.most_noise},
+          {"step", t.step},
           {"density_ratio", t.density_ratio},
           {"evenness", t.evenness},
           {"outliers", t.outliers},
@@ -35,7 +39,8 @@ Json to_json(const CloudTraits& t) {
           {"faces", t.faces},
           {"open_edges", t.faces ? Json(t.open_edges) : Json()},
           {"open_loops", t.faces ? Json(t.open_loops) : Json()},
-          {"normals", normals_word(t.normals)}};
+          {"normals", judge_normals(t.orientation).words},
+          {"orientation", judge_normals(t.orientation).json}};
 }
 
 /// A file's name as a shell takes it for one word.
@@ -94,7 +99,8 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
 
   const CloudTraits& t = advice.traits;
   console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", input.name(), counted(t.samples, "sample"),
-                          length(t.spacing), length(t.noise), read.format));
+                          length(t.spacing), noise_words({t.noise, t.most_noise, t.noise_known, t.step}, t.spacing),
+                          read.format));
   for (const std::string& finding : advice.findings) console.say("  " + finding);
   for (const Recommendation& r : advice.recommendations) {
     console.say(fmt::format("{:<10}{}", aim_word(r.aim), in_flags(r.why, recommended)));
@@ -108,9 +114,6 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
                                        {"surface", surface_method_info(r.surface).name},
                                        {"commands", std::vector{command_of(r, input)}},
                                        {"why", in_flags(r.why, recommended)}});
-  std::vector<std::string> warnings = read.warnings;
-  warnings.insert(warnings.end(), advice.warnings.begin(), advice.warnings.end());
-  json["warnings"] = warnings;
   console.say_json(json);
   console.print_timings();
 }

@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include "command_line.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/spacing.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -18,7 +21,69 @@ PointClasses classes_of(const std::string& list) {
   }
 }
 
+constexpr double kMostLookingAway = 0.1;  ///< of the normals, where a sensor saw all of the samples
+constexpr double kNearlyAll = 0.95;
+
+std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+
 }  // namespace
+
+GivenNormals judge_normals(const OrientationReport& r) {
+  GivenNormals given;
+  given.oriented = r.check == OrientationCheck::oriented || r.check == OrientationCheck::inward;
+  if (r.check == OrientationCheck::missing)
+    given.words = "none";
+  else if (r.related < kLeastRelated)
+    given.words = "not oriented: they have nothing to do with those next to them";
+  else if (r.check == OrientationCheck::unoriented)
+    given.words = fmt::format("not oriented consistently{}",
+                              r.agreement < kNearlyAll ? fmt::format(": {} of what neighbours say contradicts "
+                                                                     "them",
+                                                                     percent(1 - r.agreement))
+                                                       : std::string());
+  else if (r.open > kNearlyAll)
+    given.words = "oriented consistently; the surface is open, it has no outside";
+  else if (r.outward > kNearlyAll)
+    given.words = "oriented outward";
+  else if (r.inward > kNearlyAll)
+    given.words = "oriented inward";
+  else
+    given.words = fmt::format("oriented consistently: {} of the samples outward, {} inward, {} in open parts",
+                              percent(r.outward), percent(r.inward), percent(r.open));
+  given.json = {{"oriented", given.oriented}, {"agreement", r.agreement}, {"related", r.related},
+                {"outward", r.outward},       {"inward", r.inward},       {"open", r.open}};
+  if (r.check == OrientationCheck::missing) given.json = {{"oriented", false}};
+  return given;
+}
+
+GivenNormals judge_normals(const PointSet& points, double noise) {
+  const OrientationReport report = measure_orientation(points, noise);
+  GivenNormals given = judge_normals(report);
+  if (report.check == OrientationCheck::missing || report.related < kLeastRelated) return given;
+  const double spacing = estimate_spacing(points);
+  const auto neighbours = static_cast<std::size_t>(choose_neighbours(spacing, noise));
+  if (given.oriented && noise > spacing && 2 * neighbours > points.size()) {
+    given.words = fmt::format(
+        "consistent, but of no surface that could be told: with noise of {:.1f} spacings, neighbours are {} of {} "
+        "points",
+        noise / spacing, grouped(neighbours), grouped(points.size()));
+    return given;
+  }
+  for (const OrientBy by : kOrientationOrder) {
+    if (by == OrientBy::up && given.oriented) break;  // a guess, where the others know
+    const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
+    if (sights.empty()) continue;
+    const double away = share_looking_away(points, sights);
+    if (away >= kMostLookingAway) continue;
+    given.oriented = true;
+    given.words = fmt::format("oriented {}, but for {}", orientation_words(by), percent(away));
+    given.json["oriented"] = true;
+    given.json["oriented_by"] = orient_by_word(by);
+    given.json["looking_away"] = away;
+    break;
+  }
+  return given;
+}
 
 std::string CloudInput::name() const {
   if (files.size() == 1) return files[0];
@@ -67,7 +132,11 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
 }
 
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what) {
-  c.add_option("input", input.files, what + "; several (tiles) are read as one").type_name("FILE").required();
+  c.add_option("input", input.files, what + "; several (tiles) are read as one")
+      .type_name("FILE")
+      .required()
+      .endings({".ply", ".obj", ".off", ".stl", ".xyz", ".txt", ".csv", ".asc", ".pts", ".pwn", ".pcd", ".las", ".vtp",
+                ".conf", ".smf"});
   add_class_options(c, input);
 }
 

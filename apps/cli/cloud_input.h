@@ -8,6 +8,7 @@
 #include "console.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/points/orientation.h"
 #include "sansmesh/points/point_classes.h"
 
 namespace sansmesh::cli {
@@ -38,5 +39,16 @@ struct CloudInput {
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
 /// The files, --class and --without-class. `what` describes the files.
 void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what);
+
+/// What can be said of given normals, checked.
+struct GivenNormals {
+  bool oriented = false;
+  std::string words;  ///< "none", "oriented outward", "not oriented consistently: …"
+  Json json;
+};
+
+/// By what is known of the sensor, or by how neighbours agree and where closed parts look. `noise` of the points.
+GivenNormals judge_normals(const PointSet& points, double noise);
+GivenNormals judge_normals(const OrientationReport& report);
 
 }  // namespace sansmesh::cli

@@ -1,61 +1,174 @@
 #include "command_line.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <optional>
+
+#include "option_values.h"
 
 namespace sansmesh::cli {
 namespace {
 
-/// "--output" of "-o,--output".
-std::string long_name(const std::string& names) {
-  const std::size_t at = names.find("--");
-  return at == std::string::npos ? names : names.substr(at);
+/// "-o", "--output" of "-o,--output".
+std::vector<std::string> split_names(const std::string& names) {
+  std::vector<std::string> list;
+  for (std::size_t at = 0; at <= names.size();) {
+    const std::size_t end = std::min(names.find(',', at), names.size());
+    list.push_back(names.substr(at, end - at));
+    at = end + 1;
+  }
+  return list;
 }
 
+// How the variable of an option is read: its kind, and its value from words.
 template <class T>
-Option with_function(CLI::App& app, const std::string& names, std::function<void(const T&)> use,
-                     const std::string& what) {
-  return Option(*app.add_option_function<T>(
-      names,
-      [use = std::move(use), name = long_name(names)](const T& value) {
-        try {
-          use(value);
-        } catch (const ValueError& error) {
-          throw CLI::ValidationError(name, error.what());
-        }
-      },
-      what));
-}
+struct Variable;
+
+template <>
+struct Variable<std::string> {
+  static constexpr auto kind = OptionEntry::Kind::text;
+  static void read(std::string& v, const std::string& word) { v = word; }
+};
+template <>
+struct Variable<double> {
+  static constexpr auto kind = OptionEntry::Kind::real;
+  static void read(double& v, const std::string& word) { v = parse_real(word); }
+};
+template <>
+struct Variable<float> {
+  static constexpr auto kind = OptionEntry::Kind::real;
+  static void read(float& v, const std::string& word) { v = static_cast<float>(parse_real(word)); }
+};
+template <>
+struct Variable<int> {
+  static constexpr auto kind = OptionEntry::Kind::whole;
+  static void read(int& v, const std::string& word) {
+    v = static_cast<int>(parse_whole(word, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
+  }
+};
+template <>
+struct Variable<std::size_t> {
+  static constexpr auto kind = OptionEntry::Kind::whole;
+  static void read(std::size_t& v, const std::string& word) {
+    v = static_cast<std::size_t>(parse_whole(word, 0, std::numeric_limits<long long>::max()));
+  }
+};
+
+template <class T>
+struct Read : Variable<T> {
+  static constexpr bool several = false;
+  static void from(T& v, const std::vector<std::string>& words) { Variable<T>::read(v, words.back()); }
+};
+template <class T>
+struct Read<std::optional<T>> : Variable<T> {
+  static constexpr bool several = false;
+  static void from(std::optional<T>& v, const std::vector<std::string>& words) {
+    Variable<T>::read(v.emplace(), words.back());
+  }
+};
+template <class T>
+struct Read<std::vector<T>> : Variable<T> {
+  static constexpr bool several = true;
+  static void from(std::vector<T>& v, const std::vector<std::string>& words) {
+    v.resize(words.size());
+    for (std::size_t i = 0; i < words.size(); ++i) Variable<T>::read(v[i], words[i]);
+  }
+};
 
 }  // namespace
 
-Option Option::type_name(const std::string& name) const { return Option(*option_->type_name(name)); }
-Option Option::group(const std::string& name) const { return Option(*option_->group(name)); }
-Option Option::required() const { return Option(*option_->required()); }
-Option Option::one_of(const std::vector<std::string>& words) const {
-  return Option(*option_->check(CLI::IsMember(words).description("")));
-}
-Option Option::within(int least, int most) const {
-  return Option(*option_->check(CLI::Range(least, most).description("")));
-}
-Option Option::positive() const { return Option(*option_->check(CLI::PositiveNumber.description(""))); }
-Option Option::numbers(int count) const { return Option(*option_->delimiter(',')->expected(count)); }
-Option Option::without_value(const std::string& value) const {
-  return Option(*option_->expected(0, 1)->default_str(value));
-}
-Option Option::repeated() const {
-  return Option(*option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll));
+std::optional<std::pair<double, double>> OptionEntry::ends() const {
+  if (range || (kind != Kind::whole && kind != Kind::real)) return range;
+  const std::size_t dots = what.find("..");
+  const std::size_t comma = dots == std::string::npos ? dots : what.rfind(", ", dots);
+  if (comma == std::string::npos || what.find("..", dots + 2) != std::string::npos) return std::nullopt;
+  const std::size_t end = std::min({what.find(" [", dots), what.find(" (", dots), what.find(": ", dots), what.size()});
+  const std::string least = what.substr(comma + 2, dots - comma - 2), most = what.substr(dots + 2, end - dots - 2);
+  if (!are_numbers(least) || !are_numbers(most)) return std::nullopt;
+  return std::pair{parse_real(least), parse_real(most)};
 }
 
-CommandLine::CommandLine(const std::string& what, const std::string& name)
-    : own_(std::make_unique<CLI::App>(what, name)), app_(own_.get()) {}
-CommandLine::CommandLine(CLI::App& app) : app_(&app) {}
+std::vector<std::string> OptionEntry::file_endings() const {
+  if (!endings.empty()) return endings;
+  std::vector<std::string> found;
+  for (std::size_t at = what.find('.'); at != std::string::npos; at = what.find('.', at + 1)) {
+    if (at == 0 || (what[at - 1] != ' ' && what[at - 1] != '(' && what[at - 1] != '/')) continue;
+    std::size_t end = at + 1;
+    while (end < what.size() && (std::isalnum(static_cast<unsigned char>(what[end])))) ++end;
+    if (end > at + 1) found.push_back(what.substr(at, end - at));
+  }
+  return found;
+}
+
+Option Option::type_name(const std::string& name) const {
+  entry_->value_name = name;
+  return *this;
+}
+Option Option::group(const std::string& name) const {
+  entry_->group = name;
+  return *this;
+}
+Option Option::required() const {
+  entry_->required = true;
+  return *this;
+}
+Option Option::one_of(const std::vector<std::string>& words) const {
+  entry_->words = words;
+  return *this;
+}
+Option Option::within(double least, double most) const {
+  entry_->range = {least, most};
+  return *this;
+}
+Option Option::positive() const {
+  entry_->positive = true;
+  return *this;
+}
+Option Option::numbers(int count) const {
+  entry_->numbers = count;
+  entry_->several = false;
+  return *this;
+}
+Option Option::without_value(const std::string& value) const {
+  entry_->implied = value;
+  return *this;
+}
+Option Option::repeated() const {
+  entry_->repeated = true;
+  entry_->several = false;
+  return *this;
+}
+Option Option::excludes(const std::string& other) const {
+  entry_->excludes = other;
+  return *this;
+}
+Option Option::in_order() const {
+  entry_->in_order = true;
+  return repeated();
+}
+Option Option::endings(const std::vector<std::string>& endings) const {
+  entry_->endings = endings;
+  return *this;
+}
+
+CommandLine::CommandLine(const std::string& what, const std::string& name) : name_(name), what_(what) {}
 CommandLine::~CommandLine() = default;
+
+OptionEntry& CommandLine::add(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
+  OptionEntry& entry = *options_.emplace_back(std::make_unique<OptionEntry>());
+  entry.names = split_names(names);
+  entry.kind = kind;
+  entry.what = what;
+  return entry;
+}
 
 template <class T>
 Option CommandLine::add_option(const std::string& names, T& variable, const std::string& what) {
-  return Option(*app_->add_option(names, variable, what));
+  OptionEntry& entry = add(names, Read<T>::kind, what);
+  entry.several = Read<T>::several;
+  entry.use = [&variable](const std::vector<std::string>& words) { Read<T>::from(variable, words); };
+  return Option(entry);
 }
 template Option CommandLine::add_option(const std::string&, int&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::size_t&, const std::string&);
@@ -66,56 +179,77 @@ template Option CommandLine::add_option(const std::string&, std::vector<double>&
 template Option CommandLine::add_option(const std::string&, std::vector<std::string>&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::optional<int>&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::optional<std::size_t>&, const std::string&);
+template Option CommandLine::add_option(const std::string&, std::optional<float>&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option CommandLine::add_option(const std::string&, std::optional<std::string>&, const std::string&);
 
 Option CommandLine::add_option_function(const std::string& names, std::function<void(const std::string&)> use,
                                         const std::string& what) {
-  return with_function<std::string>(*app_, names, std::move(use), what);
+  OptionEntry& entry = add(names, OptionEntry::Kind::text, what);
+  entry.use = [use = std::move(use)](const std::vector<std::string>& words) {
+    for (const std::string& word : words) use(word);
+  };
+  return Option(entry);
 }
 Option CommandLine::add_option_function(const std::string& names, std::function<void(const std::vector<double>&)> use,
                                         const std::string& what) {
-  return with_function<std::vector<double>>(*app_, names, std::move(use), what);
+  OptionEntry& entry = add(names, OptionEntry::Kind::real, what);
+  entry.several = true;
+  entry.use = [use = std::move(use)](const std::vector<std::string>& words) {
+    std::vector<double> numbers;
+    Read<std::vector<double>>::from(numbers, words);
+    use(numbers);
+  };
+  return Option(entry);
 }
 Option CommandLine::add_flag(const std::string& names, bool& variable, const std::string& what) {
-  return Option(*app_->add_flag(names, variable, what));
+  return add_flag_callback(
+      names, [&variable] { variable = true; }, what);
 }
 Option CommandLine::add_flag_callback(const std::string& names, std::function<void()> use, const std::string& what) {
-  return Option(*app_->add_flag_callback(names, std::move(use), what));
+  OptionEntry& entry = add(names, OptionEntry::Kind::flag, what);
+  entry.use = [use = std::move(use)](const std::vector<std::string>&) { use(); };
+  return Option(entry);
 }
 
 Option CommandLine::add_words(const std::string& names, std::vector<std::string> words,
-                              const std::function<void(std::size_t)>& use, const std::string& what) {
-  const auto find = [words](const std::string& text) {
-    return static_cast<std::size_t>(std::find(words.begin(), words.end(), text) - words.begin());
+                              std::function<void(std::size_t)> use, const std::string& what) {
+  OptionEntry& entry = add(names, OptionEntry::Kind::text, what);
+  entry.words = std::move(words);
+  entry.use = [&entry, use = std::move(use)](const std::vector<std::string>& given) {
+    use(static_cast<std::size_t>(std::find(entry.words.begin(), entry.words.end(), given.back()) -
+                                 entry.words.begin()));
   };
-  CLI::Option* const option = app_->add_option_function<std::string>(
-      names, [find, use](const std::string& text) { use(find(text)); }, what);
-  return Option(*option->check(CLI::Validator(
-      [find, words = std::move(words)](const std::string& text) {
-        if (find(text) < words.size()) return std::string();
-        std::string known;
-        for (const std::string& word : words) known += (known.empty() ? "" : ", ") + word;
-        return "must be one of " + known + ", not " + text;
-      },
-      "")));
+  return Option(entry);
 }
 
-void CommandLine::footer(const std::string& text) { app_->footer(text); }
+void CommandLine::footer(const std::string& text) { footer_ = text; }
 
 CommandLine& CommandLine::add_subcommand(const std::string& name, const std::string& what) {
-  commands_.push_back(std::unique_ptr<CommandLine>(new CommandLine(*app_->add_subcommand(name, what))));
-  return *commands_.back();
+  CommandLine& command = *commands_.emplace_back(std::make_unique<CommandLine>(what, name));
+  command.parent_ = this;
+  return command;
 }
 
 const CommandLine& CommandLine::subcommand(const std::string& name) const {
-  const CLI::App* const wanted = app_->get_subcommand(name);
-  return **std::find_if(commands_.begin(), commands_.end(), [&](const auto& c) { return c->app_ == wanted; });
+  return **std::find_if(commands_.begin(), commands_.end(), [&](const auto& c) { return c->name_ == name; });
 }
 
-void CommandLine::require_subcommand() { app_->require_subcommand(1); }
+const OptionEntry* CommandLine::find(const std::string& flag) const {
+  if (flag.empty()) return nullptr;
+  for (const auto& option : options_)
+    if (!option->positional() && std::find(option->names.begin(), option->names.end(), flag) != option->names.end())
+      return option.get();
+  return parent_ && common_ ? root().find(flag) : nullptr;
+}
 
-bool CommandLine::chosen() const { return app_->parsed(); }
+OptionEntry* CommandLine::find(const std::string& flag) {
+  return const_cast<OptionEntry*>(static_cast<const CommandLine*>(this)->find(flag));
+}
 
-bool CommandLine::has(const std::string& flag) const { return app_->get_option_no_throw(flag) != nullptr; }
+std::string CommandLine::full_name() const { return parent_ ? parent_->full_name() + " " + name_ : name_; }
+
+const CommandLine& CommandLine::root() const { return parent_ ? parent_->root() : *this; }
+CommandLine& CommandLine::root() { return parent_ ? parent_->root() : *this; }
 
 }  // namespace sansmesh::cli

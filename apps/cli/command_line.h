@@ -1,53 +1,52 @@
-// How commands declare their options. CLI11, which carries this out, takes seconds to compile: only command_line.cpp
-// includes it.
+// How commands declare their options: a table from which words are parsed (parse_line.h), help (help_text.h), shell
+// completion (completion.h) and the manual page (manual_page.h) are made.
 #pragma once
 
 #include <functional>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "option_entry.h"
 
 namespace sansmesh::cli {
 
 /// What can be said of an option besides its names. Returns itself, so that all is said in a row.
 class Option {
  public:
-  explicit Option(CLI::Option& option) : option_(&option) {}
+  explicit Option(OptionEntry& entry) : entry_(&entry) {}
 
-  /// What help calls its value: FILE.
+  /// What help calls its value. FILE and DATA are completed with names of files.
   Option type_name(const std::string& name) const;
   /// Heading in the help.
   Option group(const std::string& name) const;
   Option required() const;
   Option one_of(const std::vector<std::string>& words) const;
-  /// Whole numbers of a range, ends included.
-  Option within(int least, int most) const;
+  /// Numbers of a range, ends included.
+  Option within(double least, double most) const;
   Option positive() const;
   /// So many numbers in one word, with commas between them.
   Option numbers(int count) const;
-  /// Stands for this value where it is given without one.
+  /// Stands for this value where it is given without one. The next word is its value only if it is a
+  /// number, or one of the words that it takes.
   Option without_value(const std::string& value) const;
-  /// May be repeated, with one value each time.
+  /// Its function is called for each time that it was given, with the values of that time, after all other options have
+  /// their values: those that are in order, in the order of the command line.
+  Option in_order() const;
+  /// May be repeated, with one value (or so many numbers) each time.
   Option repeated() const;
+  /// Cannot be given together with another one.
+  Option excludes(const std::string& other) const;
+  /// Endings of the files that fit, for completion, where the description does not name them: {".ply", ".obj"}.
+  Option endings(const std::vector<std::string>& endings) const;
 
  private:
-  CLI::Option* option_;
+  OptionEntry* entry_;
 };
 
-/// What is wrong with the value of an option.
-struct ValueError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// A command with its options, or the whole tool with its commands.
+/// A command with its options, or the whole tool with its commands. The options of the whole tool can be given
+/// anywhere.
 class CommandLine {
  public:
   CommandLine(const std::string& what, const std::string& name);
@@ -79,27 +78,43 @@ class CommandLine {
     return add_words(
         names, std::move(words), [values, &variable](std::size_t chosen) { variable = values[chosen]; }, what);
   }
+  /// What help says below the options. Lines after one that is "Examples:" are commands to try.
   void footer(const std::string& text);
 
   /// A command of this tool; lives as long as this.
   CommandLine& add_subcommand(const std::string& name, const std::string& what);
   /// Of this and no other level.
   const CommandLine& subcommand(const std::string& name) const;
-  /// One of the commands of this must be given.
-  void require_subcommand();
-  /// Whether the words of the command line chose this command.
-  bool chosen() const;
-  bool has(const std::string& flag) const;
-  /// What reads the words of the command line and prints the help.
-  CLI::App& app() const { return *app_; }
+  /// The options of the whole tool mean nothing to this command.
+  void without_common_options() { common_ = false; }
+
+  /// Whether there is such an option, of the whole tool's too.
+  bool has(const std::string& flag) const { return find(flag) != nullptr; }
+  /// The option that is typed so; null if there is none.
+  const OptionEntry* find(const std::string& flag) const;
+  OptionEntry* find(const std::string& flag);
+
+  const std::string& name() const { return name_; }
+  /// "sansmesh volume probe".
+  std::string full_name() const;
+  const std::string& what() const { return what_; }
+  const std::string& footer() const { return footer_; }
+  const CommandLine* parent() const { return parent_; }
+  const CommandLine& root() const;
+  CommandLine& root();
+  bool takes_common_options() const { return common_; }
+  const std::vector<std::unique_ptr<OptionEntry>>& options() const { return options_; }
+  const std::vector<std::unique_ptr<CommandLine>>& commands() const { return commands_; }
 
  private:
-  explicit CommandLine(CLI::App& app);
-  Option add_words(const std::string& names, std::vector<std::string> words,
-                   const std::function<void(std::size_t)>& use, const std::string& what);
+  OptionEntry& add(const std::string& names, OptionEntry::Kind kind, const std::string& what);
+  Option add_words(const std::string& names, std::vector<std::string> words, std::function<void(std::size_t)> use,
+                   const std::string& what);
 
-  std::unique_ptr<CLI::App> own_;  // of the whole tool
-  CLI::App* app_;
+  std::string name_, what_, footer_;
+  CommandLine* parent_ = nullptr;
+  bool common_ = true;
+  std::vector<std::unique_ptr<OptionEntry>> options_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
 };
 

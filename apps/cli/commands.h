@@ -9,6 +9,7 @@
 namespace sansmesh::cli {
 
 Command add_reconstruct(CommandLine& app);
+Command add_convert(CommandLine& app);
 Command add_normals(CommandLine& app);
 Command add_evaluate(CommandLine& app);
 Command add_info(CommandLine& app);
@@ -26,7 +27,15 @@ Command add_compare(CommandLine& app);
 Command add_measure(CommandLine& app);
 Command add_csg(CommandLine& app);
 Command add_simulate(CommandLine& app);
+Command add_align(CommandLine& app);
+Command add_fill(CommandLine& app);
+Command add_simplify(CommandLine& app);
+Command add_smooth(CommandLine& app);
 Command add_deform(CommandLine& app);
+Command add_help(CommandLine& app);
+Command add_completion(CommandLine& app);
+Command add_manual(CommandLine& app);
+
 /// The commands of `volume`.
 std::vector<Command> add_volume(CommandLine& app);
 Command add_volume_fit(CommandLine& volume);

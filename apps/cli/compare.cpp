@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "align_report.h"
+#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -26,11 +28,13 @@ constexpr double kCoarse = 0.02;
 
 struct CompareArguments {
   CloudInput part, reference;
-  std::string output, preview, on = "part";
+  std::string output, preview, unit, on = "part";
   bool ascii = false, histogram = false;
   std::optional<double> refine;
   DistanceMapOptions options;
   PictureArguments picture;
+  bool align = false;
+  SurfaceAlignmentOptions alignment;
 };
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -117,6 +121,7 @@ TransferFunction scale_of(double range, bool both_sides) {
   return scale;
 }
 
+constexpr const char* kTitle = "distance";
 /// Numbers of a scale may be as wide as those of this range.
 constexpr double kWidestRange = 1.2e-100;
 /// Pixels that are left for the surface beside the scale, at least.
@@ -130,7 +135,7 @@ void check_arguments(const CompareArguments& a) {
   if (a.preview.empty()) return;
   check_writable(a.preview, "image");
   const int width = a.picture.options.width, height = a.picture.options.height;
-  const int scale = value_bar_width(height, scale_of(kWidestRange, true), {});
+  const int scale = value_bar_width(height, scale_of(kWidestRange, true), with_unit(kTitle, a.unit));
   if (scale > 0 && width < scale + kLeastPicture)
     throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its scale, or more",
                                     width, height, scale + kLeastPicture));
@@ -166,8 +171,12 @@ void write_map(const CompareArguments& a, const TriangleMesh& mesh, const Distan
     const TransferFunction scale = scale_of(map.statistics.range, map.has_sides);
     std::vector<double> marks;
     if (a.options.tolerance) marks = {-*a.options.tolerance, *a.options.tolerance};
-    picture.width -= value_bar_width(picture.height, scale, {});
-    image = beside_value_bar(render_mesh(mesh, picture, progress), scale, {}, marks);
+    const DistanceStatistics& s = map.statistics;
+    const std::string title = with_unit(kTitle, a.unit);
+    picture.width -= value_bar_width(picture.height, scale, title);
+    const Image paper = paper_beside(picture);
+    image = beside_value_bar(render_mesh(mesh, picture, progress), scale, title, marks, &paper,
+                             {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});
   }
   if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
   if (!a.output.empty()) {
@@ -176,7 +185,7 @@ void write_map(const CompareArguments& a, const TriangleMesh& mesh, const Distan
     else
       write_mesh(a.output, mesh, {.ascii = a.ascii});
   }
-  if (!a.preview.empty()) write_image(a.preview, image);
+  if (!a.preview.empty()) a.picture.write(a.preview, image, picture);
 }
 
 /// What was left out, and what was written.
@@ -196,6 +205,24 @@ void say_rest(const CompareArguments& a, const DistanceMap& map, const std::stri
     if (!file.empty())
       console.say(fmt::format("{}: blue inside, red outside, full colour at ±{}{}", file, length(s.range),
                               s.smallest_range ? ", a millionth of the diagonal: 99 % are nearer" : ""));
+}
+
+/// Moves the part onto the reference.
+std::optional<SurfaceAlignment> align(const CompareArguments& a, SurfaceInput& part, SurfaceInput& reference,
+                                      Console& console) {
+  if (!a.align) {
+    const SurfaceAlignmentOptions none;
+    if (a.alignment.start != none.start || a.alignment.scale || a.alignment.samples != none.samples ||
+        a.alignment.iterations != none.iterations)
+      throw ArgumentError("--from, --scale, --align-samples and --align-iterations mean nothing without --align");
+    return std::nullopt;
+  }
+  if (part.field() && a.on == "reference")
+    throw ArgumentError("--align moves meshes and points: with --on reference, the part may not be a function");
+  TriangleMesh& mesh = part.mesh();
+  const SurfaceAlignment r = align_or_name(mesh, part.file(), reference.mesh(), reference.file(), a.alignment, console);
+  transform(mesh, map_of(r.motion));
+  return r;
 }
 
 Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInput& part, const SurfaceInput& reference,
@@ -231,6 +258,7 @@ void run_compare(const CompareArguments& a, Console& console) {
   const RenderOptions picture = picture_options(a);
   Progress& progress = console.progress();
   SurfaceInput part(a.part, console), reference(a.reference, console);
+  const std::optional<SurfaceAlignment> moved = align(a, part, reference, console);
   const bool reversed = a.on == "reference";
   SurfaceInput& mapped = reversed ? reference : part;
   SurfaceInput& other = reversed ? part : reference;
@@ -259,9 +287,15 @@ void run_compare(const CompareArguments& a, Console& console) {
 
   console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.file(), grouped(map.measured),
                           grouped(mesh.vertices.size()), points ? "points" : "vertices", other.file(), other.kind()));
+  if (moved) say_alignment(*moved, console);
   if (map.measured > 0) say_statistics(map, a.options.tolerance, console);
   say_rest(a, map, other.file(), console);
-  console.say_json(to_json(a, map, part, reference, diagonal));
+  Json json = to_json(a, map, part, reference, diagonal);
+  if (moved) {
+    json["alignment"] = json_of_alignment(*moved);
+    json["matrix"] = json_of_matrix(map_of(moved->motion));
+  }
+  console.say_json(json);
   console.print_timings();
 }
 
@@ -294,12 +328,16 @@ Command add_compare(CommandLine& app) {
       .type_name("CHOICE")
       .one_of({"part", "reference"});
   c.add_option("--refine", a->refine, "First halve edges of the mapped mesh until none is longer").type_name("LENGTH");
+  c.add_flag("--align", a->align, "First move the part onto the reference").group("Alignment");
+  add_align_options(c, a->alignment);
   c.add_flag("--histogram", a->histogram, "Print the distribution as well");
   add_ascii_flag(c, a->ascii);
   add_picture_options(c, a->picture);
+  add_wireframe_options(c, a->picture.options);
+  c.add_option("--unit", a->unit, "Of lengths, at the scale").type_name("UNIT").group("Picture");
   c.footer(
-      "Positive distances lie outside of the reference. Statistics are weighted by area. Nothing is moved: align "
-      "beforehand.\n\n"
+      "Positive distances lie outside of the reference. Statistics are weighted by area. Nothing is moved "
+      "without --align.\n\n"
       "Examples:\n"
       "  sansmesh compare made.ply design.stl --tolerance 0.05 -o map.ply --preview map.png\n"
       "  sansmesh compare scan.ply design.stl --max-distance 2 --histogram\n"

@@ -52,30 +52,29 @@ void Console::say(const std::string& line) {
   fmt::print("{}\n", line);
 }
 
-void Console::say_json(const Json& json) {
+void Console::say_json(Json json) {
   if (!options_.json) return;
   clear();
+  json["warnings"] = warnings_;
   fmt::print("{}\n", json.text());
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {
-  if (options_.quiet) return;
-  clear();
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}: {}\n", file, in_flags(warning));
+  for (const std::string& warning : warnings) warn_line(printable(file) + ": " + in_flags(warning));
 }
 
 void Console::warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) warn_line(in_flags(warning));
+}
+
+void Console::warn_line(const std::string& line) {
+  warnings_.push_back(line);
   if (options_.quiet) return;
   clear();
-  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", in_flags(warning));
+  fmt::print(stderr, "warning: {}\n", line);
 }
 
 std::string Console::in_flags(const std::string& message) const { return cli::in_flags(message, command_); }
-
-std::vector<std::string> Console::in_flags(std::vector<std::string> messages) const {
-  for (std::string& message : messages) message = in_flags(message);
-  return messages;
-}
 
 void Console::print_timings() {
   if (!options_.verbose) return;
@@ -107,19 +106,5 @@ void Console::clear() {
 void print_error(const std::string& message) { fmt::print(stderr, "sansmesh: {}\n", printable(message)); }
 
 std::string length(double value) { return fmt::format("{:.4g}", value); }
-
-const char* normals_word(OrientationCheck check) {
-  switch (check) {
-    case OrientationCheck::missing:
-      return "none";
-    case OrientationCheck::oriented:
-      return "oriented outward";
-    case OrientationCheck::inward:
-      return "oriented inward";
-    case OrientationCheck::unoriented:
-      return "not oriented consistently";
-  }
-  return "";
-}
 
 }  // namespace sansmesh::cli

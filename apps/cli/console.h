@@ -7,7 +7,6 @@
 #include "json.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/progress.h"
-#include "sansmesh/points/orientation.h"
 
 namespace sansmesh::cli {
 
@@ -33,24 +32,28 @@ class Console {
 
   /// A result for people: printed unless --json or --quiet.
   void say(const std::string& line);
-  /// A result for programs: printed with --json. Bytes that are not UTF-8, as names of files can have, are replaced.
-  void say_json(const Json& json);
+  /// A result for programs, an object: printed with --json, once all is done, together with the list of all that was
+  /// warned of (`warnings`). Bytes that are not UTF-8, as names of files can have, are replaced.
+  void say_json(Json json);
+  /// Warnings until now, as they were printed, or would have been but for --quiet.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
   /// The same of warnings that name their files themselves.
   void warn(const std::vector<std::string>& warnings);
   /// The same for what is printed in other ways.
   std::string in_flags(const std::string& message) const;
-  std::vector<std::string> in_flags(std::vector<std::string> messages) const;
   /// With --verbose: the table of stages.
   void print_timings();
 
  private:
+  void warn_line(const std::string& line);
   void draw(const std::string& stage, double fraction);
   void clear();
 
   ConsoleOptions options_;
   const CommandLine& command_;
+  std::vector<std::string> warnings_;
   bool terminal_ = false;
   bool drawn_ = false;
   double started_ = 0;
@@ -62,7 +65,5 @@ void print_error(const std::string& message);
 
 /// A length with four significant digits.
 std::string length(double value);
-/// "none", "oriented outward", …
-const char* normals_word(OrientationCheck check);
 
 }  // namespace sansmesh::cli

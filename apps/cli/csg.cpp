@@ -43,7 +43,11 @@ void run_csg(CsgArguments& a, Console& console) {
   console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(report.components, "component"),
                           report.closed ? ", closed" : ", not closed"));
-  console.say(fmt::format("area {}, volume {}", number(report.area), number(report.volume)));
+  console.say(fmt::format("area {}, volume {}{}", number(report.area), number(report.volume),
+                          report.largest_error > 0
+                              ? fmt::format("; triangles {} off on average, at most {}", length(report.mean_error),
+                                            length(report.largest_error))
+                              : ""));
   const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
   const Json json = {{"expression", a.expression},
                      {"files", input.files},
@@ -53,6 +57,8 @@ void run_csg(CsgArguments& a, Console& console) {
                      {"blocks", report.blocks},
                      {"area", report.area},
                      {"volume", report.volume},
+                     {"mean_error", report.mean_error},
+                     {"largest_error", report.largest_error},
                      {"output",
                       {{"file", a.output.file},
                        {"vertices", mesh.vertices.size()},
@@ -70,9 +76,16 @@ Command add_csg(CommandLine& app) {
   auto a = std::make_shared<CsgArguments>();
   c.add_option("expression", a->expression, "What to combine, in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
-  c.add_option("--resolution", a->options.resolution,
-               "Cells along the longest side of the box, 4..4096 [the box's diagonal has 256, up to 1024 for functions "
-               "and thin parts]")
+  c.add_option(
+       "--mesh-error", a->options.mesh_error,
+       "Accepted mean distance between mesh and surface [a 50,000th of the box's diagonal; with functions less]")
+      .type_name("LENGTH");
+  c.add_option("--triangles", a->options.triangles, "At most this many triangles; --mesh-error then follows from it")
+      .type_name("COUNT");
+  c.add_option(
+       "--resolution", a->options.resolution,
+       "Instead: cells along the longest side of the box, 4..4096 [as small as the mesh error and thin parts ask "
+       "for; with functions the box's diagonal has 256, up to 1024]")
       .type_name("COUNT");
   c.add_option("--cell", a->options.cell, "Edge of the cells instead").type_name("LENGTH");
   add_box_option(c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids");
@@ -82,11 +95,12 @@ Command add_csg(CommandLine& app) {
        "functions, otherwise all]")
       .type_name("CHOICE");
   c.add_option("--simplify", a->options.simplify,
-               "Fewer triangles where the surface is flat to within this; 0: nowhere [about a thousandth of a cell]")
+               "Fewer triangles where the surface is flat to within this; 0: nowhere [as the mesh error asks for]")
       .type_name("LENGTH");
   c.footer(
-      "Solids are function files (.smf, made by sansmesh fit; names with dashes or blanks in quotes), what is above a\n"
-      "value in a volume (data.vtu[Temp=300]) and\n"
+      "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, VTP; names with "
+      "dashes\n"
+      "or blanks in quotes), what is above a value in a volume (data.vtu[Temp=300]) and\n"
       "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
       "  cylinder(r, h, axis, center)         without h it has no ends\n"
       "  cone(r, h, top, axis, center)        torus(R, r, axis, center)\n"
@@ -98,6 +112,7 @@ Command add_csg(CommandLine& app) {
       "Vectors are (x, y, z), axes also x, y, z, -x, …; angles are in degrees.\n\n"
       "Examples:\n"
       "  sansmesh csg 'scan.smf - cylinder(axis=z, r=0.1)' -o drilled.ply\n"
+      "  sansmesh csg 'part.stl - cylinder(r=2)' -o drilled.stl\n"
       "  sansmesh csg 'shell(scan.smf, 2, side=inside) & plane(z, offset=40)' -o half.stl --cell 0.5\n"
       "  sansmesh csg 'difference(box(2), sphere(1.3), r=0.1)' -o part.glb --preview part.png\n"
       "  sansmesh csg 'cylinder(1) - cylinder(0.8)' -o pipe.ply --box -1,-1,0,1,1,5");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cloud_input.h"
+#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -24,7 +25,9 @@ struct CurvatureArguments {
   std::string output, preview;
   std::optional<CurvatureQuantity> color_by;
   std::optional<double> color_range;
-  bool ascii = false;
+  PictureArguments picture;
+  std::string unit;
+  bool ascii = false, no_bar = false;
   CurvatureOptions options;
 };
 
@@ -52,6 +55,11 @@ double quantile(std::vector<float> values, double q) {
 void run_curvature(const CurvatureArguments& arguments, Console& console) {
   arguments.options.validate();
   check_writable(arguments.output, "points");
+  RenderOptions look = arguments.picture.chosen();
+  look.validate();
+  require(!arguments.preview.empty() || !arguments.picture.any(), "options of the picture need --preview");
+  require(!arguments.preview.empty() || (arguments.unit.empty() && !arguments.no_bar),
+          "--unit and --no-bar need --preview");
   if (!arguments.preview.empty()) check_writable(arguments.preview, "image");
 
   Progress& progress = console.progress();
@@ -115,10 +123,16 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
     points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
   }
   Image preview;
-  if (!arguments.preview.empty()) preview = render_mesh(to_mesh(points), {}, progress);
+  if (!arguments.preview.empty()) {
+    std::optional<ColorBar> bar;
+    const bool beyond = std::any_of(sizes.begin(), sizes.end(), [&](float s) { return s > range; });
+    if (!arguments.no_bar) bar = curvature_bar(quantity, range, arguments.unit, beyond);
+    leave_room(look, bar);
+    preview = beside_bar(render_mesh(to_mesh(points), look, progress), bar, look);
+  }
   progress.begin("write");
   write_points(arguments.output, points, {.ascii = arguments.ascii});
-  if (!arguments.preview.empty()) write_image(arguments.preview, preview);
+  if (!arguments.preview.empty()) arguments.picture.write(arguments.preview, preview, look);
   progress.finish();
 
   const double low = quantile(values, 0.05), middle = quantile(values, 0.5), high = quantile(values, 0.95);
@@ -154,6 +168,8 @@ Command add_curvature(CommandLine& app) {
       .required();
   add_preview_option(c, a.preview, "the coloured points");
   add_ascii_flag(c, a.ascii);
+  add_picture_options(c, a.picture);
+  add_bar_options(c, a.no_bar, a.unit, "lengths");
   add_curvature_colors(c, a.color_by, a.color_range, "mean, gaussian, k1 or k2 [mean]");
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 8..2000 [from noise and shape]")
       .type_name("COUNT");

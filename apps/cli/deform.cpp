@@ -64,6 +64,7 @@ void check_deform(const DeformArguments& a) {
   }
   a.mesh.validate();
   a.picture.chosen().validate();
+  a.picture.check_frames(a.frames > 0);
 }
 
 /// Around the input, before the deformation: points, or what bounds it.
@@ -215,6 +216,7 @@ Command add_deform(CommandLine& app) {
   c.add_flag("--draw-folds", a.draw_folds, "In pictures: in red where space is folded").group("Picture");
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
+  add_wireframe_options(c, a.picture.options);
   c.footer(
       "Handles are places that went somewhere, all else follows: {\"handles\": [{\"p\": [x, y, z], \"q\": [x, y, z]}, "
       "…]}\n"

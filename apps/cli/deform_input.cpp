@@ -9,6 +9,7 @@
 
 #include "command_line.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/handle_file.h"

@@ -156,7 +156,7 @@ DeformResult deform_points(const DeformArguments& a, const OpenDeformation& defo
           if (is_finite(v)) framed.push_back(moved.origin + Vec3(v));
       const Image image = picture_beside({surface_in_picture(moved, deform_look(a))}, a, deformation, share,
                                          std::move(framed), {}, progress);
-      write_image(result.files.back(), image);
+      a.picture.write(result.files.back(), image, deform_look(a));
     } else if (mesh) {
       progress.begin("write");
       write_mesh(result.files.back(), moved, {a.ascii});

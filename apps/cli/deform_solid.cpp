@@ -185,8 +185,10 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
         std::vector<Vec3> places = framed;
         if (places.empty())
           for (const Vec3f& v : mesh.vertices) places.push_back(mesh.origin + Vec3(v));
-        write_image(file, picture_beside({surface_in_picture(mesh, deform_look(a))}, a, deformation, a.share(k),
-                                         std::move(places), {}, progress));
+        a.picture.write(file,
+                        picture_beside({surface_in_picture(mesh, deform_look(a))}, a, deformation, a.share(k),
+                                       std::move(places), {}, progress),
+                        deform_look(a));
       } else {
         write_mesh(file, mesh, {a.ascii});
       }
@@ -216,7 +218,8 @@ DeformResult deform_solid(const DeformArguments& a, const OpenDeformation& defor
       }
       result.output = {{"sections", list}};
     } else if (a.to_picture()) {
-      write_image(file, solid_picture(a, deformation, field, source, a.share(k), framed, folded, progress));
+      a.picture.write(file, solid_picture(a, deformation, field, source, a.share(k), framed, folded, progress),
+                      deform_look(a));
     } else {
       CsgMeshReport report;
       const TriangleMesh mesh = mesh_csg(field, mesh_options(a, source), progress, &report);

@@ -208,7 +208,7 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
       subject.surfaces.push_back(surface_in_picture(deformation.shapes(a.share(k), before.diagonal()), deform_look(a)));
     const VolumePicture picture(std::move(subject), progress);
     VolumePictureReport report;
-    write_image(file, picture.render(look, progress, &report));
+    a.picture.write(file, picture.render(look, progress, &report), look);
     if (!outside && !torn)
       report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
     console.warn(a.input.name(), report.notes);

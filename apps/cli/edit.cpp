@@ -1,16 +1,19 @@
 // sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
 #include <fmt/core.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <utility>
 
 #include "commands.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
 
@@ -34,6 +37,34 @@ Json box_json(const Box3& box) {
   return {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}};
 }
 
+Json boxes_json(const std::vector<Box3>& boxes) {
+  Json json = Json::array();
+  for (const Box3& box : boxes) json.push_back(box_json(box));
+  return json;
+}
+
+/// Throws FileError unless it is a mesh of the function, whoever made it.
+void check_mesh(const EditArguments& a, const SurfaceFunction& function, const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) throw FileError(a.mesh, "has no triangles");
+  const MeshMatch match = match_mesh(function, mesh);
+  if (match.belongs()) return;
+  throw FileError(a.mesh,
+                  fmt::format("is not a mesh of {}: {} of its {} vertices looked at {} on that surface, the "
+                              "farthest is about {} off, at ({:.9g}, {:.9g}, {:.9g})",
+                              a.input, grouped(match.on), grouped(match.vertices), match.on == 1 ? "lies" : "lie",
+                              length(match.farthest), match.farthest_at.x, match.farthest_at.y, match.farthest_at.z));
+}
+
+/// What of the mesh is new: "162 of them new, 98.8 % kept", or why all of it is.
+std::string new_words(const MeshUpdate& update, std::size_t triangles) {
+  if (!update.local) return ", all made anew: " + update.why;
+  if (update.regions == 0) return ", as they were";
+  const double kept = 1 - static_cast<double>(update.added) / static_cast<double>(triangles);
+  return fmt::format(", of which {} are new{}; {:.1f} % kept", grouped(update.added),
+                     update.regions > 1 ? fmt::format(", in {} regions", grouped(update.regions)) : std::string(),
+                     std::floor(1000 * kept) / 10);
+}
+
 void run_edit(const EditArguments& a, Console& console) {
   if (a.output.empty() && a.mesh_output.empty())
     throw ArgumentError("nothing to write: give -o FUNCTION, --mesh-output MESH or both");
@@ -55,7 +86,7 @@ void run_edit(const EditArguments& a, Console& console) {
     ReadReport read;
     mesh = to_mesh(read_points(a.mesh, &read));
     console.warn(a.mesh, read.warnings);
-    if (mesh.triangles.empty()) throw FileError(a.mesh, "has no triangles");
+    check_mesh(a, editor.function(), mesh);
   }
 
   Json steps = Json::array();
@@ -69,15 +100,19 @@ void run_edit(const EditArguments& a, Console& console) {
     } catch (const DataError& error) {
       throw FileError(a.input, fmt::format("step {}: {}", i + 1, error.what()));
     }
+    const std::size_t apart = separate_sets(report.regions);
     const Vec3 size = report.changed.empty() ? Vec3{} : report.changed.size();
     lines.push_back(fmt::format(
         "step {}: {}{}", i + 1, report.what,
         report.changed.empty() ? std::string()
-                               : fmt::format(", within {} × {} × {}", length(size.x), length(size.y), length(size.z))));
+                               : fmt::format(", {}within {} × {} × {}",
+                                             apart > 1 ? fmt::format("in {} regions ", grouped(apart)) : std::string(),
+                                             length(size.x), length(size.y), length(size.z))));
     steps.push_back({{"what", report.what},
                      {"selected", report.chosen},
                      {"supports", report.supports},
-                     {"changed", box_json(report.changed)}});
+                     {"changed", box_json(report.changed)},
+                     {"boxes", boxes_json(report.regions)}});
   }
 
   MeshUpdate update;
@@ -100,13 +135,14 @@ void run_edit(const EditArguments& a, Console& console) {
   if (!a.mesh_output.empty()) {
     write_mesh(a.mesh_output, mesh);
     lines.push_back(fmt::format("{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
-                                update.local ? fmt::format(", of which {} are new", grouped(update.added))
-                                             : std::string(a.mesh.empty() ? "" : ", all made anew")));
+                                a.mesh.empty() ? std::string() : new_words(update, mesh.triangles.size())));
     json["mesh"] = {{"file", a.mesh_output},
                     {"triangles", mesh.triangles.size()},
                     {"local", update.local},
                     {"removed", update.removed},
-                    {"added", update.added}};
+                    {"added", update.added},
+                    {"regions", update.regions},
+                    {"why", update.why.empty() ? Json() : Json(update.why)}};
   }
   progress.finish();
   // Not before all has gone well: what fails has no results.
@@ -124,8 +160,9 @@ Command add_edit(CommandLine& app) {
   c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
   c.add_option("--script", a->script, "What to do: JSON, see below").type_name("FILE").required();
   c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE");
-  c.add_option("--mesh", a->mesh,
-               "The function's mesh before the edits, by `sansmesh mesh` without options: only parts are made anew")
+  c.add_option(
+       "--mesh", a->mesh,
+       "The function's mesh before the edits, by `sansmesh mesh` without options: only what they change is made anew")
       .type_name("FILE");
   c.add_option("--mesh-output", a->mesh_output, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE");
   c.footer(

@@ -35,11 +35,18 @@ PointSet points_of(const EvalArguments& a, Console& console) {
     return a.points.read(console, read);
   }
   if (a.points.classes) throw ArgumentError("--class and --without-class choose among --points");
-  if (!is_finite(Vec3{a.at[0], a.at[1], a.at[2]})) throw ArgumentError("--at needs three finite numbers");
   PointSet points;
   points.origin = {a.at[0], a.at[1], a.at[2]};
-  points.positions = {{0, 0, 0}};
+  for (const Vec3& place : places_at(a.at)) points.positions.push_back(Vec3f(place - points.origin));
   return points;
+}
+
+/// Where the function is evaluated: those of --at as they were given, which single precision would change.
+std::vector<Vec3> places_of(const EvalArguments& a, const PointSet& points) {
+  if (!a.at.empty()) return places_at(a.at);
+  std::vector<Vec3> places(points.size());
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = points.origin + Vec3(points.positions[i]);
+  return places;
 }
 
 void run_eval(const EvalArguments& a, Console& console) {
@@ -53,8 +60,9 @@ void run_eval(const EvalArguments& a, Console& console) {
 
   progress.begin("evaluate");
   const std::size_t n = points.size();
+  const std::vector<Vec3> places = places_of(a, points);
   std::vector<Vec3> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(points.origin + Vec3(points.positions[i]));
+  for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(places[i]);
   std::vector<LevelSetPoint> found(n);
   level_set_points(function.field, x, kStep * function.field.report().spacing, found);
   const double unit = function.place.unit;
@@ -91,7 +99,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"), grouped(inside)));
   if (n <= kPrintedPoints) {
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec3 p = points.origin + Vec3(points.positions[i]);
+      const Vec3& p = places[i];
       const LevelSetPoint& f = found[i];
       console.say(
           fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient ({:.6g}, {:.6g}, {:.6g})  "
@@ -109,7 +117,7 @@ void run_eval(const EvalArguments& a, Console& console) {
                {"largest_gradient", steepest}};
   if (n <= kPrintedPoints) {
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec3 p = points.origin + Vec3(points.positions[i]);
+      const Vec3& p = places[i];
       const LevelSetPoint& f = found[i];
       json["values"].push_back({{"at", {p.x, p.y, p.z}},
                                 {"value", f.value},
@@ -133,7 +141,7 @@ Command add_eval(CommandLine& app) {
       .type_name("FILE")
       .repeated();
   add_class_options(c, a->points);
-  c.add_option("--at", a->at, "Where: at this place, x,y,z").numbers(3).type_name("POINT");
+  c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
   c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp").type_name("FILE");
   add_ascii_flag(c, a->ascii);
   c.footer(
@@ -141,6 +149,7 @@ Command add_eval(CommandLine& app) {
       "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
       "Examples:\n"
       "  sansmesh eval scan.smf --at 0.1,0.2,0.3\n"
+      "  sansmesh eval scan.smf --at 0,0,0 --at 0,0,1 --json\n"
       "  sansmesh eval scan.smf --points probes.xyz -o values.csv");
   return {&c, [a](Console& console) { run_eval(*a, console); }};
 }

@@ -6,12 +6,13 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/face_shape.h"
 
 namespace sansmesh::cli {
@@ -31,24 +32,6 @@ Json to_json(const OneWayDistance& d) {
           {"max", d.max},
           {"angle_deg", d.angle},
           {"signed_angle_deg", d.signed_angle}};
-}
-
-Json to_json(const MeshTopology& t) {
-  return {{"vertices", t.vertices},
-          {"triangles", t.triangles},
-          {"unused_vertices", t.unused_vertices},
-          {"degenerate_triangles", t.degenerate_triangles},
-          {"closed", t.closed()},
-          {"manifold", t.manifold()},
-          {"oriented", t.oriented()},
-          {"boundary_edges", t.boundary_edges},
-          {"boundary_loops", t.boundary_loops},
-          {"nonmanifold_edges", t.nonmanifold_edges},
-          {"nonmanifold_vertices", t.nonmanifold_vertices},
-          {"components", t.components},
-          {"largest_component", t.largest_component},
-          {"euler", t.euler},
-          {"genus", t.genus()}};
 }
 
 Json to_json(const MeshQuality& q) {
@@ -118,28 +101,20 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["surface"]["points"] = surface.vertices.size();
   } else {
     progress.begin("topology and quality");
-    const MeshTopology t = measure_topology(surface);
-    const MeshQuality q = measure_quality(surface);
+    const SewnMesh sewn = sewn_mesh(surface);
+    const MeshTopology t = sewn_topology(sewn);
+    const MeshQuality q = measure_quality(sewn.mesh);
     console.say(
         fmt::format("{}: {} vertices, {}", arguments.surface, grouped(t.vertices), counted(t.triangles, "triangle")));
-    console.say(fmt::format(
-        "{:<16}{}, {}, {}{}{}", "topology", t.closed() ? "closed" : "not closed",
-        t.manifold() ? "manifold"
-                     : fmt::format("not manifold ({}, {})", counted(t.nonmanifold_edges, "edge"),
-                                   t.nonmanifold_vertices == 1 ? std::string("1 vertex")
-                                                               : grouped(t.nonmanifold_vertices) + " vertices"),
-        counted(t.components, "component"), t.genus() ? fmt::format(", genus {}", *t.genus()) : "",
-        t.boundary_edges > 0
-            ? fmt::format(", {} in {}", counted(t.boundary_edges, "boundary edge"), counted(t.boundary_loops, "loop"))
-            : ""));
+    console.say(fmt::format("{:<16}{}", "topology", topology_words(t)));
     console.say(
         fmt::format("{:<16}aspect ratio {:.3f} ± {:.3f} (worst {:.3g}), mean smallest angle {:.1f}°, "
                     "{:.3f} % of triangles below 10°",
                     "triangles", q.aspect_mean, q.aspect_deviation, q.aspect_max, q.smallest_angle_mean,
                     100 * q.small_angle_share));
     console.say(
-        fmt::format("{:<16}area {}{}", "size", length(q.area), t.closed() ? ", volume " + length(q.volume) : ""));
-    json["topology"] = to_json(t);
+        fmt::format("{:<16}area {}{}", "size", length(q.area), t.encloses() ? ", volume " + length(q.volume) : ""));
+    json["topology"] = topology_json(t);
     json["quality"] = to_json(q);
   }
   if (!arguments.reference.files.empty()) {
@@ -181,7 +156,11 @@ Command add_evaluate(CommandLine& app) {
       "Where a side is a set of points, distances do not fall below half their spacing.\n"
       "Of the samples of a cloud or a meshed scan: lost, the share of them without a surface, farther from it than "
       "two\n"
-      "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from all.");
+      "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from "
+      "all.\n\n"
+      "Examples:\n"
+      "  sansmesh evaluate surface.ply\n"
+      "  sansmesh evaluate surface.ply scan.ply");
   return {&c, [shared](Console& console) { run_evaluate(*shared, console); }};
 }
 

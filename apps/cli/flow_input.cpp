@@ -14,6 +14,7 @@
 
 #include "command_line.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/flow/seed_curve.h"

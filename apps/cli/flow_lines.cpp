@@ -12,6 +12,7 @@
 #include "flow_input.h"
 #include "line_picture.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/flow/flow_lines.h"
 #include "sansmesh/io/io.h"
@@ -87,7 +88,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
     if (!a.preview.file.empty()) picture = draw_lines(lines, a.preview, usual_color, console.progress());
     console.progress().begin("write");
     write_lines(a.output, lines, {a.ascii});
-    if (picture) write_image(a.preview.file, picture->image);
+    if (picture) a.preview.picture.write(a.preview.file, picture->image, picture->look);
     console.progress().finish();
     if (report.outside > 0)
       console.warn(a.input.volume.name(), {fmt::format("{} of {} outside of the flow", grouped(report.outside),

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "color_bar.h"
 #include "commands.h"
 #include "flow_surface_input.h"
 #include "option_groups.h"
@@ -37,7 +38,7 @@ constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
 
 struct FlowRenderArguments {
   FlowSurfaceInput input;
-  std::string output, color_by = "time", label, title, background = "gradient", volume, preset;
+  std::string output, color_by = "time", label, unit, title, background = "gradient", volume, preset;
   std::vector<std::string> isos;
   PictureContents contents;
   PictureArguments picture;
@@ -108,7 +109,7 @@ TransferFunction light_colors(const ValueHistogram& values) {
 
 DrawnSurface drawn_surface(const FlowRenderArguments& a, const FlowSurface& surface,
                            const std::optional<ArrayChoice>& array, OpenFlow& flow) {
-  DrawnSurface drawn{{surface.mesh, {}, {}}, {}, a.label.empty() ? a.color_by : a.label};
+  DrawnSurface drawn{{surface.mesh, {}, {}}, {}, with_unit(a.label.empty() ? a.color_by : a.label, a.unit)};
   FlowSubject& subject = drawn.subject;
   double fastest = 0;
   for (const FlowPoint& p : surface.points) fastest = std::max(fastest, norm(p.velocity));
@@ -205,6 +206,7 @@ void check_arguments(FlowRenderArguments& a) {
     a.look.texture.reset();
   a.look.validate();
   a.picture.chosen().validate();
+  a.picture.check_frames(a.frames > 0);
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   require(!a.arrows || (std::isfinite(*a.arrows) && *a.arrows >= 0), "--arrows must be a length, or 0");
   require(a.turn == 0 || a.frames > 0, "--turn needs --frames");
@@ -213,8 +215,8 @@ void check_arguments(FlowRenderArguments& a) {
   require(!a.volume.empty() || (a.preset.empty() && a.volume_opacity == 1),
           "--volume-preset and --volume-opacity need --volume");
   require(!a.in_volume() || !a.input.flow.unsteady, "--volume and --iso need a steady flow");
-  require(a.label.empty() || !(a.no_bar || a.color_by == "none"),
-          "--label stands at the colour bar: not with --no-bar, nor with --color-by none");
+  require((a.label.empty() && a.unit.empty()) || !(a.no_bar || a.color_by == "none"),
+          "--label and --unit stand at the colour bar: not with --no-bar, nor with --color-by none");
   for (const std::string& text : a.isos) a.iso_surfaces.push_back(iso_surface_of(text));
 }
 
@@ -267,9 +269,10 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
       Image image = around ? around->render(look, steady, std::move(surfaces), progress)
                            : render_surfaces(surfaces, places, translucent, steady, look, progress);
       if (!a.title.empty()) draw_title(image, a.title);
-      if (bar) image = beside_value_bar(image, *drawn.colors, drawn.title);
+      const Image paper = paper_beside(look);
+      if (bar) image = beside_value_bar(image, *drawn.colors, drawn.title, {}, &paper);
       files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
-      write_image(files.back(), image);
+      a.picture.write(files.back(), image, look);
     }
     progress.finish();
     say_flow_surface(surface, flow, console);
@@ -332,12 +335,14 @@ Command add_flow_render(CommandLine& flow) {
       .group(beside);
   a.contents.add_options(c);
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group("Picture");
-  c.add_option("--label", a.label, "Of the colour bar: what is shown, and its unit [what --color-by says]")
+  c.add_option("--label", a.label, "Of the colour bar: what is shown [what --color-by says]")
       .type_name("TEXT")
       .group("Picture");
+  c.add_option("--unit", a.unit, "Of what is shown, at the colour bar").type_name("UNIT").group("Picture");
   c.add_option("--title", a.title, "Above the picture").type_name("TEXT").group("Picture");
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
+  add_wireframe_options(c, a.picture.options);
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"
            "  sansmesh flow render office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.png --mesh walls.ply\n"

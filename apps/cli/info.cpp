@@ -8,12 +8,13 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
@@ -150,11 +151,10 @@ void run_info(const CloudInput& input, Console& console) {
   const auto [lower, upper] = Placement{points.origin}.to_input(box);
   const std::size_t duplicates = points.size() - count_unique(points);
   const CloudShape shape = classify_shape(points);
-  const double spacing = estimate_spacing(points), noise = estimate_noise(points);
-  const OrientationCheck check = check_orientation(points, noise);
-  const char* normals = normals_word(check);
-  const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
-  const OrientBy orient_by = first_known_orientation(points, noise);
+  const double spacing = estimate_spacing(points);
+  const NoiseEstimate noise = measure_noise(points);
+  const GivenNormals normals = judge_normals(points, noise.deviation);
+  const OrientBy orient_by = first_known_orientation(points, noise.deviation);
   const Vec3f size = box.size();
 
   console.say(fmt::format("{}: {}", input.name(), read.format));
@@ -165,9 +165,9 @@ void run_info(const CloudInput& input, Console& console) {
                           upper[1], upper[2]));
   console.say(fmt::format("{:<12}{}", "spans", shape_word(shape)));
   console.say(fmt::format("{:<12}{}", "spacing", length(spacing)));
-  console.say(fmt::format("{:<12}{}", "noise", length(noise)));
-  console.say(fmt::format("{:<12}{}{}", "normals", normals,
-                          consistent ? "" : fmt::format("; signs {}", orientation_words(orient_by))));
+  console.say(fmt::format("{:<12}{}", "noise", noise_words(noise, spacing)));
+  console.say(fmt::format("{:<12}{}{}", "normals", normals.words,
+                          normals.oriented ? "" : fmt::format("; signs {}", orientation_words(orient_by))));
   std::string attributes;
   const auto add = [&](bool present, const std::string& name) {
     if (present) attributes += (attributes.empty() ? "" : ", ") + name;
@@ -188,26 +188,21 @@ void run_info(const CloudInput& input, Console& console) {
   json["upper"] = {upper[0], upper[1], upper[2]};
   json["spans"] = shape_word(shape);
   json["spacing"] = spacing;
-  json["noise"] = noise;
-  json["normals"] = normals;
+  json["noise"] = noise.deviation;
+  json["noise_known"] = noise.known;
+  json["most_noise"] = noise.most;
+  json["normals"] = normals.words;
+  json["orientation"] = normals.json;
   json["orient_by"] = orient_by_word(orient_by);
   json["colors"] = points.has_colors();
   json["attributes"] = std::move(tables);
   json["scanners"] = points.scanners.size();
   json["triangles"] = points.triangles.size();
   if (!points.triangles.empty()) {
-    const MeshTopology t = measure_topology(to_mesh(points));
-    console.say(fmt::format("{:<12}{}, {}, {}, {}{}", "faces", counted(t.triangles, "triangle"),
-                            t.closed() ? "closed" : "not closed", t.manifold() ? "manifold" : "not manifold",
-                            counted(t.components, "component"),
-                            t.genus() ? fmt::format(", genus {}", *t.genus()) : ""));
-    json["mesh"] = {{"closed", t.closed()},
-                    {"manifold", t.manifold()},
-                    {"boundary_edges", t.boundary_edges},
-                    {"components", t.components},
-                    {"genus", t.genus()}};
+    const MeshTopology t = sewn_topology(to_mesh(points));
+    console.say(fmt::format("{:<12}{}, {}", "faces", counted(t.triangles, "triangle"), topology_words(t)));
+    json["mesh"] = topology_json(t);
   }
-  json["warnings"] = read.warnings;
   progress.finish();
   console.say_json(json);
   console.print_timings();
@@ -224,7 +219,11 @@ Command add_info(CommandLine& app) {
   add_cloud_input(c, *input,
                   "Points, mesh, function (.smf) or volume; `data FILE` takes points for samples of a volume");
   add_raw_options(c, volume->read);
-  c.footer(std::string(kReadable) + "\n" + kReadableVolumes);
+  c.footer(std::string(kReadable) + "\n" + kReadableVolumes +
+           "\n\nExamples:\n"
+           "  sansmesh info scan.ply\n"
+           "  sansmesh info fire.vtu\n"
+           "  sansmesh info data samples.csv");
   return {&c, [input, volume](Console& console) {
             const bool named = names_volume(input->files);
             if (!named && !volume->read.raw) return run_info(*input, console);

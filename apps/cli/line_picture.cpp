@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "color_bar.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -29,7 +30,7 @@ namespace {
 constexpr double kRadius = 1.0 / 400;  // of the diagonal of the lines
 constexpr double kBothSigns = 0.1;     // of the larger side, on the smaller one
 constexpr double kScaleEnds = 0.01;    // of the tubes' area, at each end of the scale
-constexpr double kStep = 0.5;          // between points that are drawn, in radii
+constexpr double kDrawnStep = 0.5;     // between points that are drawn, in radii
 constexpr double kWidestNumbers = 1.2e-100;
 constexpr const char* kMagnitude = " (magnitude)";
 /// Pixels that are left for the lines beside the colour bar, at least.
@@ -78,8 +79,8 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
 
 void LinePictureArguments::check(const std::string& usual) const {
   if (file.empty()) {
-    require(color_by.empty() && !radius && background.empty() && !picture.has_view(),
-            "--color-by, --tube-radius, --background and views need --preview");
+    require(color_by.empty() && unit.empty() && !radius && background.empty() && !picture.any(),
+            "--color-by, --unit, --tube-radius, --background and the options of the picture need --preview");
     return;
   }
   require(!radius || (std::isfinite(*radius) && *radius > 0), "--tube-radius must be positive");
@@ -88,7 +89,7 @@ void LinePictureArguments::check(const std::string& usual) const {
   ValueHistogram widest;  // no numbers are wider than those of such a range
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
   const int bar = value_bar_width(look.height, transfer_function_preset("diverging", widest),
-                                  (color_by.empty() ? usual : color_by) + kMagnitude);
+                                  with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
   if (bar > 0 && look.width < bar + kLeastBesideBar)
     throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its colour bar, or more",
                                     look.width, look.height, bar + kLeastBesideBar));
@@ -119,7 +120,7 @@ LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, 
   std::vector<std::uint32_t> numbers(lines.positions.size());
   std::iota(numbers.begin(), numbers.end(), 0u);
   bare.attributes.set("point", std::move(numbers));
-  TriangleMesh mesh = tubes(bare, {.radius = drawn.radius, .sides = 8, .least_step = kStep * drawn.radius});
+  TriangleMesh mesh = tubes(bare, {.radius = drawn.radius, .sides = 8, .least_step = kDrawnStep * drawn.radius});
   drawn.triangles = mesh.triangles.size();
   const std::vector<std::uint32_t>& points = *mesh.attributes.find<std::uint32_t>("point");
   const TransferFunction colors = colors_for(mesh, points, values);
@@ -139,9 +140,16 @@ LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, 
   if (a.background == "gradient") look.background = RenderOptions::Background::gradient;
   if (!a.picture.has_view())
     if (const auto view = view_of_layer(box, look.up)) look.view = *view;
-  const std::string title = drawn.color_by + (array.components > 1 ? kMagnitude : "");
+  const std::string title = with_unit(drawn.color_by + (array.components > 1 ? kMagnitude : ""), a.unit);
   look.width -= value_bar_width(look.height, colors, title);
-  drawn.image = beside_value_bar(render_mesh(mesh, look, progress), colors, title);
+  BarEnds ends;
+  for (const std::uint32_t p : points) {
+    ends.below = ends.below || values[p] < drawn.lower;
+    ends.above = ends.above || values[p] > drawn.upper;
+  }
+  const Image paper = paper_beside(look);
+  drawn.image = beside_value_bar(render_mesh(mesh, look, progress), colors, title, {}, &paper, ends);
+  drawn.look = look;
   return drawn;
 }
 
@@ -153,6 +161,7 @@ void add_line_picture(CommandLine& c, LinePictureArguments& a) {
                "lines time]")
       .type_name("NAME")
       .group(group);
+  c.add_option("--unit", a.unit, "Of what colours are by, at the scale").type_name("UNIT").group(group);
   c.add_option("--tube-radius", a.radius, "Of the tubes [1/400 of the lines' diagonal]")
       .type_name("LENGTH")
       .group(group);

@@ -14,7 +14,7 @@
 namespace sansmesh::cli {
 
 struct LinePictureArguments {
-  std::string file, color_by, background;
+  std::string file, color_by, unit, background;
   std::optional<double> radius;
   PictureArguments picture;
 
@@ -28,12 +28,13 @@ struct LinePictureArguments {
 /// What was drawn, and how.
 struct LinePicture {
   Image image;
+  RenderOptions look;    ///< with which it was made
   std::string color_by;  ///< the array
   double lower = 0, upper = 0, radius = 0;
   std::size_t triangles = 0;
 };
 
-/// --preview, --color-by, --tube-radius, --background and those of add_picture_options
+/// --preview, --color-by, --unit, --tube-radius, --background and those of add_picture_options
 void add_line_picture(CommandLine& command, LinePictureArguments& arguments);
 
 /// Colours by --color-by, an array of the points, of vectors their lengths; without it by `usual`, of which

@@ -1,8 +1,8 @@
 // The command line: which commands there are, what all of them have, and which exit code says what went wrong.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <utility>
@@ -10,8 +10,11 @@
 
 #include "commands.h"
 #include "flags.h"
+#include "help_text.h"
+#include "parse_line.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "suggestions.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -25,7 +28,7 @@ Examples:
   sansmesh reconstruct scan.ply -o surface.ply
   sansmesh reconstruct scan.ply -o surface.glb --preview surface.png
   sansmesh evaluate surface.ply reference.ply
-  sansmesh COMMAND --help
+  sansmesh help COMMAND
 
 Lengths are in the unit of the input. What is not given is chosen from the data.
 Exit codes: 0 done, 1 a file or its data is at fault, 2 the command line is, 130 interrupted.)";
@@ -36,19 +39,22 @@ struct CommonArguments {
   int threads = 0;
 };
 
-void add_common(CommandLine& command, CommonArguments& common) {
-  command.add_flag("--json", common.console.json, "Print the results as one JSON object").group("Output");
-  command.add_flag("--verbose", common.console.verbose, "Print the time that each stage took").group("Output");
-  command.add_flag("--quiet", common.console.quiet, "Print errors and nothing else").group("Output");
-  command.add_option("--threads", common.threads, "Number of threads; results do not depend on it [all cores]")
+void add_common(CommandLine& line, CommonArguments& common) {
+  line.add_flag("--json", common.console.json, "Print the results as one JSON object");
+  line.add_flag("--verbose", common.console.verbose, "Print the time that each stage took");
+  line.add_flag("--quiet", common.console.quiet, "Print errors and nothing else");
+  line.add_option("--threads", common.threads, "Number of threads; results do not depend on it [all cores]")
       .within(1, ThreadScope::kMost)
-      .type_name("COUNT")
-      .group("Output");
+      .type_name("COUNT");
+  line.add_flag_callback(
+      "-h,--help", [] {}, "Print what can be said to the command");
+  line.add_flag_callback(
+      "-V,--version", [] {}, "Print the version");
 }
 
-/// The command that the command line chose; it must have.
-const Command& chosen_of(const std::vector<Command>& commands) {
-  return *std::find_if(commands.begin(), commands.end(), [](const Command& c) { return c.line->chosen(); });
+/// The command of a part of the table that has no commands of its own.
+const Command& command_of_line(const std::vector<Command>& commands, const CommandLine& line) {
+  return *std::find_if(commands.begin(), commands.end(), [&](const Command& c) { return c.line == &line; });
 }
 
 void run(const Command& command, const CommonArguments& common) {
@@ -57,57 +63,70 @@ void run(const Command& command, const CommonArguments& common) {
   command.run(console);
 }
 
-/// "render " or "volume probe ": what to put before --help.
-std::string chosen_words(const CLI::App& app) {
-  std::string words;
-  for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
-    at = at->get_subcommands().front();
-    words += at->get_name() + " ";
+/// One line, or for somebody who typed nothing but a command, what to type next.
+void report(const UsageError& error) {
+  if (error.bare) {
+    fmt::print(stderr, "{}", short_help(*error.command));
+    return;
   }
-  return words;
+  const std::string command = error.command->full_name().substr(error.command->root().name().size());
+  print_error(fmt::format("{} (see sansmesh help{})", error.what(), command));
+}
+
+/// A file that is not there, and what may have been meant.
+std::string with_similar_file(const FileError& error, const CommandLine& command) {
+  std::string message = error.what();
+  std::error_code ignored;
+  if (std::filesystem::exists(error.file(), ignored)) return message;
+  for (const std::string cause : {": cannot be opened", ": cannot be read"})
+    if (message.ends_with(cause)) message.replace(message.size() - cause.size(), cause.size(), ": no such file");
+  if (command.has("--" + error.file().substr(0, error.file().find('='))))
+    return message + " (did you mean --" + error.file() + "?)";
+  for (const char* const cause :
+       {": no such file", ": does not exist", ": folder does not exist", ": no function file"})
+    if (message.find(cause) != std::string::npos) {
+      const std::string listed = did_you_mean_listed(message, error.file());
+      return message + (listed.empty() ? did_you_mean_file(error.file()) : listed);
+    }
+  return message;
 }
 
 int main(int argc, char** argv) {
   CommonArguments common;
   CommandLine line("Surfaces and volumes straight from samples.", "sansmesh");
-  CLI::App& app = line.app();
-  app.footer(kExamples);
-  app.set_version_flag("--version", std::string("sansmesh ") + SANSMESH_VERSION);
-  app.require_subcommand(1);
-  app.get_formatter()->column_width(28);
+  line.footer(kExamples);
+  add_common(line, common);
   std::vector<Command> commands = {add_reconstruct(line), add_normals(line), add_evaluate(line),  add_info(line),
                                    add_render(line),      add_project(line), add_curvature(line), add_advise(line),
                                    add_fit(line),         add_mesh(line),    add_eval(line),      add_edit(line),
                                    add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
-                                   add_csg(line),         add_deform(line),  add_simulate(line)};
+                                   add_csg(line),         add_deform(line),  add_simulate(line),  add_convert(line),
+                                   add_align(line),       add_fill(line),    add_simplify(line),  add_smooth(line)};
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (Command& command : add_flow(line)) commands.push_back(std::move(command));
-  for (const Command& command : commands) add_common(*command.line, common);
+  for (const auto add : {add_help, add_completion, add_manual}) commands.push_back(add(line));
+  const CommandLine* chosen = &line;
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
-  } catch (const CLI::ParseError& error) {
-    const std::string words = chosen_words(app);
-    if (argc < 2) {
-      fmt::print("{}", app.help());
-    } else if (words.empty() && argv[1][0] != '-') {
-      print_error(fmt::format("unknown command '{}' (see sansmesh --help)", argv[1]));
-    } else {
-      print_error(fmt::format("{} (see sansmesh {}--help)", error.what(), words));
-    }
-    return kUsage;
-  }
-  const Command& command = chosen_of(commands);
-  try {
-    run(command, common);
+    const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});
+    chosen = parsed.command;
+    if (parsed.wish == ParsedLine::Wish::help) return fmt::print("{}", help_text(*chosen)), 0;
+    if (parsed.wish == ParsedLine::Wish::version) return fmt::print("sansmesh {}\n", SANSMESH_VERSION), 0;
+    run(command_of_line(commands, *chosen), common);
     return 0;
+  } catch (const UsageError& error) {
+    report(error);
+    return kUsage;
   } catch (const Cancelled&) {
     print_error("interrupted, nothing was written");
     return kInterrupted;
   } catch (const ArgumentError& error) {
-    print_error(in_flags(error.what(), *command.line));
+    const std::string message = with_typed_values(in_flags(error.what(), *chosen), *chosen);
+    print_error(message + did_you_mean_listed(message));
     return kUsage;
+  } catch (const FileError& error) {
+    print_error(with_similar_file(error, *chosen));
+  } catch (const DataError& error) {
+    print_error(in_flags(error.what(), *chosen));
   } catch (const std::bad_alloc&) {
     print_error("not enough memory");
   } catch (const std::exception& error) {

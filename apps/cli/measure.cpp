@@ -7,6 +7,7 @@
 #include <string>
 
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/measure/body_measures.h"
@@ -23,6 +24,7 @@ Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json to_json(const BodyMeasures& b) {
   Json json = {{"triangles", b.triangles},
                {"closed", b.closed()},
+               {"boundary_edges", b.boundary_edges},
                {"open_edges", b.open_edges},
                {"nonmanifold_edges", b.nonmanifold_edges},
                {"area", b.area},
@@ -44,9 +46,7 @@ std::string sides(double a, double b, double c) { return fmt::format("{:.6g} × 
 std::vector<std::string> warnings_of(const SolidMeasures& m) {
   std::vector<std::string> warnings;
   if (!m.whole.closed())
-    warnings.push_back(fmt::format("not closed ({}): no volume, centre of mass and moments of the whole",
-                                   m.whole.open_edges == 1 ? "1 edge without a partner"
-                                                           : grouped(m.whole.open_edges) + " edges without a partner"));
+    warnings.push_back(open_words(m.topology) + ": no volume, centre of mass and moments of the whole");
   std::size_t inward = 0;
   for (const BodyMeasures& b : m.components) inward += b.mass && b.mass->volume < 0;
   // Against the sphere with that area, which holds area^1.5 / 10.6.
@@ -59,8 +59,7 @@ std::vector<std::string> warnings_of(const SolidMeasures& m) {
                                    inward == 1 ? "1 component faces" : grouped(inward) + " components face"));
   if (m.whole.nonmanifold_edges > 0)
     warnings.push_back(fmt::format("{} of more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
-  if (m.left_out > 0)
-    warnings.push_back(fmt::format("{} without area or with bad corners left out", counted(m.left_out, "triangle")));
+  if (m.left_out > 0) warnings.push_back(fmt::format("{} with bad corners left out", counted(m.left_out, "triangle")));
   return warnings;
 }
 
@@ -78,12 +77,11 @@ void run_measure(const CloudInput& input, Console& console) {
     throw FileError(file, error.what());
   }
   progress.finish();
-  const std::vector<std::string> warnings = warnings_of(m);
-  console.warn(file, warnings);
+  console.warn(file, warnings_of(m));
 
   const BodyMeasures& w = m.whole;
-  console.say(fmt::format("{}: {} in {}, {}", file, counted(w.triangles, "triangle"),
-                          counted(m.components.size(), "component"), w.closed() ? "closed" : "not closed"));
+  console.say(fmt::format("{}: {} vertices, {}", file, grouped(m.topology.vertices), counted(w.triangles, "triangle")));
+  console.say(fmt::format("{:<18}{}", "topology", topology_words(m.topology)));
   console.say(fmt::format("{:<18}{:.8g}", "area", w.area));
   if (w.mass) {
     const MassMeasures& mass = *w.mass;
@@ -114,7 +112,7 @@ void run_measure(const CloudInput& input, Console& console) {
   }
   console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
 
-  Json json = {{"input", surface.json()}, {"warnings", warnings}, {"whole", to_json(w)}};
+  Json json = {{"input", surface.json()}, {"topology", topology_json(m.topology)}, {"whole", to_json(w)}};
   json["smallest_box"] = {{"sizes", box.sizes},
                           {"axes", {to_json(box.axes[0]), to_json(box.axes[1]), to_json(box.axes[2])}},
                           {"center", to_json(box.center)}};
@@ -138,8 +136,8 @@ Command add_measure(CommandLine& app) {
       .type_name("FILE")
       .required();
   c.footer(
-      "Volumes need a closed surface. Vertices at the same place count as one. Components are listed with --json, up\n"
-      "to a thousand of them.\n\n"
+      "Volumes need a closed surface. Borders that lie on each other, edge on edge, count as joined. Components are\n"
+      "listed with --json, up to a thousand of them.\n\n"
       "Examples:\n"
       "  sansmesh measure part.ply\n"
       "  sansmesh measure part.stl --json");

@@ -52,8 +52,7 @@ void run_mesh(MeshArguments& a, Console& console) {
                        {"triangles", mesh.triangles.size()},
                        {"components", topology.components},
                        {"closed", topology.closed()},
-                       {"mesh_error", report.mesh_error}}},
-                     {"warnings", console.in_flags(report.warnings)}};
+                       {"mesh_error", report.mesh_error}}}};
   console.say_json(json);
   console.print_timings();
 }

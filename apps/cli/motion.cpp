@@ -221,6 +221,7 @@ Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   std::vector<PictureSurface> surfaces;
   RenderOptions colored = options_;
   colored.use_colors = true;
+  colored.wireframe = RenderOptions::Wireframe::none;
   surfaces.reserve(obstacles_.size() + 1);
   for (const TriangleMesh& m : obstacles_) surfaces.push_back(surface_in_picture(m, colored));
   if (surface_) surfaces.push_back(surface_in_picture(surface_->at(motion_, frame), options_));

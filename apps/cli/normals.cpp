@@ -46,7 +46,8 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
   progress.begin("spacing and noise");
   NormalOptions options = arguments.options;
   options.spacing = estimate_spacing(points);
-  options.noise = estimate_noise(points);
+  const NoiseEstimate noise = measure_noise(points);
+  options.noise = noise.deviation;
   const int neighbours = options.neighbours.value_or(choose_neighbours(*options.spacing, *options.noise));
   if (!arguments.keep) estimate_normals(points, options, progress);
   std::optional<OrientBy> oriented_by;
@@ -60,18 +61,21 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
       throw FileError(arguments.input.name(), error.what());
     }
   }
+  progress.begin("check normals");
+  GivenNormals made = judge_normals(points, noise.deviation);
   progress.begin("write");
   write_points(arguments.output, points, {.ascii = arguments.ascii});
   progress.finish();
 
   const auto unknown = static_cast<std::size_t>(std::count(points.normals.begin(), points.normals.end(), Vec3f{}));
   console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input.name(), counted(points.size(), "point"),
-                          length(*options.spacing), length(*options.noise), read.format));
+                          length(*options.spacing), noise_words(noise, *options.spacing), read.format));
   console.say(fmt::format("{}: normals {}{}{}", arguments.output,
                           arguments.keep ? "of the file" : fmt::format("from {} neighbours", neighbours),
-                          oriented_by ? fmt::format(", oriented {}", orientation_words(*oriented_by))
+                          oriented_by ? fmt::format(", signs {}", orientation_words(*oriented_by))
                                       : std::string(", signs left as they are"),
                           unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
+  console.say(fmt::format("checked: {}", made.words));
   if (console.options().json) {
     Json json;
     json["input"] = arguments.input.json(read, points.size());
@@ -79,10 +83,11 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
     json["spacing"] = *options.spacing;
     json["noise"] = *options.noise;
     json["neighbours"] = arguments.keep ? Json() : Json(neighbours);
-    json["oriented"] = !arguments.no_orient;
+    json["oriented"] = made.oriented;
+    json["orientation"] = std::move(made.json);
+    json["noise_known"] = noise.known;
     json["oriented_by"] = oriented_by ? Json(orient_by_word(*oriented_by)) : Json();
     json["unknown"] = unknown;
-    json["warnings"] = read.warnings;
     console.say_json(json);
   }
   console.print_timings();
@@ -95,7 +100,9 @@ Command add_normals(CommandLine& app) {
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp .las")
+      .type_name("FILE")
+      .required();
   add_ascii_flag(c, a.ascii);
   c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")
       .type_name("COUNT");
@@ -110,7 +117,10 @@ Command add_normals(CommandLine& app) {
   c.add_flag("--keep", a.keep, "Keep the normals of the file and only orient them");
   c.add_flag("--no-orient", a.no_orient, "Leave the signs as they come");
   add_orient_by(c, a.orient_by);
-  c.footer(kReadable);
+  c.footer(std::string(kReadable) +
+           "\n\nExamples:\n"
+           "  sansmesh normals scan.xyz -o oriented.ply\n"
+           "  sansmesh normals scan.xyz -o oriented.ply --neighbours 30 --orient-by up");
   return {&c, [shared](Console& console) { run_normals(*shared, console); }};
 }
 

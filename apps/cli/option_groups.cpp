@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -30,50 +29,13 @@ void require(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);
 }
 
-RenderOptions PictureArguments::chosen() const {
-  RenderOptions o = options;
-  if (azimuth) o.view.azimuth = *azimuth;
-  if (elevation) o.view.elevation = *elevation;
-  if (!view.empty()) o.view = named_view(view);
-  if (z_up) o.up = UpAxis::z;
-  return o;
-}
-
-void set_background(RenderOptions& o, const std::string& word) {
-  using Background = RenderOptions::Background;
-  if (word == "transparent") o.background = Background::transparent;
-  if (word == "white" || word == "black") {
-    o.background = Background::solid;
-    o.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+std::vector<Vec3> places_at(const std::vector<double>& v) {
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3) {
+    places.push_back({v[i], v[i + 1], v[i + 2]});
+    if (!is_finite(places.back())) throw ArgumentError("--at must be three finite numbers");
   }
-}
-
-std::string frame_name(const std::string& output, int frame) {
-  const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
-      .string();
-}
-
-void add_background_option(CommandLine& c, std::string& word, const std::string& usual) {
-  c.add_option("--background", word, "gradient, white, black or transparent [" + usual + "]")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .type_name("NAME")
-      .group("Picture");
-}
-
-void add_picture_options(CommandLine& c, PictureArguments& a) {
-  c.add_option("--width", a.options.width, "Pixels, 1..16384 [1280]").type_name("PIXELS").group("Picture");
-  c.add_option("--height", a.options.height, "Pixels, 1..16384 [960]").type_name("PIXELS").group("Picture");
-  c.add_option("--view", a.view, "front, back, left, right, top, bottom or iso").type_name("NAME").group("Picture");
-  c.add_option("--azimuth", a.azimuth, "Degrees around the up axis; 0: the front [35]")
-      .type_name("DEGREES")
-      .group("Picture");
-  c.add_option("--elevation", a.elevation, "Degrees above the horizon [20]").type_name("DEGREES").group("Picture");
-  c.add_flag("--z-up", a.z_up, "The z axis points up, not y").group("Picture");
-}
-
-void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
-  c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
+  return places;
 }
 
 void add_ascii_flag(CommandLine& c, bool& ascii) {
@@ -82,15 +44,18 @@ void add_ascii_flag(CommandLine& c, bool& ascii) {
 
 void MeshOutput::check() const {
   check_writable(file, "mesh");
+  picture.chosen().validate();
+  require(!preview.empty() || !picture.any(), "options of the picture need --preview");
   if (!preview.empty()) check_writable(preview, "image");
 }
 
 void MeshOutput::write(const TriangleMesh& mesh, Progress& progress) const {
   Image image;
-  if (!preview.empty()) image = render_mesh(mesh, {}, progress);
+  const RenderOptions look = picture.chosen();
+  if (!preview.empty()) image = render_mesh(mesh, look, progress);
   progress.begin("write");
   write_mesh(file, mesh, {.ascii = ascii});
-  if (!preview.empty()) write_image(preview, image);
+  if (!preview.empty()) picture.write(preview, image, look);
 }
 
 void say_aspect_ratios(const MeshReport& report, Console& console) {
@@ -103,6 +68,8 @@ void add_mesh_output(CommandLine& c, MeshOutput& o) {
   c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE").required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);
+  add_picture_options(c, o.picture);
+  add_wireframe_options(c, o.picture.options);
 }
 
 const char* quantity_word(CurvatureQuantity quantity) {
@@ -130,16 +97,6 @@ std::vector<std::pair<std::string, CurvatureQuantity>> quantity_words() {
 }
 
 }  // namespace
-
-std::vector<std::string> between_commas(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    parts.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return parts;
-}
 
 CurvatureQuantity curvature_quantity(const std::string& word) {
   for (const auto& [name, quantity] : quantity_words())
@@ -249,6 +206,7 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
       .group("Fit");
   c.add_flag_callback(
        "--open", [&o] { o.open = true; }, "The surface bounds no solid: it ends where the samples end [from data]")
+      .excludes("--closed")
       .group("Fit");
   c.add_flag_callback(
        "--closed", [&o] { o.open = false; },
@@ -271,8 +229,9 @@ void add_mesh_options(CommandLine& c, MeshOptions& o) {
       .type_name("LENGTH")
       .without_value("0");
   c.add_flag_callback(
-      "--confidence", [&o] { o.confidence = true; },
-      "Write how far each vertex is from the nearest sample, and its confidence, 0..1 [if the surface is open]");
+       "--confidence", [&o] { o.confidence = true; },
+       "Write how far each vertex is from the nearest sample, and its confidence, 0..1 [if the surface is open]")
+      .excludes("--no-confidence");
   c.add_flag_callback(
       "--no-confidence", [&o] { o.confidence = false; }, "Do not write that");
   c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");

@@ -7,12 +7,12 @@
 
 #include "command_line.h"
 #include "console.h"
+#include "picture_options.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render/mesh_picture.h"
-#include "sansmesh/render/render_options.h"
 #include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::cli {
@@ -23,43 +23,24 @@ inline constexpr const char* kReadable =
 /// Throws ArgumentError with the message unless `ok`.
 void require(bool ok, const char* message);
 
-/// The parts of a text between commas.
-std::vector<std::string> between_commas(const std::string& text);
+/// The places of --at, which were read as three numbers each. Throws ArgumentError unless all are finite.
+std::vector<Vec3> places_at(const std::vector<double>& numbers);
 
-/// A picture, by the options that all commands that draw one share.
-struct PictureArguments {
-  RenderOptions options;
-  std::string view;
-  std::optional<double> azimuth, elevation;
-  bool z_up = false;
-
-  bool has_view() const { return !view.empty() || azimuth || elevation; }
-  /// Throws ArgumentError for a view that is not known.
-  RenderOptions chosen() const;
-};
-/// gradient, white, black or transparent, as --background has it.
-void set_background(RenderOptions& options, const std::string& word);
-/// --background
-void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
-/// Of a turntable: NAME.png becomes NAME_007.png.
-std::string frame_name(const std::string& output, int frame);
-/// --width, --height, --view, --azimuth, --elevation, --z-up
-void add_picture_options(CommandLine& command, PictureArguments& arguments);
-/// --preview FILE: also draws `what`.
-void add_preview_option(CommandLine& command, std::string& file, const std::string& what);
 /// --ascii
 void add_ascii_flag(CommandLine& command, bool& ascii);
 /// A mesh that a command makes, and a picture of it.
 struct MeshOutput {
   std::string file, preview;
+  PictureArguments picture;
   bool ascii = false;
 
-  /// Throws FileError early if they cannot be written.
+  /// Throws FileError early if they cannot be written, ArgumentError for bad options of the picture or such without
+  /// one.
   void check() const;
   /// Throws FileError.
   void write(const TriangleMesh& mesh, Progress& progress) const;
 };
-/// --output, --preview, --ascii
+/// --output, --preview, --ascii, and those of add_picture_options
 void add_mesh_output(CommandLine& command, MeshOutput& output);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);

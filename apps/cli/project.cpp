@@ -8,6 +8,7 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/model/sample_surface.h"
@@ -20,7 +21,7 @@ namespace {
 struct ProjectArguments {
   CloudInput input, onto;
   std::string output;
-  std::string method = "curvature";  ///< a projection, an implicit surface, or lop
+  std::string method = "auto";  ///< a projection, an implicit surface, lop, or what suits the samples
   bool ascii = false;
   CloudUse cloud;
   SurfaceArguments surface;
@@ -30,12 +31,22 @@ struct ProjectArguments {
   std::optional<std::size_t> points;  ///< resample to about so many
 };
 
+/// Options of surfaces that not all of them heed: with them, and without a method, it is `curvature`, as they are its.
+bool of_curvature(const SurfaceOptions& s) {
+  for (std::size_t i = 0; i < kSurfaceOptions; ++i)
+    if (s.is_set(static_cast<SurfaceOption>(i))) return true;
+  return false;
+}
+
 /// Throws ArgumentError for options that the method would not heed.
 void check_options_fit(const ProjectArguments& a) {
   const SurfaceOptions plain;
   const ProjectArguments none;
+  const bool chosen = a.method == "auto";
   const auto check = [&](bool ok, const char* option, const char* what) {
-    if (!ok) throw ArgumentError(fmt::format("{} means nothing to --method {}: {}", option, a.method, what));
+    if (!ok)
+      throw ArgumentError(fmt::format("{} means nothing {}: {}", option,
+                                      chosen ? std::string("here") : "to --method " + a.method, what));
   };
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
@@ -73,6 +84,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
 
   PointSet result;
   SurfaceProjection report;
+  std::string method = arguments.method;
   if (arguments.method == "lop") {
     LopOptions options = arguments.lop;
     options.points = arguments.points;
@@ -85,14 +97,18 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     report.projected = result.size();
   } else {
     SurfaceOptions surface = arguments.surface.options;
-    surface.method = surface_method(arguments.method);
+    const bool suited = arguments.method == "auto" && !of_curvature(surface);
+    if (arguments.method != "auto" || !suited)
+      surface.method = arguments.method == "auto" ? SurfaceMethod::curvature : surface_method(arguments.method);
     surface.validate();
     const std::string onto = itself ? arguments.input.name() : arguments.onto.name();
     ReadReport read_onto;
     PointSet samples = itself ? points : samples_of.read(console, read_onto);
     try {
-      const SurfaceModel model =
-          make_surface_model(prepare_cloud(std::move(samples), arguments.cloud, progress), surface, progress);
+      PreparedCloud prepared = prepare_cloud(std::move(samples), arguments.cloud, progress);
+      const SurfaceModel model = suited ? make_suited_surface(std::move(prepared), progress)
+                                        : make_surface_model(std::move(prepared), surface, progress);
+      method = surface_method_info(model.report().method).name;
       console.warn(onto, model.warnings());
       result = arguments.points ? resample_surface(model, *arguments.points, how, progress, &report)
                                 : project_points(points, model, how, progress, &report);
@@ -111,11 +127,11 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     console.say(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
                             length(report.mean_move), length(report.rms_move), length(report.largest_move),
                             grouped(report.left_out)));
-  console.say(fmt::format("{}: {} by {}{}", arguments.output, counted(result.size(), "point"), arguments.method,
+  console.say(fmt::format("{}: {} by {}{}", arguments.output, counted(result.size(), "point"), method,
                           result.has_normals() ? ", with normals" : ""));
   const Json json = {
       {"input", arguments.input.json(read, given)},
-      {"method", arguments.method},
+      {"method", method},
       {"moved", {{"mean", report.mean_move}, {"rms", report.rms_move}, {"largest", report.largest_move}}},
       {"left_out", report.left_out},
       {"output", {{"file", arguments.output}, {"points", result.size()}}}};
@@ -130,14 +146,18 @@ Command add_project(CommandLine& app) {
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
   add_cloud_input(c, a.input, "Points to move");  // --class: among the samples of --onto, if given
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp .las")
+      .type_name("FILE")
+      .required();
   c.add_option("--onto", a.onto.files,
                "Samples of the surface; may be repeated (tiles) [the input itself: this denoises]")
       .type_name("FILE")
       .repeated();
   add_ascii_flag(c, a.ascii);
   c.add_option("--method", a.method,
-               "lop (consolidation of the input) or a surface: " + surface_method_names() + " [curvature]")
+               "auto, lop (consolidation of the input) or a surface: " + surface_method_names() +
+                   " [auto: what suits the samples]")
+      .one_of(listed_words("auto, lop, " + surface_method_names()))
       .type_name("NAME");
   c.add_option("--points", a.points, "Spread about this many new points over the surface instead of moving those given")
       .type_name("COUNT")

@@ -106,9 +106,6 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
                               {"deviation", report.aspect_deviation}};
     for (const Progress::Timing& t : progress.timings())
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
-    std::vector<std::string> warnings = read.warnings;
-    warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
-    json["warnings"] = console.in_flags(std::move(warnings));
     console.say_json(json);
   }
   console.print_timings();

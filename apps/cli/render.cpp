@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "color_bar.h"
 #include "commands.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
@@ -32,22 +33,45 @@ void complete(RenderArguments& a) {
   const SurfaceRenderOptions& s = a.options;
   const bool function = a.input.is_function();
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
-  const bool by_confidence = a.color_by == kConfidence;
-  require(!by_confidence || !a.color_range, "--color-range is for curvatures: confidence lies in 0..1");
-  if (!a.surface && !function) {
-    require(a.color_by.empty() || by_confidence, "--color-by of curvatures needs --surface NAME");
-    require(a.frames == 0 && !a.color_range && !s.plain && !s.exact_shadows && s.reflection == 0 &&
-                s.transmission == 0 && s.refraction_index == SurfaceRenderOptions().refraction_index &&
-                !a.cloud.remove_outliers,
-            "--frames, --color-range, --plain, --exact-shadows, --reflection, --transmission, "
+  a.objects.check(a.surface ? 1 : a.input.files.size());
+  a.separate = !a.surface && !a.objects.as_one &&
+               (a.input.files.size() > 1 || a.objects.translucent() || (a.frames > 0 && !function) ||
+                (a.color_by.empty() && lines_of_file(a.input.files[0]).size() > 0));
+  require(!a.surface || !a.objects.translucent(), "--opacity is for meshes, points and functions: not with --surface");
+  const bool meshless = a.surface || function;
+  // Of meshes and points that is the name of an attribute as well.
+  const bool by_confidence = a.color_by == kConfidence, by_curvature = meshless && is_curvature(a.color_by);
+  require(!a.color_range || by_curvature, "--color-range is for curvatures");
+  require(!a.value_range || (!a.color_by.empty() && !by_confidence && !by_curvature),
+          "--value-range is for attributes: --color-by NAME");
+  require(a.unit.empty() || (!a.color_by.empty() && !by_confidence && !a.no_bar),
+          "--unit stands at the colour bar of --color-by");
+  require(!a.value_range || (a.value_range->first < a.value_range->second), "--value-range must be LOW,HIGH");
+  if (a.separate) {
+    require(a.color_by.empty(), "--color-by is for one object: --as-one makes one of several files");
+  } else if (!a.objects.colors.empty()) {
+    require(a.color_by.empty(), "--color and --color-by exclude each other");
+    const std::string& word = a.objects.colors[0];
+    if (const auto color = color_of_word(word)) a.options.surface_color = *color, a.options.use_colors = false;
+  }
+  require(!(meshless && a.options.wireframe != RenderOptions::Wireframe::none),
+          "--wireframe is for meshes: there are no triangles");
+  if (!meshless) {
+    require((a.frames == 0 || a.separate) && !s.plain && !s.exact_shadows && s.reflection == 0 && s.transmission == 0 &&
+                s.refraction_index == SurfaceRenderOptions().refraction_index && !a.cloud.remove_outliers,
+            "--frames, --plain, --exact-shadows, --reflection, --transmission, "
             "--refraction-index and --remove-outliers need --surface NAME");
   } else {
     require(!a.flat && !s.point_radius,
             "--flat and --point-radius are for meshes and points, not for surfaces without a mesh");
+    if (!a.color_by.empty() && !by_confidence && !by_curvature)
+      throw ArgumentError(
+          fmt::format("--color-by of a surface without a mesh must be mean, gaussian, k1, k2 or confidence, not {}",
+                      printable(a.color_by, 40)));
   }
 }
 
-/// The colours of the attribute that reconstruct and mesh write.
+/// The colours of the attribute that reconstruct and mesh write; where it is not known, those of none.
 void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
   const Attribute* const confidence = mesh.attributes.find(kConfidence);
   if (!confidence || confidence->components != 1)
@@ -62,8 +86,9 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
 
 void run_render(RenderArguments& a, Console& console) {
   complete(a);
+  if (a.separate) return run_object_picture(a, console);
   if (a.surface || a.input.is_function()) return run_surface_picture(a, console);
-  const RenderOptions& options = a.options;
+  RenderOptions options = a.options;
   options.validate();
   check_writable(a.output, "image");
 
@@ -71,15 +96,28 @@ void run_render(RenderArguments& a, Console& console) {
   progress.begin("read");
   ReadReport read;
   TriangleMesh mesh = to_mesh(a.input.read(console, read));
-  if (a.color_by == kConfidence) color_by_confidence(mesh, a.input.name());
+  require(options.wireframe == RenderOptions::Wireframe::none || !mesh.triangles.empty(),
+          "--wireframe is for meshes: there are no triangles");
   Image image;
   try {
-    image = render_mesh(mesh, options, progress);
+    std::optional<ColorBar> bar;
+    if (a.color_by == kConfidence) {
+      color_by_confidence(mesh, a.input.name());
+      bar = confidence_bar();
+    } else if (!a.color_by.empty()) {
+      require(!is_curvature(a.color_by) || mesh.attributes.find(a.color_by),
+              "--color-by of curvatures needs --surface NAME, or a file with them as attributes (sansmesh curvature)");
+      bar = color_by_attribute(mesh, a.color_by, a.value_range, a.unit);
+      options.shadows = options.ground = false;  // colours are to be read
+    }
+    if (a.no_bar) bar.reset();
+    leave_room(options, bar);
+    image = beside_bar(render_mesh(mesh, options, progress), bar, options);
   } catch (const DataError& error) {
     throw FileError(a.input.name(), error.what());
   }
   progress.begin("write");
-  write_image(a.output, image);
+  image = a.picture.write(a.output, image, options);
   progress.finish();
   console.say(fmt::format("{}: {} × {} pixels", a.output, image.width, image.height));
   const Json json = {{"output", {{"file", a.output}, {"width", image.width}, {"height", image.height}}}};
@@ -94,7 +132,11 @@ Command add_render(CommandLine& app) {
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
   RenderOptions& o = a.picture.options;
-  add_cloud_input(c, a.input, "Mesh, points or function (.smf)");
+  c.add_option("input", a.input.files,
+               "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
+      .type_name("FILE")
+      .required();
+  add_class_options(c, a.input);
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
   add_background_option(c, a.background);
@@ -107,13 +149,25 @@ Command add_render(CommandLine& app) {
       .group("Picture");
   c.add_flag("--no-shadows", a.no_shadows, "No shadows").group("Picture");
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
+  add_wireframe_options(c, o);
+  add_object_options(c, a.objects);
   c.add_option(
        "--color-by", a.color_by,
-       "mean, gaussian, k1 or k2 curvature (red convex, blue concave), or confidence (red where no samples are)")
+       "An attribute of the vertices or points, as a vector its length; with --surface mean, gaussian, k1 or k2 "
+       "curvature (red convex, blue concave); confidence (red where no samples are)")
       .type_name("QUANTITY")
-      .one_of({"mean", "gaussian", "k1", "k2", kConfidence})
-      .group("Surface");
-  add_color_range(c, a.color_range, "Surface");
+      .group("Colours");
+  c.add_option_function(
+       "--value-range",
+       [&a](const std::vector<double>& v) {
+         a.value_range = {v[0], v[1]};
+       },
+       "Of an attribute: values with the colours at the ends of the bar [from data]")
+      .numbers(2)
+      .type_name("LOW,HIGH")
+      .group("Colours");
+  add_bar_options(c, a.no_bar, a.unit, "the attribute, or of lengths in curvatures");
+  add_color_range(c, a.color_range, "Colours");
   SurfaceRenderOptions& s = a.options;
   c.add_option("--reflection", s.reflection, "Share of the light that a mirror would send, 0..1 [0]")
       .type_name("SHARE")
@@ -133,6 +187,9 @@ Command add_render(CommandLine& app) {
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh render surface.ply -o surface.png --view front\n"
+           "  sansmesh render part.stl -o part.png --orthographic --scale-bar=mm --wireframe\n"
+           "  sansmesh render a.ply b.ply scan.smf -o all.png --color red --color '#4080ff' --opacity 1 --opacity 0.4\n"
+           "  sansmesh render curved.ply -o k1.png --color-by k1 --look-at 1,0,2 --look-radius 0.5\n"
            "  sansmesh render scan.ply -o scan.png --surface apss\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");

@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cloud_input.h"
 #include "console.h"
 #include "option_groups.h"
+#include "picture_objects.h"
 #include "sansmesh/render/surface_picture.h"
 #include "surface_options.h"
 
@@ -26,9 +28,14 @@ struct RenderArguments {
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
   std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen
-  std::string color_by;                   ///< confidence, or curvature as colour; else the samples' colours
-  std::optional<double> color_range;      ///< curvature with the full colour
-  int frames = 0;                         ///< of a turntable; 0: one picture
+  std::string color_by;               ///< confidence, curvature or an attribute as colour; else the samples' colours
+  std::optional<double> color_range;  ///< curvature with the full colour
+  std::optional<std::pair<double, double>> value_range;  ///< of an attribute: what gets the colours at the ends
+  std::string unit;                                      ///< of lengths, or of the attribute: at the bar of colours
+  bool no_bar = false;
+  ObjectLooks objects;
+  int frames = 0;         ///< of a turntable; 0: one picture
+  bool separate = false;  ///< once chosen: each file is an object of its own in the picture
 };
 
 /// A picture straight from samples or of a function. The arguments are complete.

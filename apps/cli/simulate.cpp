@@ -71,6 +71,7 @@ void check_arguments(const SimulateArguments& a) {
   require(!a.volume_file.empty() || (a.volume.colors.usual() && a.volume.input.array.empty()),
           "--array, --preset, --transfer, --opacity and --iso belong to --volume");
   a.picture.chosen().validate();
+  a.picture.check_frames(true);
 }
 
 /// Moments of the frames.
@@ -218,7 +219,7 @@ std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion&
   if (!draw.pictures) return files;
   draw.pictures->frame(scene);
   for (std::size_t k = 0; k < motion.frames(); ++k) {
-    const Image image = draw.pictures->draw(k, progress);
+    const Image image = a.picture.part(draw.pictures->draw(k, progress), a.picture.chosen());
     for (const std::string& o : a.outputs)
       if (io::ending(o) == "png") {
         files.push_back(motion_frame_name(o, k));
@@ -480,6 +481,7 @@ Command add_simulate(CommandLine& app) {
   add_ascii_flag(c, a.ascii);
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
+  add_wireframe_options(c, a.picture.options);
   c.footer(
       "TETS: Gmsh, Medit, TetGen, Vega meshes, and all other volumes with cells. Down is where y is small (with "
       "--z-up: "

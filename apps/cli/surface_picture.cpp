@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "color_bar.h"
 #include "render.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
@@ -16,11 +17,13 @@
 namespace sansmesh::cli {
 namespace {
 
-std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress) {
+std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress,
+                                        std::optional<ColorBar>& bar) {
   if (a.color_by.empty()) return nullptr;
   const Placement& place = model.place();
   if (a.color_by == kConfidence) {
     if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+    bar = confidence_bar();
     return std::make_unique<ConfidenceColors>(model.points(), place.from_input(model.report().spacing),
                                               place.from_input(model.report().noise));
   }
@@ -29,7 +32,10 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
   if (a.color_range) o.range = curvature_range(*a.color_range, o.quantity, place.unit);
   o.curvature.noise = place.from_input(model.report().noise);
   progress.begin("curvature");
-  return std::make_unique<CurvatureColors>(model.points(), o, progress);
+  auto colors = std::make_unique<CurvatureColors>(model.points(), o, progress);
+  // The range is that of all but a few of the samples, or what was asked for.
+  bar = curvature_bar(o.quantity, curvature_range(colors->range(), o.quantity, 1 / place.unit), a.unit, true);
+  return colors;
 }
 
 /// The surface of a function file, or that of samples.
@@ -48,6 +54,7 @@ SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Cons
 void run_surface_picture(const RenderArguments& arguments, Console& console) {
   SurfaceRenderOptions options = arguments.options;
   options.validate();
+  arguments.picture.check_frames(arguments.frames > 0);
   if (arguments.surface) arguments.surface->validate();
   check_writable(arguments.output, "image");
 
@@ -58,26 +65,32 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
   try {
     const SurfaceModel model = read_model(arguments, read, console);
     console.warn(arguments.input.name(), model.warnings());
-    const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress);
+    move_from_input(options, model.place());
+    Image written;
+    std::optional<ColorBar> bar;
+    const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress, bar);
+    if (arguments.no_bar) bar.reset();
+    leave_room(options, bar);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
     SurfaceCastOptions cast;
     cast.normals = model.normals();
+    cast.jump = model.jump();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
                                                     : SurfaceCaster(model.field(progress), model.balls(), cast);
     const std::vector<Vec3f>& samples = model.points().positions;
     const std::vector<Vec3f>& frame = samples.empty() ? model.balls().centers : samples;
     if (arguments.frames == 0) {
-      const Image image = render_surface(caster, frame, colors, options, progress);
-      write_image(arguments.output, image);
+      const Image image = beside_bar(render_surface(caster, frame, colors, options, progress), bar, options);
+      written = arguments.picture.write(arguments.output, image, options);
       files.push_back(arguments.output);
     } else {
       options.steady = true;
       int number = 0;
       for (const ViewDirection& view : turntable(options.view, arguments.frames)) {
         options.view = view;
-        const Image image = render_surface(caster, frame, colors, options, progress);
+        const Image image = beside_bar(render_surface(caster, frame, colors, options, progress), bar, options);
         files.push_back(frame_name(arguments.output, number++));
-        write_image(files.back(), image);
+        written = arguments.picture.write(files.back(), image, options);
       }
     }
     const SurfaceReport& report = model.report();
@@ -92,9 +105,9 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
                                   ? fmt::format(", order {}, {}", report.order,
                                                 counted(static_cast<unsigned>(report.iterations), "iteration"))
                                   : std::string()));
-    console.say(files.size() == 1 ? fmt::format("{}: {} × {} pixels", files[0], options.width, options.height)
+    console.say(files.size() == 1 ? fmt::format("{}: {} × {} pixels", files[0], written.width, written.height)
                                   : fmt::format("{} … {}: {} × {} pixels each", files.front(), files.back(),
-                                                options.width, options.height));
+                                                written.width, written.height));
     Json json;
     json["input"] = arguments.input.json();
     json["input"]["format"] = read.format;
@@ -103,7 +116,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
     json["rays"] = {
         {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
-    json["output"] = {{"files", files}, {"width", options.width}, {"height", options.height}};
+    json["output"] = {{"files", files}, {"width", written.width}, {"height", written.height}};
     for (const Progress::Timing& t : progress.timings())
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
     console.say_json(json);

@@ -7,7 +7,6 @@ namespace sansmesh::cli {
 std::vector<Command> add_volume(CommandLine& app) {
   CommandLine& c =
       app.add_subcommand("volume", "Volumes on any grid: fit, probe, resample, isosurface, surface, render");
-  c.require_subcommand();
   c.footer(std::string(kReadableVolumes) +
            "\n\nWithout --method the reconstruction follows from the data: sansmesh advise DATA says which and why.\n\n"
            "Examples:\n"

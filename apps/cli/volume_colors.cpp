@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "option_values.h"
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
 
@@ -19,6 +20,7 @@ void VolumeColors::add_options(CommandLine& c, const char* group) {
   for (const std::string_view name : transfer_function_presets())
     presets += (presets.empty() ? "" : ", ") + std::string(name);
   c.add_option("--preset", preset, "Colours and opacities: " + presets + " [from the values' histogram]")
+      .one_of(listed_words(presets))
       .type_name("NAME")
       .group(group);
   c.add_option("--transfer", transfer, "The same from a file: JSON of ours or a colour map of ParaView")

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "command_line.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_file.h"
 
@@ -59,17 +60,15 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
        "Raw files: numbers of values along x, y and z")
       .type_name("NXxNYxNZ")
       .group("Raw files");
-  std::vector<std::pair<std::string, NumberType>> types;
-  for (int k = 0; k <= static_cast<int>(NumberType::f64); ++k)
-    types.emplace_back(name_of(static_cast<NumberType>(k)), static_cast<NumberType>(k));
+  std::vector<std::string> types;
+  for (int k = 0; k <= static_cast<int>(NumberType::f64); ++k) types.emplace_back(name_of(static_cast<NumberType>(k)));
   c.add_option_function(
        "--type",
        [raw, types](const std::string& text) {
-         for (const auto& [name, type] : types)
-           if (name == text) return void(raw().type = type);
-         throw ValueError(fmt::format("must be int8, uint8, …, float or double, not {}", text));
+         raw().type = static_cast<NumberType>(std::find(types.begin(), types.end(), text) - types.begin());
        },
        "Of raw values: int8, uint8, int16, …, float, double [uint8]")
+      .one_of(types)
       .type_name("TYPE")
       .group("Raw files");
   c.add_option_function(
@@ -122,6 +121,7 @@ void add_volume_array(CommandLine& c, VolumeInput& input) {
          }
        },
        fmt::format("Reconstruction: {} [from grid, resolution and noise]", method_names()))
+      .one_of(listed_words(method_names()))
       .type_name("NAME")
       .group("Reconstruction");
 }

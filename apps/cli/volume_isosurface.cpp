@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "volume_input.h"
@@ -96,8 +97,7 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
                       {"vertices", mesh.vertices.size()},
                       {"triangles", mesh.triangles.size()},
                       {"components", report.components},
-                      {"closed", report.closed}}},
-                    {"warnings", console.in_flags(report.warnings)}});
+                      {"closed", report.closed}}}});
   console.print_timings();
 }
 

@@ -68,8 +68,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
     if (!a.output.ends_with(".csv")) throw FileError(a.output, "tables are written as .csv");
     check_writable(a.output, "text");
   }
-  const std::vector<Vec3> x =
-      a.points.empty() ? std::vector<Vec3>{{a.at[0], a.at[1], a.at[2]}} : read_point_table(a.points);
+  const std::vector<Vec3> x = a.points.empty() ? places_at(a.at) : read_point_table(a.points);
   require(!a.output.empty() || x.size() <= kPrintedProbes || console.options().json,
           "so many points need a table to write: -o FILE.csv");
   OpenVolume volume(a.input, console);
@@ -121,7 +120,7 @@ Command add_volume_probe(CommandLine& volume) {
   auto a = std::make_shared<ProbeArguments>();
   add_volume_input(c, a->input);
   c.add_option("--points", a->points, "Where: a table with columns x, y, z, or any file of points").type_name("FILE");
-  c.add_option("--at", a->at, "Where: at this place, x,y,z").numbers(3).type_name("POINT");
+  c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
   c.add_option("-o,--output", a->output, "Table to write (.csv): x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside")
       .type_name("FILE");
   c.footer(std::string(kReadableVolumes) +

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "picture_contents.h"
@@ -22,7 +23,7 @@ namespace {
 
 struct VolumeRenderArguments {
   VolumeInput input;
-  std::string output, save_transfer, opacity_by, background = "gradient";
+  std::string output, save_transfer, opacity_by, unit, background = "gradient";
   std::vector<std::string> cuts;
   VolumeColors colors;
   PictureContents contents;
@@ -59,14 +60,16 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   check_writable(a.output, "image");
   if (!a.save_transfer.empty()) check_writable(a.save_transfer, "text");
   require(a.interactive || a.bake_error == BakeOptions().tolerance, "--bake-error needs --interactive");
-  require(a.options.unit.empty() || a.options.axes, "--unit needs --axes");
-  require(a.options.color_title.empty() || !a.no_bar, "--label stands at the colour bar: not with --no-bar");
+  require((a.options.color_title.empty() && a.unit.empty()) || !a.no_bar,
+          "--label and --unit stand at the colour bar: not with --no-bar");
+  a.picture.check_frames(a.frames > 0);
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   OpenVolume volume(a.input, console);
   Progress& progress = console.progress();
   const auto samples = volume.samples();
   std::shared_ptr<const VolumeField> field, opacity;
   std::vector<std::string> files;
+  int width = 0, height = 0;
   VolumePictureReport report;
   std::unique_ptr<BakedVolume> baked, baked_opacity;
   try {
@@ -93,13 +96,15 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
     subject.surfaces = a.contents.read(options, console);
     if (options.color_title.empty())
       options.color_title = volume.array_name() + (of_vector(volume) ? " (magnitude)" : "");
+    options.color_title = with_unit(options.color_title, a.unit);
     const VolumePicture picture(std::move(subject), progress);
     const std::vector<ViewDirection> views = turntable(options.view, std::max(1, a.frames));
     for (std::size_t k = 0; k < views.size(); ++k) {
       VolumePictureOptions frame = options;
       frame.view = views[k];
       files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
-      write_image(files.back(), picture.render(frame, progress, &report));
+      const Image image = a.picture.write(files.back(), picture.render(frame, progress, &report), frame);
+      width = image.width, height = image.height;
     }
   } catch (const DataError& error) {
     throw FileError(a.input.name(), error.what());
@@ -124,7 +129,7 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
                {"rays", report.rays},
                {"evaluations", report.evaluations},
                {"notes", report.notes},
-               {"output", {{"files", files}, {"width", options.width}, {"height", options.height}}}};
+               {"output", {{"files", files}, {"width", width}, {"height", height}}}};
   if (baked)
     json["baked"] = {{"bricks", baked->report().bricks},         {"bytes", baked->report().bytes},
                      {"finished", baked->report().finished},     {"checked", baked->report().checked},
@@ -155,24 +160,17 @@ Command add_volume_render(CommandLine& volume) {
   c.add_option("--bake-error", a.bake_error,
                "Of --interactive: error above which bricks are split, share of the range [0.004]")
       .type_name("SHARE");
-  c.add_option_function(
-       "--focus",
-       [&a](const std::vector<double>& x) {
-         a.options.focus = Vec3{x[0], x[1], x[2]};
-       },
-       "Place in the middle of the picture [that of the volume]")
-      .numbers(3)
-      .type_name("X,Y,Z")
-      .group("Picture");
-  c.add_option("--zoom", a.options.zoom, "So many times as large as what shows everything, 0.01..1000 [1]")
-      .type_name("FACTOR")
-      .group("Picture");
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group("Picture");
-  c.add_option("--label", a.options.color_title, "Of the colour bar: what is shown, and its unit [the array's name]")
+  c.add_option("--label", a.options.color_title, "Of the colour bar: what is shown [the array's name]")
       .type_name("TEXT")
       .group("Picture");
-  c.add_flag("--axes", a.options.axes, "With the outline of the box and ticks").group("Picture");
-  c.add_option("--unit", a.options.unit, "Of lengths, at the axes").type_name("UNIT").group("Picture");
+  c.add_option("--unit", a.unit, "Of the array, at the colour bar").type_name("UNIT").group("Picture");
+  c.add_option_function(
+       "--axes", [&o = a.options](const std::string& unit) { o.axes = true, o.unit = unit; },
+       "With the outline of the box and ticks, and the unit of lengths, as --axes=mm")
+      .type_name("UNIT")
+      .without_value("")
+      .group("Picture");
   c.add_option("--title", a.options.title, "Above the picture").type_name("TEXT").group("Picture");
   add_background_option(c, a.background);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")

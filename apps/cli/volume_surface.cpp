@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
@@ -39,6 +40,8 @@ struct VolumeSurfaceArguments {
   std::string output, points, color_by, background = "gradient";
   std::optional<double> distance, color_range;
   PictureArguments picture;
+  std::string unit;
+  bool no_bar = false;
   SurfaceRenderOptions look;
   int frames = 0;
 };
@@ -53,6 +56,17 @@ class ArrayColors : public ColorField {
   /// The colours span what the array has at these places.
   void span(std::span<const Vec3> x) { colors_ = transfer_function_preset("flow", value_histogram(values(x))); }
   std::pair<double, double> range() const { return colors_.range(); }
+  /// What there is of the array at these places.
+  ColorBar bar(std::span<const Vec3> x, const std::string& title) const {
+    const std::vector<double> v = values(x);
+    const auto [lower, upper] = range();
+    ColorBar bar{colors_, title, {}};
+    for (const double value : v) {
+      bar.ends.below = bar.ends.below || value < lower;
+      bar.ends.above = bar.ends.above || value > upper;
+    }
+    return bar;
+  }
   void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const override {
     const std::vector<double> v = values(x);
     for (std::size_t i = 0; i < x.size(); ++i) colors[i] = colors_.color(v[i]);
@@ -111,19 +125,25 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
   set_background(look, a.background);
   look.plain = a.quick, look.steady = a.frames > 0;
   look.validate();
+  a.picture.check_frames(a.frames > 0);
   const Placement& place = surface.place();
+  move_from_input(look, place);
   PointSet points;
   if (!a.color_by.empty() || a.sharp) points = surface.feet();
   std::unique_ptr<ColorField> colors;
+  std::optional<ColorBar> bar;
   if (is_curvature(a.color_by)) {
     CurvatureColorOptions o;
     o.quantity = curvature_quantity(a.color_by);
     if (a.color_range) o.range = curvature_range(*a.color_range, o.quantity, place.unit);
-    colors = std::make_unique<CurvatureColors>(points, o, progress);
+    auto of_curvature = std::make_unique<CurvatureColors>(points, o, progress);
+    bar = curvature_bar(o.quantity, curvature_range(of_curvature->range(), o.quantity, 1 / place.unit), a.unit, true);
+    colors = std::move(of_curvature);
   } else if (!a.color_by.empty()) {
     auto of_array = std::make_unique<ArrayColors>(volume.field(scalar_choice(a.color_by, volume, "color_by")), place);
     const std::vector<Vec3> x(points.positions.begin(), points.positions.end());
     of_array->span(x);
+    bar = of_array->bar(x, with_unit(a.color_by, a.unit));
     json["colors"] = {{"array", a.color_by}, {"lower", of_array->range().first}, {"upper", of_array->range().second}};
     colors = std::move(of_array);
   }
@@ -134,18 +154,24 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
     cast.normals = &*normals;
   }
   const SurfaceCaster caster(surface.field(), surface.balls(), cast);
+  if (a.no_bar) bar.reset();
+  leave_room(look, bar);
   std::vector<std::string> files;
+  Image written;
   const std::vector<ViewDirection> views = turntable(look.view, std::max(1, a.frames));
   for (std::size_t k = 0; k < views.size(); ++k) {
     look.view = views[k];
     files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
-    write_image(files.back(), render_surface(caster, surface.balls().centers, colors.get(), look, progress));
+    written = a.picture.write(
+        files.back(),
+        beside_bar(render_surface(caster, surface.balls().centers, colors.get(), look, progress), bar, look), look);
   }
   const CastCounts counts = caster.counts();
   json["rays"] = {
       {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
-  json["output"] = {{"files", files}, {"width", look.width}, {"height", look.height}};
-  console.say(fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, look.width, look.height));
+  json["output"] = {{"files", files}, {"width", written.width}, {"height", written.height}};
+  console.say(
+      fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, written.width, written.height));
 }
 
 void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
@@ -158,6 +184,8 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   const bool picture = is_picture(a.output);
   require(picture || (a.color_by.empty() && a.frames == 0 && !a.sharp),
           "--color-by, --sharp and --frames need a picture");
+  require(picture || !a.picture.any(), "options of the picture need one: -o FILE.png");
+  require(!a.color_by.empty() || (a.unit.empty() && !a.no_bar), "--unit and --no-bar are of the bar of --color-by");
   require(!a.distance || !a.points.empty(), "--distance needs --points");
   require(!a.distance || *a.distance > 0, "--distance must be positive");
   require(a.output != a.points, "--output and --points are the same file");
@@ -292,6 +320,7 @@ Command add_volume_surface(CommandLine& volume) {
       .type_name("COUNT")
       .group("Picture");
   add_picture_options(c, a.picture);
+  add_bar_options(c, a.no_bar, a.unit, "the array, or of lengths in curvatures");
   c.add_option("--mesh-error", a.meshing.mesh_error, "Accepted mean distance between mesh and surface")
       .type_name("LENGTH")
       .group("Mesh");

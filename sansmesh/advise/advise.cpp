@@ -23,9 +23,10 @@ constexpr double kSharpByNoise = 0.1;  // which noise makes more likely
 constexpr double kBorder = 1;          // length of the borders over the diagonal
 constexpr double kBorderShare = 0.003;
 constexpr double kPartOpen = 0.005, kAllOpen = 0.995;  // share of the area that bounds no solid
+constexpr double kPartInward = 0.02;                   // share of the samples
 constexpr double kUneven = 3;           // 95 % over 5 % quantile of the spacing; 1.5 for places at random
 constexpr std::size_t kLarge = 300000;  // samples
-constexpr std::size_t kFew = 1000;
+constexpr std::size_t kFew = 1000, kFewForNoise = 10000;
 
 struct Judgement {
   bool stray, noisy, very_noisy, sharp, border, open, all_open, holes, uneven, large, few;
@@ -33,8 +34,8 @@ struct Judgement {
 
 Judgement judge(const CloudTraits& t) {
   return {.stray = t.outliers >= kStray,
-          .noisy = t.noise_ratio() >= kNoisy,
-          .very_noisy = t.noise_ratio() >= kVeryNoisy,
+          .noisy = t.noise_known && t.noise_ratio() >= kNoisy,
+          .very_noisy = t.noise_known && t.noise_ratio() >= kVeryNoisy,
           .sharp = t.crease_length >= kSharp && t.creases >= kSharpShare + kSharpByNoise * t.noise_ratio(),
           .border = t.border_length >= kBorder && t.borders >= kBorderShare,
           .open = t.open >= kPartOpen,
@@ -53,6 +54,12 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
   if (j.noisy)
     lines.push_back(fmt::format("{}noisy: the samples are {:.2g} spacings off the surface", j.very_noisy ? "very " : "",
                                 t.noise_ratio()));
+  else if (!t.noise_known && t.step > 0)
+    lines.push_back(fmt::format("coordinates come in steps of {:.2g} spacings: what noise there is cannot be told",
+                                t.step / t.spacing));
+  else if (!t.noise_known)
+    lines.push_back(fmt::format("noise cannot be told from shape{}: it is {:.2g} spacings at most",
+                                t.samples < kFewForNoise ? " with so few samples" : "", t.most_noise / t.spacing));
   else
     lines.push_back(t.noise_ratio() < 0.005 ? std::string("no noise to speak of")
                                             : fmt::format("hardly any noise: {:.2g} spacings", t.noise_ratio()));
@@ -87,6 +94,9 @@ std::vector<std::string> findings_of(const CloudTraits& t, const Judgement& j) {
     case OrientationCheck::oriented:
       break;
   }
+  if (t.normals == OrientationCheck::oriented && t.orientation.inward > kPartInward)
+    lines.push_back(fmt::format("the normals of {} of the samples point inward: parts within others, or wrong ones",
+                                percent(t.orientation.inward)));
   if (j.few) lines.push_back("few samples: detail between them is a guess, whatever the method");
   return lines;
 }
@@ -131,9 +141,11 @@ Recommendation curvature(const Judgement& j) {
 
 Recommendation points(const Judgement& j) {
   return {.aim = Aim::points,
-          .surface = SurfaceMethod::apss,
+          .surface = SurfaceMethod::partition,
           .remove_outliers = j.stray,
-          .why = "moves the samples themselves onto algebraic spheres: the noise goes, normals and all"};
+          .why =
+              "moves the samples themselves onto the surface that is nearest to the truth: the noise goes, normals and "
+              "all"};
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/function/surface_function.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/local_frame.h"
@@ -109,7 +109,7 @@ void measure_open_edges(const PointSet& given, CloudTraits& traits) {
   TriangleMesh mesh;
   mesh.vertices = given.positions;
   mesh.triangles = given.triangles;
-  const MeshTopology topology = measure_topology(mesh);
+  const MeshTopology topology = sewn_topology(mesh);
   if (static_cast<double>(topology.boundary_edges) > kSoup * static_cast<double>(topology.edges)) return;
   traits.open_edges = topology.boundary_edges;
   traits.open_loops = topology.boundary_loops;
@@ -215,11 +215,16 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
   const Vec3f size = bounds(points).size();
   traits.diagonal = cloud.place.to_input(static_cast<double>(norm(size)));
   traits.spacing = cloud.place.to_input(estimate_spacing(points));
-  const double noise = estimate_noise(points);
+  const NoiseEstimate estimate = measure_noise(points);
+  const double noise = estimate.deviation;
   traits.noise = cloud.place.to_input(noise);
+  traits.most_noise = cloud.place.to_input(estimate.most);
+  traits.noise_known = estimate.known;
+  traits.step = cloud.place.to_input(estimate.step);
   measure_density(points, traits);
   progress.begin("check normals");
-  traits.normals = check_orientation(points, noise);
+  traits.orientation = measure_orientation(points, noise);
+  traits.normals = traits.orientation.check;
   progress.begin("creases and borders");
   measure_creases(points, traits, cloud.place);
   measure_borders(points, traits);

@@ -17,6 +17,9 @@ struct CloudTraits {
   double diagonal = 0;        ///< of the box (length, unit of the input)
   double spacing = 0;         ///< edge of the square that one sample stands for (length)
   double noise = 0;           ///< standard deviation of the samples off the surface (length)
+  double most_noise = 0;      ///< it is no more than this (length)
+  bool noise_known = true;    ///< false where shape, or steps of the coordinates, look the same (NoiseEstimate)
+  double step = 0;            ///< of the coordinates, where it hides the noise (length)
   double density_ratio = 1;   ///< local spacing: its 95 % quantile over its 5 % quantile, by area
   double evenness = 1;        ///< distance to the nearest sample over spacing: 1 for a lattice, 0.5 at random
   double outliers = 0;        ///< share of samples that belong to no surface
@@ -29,9 +32,10 @@ struct CloudTraits {
   /// of these samples, or of 60,000 of them; 0 where they are too few for a fit.
   double open = 0;
   bool faces = false;          ///< the input has faces
-  std::size_t open_edges = 0;  ///< of the faces: edges of one triangle only; 0 where the faces are a soup
+  std::size_t open_edges = 0;  ///< of the faces, sewn at equal places: edges of one triangle; 0 where most are
   std::size_t open_loops = 0;  ///< connected sets of these: borders and holes
   OrientationCheck normals = OrientationCheck::missing;
+  OrientationReport orientation;  ///< the same in numbers
 
   double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
 };

@@ -7,6 +7,7 @@
 #include "sansmesh/approximation/radial_system.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 
 namespace sansmesh::detail {
 namespace {
@@ -69,12 +70,6 @@ struct Rows {
     return t;
   }
 };
-
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
 
 // Rows, filled by `fill(i, columns, values)` in blocks.
 template <class Fill>
@@ -191,7 +186,7 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
 
   // A, rows by index, nearest first; and the preconditioner from the nearest of those that come earlier in a random
   // order: an approximate inverse G of the Cholesky factor, G A Gᵀ ≈ 1, exact on the pattern (kolotilina1993).
-  const auto rank = [](std::size_t i) { return mixed(i + 1); };
+  const auto rank = [](std::size_t i) { return mixed_bits(i + 1); };
   const Rows a = build_rows(n, [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
     thread_local std::vector<Hit> hits;
     samples.within(x[i], kernel.support(), hits);

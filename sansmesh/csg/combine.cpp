@@ -3,7 +3,9 @@
 #include <cmath>
 #include <vector>
 
+#include "sansmesh/csg/group_node.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
 
 namespace sansmesh {
@@ -160,6 +162,10 @@ class CombineNode final : public SolidNode {
     return std::max(both, far_value(sign, x, radius));
   }
 
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    return builder.combine(*a_, *b_, sign_, radius_, frame);
+  }
+
   double support(const Vec3& n) const override {
     const double a = a_->support(n), b = b_->support(n);
     return sign_ > 0 ? std::max(a, b) + radius_ / (4 * rise()) : std::min(a, b);
@@ -274,6 +280,11 @@ class ComplementNode final : public SolidNode {
     turn(found);
   }
   double least(double sign, const Vec3& x, double radius) const override { return child_->least(-sign, x, radius); }
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    ExpressionFrame turned = frame;
+    turned.sign = -frame.sign;
+    return child_->express(builder, turned);
+  }
   double support(const Vec3& n) const override { return child_->hollow_support(n); }
   double hollow_support(const Vec3& n) const override { return child_->support(n); }
 
@@ -297,6 +308,14 @@ class ComplementNode final : public SolidNode {
 double moved(const SolidNode& node, double support, double distance) {
   if (distance > 0) return support + distance / node.rise();
   return node.lipschitz() ? support + distance : support;
+}
+
+/// Of a child whose values enter as side · (child − distance).
+ExpressionFrame offset_frame(const ExpressionFrame& frame, double side, double distance) {
+  ExpressionFrame inner = frame;
+  inner.sign = frame.sign * side;
+  inner.shift -= inner.sign * frame.map.scale * distance;
+  return inner;
 }
 
 class OffsetNode final : public SolidNode {
@@ -327,6 +346,9 @@ class OffsetNode final : public SolidNode {
   }
   double least(double sign, const Vec3& x, double radius) const override {
     return child_->least(sign, x, radius) - sign * distance_;
+  }
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    return child_->express(builder, offset_frame(frame, 1, distance_));
   }
   double support(const Vec3& n) const override { return moved(*child_, child_->support(n), distance_); }
   double hollow_support(const Vec3& n) const override { return moved(*child_, child_->hollow_support(n), -distance_); }
@@ -386,6 +408,15 @@ class ShellNode final : public SolidNode {
     child_->ranges(x, radius, found);
     fold(found);
   }
+  /// The child grown by the outer distance, without the child grown by the inner one.
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    const auto outer = child_->express(builder, offset_frame(frame, 1, middle_ + half_));
+    if (!outer) return std::nullopt;
+    const auto inner = child_->express(builder, offset_frame(frame, -1, middle_ - half_));
+    if (!inner) return std::nullopt;
+    using Kind = ExpressionBuilder::Node::Kind;
+    return builder.combine(frame.sign > 0 ? Kind::greatest : Kind::least, *outer, *inner);
+  }
   double support(const Vec3& n) const override {
     return std::min(moved(*child_, child_->support(n), middle_ + half_),
                     moved(*child_, child_->hollow_support(n), half_ - middle_));
@@ -417,6 +448,7 @@ Solid combine(const char* what, NodePtr a, NodePtr b, double sign, double blend)
   require_finite(what, "r", blend);
   if (blend != 0) require_positive(what, "r", blend);
   if (a == b && blend == 0) return Solid(std::move(a));
+  if (a->lipschitz() && b->lipschitz() && blend == 0) return Solid(group_of(a, b, sign));
   return Solid(std::make_shared<CombineNode>(std::move(a), std::move(b), sign, blend));
 }
 

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
 #include "sansmesh/field/similarity.h"
 
@@ -48,6 +50,11 @@ class PlacedNode final : public SolidNode {
   double least(double sign, const Vec3& x, double radius) const override {
     return map_.scale * child_->least(sign, map_.back(x), radius / map_.scale);
   }
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    ExpressionFrame inner = frame;
+    inner.map = frame.map * map_;
+    return child_->express(builder, inner);
+  }
   double support(const Vec3& n) const override { return placed(n, child_->support(map_.turn_back(n))); }
   double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.turn_back(n))); }
 
@@ -71,8 +78,11 @@ class PlacedNode final : public SolidNode {
 /// A field of others, wherever it is asked. Nothing is known of it but its values and what they lie between.
 class LeafNode final : public SolidNode {
  public:
-  LeafNode(std::shared_ptr<const ScalarField> field, std::shared_ptr<const csg::FieldKnowledge> known)
-      : SolidNode(traits_of(*field)),
+  /// `solid`: the field is a distance to what this box holds.
+  LeafNode(std::shared_ptr<const ScalarField> field, std::shared_ptr<const csg::FieldKnowledge> known,
+           const std::optional<Box3>& solid = {})
+      : SolidNode(traits_of(*field, solid.has_value())),
+        solid_(solid),
         field_(std::move(field)),
         known_(std::move(known)),
         piecewise_(dynamic_cast<const PiecewiseField*>(field_.get())) {
@@ -99,7 +109,7 @@ class LeafNode final : public SolidNode {
       field_->evaluate(x, values);
       std::fill(around.begin(), around.end(), Surroundings{kUnbounded, 0});
     }
-    field_->ranges(x, reach.alone, ranges);
+    if (!lipschitz()) field_->ranges(x, reach.alone, ranges);
     if (known_)
       for (std::size_t i = 0; i < x.size(); ++i) around[i].detail = known_->detail(x[i], reach.detail);
   }
@@ -107,20 +117,25 @@ class LeafNode final : public SolidNode {
     field_->ranges(x, radius, found);
   }
   double least(double sign, const Vec3& x, double radius) const override {
-    return known_ ? known_->least(sign, x, radius) : -kUnbounded;
+    return known_ ? known_->least(sign, x, radius) : far_value(sign, x, radius);
   }
-  double support(const Vec3&) const override { return kUnbounded; }
+  double support(const Vec3& n) const override {
+    double sum = solid_ ? 0 : kUnbounded;
+    for (std::size_t k = 0; solid_ && k < 3; ++k) sum += n[k] * (n[k] > 0 ? solid_->upper[k] : solid_->lower[k]);
+    return sum;
+  }
   double hollow_support(const Vec3&) const override { return kUnbounded; }
 
  private:
-  static Traits traits_of(const ScalarField& field) {
+  static Traits traits_of(const ScalarField& field, bool distance) {
     const auto* piecewise = dynamic_cast<const PiecewiseField*>(&field);
     return {.pieces = piecewise ? piecewise->pieces() : 1,
-            .lipschitz = false,
+            .lipschitz = distance,
             .cost = 50,
             .thickness = piecewise ? piecewise->thickness() : kUnbounded,
             .hollow_thickness = piecewise ? piecewise->thickness() : kUnbounded};
   }
+  std::optional<Box3> solid_;
   std::shared_ptr<const ScalarField> field_;
   std::shared_ptr<const csg::FieldKnowledge> known_;
   const PiecewiseField* piecewise_;
@@ -158,6 +173,14 @@ Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const Field
     if (std::isfinite(end)) result = intersect(result, half_space(n, end));
   }
   return result;
+}
+
+Solid distance_leaf(std::shared_ptr<const ScalarField> field) {
+  if (!field) throw ArgumentError("leaf: there is no field");
+  const Box3 bounds = field->bounds();
+  if (bounds.empty() || !is_finite(bounds.lower) || !is_finite(bounds.upper))
+    throw ArgumentError("leaf: a distance needs finite bounds");
+  return Solid(std::make_shared<LeafNode>(std::move(field), std::shared_ptr<const FieldKnowledge>(), bounds));
 }
 
 Solid translate(const Solid& a, const Vec3& by) {

@@ -2,10 +2,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
 
 namespace sansmesh {
@@ -34,16 +36,13 @@ double disc_support(const Vec3& n, const Vec3& center, const Vec3& axis, double 
   return dot(n, center) + radius * std::sqrt(std::max(0.0, 1 - c * c));
 }
 
-/// The piece of largest value.
-template <class Shape>
-std::uint32_t largest_piece(const Shape& shape, const Vec3& x, Sample& sample) {
-  std::uint32_t best = 0;
-  sample = shape.at(0, x);
-  for (std::uint32_t p = 1; p < shape.pieces(); ++p) {
-    const Sample s = shape.at(p, x);
-    if (s.value > sample.value) best = p, sample = s;
-  }
-  return best;
+/// Second derivative of a distance to a point or a curve as far away as this.
+double bend_at(double distance) { return distance > 0 ? 1 / distance : kUnbounded; }
+/// The same of what narrows to a point, of which a ball of that radius is asked. Close to the point blocks are never
+/// small enough: it counts as seen.
+double bend_at_tip(double distance, double reach) {
+  constexpr double kClose = 1.5;
+  return distance > kClose * reach ? 1 / distance : kUnbounded;
 }
 
 template <class Shape>
@@ -93,6 +92,14 @@ class PrimitiveNode final : public SolidNode {
     shape_.choose(x, s);
     return sign * s.value - radius;
   }
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    // Which of its values is 0 in the end: deep within rounded boxes there is nothing round.
+    const double level = -frame.shift / (frame.sign * frame.map.scale);
+    return builder.pieces(*this, shape_.largest_of(level), frame);
+  }
+  double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const override {
+    return shape_.bend(piece, x, radius, level);
+  }
   double support(const Vec3& n) const override { return shape_.support(n); }
   double hollow_support(const Vec3& n) const override { return shape_.hollow_support(n); }
 
@@ -108,6 +115,8 @@ Solid solid_of(const Shape& shape) {
 /// What most shapes are: one piece, bounded, an exact distance.
 struct SmoothShape {
   std::uint32_t pieces() const { return 1; }
+  /// Where the value is `level`, it is the largest of so many pieces; 0: one function of its own.
+  std::uint32_t largest_of(double) const { return 0; }
   double rise() const { return 1; }
   double hollow_support(const Vec3&) const { return kUnbounded; }
   double hollow_thickness() const { return kUnbounded; }
@@ -125,6 +134,7 @@ struct Ball : SmoothShape {
     return {r - radius, r > 0 ? d / r : Vec3{}};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
   double support(const Vec3& n) const { return dot(n, center) + radius; }
   double thickness() const { return 2 * radius; }
 };
@@ -135,6 +145,7 @@ struct HalfSpace : SmoothShape {
 
   Sample at(std::uint32_t, const Vec3& x) const { return {dot(normal, x) - offset, normal}; }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double bend(std::uint32_t, const Vec3&, double, double) const { return 0; }
   // Directions come out of rotations: the same but for rounding is the same.
   double support(const Vec3& n) const { return dot(n, normal) > 1 - 1e-14 ? offset : kUnbounded; }
   double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
@@ -147,6 +158,7 @@ struct Block : SmoothShape {
   double rounding = 0;
 
   std::uint32_t pieces() const { return rounding > 0 ? 7 : 6; }
+  std::uint32_t largest_of(double level) const { return rounding > 0 && level > -rounding ? 0 : 6; }
   double rise() const { return rounding > 0 ? 1 : std::sqrt(1.0 / 3); }
   Sample at(std::uint32_t piece, const Vec3& x) const {
     const Vec3 d = x - center;
@@ -188,6 +200,13 @@ struct Block : SmoothShape {
     const double until = rounding > 0 ? std::min(0.0, q[k]) : q[k];
     return std::min(std::abs(d[k]), std::max(0.0, until - other) / std::sqrt(2.0));
   }
+  double bend(std::uint32_t piece, const Vec3& x, double reach, double level) const {
+    if (piece < 6) return 0;
+    Sample s;
+    const std::uint32_t here = choose(x, s);
+    if (here < 6 && alone(here, x, s.value) > reach) return 0;
+    return bend_at(rounding + level);
+  }
   double support(const Vec3& n) const {
     return dot(n, center) + std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z + rounding;
   }
@@ -203,6 +222,7 @@ struct Pipe : SmoothShape {
     return {a.radius - radius, a.outward};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
   double support(const Vec3& n) const { return std::abs(dot(n, axis)) < 1e-14 ? dot(n, center) + radius : kUnbounded; }
   double thickness() const { return 2 * radius; }
 };
@@ -214,6 +234,14 @@ struct Frustum : SmoothShape {
   double slope = 0, cosine = 1;  ///< of the side: radius per height, and of its angle to the axis
 
   std::uint32_t pieces() const { return 3; }
+  std::uint32_t largest_of(double) const { return 3; }
+  double bend(std::uint32_t piece, const Vec3& x, double reach, double level) const {
+    if (piece > 0) return 0;
+    const double along = dot(x - center, axis), narrow = along - std::copysign(reach, slope);
+    const double radius = (bottom + top) / 2 + slope * (slope == 0 ? 0 : narrow) + level / cosine;
+    const bool pointed = std::min(bottom, top) + level * (1 / cosine - std::abs(slope)) <= 0;
+    return cosine * (pointed ? bend_at_tip(radius, reach) : bend_at(radius));
+  }
   /// In front of an edge both pieces are seen at half the angle between their normals.
   double rise() const {
     const double sine = std::abs(slope) * cosine;  // the side's normal leans by this towards the narrow end's
@@ -226,12 +254,21 @@ struct Frustum : SmoothShape {
     const AroundAxis a(d, axis);
     return {(a.radius - (bottom + top) / 2 - slope * a.along) * cosine, (a.outward - slope * axis) * cosine};
   }
-  std::uint32_t choose(const Vec3& x, Sample& s) const { return largest_piece(*this, x, s); }
+  /// The same values as those of at(), with one look at the axis.
+  std::array<double, 3> values(const AroundAxis& a) const {
+    return {(a.radius - (bottom + top) / 2 - slope * a.along) * cosine, -a.along - half_height, a.along - half_height};
+  }
+  std::uint32_t choose(const Vec3& x, Sample& s) const {
+    const AroundAxis a(x - center, axis);
+    const std::array<double, 3> value = values(a);
+    const std::uint32_t side_or_bottom = value[1] > value[0] ? 1 : 0;
+    const std::uint32_t piece = value[2] > value[side_or_bottom] ? 2 : side_or_bottom;
+    s = {value[piece], piece == 0 ? (a.outward - slope * axis) * cosine : piece == 1 ? -axis : axis};
+    return piece;
+  }
   double alone(std::uint32_t piece, const Vec3& x, double value) const {
-    double other = -kUnbounded;
-    for (std::uint32_t p = 0; p < 3; ++p)
-      if (p != piece) other = std::max(other, at(p, x).value);
-    return (value - other) / 2;
+    const std::array<double, 3> all = values(AroundAxis(x - center, axis));
+    return (value - std::max(all[(piece + 1) % 3], all[(piece + 2) % 3])) / 2;
   }
   double support(const Vec3& n) const {
     return std::max(disc_support(n, center - half_height * axis, axis, bottom),
@@ -252,6 +289,11 @@ struct Ring : SmoothShape {
     return {r - tube, r > 0 ? d / r : Vec3{}};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double bend(std::uint32_t, const Vec3& x, double reach, double level) const {
+    const double least = ring - tube - level, beside = AroundAxis(x - center, axis).radius - reach;
+    // Where there is no hole left, there are two dimples.
+    return std::max(bend_at(tube + level), least > 0 ? bend_at(std::max(least, beside)) : bend_at_tip(beside, reach));
+  }
   double support(const Vec3& n) const { return disc_support(n, center, axis, ring) + tube; }
   double thickness() const { return 2 * tube; }
   double hollow_thickness() const { return 2 * (ring - tube); }
@@ -269,6 +311,7 @@ struct Rod : SmoothShape {
     return {r - radius, r > 0 ? away / r : Vec3{}};
   }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
+  double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
   double support(const Vec3& n) const { return dot(n, from) + std::max(0.0, dot(n, along)) + radius; }
   double thickness() const { return 2 * radius; }
 };

@@ -1,8 +1,10 @@
 #include "sansmesh/csg/solid.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
+#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid_node.h"
 
@@ -15,6 +17,51 @@ constexpr std::size_t kBatch = 512;
 template <class T>
 std::span<T> part(std::span<T> all, std::size_t first, std::size_t last) {
   return all.empty() ? all : all.subspan(first, last - first);
+}
+
+/// Trees of which evaluating one point takes longer than this have many parts, of which few count at one place: batches
+/// of neighbours ask fewer of them. A field of others alone costs 50.
+constexpr double kManyParts = 120;
+/// So many points are put in the order of places at a time.
+constexpr std::size_t kSlab = std::size_t{1} << 18;
+
+/// The numbers of these points along a Morton curve.
+std::vector<std::uint64_t> order_of_places(std::span<const Vec3> x) {
+  constexpr double kCells = 1023;
+  Box3 box;
+  for (const Vec3& p : x)
+    if (is_finite(p)) box.extend(p);
+  Vec3 scale;
+  for (std::size_t k = 0; k < 3; ++k) scale[k] = box.size()[k] > 0 ? kCells / box.size()[k] : 0;
+  std::vector<std::uint64_t> order(x.size());
+  parallel_for(0, x.size(), 4096, [&](std::size_t i) {
+    std::array<std::uint32_t, 3> cell{};
+    for (std::size_t k = 0; k < 3 && is_finite(x[i]); ++k)
+      cell[k] = static_cast<std::uint32_t>(std::clamp((x[i][k] - box.lower[k]) * scale[k], 0.0, kCells));
+    order[i] = morton_code(cell[0], cell[1], cell[2]) << 32 | i;
+  });
+  parallel_sort(order);
+  for (std::uint64_t& o : order) o &= 0xffffffffU;
+  return order;
+}
+
+/// Calls ask(x, values, gradients) with the points, as they come or, for many of a tree with many parts, slab by slab
+/// as neighbours; its answers go where they belong. `First` and `Second` may be any kind of answer.
+template <class First, class Second, class Ask>
+void ask_neighbours(const SolidNode& node, std::span<const Vec3> x, std::span<First> first, std::span<Second> second,
+                    Ask&& ask) {
+  if (x.size() <= kBatch || node.cost() < kManyParts) return ask(x, first, second);
+  for (std::size_t begin = 0; begin < x.size(); begin += kSlab) {
+    const std::size_t n = std::min(kSlab, x.size() - begin);
+    const std::vector<std::uint64_t> order = order_of_places(x.subspan(begin, n));
+    std::vector<Vec3> at(n);
+    std::vector<First> one(first.empty() ? 0 : n);
+    std::vector<Second> other(second.empty() ? 0 : n);
+    for (std::size_t i = 0; i < n; ++i) at[i] = x[begin + order[i]];
+    ask(std::span<const Vec3>(at), std::span(one), std::span(other));
+    for (std::size_t i = 0; i < one.size(); ++i) first[begin + order[i]] = one[i];
+    for (std::size_t i = 0; i < other.size(); ++i) second[begin + order[i]] = other[i];
+  }
 }
 
 /// body(first, last) on batches.
@@ -32,17 +79,21 @@ Box3 Solid::bounds() const {
 }
 
 void Solid::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
-  in_batches(x.size(), [&](std::size_t first, std::size_t last) {
-    node_->evaluate(part(x, first, last), part(values, first, last), part(gradients, first, last), {});
+  ask_neighbours(*node_, x, values, gradients, [&](auto at, auto value, auto gradient) {
+    in_batches(at.size(), [&](std::size_t first, std::size_t last) {
+      node_->evaluate(part(at, first, last), part(value, first, last), part(gradient, first, last), {});
+    });
   });
 }
 
 std::uint32_t Solid::pieces() const { return node_->pieces(); }
 
 void Solid::active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const {
-  in_batches(x.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<double> values(last - first);
-    node_->evaluate(part(x, first, last), values, {}, part(piece, first, last));
+  ask_neighbours(*node_, x, piece, std::span<double>(), [&](auto at, auto active, auto) {
+    in_batches(at.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<double> values(last - first);
+      node_->evaluate(part(at, first, last), values, {}, part(active, first, last));
+    });
   });
 }
 
@@ -64,9 +115,11 @@ double Solid::thickness() const {
 
 void Solid::survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
                    std::span<Surroundings> around) const {
-  in_batches(x.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<ValueRange> ranges(last - first);
-    node_->survey(part(x, first, last), reach, part(values, first, last), part(around, first, last), ranges);
+  ask_neighbours(*node_, x, values, around, [&](auto at, auto value, auto surroundings) {
+    in_batches(at.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<ValueRange> ranges(last - first);
+      node_->survey(part(at, first, last), reach, part(value, first, last), part(surroundings, first, last), ranges);
+    });
   });
 }
 

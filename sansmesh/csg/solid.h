@@ -39,6 +39,8 @@ class Solid final : public PiecewiseField {
   /// Of the thinnest primitive or shell, hole of a torus, or tool that was taken away; offsets counted. What an
   /// offset made vanish is left out, and with it what is as thick and in the same part of the expression.
   double thickness() const override;
+  /// Of solids made of primitives; not where fields of others are part of it, or blends of too many pieces.
+  std::shared_ptr<const PieceExpression> expression(double tie) const override;
   void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
               std::span<Surroundings> around) const override;
   /// Put together from those of its fields.
@@ -90,6 +92,10 @@ class FieldKnowledge {
 /// Any field, as a solid that ends at the field's bounds, where those are finite: a field that is still negative there
 /// is cut off by a flat face. A PiecewiseField keeps its pieces.
 Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const FieldKnowledge> known = {});
+
+/// A field that is the signed distance to a solid which its finite bounds() hold, also outside of these: it is not cut
+/// off there.
+Solid distance_leaf(std::shared_ptr<const ScalarField> field);
 
 // ---- Combinations ------------------------------------------------------------------------------------------------
 //

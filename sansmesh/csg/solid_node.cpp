@@ -55,6 +55,12 @@ void SolidNode::ranges(std::span<const Vec3> x, double radius, std::span<ValueRa
   for (std::size_t i = 0; i < x.size(); ++i) found[i] = {values[i] - radius, values[i] + radius};
 }
 
+std::optional<std::uint32_t> SolidNode::express(ExpressionBuilder&, const ExpressionFrame&) const {
+  return std::nullopt;
+}
+
+double SolidNode::bend(std::uint32_t, const Vec3&, double, double) const { return kUnbounded; }
+
 double SolidNode::far_value(double sign, const Vec3& x, double radius) const {
   const Extents& e = sign > 0 ? extents_ : hollow_extents_;
   double outside = 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "sansmesh/core/vec.h"
@@ -13,8 +14,13 @@
 namespace sansmesh {
 
 class Solid;
+class ExpressionBuilder;
+struct ExpressionFrame;
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+/// In place of a piece: the value of the node.
+constexpr std::uint32_t kWholeNode = ~std::uint32_t{0};
 
 /// A smallest box, as its extents in the directions −x, +x, −y, +y, −z, +z; they may contradict each other (no point).
 using Extents = std::array<double, 6>;
@@ -47,6 +53,11 @@ class SolidNode {
   /// A bound from below for sign (±1) times the values within `radius` of x, found without evaluating fields; −infinity
   /// where there is none.
   virtual double least(double sign, const Vec3& x, double radius) const { return far_value(sign, x, radius); }
+
+  /// As minima and maxima of smooth functions (solid_expression.h): the number of its node there, or nothing.
+  virtual std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const;
+  /// As PieceExpression::bend, of a piece or of all that the node is (kWholeNode), where its value is `level` or more.
+  virtual double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const;
 
   virtual double support(const Vec3& n) const = 0;
   virtual double hollow_support(const Vec3& n) const = 0;

@@ -17,7 +17,31 @@ void keep_unmarked(std::vector<T>& values, const std::vector<std::uint8_t>& mask
   values.resize(kept);
 }
 
+template <class T>
+std::vector<T> taken_rows(const std::vector<T>& values, std::span<const std::uint32_t> rows) {
+  std::vector<T> result;
+  if (values.empty()) return result;
+  result.reserve(rows.size());
+  for (const std::uint32_t row : rows) result.push_back(values[row]);
+  return result;
+}
+
 }  // namespace
+
+PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows) {
+  PointSet result;
+  result.origin = points.origin;
+  result.positions = taken_rows(points.positions, rows);
+  result.normals = taken_rows(points.normals, rows);
+  result.colors = taken_rows(points.colors, rows);
+  result.attributes = points.attributes.taken(rows);
+  result.scan_of_point = taken_rows(points.scan_of_point, rows);
+  result.scanners = points.scanners;
+  result.scan_names = points.scan_names;
+  result.grid_normals = taken_rows(points.grid_normals, rows);
+  result.of_faces = points.of_faces;
+  return result;
+}
 
 void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask) {
   if (mask.size() != points.size())

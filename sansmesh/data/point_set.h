@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,5 +58,8 @@ inline Box3f bounds(const PointSet& points) {
 /// Keeps the samples whose mask is 0, with all that belongs to them, in order. Triangles with a removed corner go.
 /// Throws ArgumentError if the mask has another length than the cloud.
 void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
+
+/// Sample i is what sample rows[i] is, with all that belongs to it but triangles. Row numbers must exist.
+PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows);
 
 }  // namespace sansmesh

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "sansmesh/field/scalar_field.h"
@@ -26,6 +27,8 @@ struct SurveyReach {
   double detail = 0;  ///< for details
   double alone = 0;   ///< for other pieces
 };
+
+class PieceExpression;
 
 /// At every point the value is that of one of several smooth functions, its pieces (combined by minima, maxima and
 /// changes of sign). Two pieces meet in a crease of the zero set where both vanish, three in a corner. All that is
@@ -49,6 +52,11 @@ class PiecewiseField : public ScalarField {
 
   /// Thickness of the thinnest part or hole that is known, infinity if there is none.
   virtual double thickness() const { return std::numeric_limits<double>::infinity(); }
+
+  /// The field as minima and maxima of its pieces (piece_expression.h), where it is nothing else; else nothing. Where
+  /// surfaces coincide but for rounding, parts of a union overlap, by the length `tie`, and what is subtracted goes
+  /// through: `tie` should be far above the rounding of values, and below that of the mesh.
+  virtual std::shared_ptr<const PieceExpression> expression([[maybe_unused]] double tie) const { return nullptr; }
 
   /// Values, and what is known around each of x. As many entries as x. Safe from several threads. Nothing is known
   /// unless this is overridden.

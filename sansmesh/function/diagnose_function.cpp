@@ -28,6 +28,8 @@ namespace {
 constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
 /// Where around a support's foot the gradient is looked at: along the normal, in radii.
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
+/// Normals whose mean is shorter than this face all ways.
+constexpr double kOneWay = 0.2;
 /// An edit's ball reaches a little beyond the place.
 constexpr double kBallMargin = 1.05;
 /// A sheet is taken away whose share of vertices on components that stay is not larger than this.
@@ -66,6 +68,11 @@ std::vector<double> steepness(const PartitionOfUnity& field) {
   return steepest;
 }
 
+/// Of so many unit normals with this sum.
+Vec3 mean_normal(const Vec3& sum, std::size_t count) {
+  return norm(sum) > kOneWay * static_cast<double>(count) ? normalized(sum) : Vec3{};
+}
+
 /// Flagged supports with touching blocks make a place.
 void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagged& flagged, Diagnosis& diagnosis) {
   const PartitionData& data = function.field.data();
@@ -95,16 +102,18 @@ void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagge
     const double value = flagged.value[ids[i]];
     if (k < 0) {
       k = static_cast<std::int64_t>(places.size());
-      places.push_back({kind, {}, 0, 0, value, {}});
+      places.push_back({kind, {}, {}, 0, 0, value, {}});
       boxes.emplace_back();
     }
     SuspiciousPlace& p = places[static_cast<std::size_t>(k)];
     ++p.supports;
+    p.normal += Vec3(data.functions[ids[i]].nu);
     p.worst = low ? std::min(p.worst, value) : std::max(p.worst, value);
     const float h = 0.5f * reach[i] / 1.8f;
     boxes[static_cast<std::size_t>(k)].extend({feet[i] - Vec3f{h, h, h}, feet[i] + Vec3f{h, h, h}});
   }
   for (std::size_t k = 0; k < places.size(); ++k) {
+    places[k].normal = mean_normal(places[k].normal, places[k].supports);
     places[k].position = function.place.to_input(data.origin + Vec3(boxes[k].center()));
     places[k].radius = function.place.to_input(0.5 * static_cast<double>(boxes[k].diagonal()));
   }
@@ -171,6 +180,7 @@ void find_extra_sheets(const SurfaceFunction& function, const TriangleMesh& mesh
   // Of each sheet, vertices on components that are extra and on such that are not: a sheet may make several.
   std::vector<std::array<std::size_t, 2>> vertices(sheets.size());
   std::vector<Box3f> box(components.size());
+  std::vector<Vec3> normal(components.size());
   std::vector<std::vector<std::uint32_t>> on(components.size());  // supports along extra components
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const std::uint32_t c = component[v], sheet = data.supports.empty() ? Sheets::kNone : sheets.of_support[nearest[v]];
@@ -178,6 +188,7 @@ void find_extra_sheets(const SurfaceFunction& function, const TriangleMesh& mesh
     if (sheet != Sheets::kNone) ++vertices[sheet][extra[c]];
     if (!extra[c]) continue;
     box[c].extend(mesh.vertices[v]);
+    normal[c] += Vec3(mesh.normals[v]);
     on[c].push_back(nearest[v]);
   }
   std::vector<SuspiciousPlace> places;
@@ -187,6 +198,7 @@ void find_extra_sheets(const SurfaceFunction& function, const TriangleMesh& mesh
     SuspiciousPlace p;
     p.kind = Suspicion::extra_sheet;
     p.position = function.place.to_input(mesh.origin + Vec3(box[c].center()));
+    p.normal = mean_normal(normal[c], on[c].size());
     p.radius = function.place.to_input(0.5 * static_cast<double>(box[c].diagonal()));
     p.worst = function.place.to_input(function.place.to_input(components.area[c]));
     const std::uint32_t at = on[c].empty() ? 0 : on[c].front();
@@ -320,6 +332,8 @@ const char* suspicion_name(Suspicion kind) {
   }
   return "";
 }
+
+std::array<std::uint8_t, 3> suspicion_color(Suspicion kind) { return kColors[static_cast<std::size_t>(kind)]; }
 
 void DiagnoseOptions::validate() const {
   const auto check = [](bool ok, const char* what) {

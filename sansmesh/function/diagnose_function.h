@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,8 @@ enum class Suspicion : std::uint8_t {
 };
 constexpr std::size_t kSuspicions = 4;
 const char* suspicion_name(Suspicion kind);
+/// What Diagnosis::mesh is coloured in there (sRGB).
+std::array<std::uint8_t, 3> suspicion_color(Suspicion kind);
 
 struct DiagnoseOptions {
   double coverage_below = 0.3;  ///< of supports (METHODS §3.1), 0..1
@@ -39,6 +42,7 @@ struct DiagnoseOptions {
 struct SuspiciousPlace {
   Suspicion kind;
   Vec3 position;             ///< middle (input)
+  Vec3 normal;               ///< of the surface there, outward, on average; 0 if it faces all ways
   double radius = 0;         ///< of a ball around it (length)
   std::size_t supports = 0;  ///< that are concerned
   double worst = 0;          ///< coverage, error (length), area (length²) or gradient

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/partition/partition_edit.h"
@@ -18,6 +19,10 @@ namespace {
 /// A sheet is spurious, too, whose area is less than this share of the largest one's; of sheets that bound no solid
 /// only those are that fewer samples than so many stand for.
 constexpr double kSmallSheet = 0.01, kFewSamples = 5;
+
+/// Boxes of changes become one where that is not much larger, and where there are many of them.
+constexpr double kUnitedGrowth = 1.2, kAnyGrowth = 1e30;
+constexpr std::size_t kMostBoxes = 500;
 
 /// A place is on a sheet if one of its supports has its foot within so many edges of its block.
 constexpr float kSheetReach = 2;
@@ -127,11 +132,12 @@ EditReport FunctionEditor::undo(int steps) {
     throw ArgumentError(fmt::format("undo: there are {} edits to take back, not {}", before_.size(), steps));
   Before& then = before_[before_.size() - static_cast<std::size_t>(steps)];
   EditReport report;
-  report.changed = changed_;
+  report.regions = changed_;
+  report.changed = bounds_of(changed_);
   report.what = "took back " + counted(static_cast<std::size_t>(steps), "edit");
   function_.field = std::move(then.field);
   function_.history.resize(then.history);
-  changed_ = then.changed;
+  changed_ = std::move(then.changed);
   before_.erase(before_.end() - steps, before_.end());
   return report;
 }
@@ -180,11 +186,13 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
       edit.action);
   report.supports = result.supports;
   report.changed = to_input(function_, result.changed);
+  for (const Box3f& region : result.regions) report.regions.push_back(to_input(function_, region));
   progress.begin("assemble");
   PartitionOfUnity field(std::move(result.data));
   before_.push_back({function_.field, changed_, function_.history.size()});
   function_.history.push_back(report.what);
-  changed_.extend(report.changed);
+  changed_.insert(changed_.end(), report.regions.begin(), report.regions.end());
+  unite(changed_, changed_.size() > kMostBoxes ? kAnyGrowth : kUnitedGrowth);
   function_.field = std::move(field);
   return report;
 }

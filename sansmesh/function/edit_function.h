@@ -65,7 +65,9 @@ struct EditReport {
   std::size_t chosen = 0;    ///< supports that were selected
   std::size_t supports = 0;  ///< that stand in their place
   Box3 changed;              ///< where the function may have changed (input); empty: nowhere
-  std::string what;          ///< one line for people to read
+  /// The same more closely: boxes whose union holds it; they may overlap.
+  std::vector<Box3> regions;
+  std::string what;  ///< one line for people to read
 };
 
 /// A function, and what it was before each edit.
@@ -77,21 +79,22 @@ class FunctionEditor {
   /// Throws ArgumentError for values out of range, DataError where it cannot be done (no samples, nothing would be
   /// left); the function is then as it was. Nothing selected is no error.
   EditReport apply(const Edit& edit, Progress& progress);
-  /// Where anything differs from the function that the editor was given (input coordinates); empty: nowhere.
-  const Box3& changed() const { return changed_; }
+  /// Where anything differs from the function that the editor was given (input coordinates): in the union of these
+  /// boxes, which may overlap; none: nowhere.
+  const std::vector<Box3>& changed() const { return changed_; }
   std::size_t edits() const { return before_.size(); }
 
  private:
   struct Before {
     PartitionOfUnity field;
-    Box3 changed;
+    std::vector<Box3> changed;
     std::size_t history;  ///< lines
   };
   EditReport undo(int steps);
 
   SurfaceFunction function_;
   std::vector<Before> before_;
-  Box3 changed_;
+  std::vector<Box3> changed_;
 };
 
 }  // namespace sansmesh

@@ -2,69 +2,74 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/crease_edges.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/measure/mesh_signed_distance.h"
+#include "sansmesh/function/mesh_solid.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kBatch = 1024;
+/// How much closer to the function the mesh is than one that is made to be kept: offsets magnify how normals err.
+constexpr double kFinerMesh = 0.2;
+/// How far beside the surface the function is asked for its side, in spacings, and what it must be there, at least.
+constexpr double kBeside = 1, kSoundShare = 0.25;
 
-/// A step from 1 at `a` to 0 at `b`, with its derivative.
-std::pair<double, double> fading(double t, double a, double b) {
-  const double u = std::clamp((t - a) / (b - a), 0.0, 1.0);
-  return {1 - u * u * (3 - 2 * u), -6 * u * (1 - u) / (b - a)};
-}
+/// Fits see creases of more than 30 degrees. Shorter ones than so many spacings are noise.
+constexpr double kFunctionCrease = 30, kLeastCrease = 5;
 
 TriangleMesh whole_mesh(const SurfaceFunction& function, Progress& progress) {
   MeshOptions options;
   options.components.kind = ComponentChoice::Kind::all;
   options.carry_colors = false;
-  return mesh_function(function, options, progress);
+  options.mesh_error = kFinerMesh * function.place.to_input(default_mesh_error(function.field.report()));
+  TriangleMesh mesh = mesh_function(function, options, progress);
+  if (function.field.data().options.sharp) {
+    const PlacedField field(function.field, function.place);
+    turn_edges_to_creases(mesh, field);
+  }
+  return mesh;
 }
 
 }  // namespace
 
 struct FunctionDistance::Parts {
   Parts(std::shared_ptr<const SurfaceFunction> f, Progress& progress)
-      : function(std::move(f)),
-        field(function->field, function->place),
-        mesh(whole_mesh(*function, progress)),
-        distance(mesh),
-        near(std::max(function->place.to_input(function->field.report().spacing),
-                      1e-6 * distance.bounds().diagonal())) {}
+      : function(std::move(f)), field(function->field, function->place) {
+    TriangleMesh mesh = whole_mesh(*function, progress);
+    closed = measure_topology(mesh).closed();
+    const double spacing = function->place.to_input(function->field.report().spacing);
+    distance = std::make_unique<MeshField>(
+        std::move(mesh),
+        MeshField::Options{
+            .rounded = true, .smooth = true, .crease_angle = kFunctionCrease, .least_crease = kLeastCrease * spacing});
+    near = std::max(kBeside * spacing, 1e-6 * distance->bounds().diagonal());
+  }
 
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const;
-  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
-  /// Distances to the mesh, with the function's sign.
-  std::vector<MeasuredPoint> measure(std::span<const Vec3> x) const {
-    std::vector<MeasuredPoint> found(x.size());
-    distance.measure(x, std::numeric_limits<double>::max(), found);
-    // The side: that of the function next to the closest point. A mesh has its folds, and normals there that mislead.
+  /// Of an open mesh: the side is that of the function next to the closest point, since the normals at a border
+  /// mislead. Values that change sign, as 1 or -1.
+  std::vector<double> sides(std::span<const Vec3> x, std::span<const double> values,
+                            std::span<const Vec3> gradients) const {
     std::vector<Vec3> beside(x.begin(), x.end());
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double d = std::abs(found[i].distance);
-      if (d > near) beside[i] = found[i].point + (x[i] - found[i].point) * (near / d);
-    }
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (std::abs(values[i]) > near) beside[i] = x[i] - gradients[i] * (values[i] - std::copysign(near, values[i]));
     std::vector<double> side(x.size());
     field.evaluate(beside, side);
     for (std::size_t i = 0; i < x.size(); ++i)
-      if (std::abs(side[i]) > 0.25 * near) found[i].distance = std::copysign(found[i].distance, side[i]);
-    return found;
+      side[i] = std::abs(side[i]) > kSoundShare * near && (side[i] < 0) != (values[i] < 0) ? -1 : 1;
+    return side;
   }
 
   std::shared_ptr<const SurfaceFunction> function;
   PlacedField field;
-  TriangleMesh mesh;
-  MeshDistance distance;
-  double near;  ///< one spacing
+  std::unique_ptr<const MeshField> distance;
+  bool closed = false;
+  double near = 0;  ///< about one spacing
 };
 
 FunctionDistance::FunctionDistance(std::shared_ptr<const SurfaceFunction> function, Progress& progress)
@@ -72,74 +77,38 @@ FunctionDistance::FunctionDistance(std::shared_ptr<const SurfaceFunction> functi
 
 FunctionDistance::~FunctionDistance() = default;
 
-Box3 FunctionDistance::bounds() const { return parts_->field.bounds(); }
-
-/// Of points that go together.
-void FunctionDistance::Parts::evaluate(std::span<const Vec3> x, std::span<double> values,
-                                       std::span<Vec3> gradients) const {
-  const std::vector<MeasuredPoint> found = measure(x);
-  std::vector<std::size_t> close;
-  std::vector<Vec3> at;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double d = found[i].distance;
-    values[i] = d;
-    if (!gradients.empty()) gradients[i] = d != 0 ? (x[i] - found[i].point) / d : Vec3{};
-    if (!(std::abs(d) < 2 * near)) continue;
-    close.push_back(i);
-    at.push_back(x[i]);
-  }
-  if (close.empty()) return;
-  std::vector<double> value(close.size());
-  std::vector<Vec3> slope(gradients.empty() ? 0 : close.size());
-  field.evaluate(at, value, slope);
-  for (std::size_t j = 0; j < close.size(); ++j) {
-    const std::size_t i = close[j];
-    const double d = values[i], gap = value[j] - d;
-    const auto [share, share_slope] = fading(std::abs(d), near, 2 * near);
-    const auto [trust, trust_slope] = fading(std::abs(gap), 0.5 * near, near);
-    const double weight = share * trust;
-    values[i] = d + weight * gap;
-    if (gradients.empty()) continue;
-    const Vec3 away = gradients[i], across = slope[j] - away;
-    gradients[i] =
-        away + across * weight +
-        (away * (std::copysign(share_slope, d) * trust) + across * (std::copysign(trust_slope, gap) * share)) * gap;
-    if (!is_finite(gradients[i])) gradients[i] = slope[j];
-  }
-}
-
-void FunctionDistance::Parts::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
-  const std::vector<MeasuredPoint> measured = measure(x);
-  std::vector<std::size_t> close;
-  std::vector<Vec3> at;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double d = measured[i].distance;
-    found[i] = {d - radius, d + radius};
-    if (!(std::abs(d) < 2 * near + radius)) continue;
-    close.push_back(i);
-    at.push_back(x[i]);
-  }
-  std::vector<ValueRange> of_function(close.size());
-  if (!close.empty()) field.ranges(at, radius, of_function);
-  for (std::size_t j = 0; j < close.size(); ++j) {
-    ValueRange& r = found[close[j]];
-    r = {std::min(r.least, of_function[j].least), std::max(r.most, of_function[j].most)};
-  }
-}
+Box3 FunctionDistance::bounds() const { return parts_->closed ? parts_->distance->bounds() : parts_->field.bounds(); }
+bool FunctionDistance::closed() const { return parts_->closed; }
+std::uint32_t FunctionDistance::pieces() const { return parts_->distance->pieces(); }
 
 void FunctionDistance::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
-  parallel_ranges(0, x.size(), kBatch, [&](std::size_t first, std::size_t last) {
-    const std::size_t n = last - first;
-    parts_->evaluate(x.subspan(first, n), values.subspan(first, n),
-                     gradients.empty() ? gradients : gradients.subspan(first, n));
-  });
+  if (parts_->closed) return parts_->distance->evaluate(x, values, gradients);
+  std::vector<Vec3> own(gradients.empty() ? x.size() : 0);
+  const std::span<Vec3> slopes = gradients.empty() ? std::span(own) : gradients;
+  parts_->distance->evaluate(x, values, slopes);
+  const std::vector<double> side = parts_->sides(x, values, slopes);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    values[i] *= side[i];
+    if (!gradients.empty()) gradients[i] = gradients[i] * side[i];
+  }
 }
 
-void FunctionDistance::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
-  parallel_ranges(0, x.size(), kBatch, [&](std::size_t first, std::size_t last) {
-    const std::size_t n = last - first;
-    parts_->ranges(x.subspan(first, n), radius, found.subspan(first, n));
-  });
+void FunctionDistance::active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const {
+  parts_->distance->active(x, piece);
+}
+
+void FunctionDistance::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                                      std::span<Vec3> gradients) const {
+  parts_->distance->evaluate_piece(piece, x, values, gradients);
+}
+
+std::optional<double> FunctionDistance::slope_bound() const {
+  return parts_->closed ? std::optional<double>(1) : std::nullopt;
+}
+
+Solid function_distance_solid(std::shared_ptr<const SurfaceFunction> function, Progress& progress) {
+  auto distance = std::make_shared<const FunctionDistance>(std::move(function), progress);
+  return distance->closed() ? csg::distance_leaf(std::move(distance)) : csg::leaf(std::move(distance));
 }
 
 }  // namespace sansmesh

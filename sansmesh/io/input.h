@@ -22,6 +22,8 @@ struct Input {
   /// "truncated: 1,234 bytes are missing".
   [[noreturn]] void fail_truncated(std::uint64_t missing_bytes, bool at_least = false) const;
   void warn(const std::string& remark) const { report.warnings.push_back(printable(remark)); }
+  /// Something in the file for which the data has no place.
+  void unread(const std::string& what) const { report.unread.push_back(printable(what, 80)); }
 };
 
 }  // namespace sansmesh::io

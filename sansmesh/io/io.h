@@ -18,6 +18,9 @@ namespace sansmesh {
 struct ReadReport {
   std::string format;                 ///< e.g. "PLY binary little endian"
   std::vector<std::string> warnings;  ///< e.g. "57,553 of 307,200 points are not finite and were left out"
+  /// What the file holds besides, for which there is no place in the data: "texture coordinates". Of several files that
+  /// of each, once.
+  std::vector<std::string> unread;
 };
 
 /// Points of a PLY, OBJ, OFF, STL, XYZ/CSV/TXT/PWN, PCD, LAS or VTP file or of a Stanford .conf alignment
@@ -37,6 +40,9 @@ struct ReadReport {
 /// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
 PointSet read_points(const std::string& file, ReadReport* report = nullptr);
 
+/// Whether there is a reader for files of that ending.
+bool is_read(const std::string& file);
+
 /// The points of several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All have
 /// one origin, that of the first file, so that a place has the same position whichever file it comes from. Attributes
 /// are those of all files; where a file has one not, or of another type than the first that has it, its points' numbers
@@ -50,6 +56,10 @@ PointSet read_merged(const std::vector<std::string>& files, ReadReport* report =
 /// A mesh (polygons are triangulated as fans). Throws FileError as read_points, and where the file has no faces.
 TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);
 
+/// The lines of a VTP file, with the attributes of their points; empty where it has none, and for files of other kinds,
+/// which hold no lines. Throws FileError as read_points.
+PolylineSet read_lines(const std::string& file);
+
 struct WriteOptions {
   bool ascii = false;  ///< text instead of binary, where the format has both
 };
@@ -59,9 +69,21 @@ struct WriteOptions {
 /// name_0, name_1, …, and what would tear the header becomes '_'.
 void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options = {});
 
-/// Writes PLY, OBJ, XYZ, CSV, PCD or VTP by the name's ending. PLY, CSV, PCD and VTP hold attributes (PLY, CSV and PCD
-/// as columns, see write_mesh), the others none. Triangles are not written.
+/// Writes PLY, OBJ, XYZ, CSV, PCD, VTP or LAS by the name's ending. PLY, CSV, PCD, VTP and LAS hold attributes (PLY,
+/// CSV and PCD as columns, see write_mesh), the others none. Triangles are not written.
+///
+/// LAS: version 1.2 if its point formats hold the attributes of LAS (see read_points) that there are, else 1.4; others,
+/// and those that do not fit, as extra bytes. Coordinates count decimal steps finer than the floats of the positions.
+/// No normals. Throws ArgumentError for positions that are not finite.
 void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
+
+/// Whether there is a writer for files of that ending; kind: "mesh", "points" or "lines".
+bool is_written(const std::string& file, const std::string& kind);
+
+/// What the format of `file` has no room for, of what there is: "normals", "colours", names of attributes, "… of
+/// triangles". Throws FileError where there is no writer.
+std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh);
+std::vector<std::string> left_out(const std::string& file, const PointSet& points);
 
 /// Writes VTP (lines, with all attributes), PLY (vertices and edges, with the attributes of points) or CSV (a row a
 /// point: line,x,y,z and the attributes of points; `time`, where there is one, comes second) by the name's ending.

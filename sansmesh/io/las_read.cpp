@@ -178,6 +178,59 @@ void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_
   }
 }
 
+/// What colours of 16 bits say.
+enum class ColorDepth {
+  bytes,       ///< no more than 255, as some writers have it
+  high_bytes,  ///< bytes times 256 or 257: the upper byte says all
+  words,
+};
+
+ColorDepth color_depth(const LasRecords& r, std::size_t offset) {
+  struct Seen {
+    unsigned low = 0;     // bits of lower bytes
+    bool uneven = false;  // some lower byte is not the upper one
+    bool beyond = false;  // some is above 255
+  };
+  const Seen seen = parallel_reduce(
+      r.count, 1 << 15, Seen{},
+      [&](std::size_t first, std::size_t last) {
+        Seen s;
+        for (std::size_t i = first; i < last; ++i)
+          for (std::size_t k = 0; k < 3; ++k) {
+            const unsigned c = r.at<std::uint16_t>(i, offset + 2 * k);
+            s.low |= c & 255u, s.uneven |= (c & 255u) != c >> 8, s.beyond |= c > 255;
+          }
+        return s;
+      },
+      [](Seen a, const Seen& b) {
+        a.low |= b.low, a.uneven |= b.uneven, a.beyond |= b.beyond;
+        return a;
+      });
+  if (!seen.beyond) return ColorDepth::bytes;
+  return seen.low == 0 || !seen.uneven ? ColorDepth::high_bytes : ColorDepth::words;
+}
+
+/// What has no place in a cloud: of the header's records in [at, begin), and of the bits of points.
+void tell_unread_of_las(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r) {
+  constexpr std::size_t kHead = 54;
+  const char* const data = in.bytes.data();
+  for (std::uint32_t left = load<std::uint32_t>(data + 100); left > 0 && at + kHead <= begin; --left) {
+    const std::string_view user = in.bytes.substr(at + 2, 16);
+    if (user.substr(0, user.find('\0')) == "LASF_Projection") {
+      in.unread("the coordinate reference system");
+      break;
+    }
+    at += kHead + load<std::uint16_t>(data + at + 20);
+  }
+  if (r.format == 4 || r.format == 5 || r.format >= 9) in.unread("waveforms");
+  const std::size_t first = r.wide() ? 15 : 14;
+  unsigned bits = 0, flags = 0;
+  for (std::size_t i = 0; i < r.count; ++i) bits |= r.byte(i, first), flags |= r.flags(i);
+  if (bits & 0xc0) in.unread("scan directions and edges of flight lines");
+  if (r.wide() && (bits & 0x30)) in.unread("scanner channels");
+  if (flags & 2) in.unread("flags of key points");
+}
+
 /// Points that the file marks as no longer part of it.
 void leave_out_withheld(const Input& in, const LasRecords& r, PointSet& points) {
   std::vector<std::uint8_t> withheld(r.count);
@@ -233,11 +286,15 @@ PointSet read_las(const Input& in) {
   }
   const std::size_t n = static_cast<std::size_t>(count);
   CloudColumns columns;
+  const LasRecords records{data + begin, record, n, format_byte, minor == 0};
+  const std::size_t rgb = las_colors(format_byte);
+  const ColorDepth depth = rgb ? color_depth(records, rgb) : ColorDepth::bytes;
   for (std::size_t k = 0; k < 3; ++k) {
     columns.position[k] = {data + begin + 4 * k, record, NumberType::i32, false};
-    if (const std::size_t rgb = las_colors(format_byte)) {
+    if (rgb && depth == ColorDepth::high_bytes)
+      columns.color[k] = {data + begin + rgb + 2 * k + 1, record, NumberType::u8, false};
+    else if (rgb)
       columns.color[k] = {data + begin + rgb + 2 * k, record, NumberType::u16, false};
-    }
   }
   PointSet points;
   decode_columns(in, columns, n, points, scale, offset);
@@ -245,10 +302,11 @@ PointSet read_las(const Input& in) {
   const bool black = std::all_of(points.colors.begin(), points.colors.end(),
                                  [](const auto& c) { return c[0] == 0 && c[1] == 0 && c[2] == 0; });
   if (black) points.colors.clear();
-  const LasRecords records{data + begin, record, n, format_byte, minor == 0};
   points.attributes = las_attributes(records);
   const std::size_t header = load<std::uint16_t>(data + 94);
   add_extras(in, find_extras(in, header, begin, records, least_record[format_byte]), n, points.attributes);
+  tell_unread_of_las(in, header, begin, records);
+  if (depth == ColorDepth::words) in.unread("the lower 8 of the 16 bits of colours");
   leave_out_withheld(in, records, points);
   finish(in, points);
   return points;

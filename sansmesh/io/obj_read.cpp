@@ -40,6 +40,8 @@ class ObjReader {
         normal(words);
       else if (key == "f" || key == "fo")
         face(words);
+      else
+        other(key);
     }
     if (positions_.empty()) in_.fail("holds no points (no line 'v x y z')");
     faces_.done();
@@ -48,12 +50,24 @@ class ObjReader {
     assign_normals();
     assign_colors();
     finish(in_, points_);
+    if (textures_) in_.unread("texture coordinates");
+    if (materials_) in_.unread("materials");
+    if (groups_) in_.unread("groups of faces");
+    if (lines_) in_.unread("lines");
     return std::move(points_);
   }
 
  private:
   [[noreturn]] void malformed(const std::string& what) const {
     in_.fail(fmt::format("line {}: {}", grouped(line_), what));
+  }
+
+  /// What is stepped over, but worth a word.
+  void other(std::string_view key) {
+    textures_ |= key == "vt";
+    materials_ |= key == "usemtl";
+    groups_ |= key == "g" || key == "o" || key == "s";
+    lines_ |= key == "l";
   }
 
   void vertex(TextScanner& words) {
@@ -129,6 +143,8 @@ class ObjReader {
     for (std::size_t i = 0; i < n; ++i) {
       if (conflict[i]) points_.normals[i] = {};
     }
+    if (std::find(conflict.begin(), conflict.end(), 1) != conflict.end())
+      in_.unread("normals of vertices whose faces have different ones");
   }
 
   void assign_colors() {
@@ -152,6 +168,7 @@ class ObjReader {
   std::vector<std::array<std::int64_t, 2>> uses_;  ///< (vertex, normal) of every corner that names a normal
   std::vector<std::int64_t> corners_;
   std::uint64_t line_ = 0;
+  bool textures_ = false, materials_ = false, groups_ = false, lines_ = false;
 };
 
 }  // namespace

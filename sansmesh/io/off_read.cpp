@@ -50,7 +50,7 @@ PointSet read_off(const Input& in) {
   in.report.format = std::string(magic);
   magic.remove_suffix(3);
   bool has_colors = false, has_normals = false;
-  if (magic.starts_with("ST")) magic.remove_prefix(2);  // texture coordinates come last and are not read
+  if (magic.starts_with("ST")) magic.remove_prefix(2), in.unread("texture coordinates");  // they come last
   if (magic.starts_with("C")) magic.remove_prefix(1), has_colors = true;
   if (magic.starts_with("N")) magic.remove_prefix(1), has_normals = true;
   if (!magic.empty()) in.fail(fmt::format("unsupported kind of OFF file ('{}')", in.report.format));
@@ -104,6 +104,7 @@ PointSet read_off(const Input& in) {
   }
   FaceSink sink(in, points.triangles);
   std::vector<std::int64_t> corners;
+  bool face_colors = false;
   for (std::uint64_t f = 0; f < faces; ++f) {
     TextScanner row = lines.next("face", f, faces);
     std::uint64_t count = 0;
@@ -115,9 +116,12 @@ PointSet read_off(const Input& in) {
       if (!row.number(c))
         in.fail(fmt::format("line {}: a face of {} corners lists fewer", grouped(lines.number()), count));
     }
+    row.skip_blanks();
+    face_colors |= !row.at_end();
     sink.add_polygon(corners);
   }
   sink.done();
+  if (face_colors) in.unread("colours of faces");
   place_positions(in, points, n, [&](std::size_t i) { return positions[i]; });
   finish(in, points);
   return points;

@@ -306,6 +306,8 @@ PointSet read_pcd(const Input& in) {
   else
     in.fail(fmt::format("malformed PCD header: unknown kind of data '{}'", h.data.substr(0, 40)));
   find_viewer(in, h, points);
+  if (h.height > 1) in.unread("rows and columns");
+  if (h.viewpoint[0] != 0 || h.viewpoint[1] != 0 || h.viewpoint[2] != 0) in.unread("the viewpoint");
   finish(in, points);
   return points;
 }

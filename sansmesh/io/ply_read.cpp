@@ -78,6 +78,21 @@ void decode_vertices(const Input& in, const Element& e, MakeColumn&& column, boo
   points.attributes = decode_attributes(in, other_columns(e, used, column), n);
 }
 
+/// Elements and lists that are stepped over.
+void tell_unread(const Input& in, const PlyHeader& header) {
+  for (const Element& e : header.elements) {
+    if (e.count == 0) continue;
+    const bool faces = e.holds_polygons() || e.holds_strips();
+    if (e.name != "vertex" && !(faces && e.index_list() != std::string::npos)) {
+      in.unread(e.name == "range_grid" ? "rows and columns" : "elements '" + e.name + "'");
+      continue;
+    }
+    for (std::size_t k = 0; k < e.properties.size(); ++k)
+      if (e.properties[k].is_list && !(faces && k == e.index_list()))
+        in.unread("lists '" + e.properties[k].given + "' of " + e.name);
+  }
+}
+
 /// Whether faces have numbers beside their lists.
 bool has_scalars(const Element& e) {
   return std::any_of(e.properties.begin(), e.properties.end(), [](const Property& q) { return !q.is_list; });
@@ -390,6 +405,7 @@ PointSet read_ply(const Input& in) {
     points.triangle_attributes.clear();
     break;
   }
+  tell_unread(in, header);
   finish(in, points);
   return points;
 }

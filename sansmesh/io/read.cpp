@@ -1,6 +1,8 @@
 // Chooses the reader for a file: by its first bytes where they say what it is, else by its ending.
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/merge_points.h"
 #include "sansmesh/io/names.h"
@@ -67,14 +69,20 @@ std::string known_endings() {
   return known.substr(1) + " (and each with .gz)";
 }
 
-PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin = {}) {
-  const io::FileContent content(file);
-  const Input in{file, content.bytes(), report, origin};
+const Format* format_of_name(const std::string& file) {
   const std::string name = io::ending(file);
   const Format* by_name = nullptr;
   for (const Format& f : formats) {
     if (!name.empty() && std::string_view(f.endings).find(" " + name + " ") != std::string_view::npos) by_name = &f;
   }
+  return by_name;
+}
+
+PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin = {}) {
+  const io::FileContent content(file);
+  const Input in{file, content.bytes(), report, origin};
+  const std::string name = io::ending(file);
+  const Format* const by_name = format_of_name(file);
   const Format* const by_content = format_of_content(in.bytes);
   const Format* const format = by_content ? by_content : by_name;
   if (!format) {
@@ -90,11 +98,24 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
 
 }  // namespace
 
+bool is_read(const std::string& file) {
+  const Format* const format = format_of_name(file);
+  return format && format->read;
+}
+
 PointSet read_points(const std::string& file, ReadReport* report) {
   ReadReport own;
   ReadReport& r = report ? *report : own;
   r = {};
   return read_any(file, r);
+}
+
+PolylineSet read_lines(const std::string& file) {
+  ReadReport report;
+  const io::FileContent content(file);
+  const Input in{file, content.bytes(), report, {}};
+  const bool vtk = in.bytes.substr(0, 4096).find("<VTKFile") != std::string_view::npos;
+  return vtk ? io::read_vtp_lines(in) : PolylineSet{};
 }
 
 PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) {
@@ -116,6 +137,8 @@ PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) 
                                 (mesh ? " none" : " does") + ": points and meshes cannot be read as one");
     }
     for (const std::string& w : of_file.warnings) all.warnings.push_back(printable(file, 200) + ": " + w);
+    for (const std::string& what : of_file.unread)
+      if (std::find(all.unread.begin(), all.unread.end(), what) == all.unread.end()) all.unread.push_back(what);
     if (formats.find(of_file.format) == std::string::npos) formats += (formats.empty() ? "" : ", ") + of_file.format;
   }
   all.format = fmt::format("{} files, {}", files.size(), formats);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/data/polyline_set.h"
 #include "sansmesh/io/input.h"
 
 namespace sansmesh::io {
@@ -15,5 +16,7 @@ PointSet read_pcd(const Input& in);
 PointSet read_las(const Input& in);
 PointSet read_vtp(const Input& in);
 PointSet read_conf(const Input& in);
+/// The lines of such a file; an empty set where it has none.
+PolylineSet read_vtp_lines(const Input& in);
 
 }  // namespace sansmesh::io

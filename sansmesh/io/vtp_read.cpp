@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/color_bytes.h"
@@ -52,6 +53,48 @@ class VtpReader {
   explicit VtpReader(const Input& in) : in_(in) {}
 
   PointSet read() {
+    scan();
+    if (pieces_.empty()) in_.fail("holds no points");
+    return assemble();
+  }
+
+  /// The lines of all pieces; none where there are none.
+  PolylineSet read_lines() {
+    lines_wanted_ = true;
+    scan();
+    PolylineSet lines;
+    std::vector<AttributeTable> tables;
+    std::vector<std::uint32_t> rows;
+    std::vector<Vec3> places;
+    std::size_t first = 0;
+    for (const Piece& p : pieces_) {
+      const std::size_t n = p.points->count() / 3;
+      const Column x = p.points->column(0), y = p.points->column(1), z = p.points->column(2);
+      add_cells(p.line_connectivity, p.line_offsets, 0, n, [&](std::span<const std::int64_t> points) {
+        if (points.empty()) return;
+        for (const std::int64_t i : points) {
+          const auto k = static_cast<std::size_t>(i);
+          places.push_back({x[k], y[k], z[k]});
+          rows.push_back(static_cast<std::uint32_t>(first + k));
+        }
+        lines.offsets.push_back(places.size());
+      });
+      tables.push_back(decode(p.of_points, n, 0, "points"));
+      first += n;
+    }
+    if (places.empty()) return lines;
+    Box3 box;
+    for (const Vec3& p : places)
+      if (is_finite(p)) box.extend(p);
+    if (!box.empty()) lines.origin = Vec3(Vec3f(box.center()));
+    lines.positions.reserve(places.size());
+    for (const Vec3& p : places) lines.positions.push_back(Vec3f(p - lines.origin));
+    lines.attributes = join_tables(in_, std::move(tables), "pieces").taken(rows);
+    return lines;
+  }
+
+ private:
+  void scan() {
     find_appended();
     XmlScanner xml(in_);
     bool is_polydata = false;
@@ -83,24 +126,23 @@ class VtpReader {
         section = tag->closed ? std::string_view() : tag->name;
         piece_.normals_name = (*tag)["Normals"];
         piece_.scalars_name = (*tag)["Scalars"];
-      } else if (tag->name == "Points" || tag->name == "Polys" || tag->name == "Strips" || tag->name == "CellData") {
+      } else if (tag->name == "Points" || tag->name == "Polys" || tag->name == "Strips" || tag->name == "Lines" ||
+                 tag->name == "CellData") {
         section = tag->closed ? std::string_view() : tag->name;
       } else if (tag->name == "DataArray" && !section.empty()) {
         data_array(*tag, section, xml.text());
       } else if ((tag->name.starts_with('/') && tag->name.substr(1) == section) || tag->name == "FieldData" ||
-                 tag->name == "Verts" || tag->name == "Lines") {
+                 tag->name == "Verts") {
         section = {};
       }
     }
     if (!is_polydata) in_.fail("is not a VTK XML file");
     if (!ended) in_.fail("truncated: the XML ends before </VTKFile>");
-    if (pieces_.empty()) in_.fail("holds no points");
-    return assemble();
   }
 
- private:
   struct Piece {
-    std::optional<Array> points, normals, colors, poly_connectivity, poly_offsets, strip_connectivity, strip_offsets;
+    std::optional<Array> points, normals, colors, poly_connectivity, poly_offsets, strip_connectivity, strip_offsets,
+        line_connectivity, line_offsets;
     std::vector<Array> of_points, of_cells;
     std::string_view normals_name, scalars_name;
     std::size_t other_cells = 0;  ///< before the polygons: vertices and lines
@@ -133,6 +175,10 @@ class VtpReader {
       target = &piece_.strip_connectivity;
     else if (section == "Strips" && name == "offsets")
       target = &piece_.strip_offsets;
+    else if (lines_wanted_ && section == "Lines" && name == "connectivity")
+      target = &piece_.line_connectivity;
+    else if (lines_wanted_ && section == "Lines" && name == "offsets")
+      target = &piece_.line_offsets;
     else if (section == "PointData" && components == 3 &&
              (name == piece_.normals_name || (piece_.normals_name.empty() && lower_name == "normals")))
       target = &piece_.normals;
@@ -356,13 +402,18 @@ class VtpReader {
   }
 
   const Input& in_;
-  bool swap_ = false, wide_header_ = false, appended_base64_ = false;
+  bool swap_ = false, wide_header_ = false, appended_base64_ = false, lines_wanted_ = false;
   std::string_view compressor_, appended_;
   Piece piece_;
   std::vector<Piece> pieces_;
 };
 
 }  // namespace
+
+PolylineSet read_vtp_lines(const Input& in) {
+  in.report.format = "VTK XML polydata";
+  return VtpReader(in).read_lines();
+}
 
 PointSet read_vtp(const Input& in) {
   in.report.format = "VTK XML polydata";

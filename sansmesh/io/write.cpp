@@ -15,19 +15,32 @@ namespace {
 
 using FileParts = std::vector<std::string>;
 
+/// What a format has room for beside positions and triangles.
+enum class Room { positions, colors, colors_and_few_floats, all_but_normals, all };
+
 template <class Data>
 struct Writer {
   const char* ending;
   FileParts (*write)(const Data&, const WriteOptions&);
+  Room room = Room::all;
 };
 
 constexpr Writer<TriangleMesh> mesh_writers[] = {
-    {"ply", io::mesh_to_ply}, {"obj", io::mesh_to_obj}, {"stl", io::mesh_to_stl},
-    {"off", io::mesh_to_off}, {"glb", io::mesh_to_glb}, {"vtp", io::mesh_to_vtp},
+    {"ply", io::mesh_to_ply},
+    {"obj", io::mesh_to_obj, Room::colors},
+    {"stl", io::mesh_to_stl, Room::positions},
+    {"off", io::mesh_to_off, Room::colors},
+    {"glb", io::mesh_to_glb, Room::colors_and_few_floats},
+    {"vtp", io::mesh_to_vtp},
 };
 constexpr Writer<PointSet> point_writers[] = {
-    {"ply", io::points_to_ply}, {"obj", io::points_to_obj}, {"xyz", io::points_to_xyz},
-    {"csv", io::points_to_csv}, {"pcd", io::points_to_pcd}, {"vtp", io::points_to_vtp},
+    {"ply", io::points_to_ply},
+    {"obj", io::points_to_obj, Room::colors},
+    {"xyz", io::points_to_xyz, Room::colors},
+    {"csv", io::points_to_csv},
+    {"pcd", io::points_to_pcd},
+    {"vtp", io::points_to_vtp},
+    {"las", io::points_to_las, Room::all_but_normals},
 };
 
 constexpr Writer<PolylineSet> line_writers[] = {
@@ -35,6 +48,21 @@ constexpr Writer<PolylineSet> line_writers[] = {
     {"ply", io::lines_to_ply},
     {"csv", io::lines_to_csv},
 };
+
+/// What a format of that room leaves out.
+std::vector<std::string> without_room(Room room, const io::OutputContent& content) {
+  std::vector<std::string> names;
+  if (room == Room::all) return names;
+  if ((room == Room::positions || room == Room::all_but_normals) && !content.normals.empty())
+    names.emplace_back("normals");
+  if (room == Room::positions && !content.colors.empty()) names.emplace_back("colours");
+  if (room == Room::all_but_normals) return names;
+  for (const Attribute& a : content.attributes)
+    if (room != Room::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
+      names.push_back(printable(a.name, 80));
+  for (const Attribute& a : content.triangle_attributes) names.push_back(printable(a.name, 80) + " of triangles");
+  return names;
+}
 
 /// Throws ArgumentError's sibling for files: the ending is not one of those known.
 [[noreturn]] void fail_ending(const std::string& file, const std::string& kind, const std::string& known) {
@@ -89,6 +117,23 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   points.attributes.check_rows(points.size(), "points");
   check_triangles(points.triangles, points.size());
   io::write_whole(file, writer.write(points, options));
+}
+
+bool is_written(const std::string& file, const std::string& kind) {
+  const std::string e = io::ending(file);
+  const auto known = [&](const auto& writers) {
+    return std::any_of(std::begin(writers), std::end(writers), [&](const auto& w) { return e == w.ending; });
+  };
+  return (kind == "mesh" && known(mesh_writers)) || (kind == "points" && known(point_writers)) ||
+         (kind == "lines" && known(line_writers));
+}
+
+std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh) {
+  return without_room(find_writer(mesh_writers, file, "meshes").room, io::OutputContent(mesh));
+}
+
+std::vector<std::string> left_out(const std::string& file, const PointSet& points) {
+  return without_room(find_writer(point_writers, file, "points").room, io::OutputContent(points));
 }
 
 void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options) {

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/mesh/sewn_mesh.h"
 
 namespace sansmesh {
 namespace {
@@ -78,25 +78,7 @@ MassMeasures mass_of(const MassSums& sums, const Vec3& middle) {
   return mass;
 }
 
-/// A mesh in which equal places are one vertex, without the triangles that cannot be measured.
-TriangleMesh joined_places(const TriangleMesh& mesh) {
-  TriangleMesh result;
-  result.origin = mesh.origin;
-  result.vertices = mesh.vertices;
-  const std::vector<std::uint32_t> same = first_at_place(mesh.vertices);
-  const std::size_t n = mesh.vertices.size();
-  result.triangles.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) {
-    if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
-    const Triangle s{same[t[0]], same[t[1]], same[t[2]]};
-    if (s[0] == s[1] || s[1] == s[2] || s[2] == s[0]) continue;
-    if (!is_finite(mesh.vertices[s[0]]) || !is_finite(mesh.vertices[s[1]]) || !is_finite(mesh.vertices[s[2]])) continue;
-    result.triangles.push_back(s);
-  }
-  return result;
-}
-
-/// Counts the edges that are not closed in each component.
+/// Counts the edges of each component as measure_topology does those of the whole.
 void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& component, SolidMeasures& result) {
   // Key: the unordered pair; index: triangle and direction.
   std::vector<KeyIndex> edges(3 * mesh.triangles.size());
@@ -116,10 +98,10 @@ void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& com
       const std::size_t k = edges[end].index % 3;
       balance += t[k] < t[(k + 1) % 3] ? 1 : -1;
     }
-    for (BodyMeasures* body : {&result.whole, &result.components[component[edges[i].index / 3]]}) {
-      body->open_edges += balance != 0;
-      body->nonmanifold_edges += end - i > 2;
-    }
+    BodyMeasures& body = result.components[component[edges[i].index / 3]];
+    body.boundary_edges += end - i == 1;
+    body.open_edges += balance != 0;
+    body.nonmanifold_edges += end - i > 2;
     i = end;
   }
 }
@@ -127,9 +109,14 @@ void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& com
 }  // namespace
 
 SolidMeasures measure_solid(const TriangleMesh& mesh) {
-  const TriangleMesh clean = joined_places(mesh);
+  const SewnMesh sewn = sewn_mesh(mesh);
+  const TriangleMesh& clean = sewn.mesh;
   SolidMeasures result;
-  result.left_out = mesh.triangles.size() - clean.triangles.size();
+  result.left_out = sewn.left_out;
+  result.topology = sewn_topology(sewn);
+  result.whole.boundary_edges = result.topology.boundary_edges;
+  result.whole.open_edges = result.topology.open_edges;
+  result.whole.nonmanifold_edges = result.topology.nonmanifold_edges;
   const MeshComponents components = find_components(clean);
   result.components.resize(components.size());
   count_edges(clean, components.of_triangle, result);
@@ -168,6 +155,10 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
     if (body.closed() && sums.area > 0) body.mass = mass_of(sums, clean.origin + middle);
   };
   measure(result.whole, 0, grouped.size());
+  // The sums that other commands print, to the last bit.
+  const MeshSize size = measure_size(clean);
+  result.whole.area = size.area;
+  if (result.whole.mass) result.whole.mass->volume = size.volume;
   if (!(result.whole.area > 0)) throw DataError("no triangles with an area to measure");
   for (std::size_t c = 0; c < components.size(); ++c) measure(result.components[c], first[c], first[c + 1]);
 
@@ -175,7 +166,9 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   for (const Triangle& t : clean.triangles)
     for (const std::uint32_t v : t)
       if (!used[v]) used[v] = 1, corners.push_back(clean.vertices[v]);
-  result.smallest_box = smallest_box(corners);
+  std::vector<std::array<Vec3, 3>> axes;
+  if (result.whole.mass) axes.push_back(result.whole.mass->axes);
+  result.smallest_box = smallest_box(corners, axes);
   result.smallest_box.center += clean.origin;
   return result;
 }

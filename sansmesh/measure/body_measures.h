@@ -10,6 +10,7 @@
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/measure/smallest_box.h"
+#include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh {
 
@@ -25,6 +26,7 @@ struct MassMeasures {
 
 struct BodyMeasures {
   std::size_t triangles = 0;
+  std::size_t boundary_edges = 0;     ///< of one triangle
   std::size_t open_edges = 0;         ///< that more triangles run through in one direction than in the other
   std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
   double area = 0;                    ///< length²
@@ -40,12 +42,15 @@ struct BodyMeasures {
 
 struct SolidMeasures {
   BodyMeasures whole;
-  std::vector<BodyMeasures> components;  ///< sets of triangles that share places, largest area first
-  OrientedBox smallest_box;              ///< of least volume that was found
-  std::size_t left_out = 0;              ///< triangles with a corner that is not finite or missing, or without area
+  std::vector<BodyMeasures> components;  ///< sets of triangles that share vertices, largest area first
+  MeshTopology topology;                 ///< of the whole
+  /// Of least volume that was found: not larger than the upright one, nor than that along the principal axes.
+  OrientedBox smallest_box;
+  std::size_t left_out =
+      0;  ///< triangles with a corner that is not finite or missing, or with two corners that are one
 };
 
-/// Vertices at the same place are one. Volume, centre and moments by the divergence theorem, exactly for the
+/// Of the sewn mesh (sewn_mesh.h). Volume, centre and moments by the divergence theorem, exactly for the
 /// polyhedron: cavities (components that face inward) are subtracted, overlaps count twice. Deterministic for any
 /// number of threads. Throws DataError if there is no triangle with an area.
 SolidMeasures measure_solid(const TriangleMesh& mesh);

@@ -121,7 +121,7 @@ std::string equation(const CutPlane& plane) {
     if (std::abs(n) != 1) text += fmt::format("{:.6g} ", std::abs(n));
     text += "xyz"[k];
   }
-  return fmt::format("{} = {:.8g}", text, plane.offset);
+  return fmt::format("{} = {:.8g}", text, plane.offset + 0.0);  // turns -0 into 0
 }
 
 }  // namespace sansmesh

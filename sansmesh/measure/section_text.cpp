@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <vector>
@@ -12,8 +13,13 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kSheetWidth = 1000;  // pixels
-constexpr double kTrueWidth = 0.7;    // pixels: width of hairlines
+// Pixels of 1/96 inch: sheets are laid out in them whatever their unit, since renderers place letters badly where a
+// font is smaller than a few units.
+constexpr double kSheetWidth = 1000;  // of drawings that are not true to scale
+constexpr double kHairline = 0.7, kBarLine = 1.2;
+constexpr double kFont = 13, kLeastFont = 7;
+/// Width of a letter over the size of the font, at most on average.
+constexpr double kLetter = 0.6;
 
 struct Extent {
   double u0 = INFINITY, v0 = INFINITY, u1 = -INFINITY, v1 = -INFINITY;
@@ -40,9 +46,22 @@ std::vector<Extent> frames_of(std::span<const Section> sections) {
   return frames;
 }
 
-/// Lengths of the sheet that have the size of a pixel of 1/96 inch; for drawings that are not true to scale 1.
-double pixel_of(const std::string& unit) {
-  return unit == "mm" ? 25.4 / 96 : unit == "cm" ? 2.54 / 96 : unit == "in" ? 1.0 / 96 : 1;
+/// Pixels in a unit of length; of drawings that are not true to scale 0.
+double pixels_in(const std::string& unit) {
+  return unit == "mm" ? 96 / 25.4 : unit == "cm" ? 96 / 2.54 : unit == "in" ? 96 : 0;
+}
+
+/// What is said of a section: where it is, and how large.
+std::array<std::string, 2> lines_of(const Section& section, const std::string& unit) {
+  return {equation(section.plane),
+          fmt::format("length {:.6g}{}, area {:.6g}{}{}", section.length, unit.empty() ? "" : " " + unit, section.area,
+                      unit.empty() ? "" : " " + unit + "\u00B2", section.closed() ? "" : " (not closed)")};
+}
+
+/// In characters, not bytes.
+std::size_t letters_in(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 void append_path(std::string& text, const Section& section, bool closed, double ou, double ov) {
@@ -93,23 +112,30 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
       count,
       static_cast<std::size_t>(std::max(1.0, std::round(std::sqrt(static_cast<double>(count) * height / width)))));
   const std::size_t rows = (count + columns - 1) / columns;
-  const double pixel = pixel_of(options.unit);
+  // Pixels in a length of the model.
   const double scale =
-      options.unit.empty() ? kSheetWidth / (width * static_cast<double>(columns)) : 1;  // sheet / model
-  // The text shrinks on narrow drawings, so that it stays within them.
-  const double font = std::min(13 * pixel, scale * width / 22), head = options.titles ? 3.2 * font : 0,
-               foot = options.titles ? 2.4 * font : 0;
-  const double cell_width = scale * width, cell_height = scale * height + head + foot;
+      options.unit.empty() ? kSheetWidth / (width * static_cast<double>(columns)) : pixels_in(options.unit);
+  // On narrow drawings the text shrinks as far as it can be read, and then makes room.
+  std::size_t letters = 1;
+  for (const Section& section : sections)
+    for (const std::string& line : lines_of(section, options.unit)) letters = std::max(letters, letters_in(line));
+  const double line_width = kLetter * (static_cast<double>(letters) + 1.5);  // over the font
+  const double font = std::clamp(scale * width / line_width, kLeastFont, kFont);
+  const double head = options.titles ? 3.2 * font : 0, foot = options.titles ? 2.4 * font : 0;
+  const double cell_width = std::max(scale * width, options.titles ? font * line_width : 0),
+               cell_height = scale * height + head + foot;
   const double sheet_width = cell_width * static_cast<double>(columns),
                sheet_height = cell_height * static_cast<double>(rows);
+  const double in_unit = options.unit.empty() ? 1 : 1 / scale;
 
   std::string text;
   auto out = std::back_inserter(text);
   fmt::format_to(out,
                  "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-                 "width=\"{0:.7g}{2}\" height=\"{1:.7g}{2}\" viewBox=\"0 0 {0:.7g} {1:.7g}\">\n"
+                 "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\" "
+                 "width=\"{:.7g}{}\" height=\"{:.7g}{}\" viewBox=\"0 0 {:.7g} {:.7g}\">\n"
                  "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-                 sheet_width, sheet_height, options.unit);
+                 sheet_width * in_unit, options.unit, sheet_height * in_unit, options.unit, sheet_width, sheet_height);
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& section = sections[i];
     const std::size_t row = i / columns;
@@ -120,35 +146,35 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
     const double size = std::max(width, height), step = std::pow(10.0, std::ceil(std::log10(size)));
     const bool far = std::max(std::abs(cu), std::abs(cv)) > 100 * size;
     const double ou = far ? step * std::round(cu / step) : 0, ov = far ? step * std::round(cv / step) : 0;
-    const std::string title = fmt::format("{}, length {:.6g}, area {:.6g}{}", equation(section.plane), section.length,
-                                          section.area, section.closed() ? "" : " (not closed)");
-    fmt::format_to(out, "<g id=\"plane{}\" data-origin=\"{:.12g} {:.12g}\">\n<title>{}</title>\n", i, ou, ov, title);
-    fmt::format_to(
-        out,
-        "<svg x=\"{:.7g}\" y=\"{:.7g}\" width=\"{:.7g}\" height=\"{:.7g}\" viewBox=\"{:.7g} {:.7g} {:.7g} "
-        "{:.7g}\" fill-rule=\"evenodd\" stroke=\"#20242b\" stroke-width=\"{:.4g}\" stroke-linejoin=\"round\">\n",
-        x, y + head, cell_width, scale * height, cu - ou - 0.5 * width, ov - cv - 0.5 * height, width, height,
-        kTrueWidth * pixel / scale);
+    const auto [where, sizes] = lines_of(section, options.unit);
+    fmt::format_to(out,
+                   "<g id=\"plane{}\" inkscape:groupmode=\"layer\" inkscape:label=\"{}\" data-origin=\"{:.12g} "
+                   "{:.12g}\">\n<title>{}, {}</title>\n",
+                   i, where, ou, ov, where, sizes);
+    // To the unit of lengths, v up.
+    fmt::format_to(out,
+                   "<g transform=\"matrix({0:.7g} 0 0 {0:.7g} {1:.7g} {2:.7g})\" fill-rule=\"evenodd\" "
+                   "stroke=\"#20242b\" stroke-width=\"{3:.4g}\" stroke-linejoin=\"round\">\n",
+                   scale, x + 0.5 * cell_width - scale * (cu - ou), y + head + scale * (0.5 * height - (ov - cv)),
+                   kHairline / scale);
     std::string path;
     append_path(path, section, true, ou, ov);
     if (!path.empty()) text += "<path fill=\"#c9d5e3\" d=\"" + path + "\"/>\n";
     path.clear();
     append_path(path, section, false, ou, ov);
     if (!path.empty()) text += "<path fill=\"none\" d=\"" + path + "\"/>\n";
-    text += "</svg>\n";
+    text += "</g>\n";
     if (options.titles) {
       const double bar = round_length(0.3 * width), left = x + 0.5 * font, base = y + head + scale * height;
       fmt::format_to(out,
                      "<g font-family=\"sans-serif\" font-size=\"{:.4g}\" fill=\"#20242b\">\n"
-                     "<text x=\"{:.7g}\" y=\"{:.7g}\">{}</text>\n<text x=\"{:.7g}\" y=\"{:.7g}\">length {:.6g}, area "
-                     "{:.6g}{}</text>\n",
-                     font, left, y + 1.3 * font, equation(section.plane), left, y + 2.6 * font, section.length,
-                     section.area, section.closed() ? "" : " (not closed)");
+                     "<text x=\"{:.7g}\" y=\"{:.7g}\">{}</text>\n<text x=\"{:.7g}\" y=\"{:.7g}\">{}</text>\n",
+                     font, left, y + 1.3 * font, where, left, y + 2.6 * font, sizes);
       fmt::format_to(out,
                      "<path fill=\"none\" stroke=\"#20242b\" stroke-width=\"{:.4g}\" d=\"M{:.7g} "
                      "{:.7g}v{:.4g}h{:.7g}v-{:.4g}\"/>\n"
                      "<text x=\"{:.7g}\" y=\"{:.7g}\">{:.6g}{}</text>\n</g>\n",
-                     1.2 * pixel, left, base + 0.6 * font, 0.5 * font, scale * bar, 0.5 * font,
+                     kBarLine, left, base + 0.6 * font, 0.5 * font, scale * bar, 0.5 * font,
                      left + scale * bar + 0.5 * font, base + 1.3 * font, bar,
                      options.unit.empty() ? "" : " " + options.unit);
     }

@@ -18,9 +18,10 @@ struct SectionSvgOptions {
 };
 
 /// A sheet with one drawing per plane, side by side, all at the same scale: the solid filled by the even-odd rule,
-/// outlines as hairlines. Each drawing has a viewBox in the unit of lengths, u to the right and v up (y = −v); those
-/// of planes across the same direction have the same. Where coordinates are much larger than the drawing, they are
-/// relative to the place that the group's data-origin names.
+/// outlines as hairlines. The sheet is laid out in pixels of 1/96 inch; each plane is a group (a layer, to editors of
+/// drawings) with its equation as label, in which another one turns pixels into the unit of lengths, u to the right and
+/// v up (y = −v). Planes across the same direction show the same part of it. Where coordinates are much larger than the
+/// drawing, they are relative to the place that the group's data-origin names.
 std::string section_svg(std::span<const Section> sections, const SectionSvgOptions& options = {});
 
 /// One row per vertex: plane,curve,closed,vertex,x,y,z,u,v; planes, curves and vertices are counted from 0, lengths

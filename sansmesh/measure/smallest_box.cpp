@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
@@ -13,8 +15,23 @@ namespace {
 
 using Frame = std::array<Vec3, 3>;
 
-constexpr int kDirections = 512;  ///< in which the outermost points are looked for
+constexpr int kDirections = 512;  ///< in which the outermost points are looked for, and a side of the box is tried
+constexpr std::size_t kRun = 64;  ///< points that are looked at together
 constexpr int kRounds = 30;
+/// Of so few points all planes through three of them are tried as sides, too.
+constexpr std::size_t kFew = 20;
+/// So many frames are turned on, the best of them by small steps in all directions: all of them where there are not
+/// many points.
+constexpr std::size_t kCandidates = 16, kStepped = 3, kSome = 100;
+/// First and last of these steps (radians).
+constexpr double kFirstStep = 0.2, kLastStep = 1e-3;
+/// Share of the diagonal by which flat boxes are thickened to compare them: of those without a volume the least area
+/// wins.
+constexpr double kPadding = 1e-9;
+/// What is smaller only by such a share is the same.
+constexpr double kSameVolume = 1e-9;
+/// Rounds in which points that reach beyond a box are added to those that it was made for.
+constexpr int kGrown = 8;
 
 /// Evenly spread over a half sphere: a spiral with the golden angle.
 std::vector<Vec3> directions() {
@@ -27,18 +44,35 @@ std::vector<Vec3> directions() {
   return result;
 }
 
-/// The points that lie outermost in one of many directions.
+/// The points that lie outermost in one of many directions: the first of those that lie equally far. Runs of points,
+/// which mostly lie near each other, are passed over where the box around them is not far out.
 std::vector<Vec3> outermost(const std::vector<Vec3f>& points) {
   const std::vector<Vec3> d = directions();
+  std::vector<Box3f> boxes((points.size() + kRun - 1) / kRun);
+  float size = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) boxes[i / kRun].extend(points[i]);
+  for (const Box3f& box : boxes)
+    for (int k = 0; k < 3; ++k) size = std::max({size, std::abs(box.lower[k]), std::abs(box.upper[k])});
+  const float rounding = 2e-6f * size;
   std::vector<std::uint32_t> found(2 * d.size());
   parallel_for(0, d.size(), 8, [&](std::size_t k) {
     const Vec3f direction(d[k]);
     float low = INFINITY, high = -INFINITY;
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    std::size_t lowest = 0, highest = 0;
+    const auto look = [&](std::size_t i) {
       const float h = dot(direction, points[i]);
-      if (h < low) low = h, found[2 * k] = static_cast<std::uint32_t>(i);
-      if (h > high) high = h, found[2 * k + 1] = static_cast<std::uint32_t>(i);
+      if (h < low || (h == low && i < lowest)) low = h, lowest = i;
+      if (h > high || (h == high && i < highest)) high = h, highest = i;
+    };
+    for (std::size_t i = 0; i < points.size(); i += kRun) look(i);
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      const Vec3f middle = boxes[b].center(), half = boxes[b].size() * 0.5f;
+      const float at = dot(direction, middle), reach = std::abs(direction.x) * half.x + std::abs(direction.y) * half.y +
+                                                       std::abs(direction.z) * half.z + rounding;
+      if (at - reach > low && at + reach < high) continue;
+      for (std::size_t i = b * kRun; i < std::min((b + 1) * kRun, points.size()); ++i) look(i);
     }
+    found[2 * k] = static_cast<std::uint32_t>(lowest), found[2 * k + 1] = static_cast<std::uint32_t>(highest);
   });
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -75,19 +109,32 @@ std::vector<Point2> convex_hull(std::vector<Point2> p) {
   return hull;
 }
 
-double volume_of(const std::vector<Vec3>& points, const Frame& frame) {
+struct Span {
+  double low = INFINITY, high = -INFINITY;
+};
+
+template <class Point>
+Span span_along(const std::vector<Point>& points, const Vec3& axis) {
+  Span s;
+  for (const Point& p : points) {
+    const double along = dot(axis, Vec3(p));
+    s.low = std::min(s.low, along), s.high = std::max(s.high, along);
+  }
+  return s;
+}
+
+double volume_of(const std::vector<Vec3>& points, const Frame& frame, double padding) {
   double volume = 1;
   for (const Vec3& axis : frame) {
-    double low = INFINITY, high = -INFINITY;
-    for (const Vec3& p : points) low = std::min(low, dot(axis, p)), high = std::max(high, dot(axis, p));
-    volume *= high - low;
+    const Span s = span_along(points, axis);
+    volume *= s.high - s.low + padding;
   }
   return volume;
 }
 
 /// Turns the frame about its axis `k` so that the rectangle around the shadow of the points is smallest; that has a
 /// side along an edge of the shadow's hull.
-Frame turned(const std::vector<Vec3>& points, const Frame& frame, std::size_t k) {
+Frame turned(const std::vector<Vec3>& points, const Frame& frame, std::size_t k, double padding) {
   const Vec3 u = frame[(k + 1) % 3], v = frame[(k + 2) % 3];
   std::vector<Point2> shadow;
   shadow.reserve(points.size());
@@ -105,7 +152,7 @@ Frame turned(const std::vector<Vec3>& points, const Frame& frame, std::size_t k)
       low = std::min(low, along), high = std::max(high, along);
       below = std::min(below, across), above = std::max(above, across);
     }
-    if (const double area = (high - low) * (above - below); area < best) best = area, c = x, s = y;
+    if (const double area = (high - low + padding) * (above - below + padding); area < best) best = area, c = x, s = y;
   }
   Frame result = frame;
   result[(k + 1) % 3] = normalized(u * c + v * s);
@@ -113,36 +160,151 @@ Frame turned(const std::vector<Vec3>& points, const Frame& frame, std::size_t k)
   return result;
 }
 
+struct Candidate {
+  Frame frame;
+  double volume;
+};
+
+/// Turns a frame about its axes as long as that makes the box smaller.
+void settle_box(const std::vector<Vec3>& points, double padding, Candidate& c) {
+  for (int round = 0; round < kRounds; ++round) {
+    const double before = c.volume;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Frame frame = turned(points, c.frame, k, padding);
+      if (const double v = volume_of(points, frame, padding); v < c.volume) c = {frame, v};
+    }
+    if (!(c.volume < before * (1 - kSameVolume))) break;
+  }
+}
+
+Frame rotated(const Frame& frame, const Vec3& axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const auto turn = [&](const Vec3& p) { return p * c + cross(axis, p) * s + axis * (dot(axis, p) * (1 - c)); };
+  const Vec3 u = normalized(turn(frame[0])), w = normalized(cross(u, turn(frame[1])));
+  return {u, cross(w, u), w};
+}
+
+/// Looks for a smaller box around, in steps that become smaller: turns about one axis alone get caught in corners.
+void step_around(const std::vector<Vec3>& points, double padding, Candidate& c) {
+  for (double step = kFirstStep; step > kLastStep; step *= 0.5) {
+    const Candidate from = c;
+    for (int way = 0; way < 14; ++way) {
+      const double sign = way % 2 == 0 ? 1 : -1;
+      const Vec3 along = way < 6 ? from.frame[static_cast<std::size_t>(way / 2)]
+                                 : normalized(from.frame[0] + from.frame[1] * ((way / 2) % 2 == 0 ? 1.0 : -1.0) +
+                                              from.frame[2] * ((way - 6) / 4 == 0 ? 1.0 : -1.0));
+      Candidate near{rotated(from.frame, along, sign * step), 0};
+      near.volume = volume_of(points, near.frame, padding);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Frame frame = turned(points, near.frame, k, padding);
+        if (const double v = volume_of(points, frame, padding); v < near.volume) near = {frame, v};
+      }
+      if (near.volume < c.volume * (1 - kSameVolume)) c = near;
+    }
+    settle_box(points, padding, c);
+  }
+}
+
+/// An axis with any two across it.
+Frame frame_along(const Vec3& axis) {
+  const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = normalized(cross(axis, other));
+  return {axis, u, cross(axis, u)};
+}
+
+/// Directions in which a side of the box may face.
+std::vector<Vec3> side_directions(const std::vector<Vec3>& points) {
+  std::vector<Vec3> all = directions();
+  if (points.size() > kFew) return all;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = i + 1; j < points.size(); ++j)
+      for (std::size_t k = j + 1; k < points.size(); ++k) {
+        const Vec3 normal = cross(points[j] - points[i], points[k] - points[i]);
+        if (const double length = norm(normal); length > 0) all.push_back(normal / length);
+      }
+  return all;
+}
+
+void sort_by_volume(std::vector<Candidate>& candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
+}
+
+/// Frames with small boxes around these points; the upright one and those given are among them if nothing is smaller.
+std::vector<Candidate> small_boxes(const std::vector<Vec3>& points, std::span<const Frame> given, double padding) {
+  const std::vector<Vec3> sides = side_directions(points);
+  std::vector<Candidate> tried(sides.size());
+  parallel_for(0, sides.size(), 4, [&](std::size_t i) {
+    const Frame frame = turned(points, frame_along(sides[i]), 0, padding);
+    tried[i] = {frame, volume_of(points, frame, padding)};
+  });
+  sort_by_volume(tried);
+  tried.resize(std::min(tried.size(), kCandidates));
+  std::vector<Candidate> all;
+  for (const Frame& frame : given) all.push_back({frame, volume_of(points, frame, padding)});
+  all.insert(all.end(), tried.begin(), tried.end());
+  return all;
+}
+
+/// Adds the points that reach farthest beyond a box around some of them, on each side.
+void add_beyond(const std::vector<Vec3f>& points, const Frame& frame, std::vector<Vec3>& some) {
+  for (const Vec3& axis : frame) {
+    const Span own = span_along(some, axis);
+    Span all;
+    std::size_t low = 0, high = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double along = dot(axis, Vec3(points[i]));
+      if (along < all.low) all.low = along, low = i;
+      if (along > all.high) all.high = along, high = i;
+    }
+    const double beyond = kSameVolume * (all.high - all.low);
+    if (all.low < own.low - beyond) some.emplace_back(points[low]);
+    if (all.high > own.high + beyond) some.emplace_back(points[high]);
+  }
+}
+
 }  // namespace
 
-OrientedBox smallest_box(const std::vector<Vec3f>& points) {
+OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::array<Vec3, 3>> also) {
   std::vector<Vec3f> finite;
   for (const Vec3f& p : points)
     if (is_finite(p)) finite.push_back(p);
   if (finite.empty()) throw DataError("no points to put into a box");
   const Vec3f base = finite[0];
-  for (Vec3f& p : finite) p -= base;
-  const std::vector<Vec3> outer = outermost(finite);
+  Box3f extent;
+  for (Vec3f& p : finite) p -= base, extent.extend(p);
+  const double padding = kPadding * static_cast<double>(extent.diagonal());
+  std::vector<Vec3> outer = outermost(finite);
 
-  const double h = std::sqrt(0.5);
-  const Frame starts[] = {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}},
-                          {Vec3{h, h, 0}, Vec3{-0.5, 0.5, h}, Vec3{0.5, -0.5, h}},
-                          {Vec3{h, 0, h}, Vec3{0.5, h, -0.5}, Vec3{-0.5, h, 0.5}},
-                          {Vec3{0, h, h}, Vec3{h, 0.5, -0.5}, Vec3{-h, 0.5, -0.5}}};
-  Frame best = starts[0];
-  double least = volume_of(outer, best);
-  for (const Frame& start : starts) {
-    Frame frame = start;
-    double volume = volume_of(outer, frame);
-    for (int round = 0; round < kRounds; ++round) {
-      const double before = volume;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Frame candidate = turned(outer, frame, k);
-        if (const double v = volume_of(outer, candidate); v < volume) frame = candidate, volume = v;
-      }
-      if (!(volume < before * (1 - 1e-9))) break;
+  std::vector<Frame> given{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}};
+  given.insert(given.end(), also.begin(), also.end());
+  // Boxes around the outermost points alone; what reaches beyond the best of them is added, and they settle again.
+  std::vector<Candidate> candidates = small_boxes(outer, given, padding);
+  parallel_for(0, candidates.size(), 1, [&](std::size_t i) { settle_box(outer, padding, candidates[i]); });
+  sort_by_volume(candidates);
+  candidates.resize(std::min(candidates.size(), outer.size() <= kSome ? kCandidates : kStepped));
+  parallel_for(0, candidates.size(), 1, [&](std::size_t i) { step_around(outer, padding, candidates[i]); });
+  for (int round = 0; round < kGrown; ++round) {
+    const std::size_t before = outer.size();
+    for (const Candidate& c : candidates) add_beyond(finite, c.frame, outer);
+    if (outer.size() == before) break;
+    parallel_for(0, candidates.size(), 1, [&](std::size_t i) {
+      candidates[i].volume = volume_of(outer, candidates[i].frame, padding);
+      settle_box(outer, padding, candidates[i]);
+    });
+  }
+  // Of these and what was given the smallest around all points; as it was given, unless another is smaller.
+  std::vector<Frame> frames = given;
+  for (const Candidate& c : candidates) frames.push_back(c.frame);
+  Frame best = given[0];
+  double least = INFINITY;
+  for (const Frame& frame : frames) {
+    double volume = 1;
+    for (const Vec3& axis : frame) {
+      const Span s = span_along(finite, axis);
+      volume *= s.high - s.low + padding;
     }
-    if (volume < least * (1 - 1e-9)) least = volume, best = frame;
+    if (volume < least * (1 - kSameVolume)) least = volume, best = frame;
   }
 
   // Exactly around all points, which reach a little beyond the outermost ones of the directions tried.

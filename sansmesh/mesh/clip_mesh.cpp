@@ -73,6 +73,97 @@ void cut_by_plane(TriangleMesh& mesh, std::size_t axis, float at, float sign) {
   HeightCut(mesh, std::move(heights), place).run();
 }
 
+/// Divides triangles along the planes of a box, those alone that may reach into it, and their neighbours where an edge
+/// in common is divided.
+class BoxCutOut {
+ public:
+  BoxCutOut(TriangleMesh& mesh, const Box3f& box) : mesh_(mesh), box_(box) {}
+
+  void run() {
+    for (const Triangle& t : mesh_.triangles) {
+      Box3f of;
+      for (const std::uint32_t v : t) of.extend(mesh_.vertices[v]);
+      bool apart = false;
+      for (std::size_t k = 0; k < 3; ++k) apart |= of.upper[k] <= box_.lower[k] || of.lower[k] >= box_.upper[k];
+      inside_.push_back(!apart);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      divide(axis, box_.lower[axis], 1);
+      divide(axis, box_.upper[axis], -1);
+    }
+    std::vector<std::uint8_t> keep(inside_.size());
+    for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = !inside_[i];
+    keep_triangles(mesh_, keep);
+  }
+
+ private:
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
+    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+  }
+
+  void divide(std::size_t axis, float at, float sign) {
+    const auto height = [&](std::uint32_t v) { return sign * (mesh_.vertices[v][axis] - at); };
+    std::unordered_map<std::uint64_t, std::uint32_t> made;
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+      for (std::size_t k = 0; inside_[i] && k < 3; ++k) {
+        const std::uint32_t a = std::min(mesh_.triangles[i][k], mesh_.triangles[i][(k + 1) % 3]);
+        const std::uint32_t b = std::max(mesh_.triangles[i][k], mesh_.triangles[i][(k + 1) % 3]);
+        const float ha = height(a), hb = height(b);
+        if (!((ha < 0 && hb > 0) || (ha > 0 && hb < 0))) continue;
+        const auto [entry, is_new] = made.try_emplace(key(a, b), 0);
+        if (!is_new) continue;
+        const float t = ha / (ha - hb);
+        Vec3f x = mesh_.vertices[a] + (mesh_.vertices[b] - mesh_.vertices[a]) * t;
+        x[axis] = at;
+        entry->second = append_vertex_between(mesh_, a, b, t, x);
+      }
+    std::vector<Triangle> triangles;
+    std::vector<std::uint8_t> inside;
+    std::vector<std::uint32_t> of;
+    const auto add = [&](std::size_t i, const Triangle& t) {
+      const bool below = height(t[0]) < 0 || height(t[1]) < 0 || height(t[2]) < 0;
+      // One that lies in the plane has nothing inside.
+      const bool flat = !(height(t[0]) > 0 || height(t[1]) > 0 || height(t[2]) > 0);
+      triangles.push_back(t);
+      inside.push_back(inside_[i] && !below && !flat);
+      of.push_back(static_cast<std::uint32_t>(i));
+    };
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const Triangle t = mesh_.triangles[i];
+      std::array<std::uint32_t, 3> cut{};
+      std::size_t cuts = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto found = made.find(key(t[k], t[(k + 1) % 3]));
+        cut[k] = found == made.end() ? kNoVertex : found->second;
+        cuts += cut[k] != kNoVertex;
+      }
+      if (cuts == 0) {
+        add(i, t);
+      } else if (cuts == 1) {
+        const std::size_t k = cut[0] != kNoVertex ? 0 : cut[1] != kNoVertex ? 1 : 2;
+        add(i, {t[k], cut[k], t[(k + 2) % 3]});
+        add(i, {cut[k], t[(k + 1) % 3], t[(k + 2) % 3]});
+      } else {  // a corner, and four corners as two triangles; a plane does not cross three edges
+        const std::size_t k = cut[0] == kNoVertex   ? 2
+                              : cut[1] == kNoVertex ? 0
+                                                    : 1;  // between the edges before it, k - 1, and k
+        const std::uint32_t before = cut[(k + 2) % 3], after = cut[k];
+        add(i, {t[k], after, before});
+        add(i, {before, after, t[(k + 1) % 3]});
+        add(i, {before, t[(k + 1) % 3], t[(k + 2) % 3]});
+      }
+    }
+    if (!made.empty() && !mesh_.triangle_attributes.empty())
+      mesh_.triangle_attributes = mesh_.triangle_attributes.taken(of);
+    mesh_.triangles = std::move(triangles);
+    inside_ = std::move(inside);
+  }
+
+  TriangleMesh& mesh_;
+  Box3f box_;
+  std::vector<std::uint8_t> inside_;  ///< of each triangle: of all planes until now
+};
+
 /// Moves vertices close to the contour onto it, along the edge that crosses it nearest to them.
 void snap_to_contour(TriangleMesh& mesh, std::vector<float>& heights, float snap) {
   struct Move {
@@ -106,6 +197,11 @@ void clip_mesh(TriangleMesh& mesh, const Box3f& box) {
     cut_by_plane(mesh, axis, box.upper[axis], -1);
   }
   keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));
+  separate_fans(mesh);
+}
+
+void cut_out_box(TriangleMesh& mesh, const Box3f& box) {
+  BoxCutOut(mesh, box).run();
   separate_fans(mesh);
 }
 

@@ -53,6 +53,7 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
   patch.error = mesh.error;
   for (std::size_t i = 0; i < members.size(); ++i) {
     const std::uint32_t v = members[i];
+    if (!mesh.limit.empty()) patch.limit.push_back(mesh.limit[v]);
     patch.x[i] = mesh.x[v], patch.quadric[i] = mesh.quadric[v], patch.chance[i] = mesh.chance[v];
     patch.fixed[i] = at_border[i] || mesh.fixed[v];
     patch.border[i] = mesh.border[v];
@@ -65,6 +66,7 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
     if (patch.merged_into[i] != kNoVertex) {
       mesh.merged_into[v] = members[patch.merged_into[i]];
     } else if (!patch.fixed[i]) {
+      if (!mesh.limit.empty()) mesh.limit[v] = patch.limit[i];
       mesh.x[v] = patch.x[i], mesh.quadric[v] = patch.quadric[i], mesh.border[v] = patch.border[i];
     }
   }

@@ -62,6 +62,42 @@ void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
     for (std::uint32_t& v : t) v = renumber[v];
 }
 
+std::vector<TriangleMesh> split_components(const TriangleMesh& mesh, const MeshComponents& components) {
+  const std::size_t parts = components.size();
+  std::vector<std::uint32_t> part_of(mesh.vertices.size(), kNoVertex);  // components share no vertices
+  std::vector<std::vector<std::uint32_t>> triangles(parts), vertices(parts);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::uint32_t c = components.of_triangle[i];
+    triangles[c].push_back(static_cast<std::uint32_t>(i));
+    for (const std::uint32_t v : mesh.triangles[i]) part_of[v] = c;
+  }
+  std::vector<std::uint32_t> renumber(mesh.vertices.size());
+  for (std::size_t v = 0; v < part_of.size(); ++v) {
+    if (part_of[v] == kNoVertex) continue;
+    renumber[v] = static_cast<std::uint32_t>(vertices[part_of[v]].size());
+    vertices[part_of[v]].push_back(static_cast<std::uint32_t>(v));
+  }
+  std::vector<TriangleMesh> result(parts);
+  parallel_for(0, parts, 1, [&](std::size_t c) {
+    TriangleMesh& part = result[c];
+    part.origin = mesh.origin;
+    part.vertices.reserve(vertices[c].size());
+    for (const std::uint32_t v : vertices[c]) {
+      part.vertices.push_back(mesh.vertices[v]);
+      if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[v]);
+      if (!mesh.colors.empty()) part.colors.push_back(mesh.colors[v]);
+    }
+    part.attributes = mesh.attributes.taken(vertices[c]);
+    part.triangle_attributes = mesh.triangle_attributes.taken(triangles[c]);
+    part.triangles.reserve(triangles[c].size());
+    for (const std::uint32_t i : triangles[c]) {
+      const Triangle& t = mesh.triangles[i];
+      part.triangles.push_back({renumber[t[0]], renumber[t[1]], renumber[t[2]]});
+    }
+  });
+  return result;
+}
+
 namespace {
 
 /// Of each vertex: whether its triangles, at most as many as bits in a word, are surely one fan. They are of nearly

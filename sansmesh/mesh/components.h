@@ -22,6 +22,10 @@ MeshComponents find_components(const TriangleMesh& mesh);
 /// them.
 void keep_triangles(TriangleMesh& mesh, const std::vector<std::uint8_t>& keep);
 
+/// Each component as a mesh of its own, in their order, with all that belongs to it; vertices that no triangle uses are
+/// in none. All together takes as long as to copy the mesh.
+std::vector<TriangleMesh> split_components(const TriangleMesh& mesh, const MeshComponents& components);
+
 /// Cuts vertices at which several fans of triangles meet into one vertex per fan (removing triangles can leave such
 /// vertices).
 void separate_fans(TriangleMesh& mesh);

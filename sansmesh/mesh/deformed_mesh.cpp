@@ -16,7 +16,7 @@
 namespace sansmesh {
 namespace {
 
-constexpr int kMostRounds = 24;
+constexpr int kMostDeformRounds = 24;
 
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
@@ -78,7 +78,7 @@ void move_all(const SpaceMap& forward, Vec3& origin, std::vector<Vec3f>& positio
 bool refine_bent(TriangleMesh& mesh, const SpaceMap& forward, const MeshDeformOptions& options) {
   std::vector<Vec3> moved;
   std::unordered_map<std::uint64_t, bool> bends;  // of the edges of this round and those before
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostDeformRounds; ++round) {
     const std::size_t known = moved.size();
     std::vector<Vec3> fresh = in_world(mesh.origin, std::span(mesh.vertices).subspan(known));
     const std::vector<Vec3> sides = sides_of(mesh);

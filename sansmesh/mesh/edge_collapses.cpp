@@ -208,7 +208,8 @@ void EdgeCollapses::find_cheapest(std::uint32_t v) {
     const std::uint32_t w = neighbours[k];
     if (w < v || fixed[w] || !(quadric[v].weight + quadric[w].weight > 0)) continue;
     all[n] = measure(v, w);
-    n += all[n].cost <= error * error;
+    const double most = limit.empty() ? error : std::min<double>(error, std::min(limit[v], limit[w]));
+    n += all[n].cost <= most * most;
   }
   while (n > 0) {  // the costly tests only for the cheapest one, and for the next one if it fails
     const auto best = std::min_element(all.begin(), all.begin() + n, [](const Collapse& a, const Collapse& b) {
@@ -246,6 +247,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
   x[w] = measure(v, w).position;
   quadric[w] += quadric[v];
   border[w] |= border[v];
+  if (!limit.empty()) limit[w] = std::min(limit[w], limit[v]);
   merged_into[v] = w;
   std::uint32_t count = 0;
   const auto has = [&](const Triangle& t, std::uint32_t c) { return t[0] == c || t[1] == c || t[2] == c; };

@@ -30,6 +30,7 @@ struct EdgeCollapses {
   std::vector<std::uint32_t> original;  ///< the number that each triangle had; filled before `pack_triangles`
   /// By which those are put in order that cost the same. Of the place, so that it is the same for a part of the mesh.
   std::vector<std::uint32_t> chance;
+  std::vector<float> limit;  ///< of the error, by vertex; or empty
   std::vector<std::uint8_t> fixed;
   std::vector<std::uint8_t> border;        ///< of vertices that are not fixed: on a border
   std::vector<std::uint32_t> merged_into;  ///< kNoVertex: alive

@@ -121,6 +121,7 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& query) const { return 
 ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& query, const Hit& hint) const {
   Hit best;
   if (empty() || !is_finite(query)) return best;
+  if (hint.triangle == kNone) best.squared_distance = hint.squared_distance;
   const auto try_slot = [&](std::size_t slot) {
     const Corners& t = corners_[slot];
     const Vec3 point = closest_on_triangle(query, Vec3(t.a), Vec3(t.b), Vec3(t.c));

@@ -41,7 +41,8 @@ class ClosestTriangle {
 
   bool empty() const { return corners_.empty(); }
   /// Exact up to rounding. `query` is relative to the mesh's origin. `hint`: the hit of a query nearby, which shortens
-  /// the search; it does not change the distance.
+  /// the search; it does not change the distance. A hint without a triangle but with a squared distance asks only for
+  /// what is nearer than that: if nothing is, the answer has no triangle either.
   Hit closest(const Vec3& query, const Hit& hint) const;
   Hit closest(const Vec3& query) const;
 

@@ -22,7 +22,8 @@ bool has_area(const TriangleMesh& mesh, const Triangle& t) {
 
 /// What is seen from one vertex; each edge is counted at its lower vertex.
 struct Local {
-  std::size_t vertices = 0, edges = 0, boundary = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0, inconsistent = 0;
+  std::size_t vertices = 0, edges = 0, boundary = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0, inconsistent = 0,
+              open = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary_edges;
 };
 
@@ -68,6 +69,7 @@ void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const 
     ++out.edges;
     if (shared == 1) ++out.boundary, out.boundary_edges.emplace_back(v, spokes[i].other);
     if (shared == 2 && outgoing != 1) ++out.inconsistent;
+    if (2 * outgoing != shared) ++out.open;
     if (shared > 2) ++out.nonmanifold_edges;
   }
   if (fans > 1) ++out.nonmanifold_vertices;
@@ -115,6 +117,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
         sum.nonmanifold_edges += part.nonmanifold_edges;
         sum.nonmanifold_vertices += part.nonmanifold_vertices;
         sum.inconsistent += part.inconsistent;
+        sum.open += part.open;
         sum.boundary_edges.insert(sum.boundary_edges.end(), part.boundary_edges.begin(), part.boundary_edges.end());
         return std::move(sum);
       });
@@ -126,6 +129,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
   result.nonmanifold_edges = total.nonmanifold_edges;
   result.nonmanifold_vertices = total.nonmanifold_vertices;
   result.inconsistent_edges = total.inconsistent;
+  result.open_edges = total.open;
   result.euler =
       static_cast<long>(result.vertices) - static_cast<long>(result.edges) + static_cast<long>(result.triangles);
 

@@ -21,12 +21,17 @@ struct MeshTopology {
   std::size_t nonmanifold_edges = 0;     ///< of three triangles or more
   std::size_t nonmanifold_vertices = 0;  ///< whose triangles form several fans
   std::size_t inconsistent_edges = 0;    ///< of two triangles that run through it in the same direction
-  std::size_t components = 0;            ///< sets of triangles connected by shared vertices
-  std::size_t largest_component = 0;     ///< triangles of the largest one
-  long euler = 0;                        ///< vertices − edges + triangles
+  /// That more triangles run through in one direction than in the other: all of the boundary, and what else has faces
+  /// that contradict each other.
+  std::size_t open_edges = 0;
+  std::size_t components = 0;         ///< sets of triangles connected by shared vertices
+  std::size_t largest_component = 0;  ///< triangles of the largest one
+  long euler = 0;                     ///< vertices − edges + triangles
 
   bool manifold() const { return nonmanifold_edges == 0 && nonmanifold_vertices == 0; }
   bool oriented() const { return inconsistent_edges == 0; }
+  /// No edge is open: the volume within does not depend on where it is measured from, even if it is not manifold.
+  bool encloses() const { return triangles > 0 && open_edges == 0; }
   /// No boundary, manifold, consistently oriented: the surface of a solid (self-intersections are not looked for).
   bool closed() const { return triangles > 0 && boundary_edges == 0 && manifold() && oriented(); }
   /// Number of handles of all components together; nothing unless manifold and oriented, where it has no meaning.

@@ -6,6 +6,8 @@
 #include <unordered_set>
 #include <vector>
 
+#include "sansmesh/core/boxes.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -14,16 +16,19 @@
 namespace sansmesh {
 namespace {
 
-bool inside(const TriangleMesh& mesh, const Triangle& t, const Box3f& box) {
-  return box.contains(mesh.vertices[t[0]]) && box.contains(mesh.vertices[t[1]]) && box.contains(mesh.vertices[t[2]]);
+/// Of each vertex whether it lies in one of the boxes.
+std::vector<std::uint8_t> vertices_in(const std::vector<Box3f>& boxes, const TriangleMesh& mesh) {
+  std::vector<std::uint8_t> result(mesh.vertices.size());
+  parallel_for(0, result.size(), 4096, [&](std::size_t v) { result[v] = any_contains(boxes, mesh.vertices[v]); });
+  return result;
 }
 
-bool touches(const TriangleMesh& mesh, const Triangle& t, const Box3f& box) {
+bool inside(const std::vector<std::uint8_t>& in, const Triangle& t) { return in[t[0]] && in[t[1]] && in[t[2]]; }
+
+Box3f box_of(const TriangleMesh& mesh, const Triangle& t) {
   Box3f b;
   for (const std::uint32_t v : t) b.extend(mesh.vertices[v]);
-  for (std::size_t k = 0; k < 3; ++k)
-    if (b.upper[k] < box.lower[k] || b.lower[k] > box.upper[k]) return false;
-  return true;
+  return b;
 }
 
 /// The triangle with its least vertex first: the same whichever corner it began with.
@@ -43,13 +48,12 @@ struct TriangleHash {
 };
 
 /// For each vertex of the patch the one of the mesh at the same place; kNoVertex where there is none.
-std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const TriangleMesh& patch, const Box3f& box,
-                                         float tolerance) {
+std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const TriangleMesh& patch,
+                                         const std::vector<std::uint8_t>& in, float tolerance) {
   std::vector<Vec3f> near;
   std::vector<std::uint32_t> number;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (box.contains(mesh.vertices[v]))
-      near.push_back(mesh.vertices[v]), number.push_back(static_cast<std::uint32_t>(v));
+    if (in[v]) near.push_back(mesh.vertices[v]), number.push_back(static_cast<std::uint32_t>(v));
   std::vector<std::uint32_t> same(patch.vertices.size(), kNoVertex);
   if (near.empty()) return same;
   const KdTree tree(near);
@@ -76,15 +80,17 @@ struct Single {
 
 }  // namespace
 
-RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, const Box3f& sound,
-                                 const Box3f& changed, float tolerance) {
+RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, const std::vector<Box3f>& sound,
+                                 const std::vector<Box3f>& changed, float tolerance, double least_agreement) {
   RegionReplacement result;
-  const std::vector<std::uint32_t> same = same_vertices(mesh, patch, sound, tolerance);
+  result.spoiled.assign(changed.size(), 1);
+  const std::vector<std::uint8_t> mesh_in = vertices_in(sound, mesh), patch_in = vertices_in(sound, patch);
+  const std::vector<std::uint32_t> same = same_vertices(mesh, patch, mesh_in, tolerance);
 
   std::unordered_map<Triangle, std::uint32_t, TriangleHash> of_mesh;
   std::vector<std::uint32_t> in_box;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (!inside(mesh, mesh.triangles[i], sound)) continue;
+    if (!inside(mesh_in, mesh.triangles[i])) continue;
     in_box.push_back(static_cast<std::uint32_t>(i));
     of_mesh.emplace(rotated(mesh.triangles[i]), static_cast<std::uint32_t>(i));
   }
@@ -96,7 +102,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     const Triangle m{same[t[0]], same[t[1]], same[t[2]]};
     const bool known = m[0] != kNoVertex && m[1] != kNoVertex && m[2] != kNoVertex;
     const auto found = known ? of_mesh.find(rotated(m)) : of_mesh.end();
-    const bool counts = inside(patch, t, sound) && !touches(patch, t, changed);
+    const bool counts = inside(patch_in, t) && !any_touches(changed, box_of(patch, t));
     off += counts;
     if (found == of_mesh.end()) {
       singles.push_back({static_cast<std::uint32_t>(i), true});
@@ -106,12 +112,13 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     }
   }
   result.agreement = off > 0 ? static_cast<double>(agreed) / static_cast<double>(off) : 1;
+  if (result.agreement < least_agreement) return result;
   for (const std::uint32_t i : in_box)
     if (!shared.count(i)) singles.push_back({i, false});
   // Triangles of the mesh that cross the border of the box are only of interest as what a piece must not reach.
   std::vector<std::uint8_t> rim(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles)
-    if (!inside(mesh, t, sound))
+    if (!inside(mesh_in, t))
       for (const std::uint32_t v : t) rim[v] = 1;
 
   // Pieces: singles that share a vertex, whichever mesh they belong to.
@@ -133,16 +140,25 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     const Single& s = singles[i];
     const TriangleMesh& of = s.of_patch ? patch : mesh;
     const std::uint32_t piece = pieces.find(static_cast<std::uint32_t>(i));
-    if (touches(of, of.triangles[s.triangle], changed)) wanted[piece] = 1;
+    if (any_touches(changed, box_of(of, of.triangles[s.triangle]))) wanted[piece] = 1;
     if (s.of_patch) {
-      if (!inside(patch, patch.triangles[s.triangle], sound)) spoiled[piece] = 1;
+      if (!inside(patch_in, patch.triangles[s.triangle])) spoiled[piece] = 1;
       for (const std::uint32_t v : patch.triangles[s.triangle]) spoiled[piece] |= same[v] != kNoVertex && rim[same[v]];
     } else {
       for (const std::uint32_t v : mesh.triangles[s.triangle]) spoiled[piece] |= rim[v];
     }
   }
-  for (std::size_t i = 0; i < singles.size(); ++i)
-    if (wanted[i] && spoiled[i]) return result;
+  // Pieces that reach out stay as they are, and with them all changes that they touch are not done.
+  result.spoiled.assign(changed.size(), 0);
+  for (std::size_t i = 0; i < singles.size(); ++i) {
+    const std::uint32_t piece = pieces.find(static_cast<std::uint32_t>(i));
+    if (!wanted[piece] || !spoiled[piece]) continue;
+    const TriangleMesh& of = singles[i].of_patch ? patch : mesh;
+    const Box3f b = box_of(of, of.triangles[singles[i].triangle]);
+    for (std::size_t k = 0; k < changed.size(); ++k)
+      if (touch(changed[k], b)) result.spoiled[k] = 1;
+  }
+  result.done = std::find(result.spoiled.begin(), result.spoiled.end(), 1) == result.spoiled.end();
 
   // Exchange.
   std::vector<std::uint8_t> keep(mesh.triangles.size(), 1);
@@ -151,7 +167,8 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   std::vector<Triangle> added;
   std::vector<std::uint32_t> taken;  // triangles of the patch
   for (std::size_t i = 0; i < singles.size(); ++i) {
-    if (!wanted[pieces.find(static_cast<std::uint32_t>(i))]) continue;
+    const std::uint32_t piece = pieces.find(static_cast<std::uint32_t>(i));
+    if (!wanted[piece] || spoiled[piece]) continue;
     const Single& s = singles[i];
     if (!s.of_patch) {
       keep[s.triangle] = 0;
@@ -170,7 +187,6 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
     taken.push_back(s.triangle);
   }
   result.added = added.size();
-  result.done = true;
   if (result.removed == 0 && added.empty()) return result;
   append_vertices(mesh, patch, new_vertices);
   mesh.triangle_attributes.append(patch.triangle_attributes, taken);

@@ -161,8 +161,8 @@ struct Simplifier : detail::EdgeCollapses {
     }
     error = options.error;
     collapse_all(progress, target, open);
-    const double limit = norm(Vec3(bounds_of().size()));
-    while (left_triangles > target && target > 0 && error < limit) {
+    const double widest = norm(Vec3(bounds_of().size()));
+    while (left_triangles > target && target > 0 && error < widest) {
       error *= 1.5;
       collapse_all(progress, target, open);
     }
@@ -178,11 +178,13 @@ std::uint32_t scattered(const Vec3f& p) {
 
 }  // namespace
 
-bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress) {
+bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress,
+                   std::vector<std::uint32_t>* from) {
   options.validate();
   const std::size_t n = mesh.vertices.size();
   const Vec3 middle(bounds(mesh).center());  // near the origin quadrics lose fewer digits
   Simplifier s(options, n, std::move(mesh.triangles));
+  s.limit.assign(options.limits.begin(), options.limits.end());
   std::vector<double> own_weight(n);  // before anything merges
   parallel_for(0, n, 8192, [&](std::size_t v) {
     s.x[v] = Vec3(mesh.vertices[v]) - middle;
@@ -194,9 +196,14 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
   });
   if (options.least_gain > 0 && s.share_to_go() < options.least_gain) {
     mesh.triangles = std::move(s.triangles);
+    if (from) {
+      from->resize(mesh.triangles.size());
+      std::iota(from->begin(), from->end(), 0u);
+    }
     return false;
   }
   s.run(progress);
+  if (from) *from = s.original;
   if (s.left == n) {
     if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
     mesh.triangles = std::move(s.triangles);

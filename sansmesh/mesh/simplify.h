@@ -1,6 +1,9 @@
 // Fewer triangles for the same surface.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/simplify_options.h"
@@ -11,7 +14,9 @@ namespace sansmesh {
 /// metrics") stays below `error`, cheapest first among their surroundings, many at once. Topology, closedness and
 /// manifoldness stay; no triangle turns by more than 60° at once; borders move within the error. What belongs
 /// to merged vertices becomes their mean weighted by area (attributes: as AttributeTable says); triangles that are left
-/// keep their attributes. The same for any number of threads. Returns whether anything changed.
-bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress);
+/// keep their attributes. The same for any number of threads. Returns whether anything changed. `from` gets the number
+/// that each triangle had before.
+bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress,
+                   std::vector<std::uint32_t>* from = nullptr);
 
 }  // namespace sansmesh

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 namespace sansmesh {
 
 struct SimplifyOptions {
   /// Accepted root mean square distance of a vertex from the planes of the triangles it stands for (length, > 0).
   double error = 0;
+  /// Less than that for single vertices (length, as many as vertices): what they are merged with has the least of all.
+  /// Empty: the same for all.
+  std::span<const float> limits = {};
   /// Go on with larger and larger errors until there are no more triangles than this, or none can go. 0: do not.
   std::size_t triangles = 0;
   /// Leave the mesh as it is if only a smaller share than this of a sample of its vertices could go at first, 0..1:

@@ -9,14 +9,18 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/field/piece_expression.h"
+#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/polygonize/crease_blocks.h"
 #include "sansmesh/polygonize/crease_mesh.h"
+#include "sansmesh/polygonize/piece_surface.h"
 
 namespace sansmesh {
 namespace {
@@ -40,6 +44,20 @@ constexpr double kRounding = 1.0001;
 /// Where blocks of two sizes meet, vertices begin farther from the surface than two steps as long as their triangles
 /// may lead.
 constexpr int kRootSteps = 3;
+
+/// Default mesh error, as a share of the box's diagonal.
+constexpr double kCsgMeshError = 2e-5;
+/// Quadric error with which triangles are that far off on average.
+constexpr double kQuadricShare = 1.5;
+/// Surfaces that coincide but for this share of the diagonal are the same: far more than values are rounded by, and
+/// less than floats resolve.
+constexpr double kTie = 4e-10;
+/// Components of fewer cells across than this are doubtful.
+constexpr double kSpeck = 6;
+constexpr double kFlatShareOfThickness = 1e-4;
+constexpr std::size_t kMostPieceBlocks = 3'000'000;
+/// Change of the volume by the rounding of coordinates to floats from which on the mesh would mislead, as a share.
+constexpr double kMostRoundedAway = 0.01;
 
 /// Where to look, or an error that says why nowhere.
 Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
@@ -110,6 +128,15 @@ struct Cells {
   double thin;    ///< along creases, as thin parts need it: `usual`, or a half, a quarter … of it
 };
 
+/// The cell that was asked for.
+double checked_cell(const CsgMeshOptions& options, const Vec3& size, double longest) {
+  const double cell = options.cell ? *options.cell : longest / *options.resolution;
+  if (longest / cell > kMostCells)
+    throw ArgumentError(fmt::format("`cell` {} is too small for a box of {} × {} × {}: at most {} cells along a side",
+                                    cell, size.x, size.y, size.z, kMostCells));
+  return std::min(cell, longest / 2);
+}
+
 Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& options) {
   const Box3& box = reached.box;
   const Vec3 size = box.size();
@@ -124,11 +151,7 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
     while (thin > thickness / kAcross && thin / 2 >= least) thin /= 2;
     return {cell, usual, thin};
   }
-  const double cell = options.cell ? *options.cell : longest / *options.resolution;
-  if (longest / cell > kMostCells)
-    throw ArgumentError(fmt::format("`cell` {} is too small for a box of {} × {} × {}: at most {} cells along a side",
-                                    cell, size.x, size.y, size.z, kMostCells));
-  const double used = std::min(cell, longest / 2);
+  const double used = checked_cell(options, size, longest);
   return {used, used, used};
 }
 
@@ -158,6 +181,93 @@ Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cel
 /// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
 Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
 
+std::string too_thin_for(double cell, double thickness) {
+  return fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell);
+}
+
+/// Parts of the mesh that are only a few cells large may be none of the solid.
+void warn_of_specks(const TriangleMesh& mesh, CsgMeshReport& r) {
+  if (r.components < 2) return;
+  const MeshComponents components = find_components(mesh);
+  std::vector<Box3f> box(components.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) box[components.of_triangle[t]].extend(mesh.vertices[v]);
+  std::size_t specks = 0;
+  Vec3 at;
+  for (const Box3f& b : box) {
+    const Vec3f size = b.size();
+    if (static_cast<double>(std::max({size.x, size.y, size.z})) > kSpeck * r.cell) continue;
+    if (specks++ == 0) at = mesh.origin + Vec3((b.lower + b.upper) * 0.5f);
+  }
+  if (specks > 0)
+    r.warnings.push_back(fmt::format(
+        "{} of {} {} less than {:g} cells across, such as at ({:.4g}, {:.4g}, {:.4g}): stray, perhaps, where "
+        "surfaces come close to each other or cross; `components = auto` leaves out what is small",
+        grouped(specks), counted(components.size(), "component"), specks == 1 ? "is" : "are", kSpeck, at.x, at.y,
+        at.z));
+}
+
+/// As an error: parts that are hidden by others count, too, since nothing tells.
+std::string too_thin_for_default(const Box3& box, double cell, double thickness) {
+  const Vec3 size = box.size();
+  const double finer = 0.9 * thickness;
+  const bool may_be_had = std::max({size.x, size.y, size.z}) / finer < 0.9 * kMostCells;
+  return fmt::format(
+      "some parts are {:.3g} across, and would be missing or broken at cells of {:.3g}: give {}`cell = {:.2g}`, if "
+      "they are hidden or may be left out",
+      thickness, cell, may_be_had ? fmt::format("`cell = {:.2g}`, or ", finer) : "", cell);
+}
+
+/// What becomes of it after it was cut out.
+void finish(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& r) {
+  MeshReport chosen;
+  detail::choose_components(mesh, options.components, {}, 0, chosen);
+  r.warnings.insert(r.warnings.begin(), chosen.warnings.begin(), chosen.warnings.end());
+  measure(mesh, r);
+}
+
+TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, double thickness,
+                            const CsgMeshOptions& options, Progress& progress, CsgMeshReport& r) {
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z}), diagonal = box.diagonal();
+  PieceSurfaceOptions pieces;
+  pieces.most_blocks = kMostPieceBlocks;
+  pieces.mesh_error = options.mesh_error.value_or(kCsgMeshError * diagonal);
+  pieces.triangles = options.triangles.value_or(0);
+  if (options.cell || options.resolution) {
+    pieces.cell = checked_cell(options, size, longest);
+    pieces.simplify = options.simplify.value_or(kCsgSimplify * pieces.cell);
+  } else {
+    pieces.simplify = options.simplify.value_or(kQuadricShare * pieces.mesh_error);
+  }
+  pieces.flat_error = kFlatShareOfThickness * thickness;
+  PieceSurfaceReport found;
+  TriangleMesh mesh = polygonize_pieces(field, box, box.center(), pieces, progress, found);
+  r.cell = found.cell, r.depth = found.depth, r.blocks = found.blocks;
+  r.mean_error = found.mean_error, r.largest_error = found.largest_error;
+  const bool chosen = pieces.cell > 0;
+  if (found.too_many || (found.unresolved > 0 && !chosen)) {
+    const double usual = diagonal / kCellsOnDiagonal;
+    throw DataError(fmt::format(
+        "{}: {}; give a `cell`, such as {:.2g}, and parts thinner than that may be missing",
+        std::isfinite(thickness) ? fmt::format("some parts are {:.3g} across", thickness) : "some parts are too thin",
+        found.too_many ? fmt::format("more than {} blocks", kMostPieceBlocks)
+                       : fmt::format("too thin in a box of {:.3g}", longest),
+        usual));
+  }
+  if (found.unresolved > 0 && thickness < pieces.cell) r.warnings.push_back(too_thin_for(pieces.cell, thickness));
+  if (mesh.triangles.empty())
+    throw DataError(chosen ? fmt::format("the solid is empty, or thinner than the cells of {:.3g}", pieces.cell)
+                           : "the solid is empty");
+  if (found.rounded_away > kMostRoundedAway)
+    throw DataError(
+        fmt::format("some walls are thinner than the coordinates of meshes (floats) can hold in a box of "
+                    "{:.3g}: rounding would change the volume by {:.2g} %",
+                    longest, 100 * found.rounded_away));
+  finish(mesh, options, r);
+  return mesh;
+}
+
 TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const CsgMeshOptions& options,
                      Progress& progress, CsgMeshReport* report) {
   std::optional<double> slope = field.slope_bound();
@@ -165,10 +275,18 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
   const Reached reached = look_around(field, whole_box, slope);
   const Box3& box = reached.box;
   const double thickness = field.thickness();
+  CsgMeshReport local;
+  CsgMeshReport& r = report ? *report : local;
+  r = {};
+  r.box = box;
+  if (const auto expression = field.expression(kTie * box.diagonal()))
+    return mesh_of_pieces(*expression, box, thickness, options, progress, r);
   const Cells cells = cells_of(reached, thickness, options);
   PolygonizeOptions polygonize;
-  polygonize.simplify = options.simplify.value_or(kCsgSimplify * cells.smooth);
-  polygonize.least_gain = options.simplify ? 0 : kCsgLeastGain;
+  polygonize.simplify = options.simplify.value_or(
+      options.mesh_error ? std::min(kQuadricShare * *options.mesh_error, cells.smooth) : kCsgSimplify * cells.smooth);
+  polygonize.triangles = options.triangles.value_or(0);
+  polygonize.least_gain = options.simplify || options.mesh_error || options.triangles ? 0 : kCsgLeastGain;
   CreaseBlockOptions sizes;
   sizes.smooth_cell = cells.smooth, sizes.slope = slope;
   if (polygonize.simplify > 0) {
@@ -178,21 +296,15 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
   auto [tree, cell] = affordable_blocks(field, box, cells, thickness, sizes, progress);
 
   const bool too_thin = thickness < kLeastAcross * cell;
-  CsgMeshReport local;
-  CsgMeshReport& r = report ? *report : local;
-  r = {};
-  r.box = box, r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
+  if (too_thin && !options.cell && !options.resolution) throw DataError(too_thin_for_default(box, cell, thickness));
+  r.cell = cell, r.depth = tree.depth(), r.blocks = tree.leaves().size();
   TriangleMesh mesh = polygonize_with_creases(field, std::move(tree), box.center(), polygonize, progress);
   if (mesh.triangles.empty())
     throw DataError(fmt::format("the solid is empty, or thinner than the cells of {:.3g}", cell) +
-                    (too_thin ? fmt::format(": parts are {:.3g} across", thickness) : ""));
-  MeshReport chosen;
-  detail::choose_components(mesh, options.components, {}, 0, chosen);
-  r.warnings = std::move(chosen.warnings);
-  if (too_thin)
-    r.warnings.push_back(
-        fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell));
-  measure(mesh, r);
+                    (too_thin ? fmt::format(": parts are {:.3g} across; a smaller `cell` shows them", thickness) : ""));
+  if (too_thin) r.warnings.push_back(too_thin_for(cell, thickness));
+  finish(mesh, options, r);
+  warn_of_specks(mesh, r);
   return mesh;
 }
 
@@ -204,6 +316,11 @@ void CsgMeshOptions::validate() const {
     throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
   if (resolution && (*resolution < 4 || *resolution > kMostCells))
     throw ArgumentError(fmt::format("`resolution` must lie in 4..{}, not be {}", kMostCells, *resolution));
+  if (mesh_error && !(*mesh_error > 0 && std::isfinite(*mesh_error)))
+    throw ArgumentError(fmt::format("`mesh_error` must be a positive length, not {}", *mesh_error));
+  if (triangles && *triangles < 4)
+    throw ArgumentError(fmt::format("`triangles` must be at least 4, not {}", *triangles));
+  if (triangles && simplify && *simplify == 0) throw ArgumentError("`triangles` needs simplification: `simplify` is 0");
   if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
     throw ArgumentError(fmt::format("`simplify` must be a length, or 0, not {}", *simplify));
   if (!box) return;

@@ -10,7 +10,10 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/noise.h"
 #include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 namespace {
@@ -20,6 +23,15 @@ constexpr std::size_t kBatch = 1024;
 constexpr double kSpare = 5;
 /// Share of a ball's radius within which they lie: no holes between samples at random, and not far beyond borders.
 constexpr double kCore = 0.65;
+/// A point is too far off where it would have to move by more than so many spacings and deviations of the noise.
+constexpr double kFarInSpacings = 3, kFarInNoise = 5;
+/// Samples are no farther apart than so many times the median when these spacings are counted: what stands alone has
+/// no surface next to it.
+constexpr double kWidest = 2;
+/// So many samples at most tell which surface suits them.
+constexpr std::size_t kJudged = 20000;
+/// A surface that moves the samples by no more than this, over the noise (squares), takes the noise away and no more.
+constexpr double kOnlyNoise = 2;
 constexpr double kGoldenAngle = 2.399963229728653;
 
 struct Foot {
@@ -27,8 +39,10 @@ struct Foot {
   bool found = false;
 };
 
-/// Down the gradient until a step is short.
-void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance, int steps, std::span<Foot> feet) {
+/// Down the gradient until a step is short. A gradient holds for a spacing or so: no step is longer, or points next to
+/// creases of thin parts would be thrown past them.
+void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance, double longest_step, int steps,
+             std::span<Foot> feet) {
   std::vector<Vec3> at(x.begin(), x.end()), g(x.size());
   std::vector<double> f(x.size());
   std::vector<std::uint8_t> inside(x.size());
@@ -37,7 +51,8 @@ void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance
     double longest = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double slope2 = squared_norm(g[i]);
-      const Vec3 move = slope2 > 1e-6 ? g[i] * (-f[i] / slope2) : Vec3{};
+      Vec3 move = slope2 > 1e-6 ? g[i] * (-f[i] / slope2) : Vec3{};
+      if (const double length = norm(move); length > longest_step) move *= longest_step / length;
       feet[i] = {at[i], normalized(g[i]), inside[i] != 0 && slope2 > 1e-6};
       if (k < steps && feet[i].found) at[i] += move, longest = std::max(longest, norm(move));
     }
@@ -49,6 +64,7 @@ void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance
 std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, const ProjectToSurface& options,
                           Progress& progress) {
   const double tolerance = model.place().from_input(options.tolerance * model.report().spacing);
+  const double longest_step = model.place().from_input(std::max(model.report().spacing, 2 * model.report().noise));
   std::vector<Foot> feet(x.size());
   const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
   const ScalarField* const field = model.projection() ? nullptr : &model.field(progress);
@@ -62,7 +78,7 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
       project_to_fixed_point(*model.projection(), part, tolerance, options.steps, found);
       for (std::size_t i = 0; i < count; ++i) out[i] = {found[i].position, found[i].normal, found[i].defined};
     } else {
-      descend(*field, part, tolerance, options.steps, out);
+      descend(*field, part, tolerance, longest_step, options.steps, out);
     }
     progress.advance();
   });
@@ -75,7 +91,57 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
   return feet;
 }
 
+/// Says which feet are farther from their points, or from all samples, than noise could be.
+std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec3> x, std::span<const Foot> feet) {
+  const double spacing = model.place().from_input(model.report().spacing);
+  const double noise = model.place().from_input(model.report().noise);
+  const KdTree tree(model.points().positions);
+  std::vector<std::uint8_t> far(x.size());
+  parallel_for(0, x.size(), kBatch, [&](std::size_t i) {
+    if (!feet[i].found) return;
+    std::array<Neighbour, kLocalNeighbours> near;
+    const std::size_t n = tree.nearest(Vec3f(feet[i].position), near);
+    if (n == 0) return;
+    const double local = std::clamp(local_spacing(static_cast<double>(near[n - 1].squared_distance), spacing), spacing,
+                                    kWidest * spacing);
+    const double most = kFarInSpacings * local + kFarInNoise * noise;
+    far[i] = squared_norm(feet[i].position - x[i]) > most * most ||
+             static_cast<double>(near[0].squared_distance) > most * most;
+  });
+  return far;
+}
+
 }  // namespace
+
+SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
+  const NoiseEstimate estimate = measure_noise(cloud.points);
+  const double noise = estimate.known ? estimate.deviation : 0;  // what may be shape explains no way
+  const std::size_t all = cloud.points.size(), every = 1 + (all - 1) / kJudged;
+  std::vector<Vec3> x;
+  for (std::size_t i = 0; i < all; i += every) x.push_back(Vec3(cloud.points.positions[i]));
+  PreparedCloud again = cloud;
+  SurfaceOptions options;
+  options.method = SurfaceMethod::partition;
+  SurfaceModel smooth = make_surface_model(std::move(cloud), options, progress);
+  const std::vector<Foot> to_smooth = feet_of(smooth, x, {}, progress);
+  std::vector<std::uint8_t> skip = far_off(smooth, x, to_smooth);
+  double moved = 0, known = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    skip[i] = skip[i] || !to_smooth[i].found;
+    if (skip[i]) continue;
+    moved += squared_norm(to_smooth[i].position - x[i]), ++known;
+  }
+  if (known > 0 && moved <= kOnlyNoise * noise * noise * known) return smooth;
+  options.method = SurfaceMethod::curvature;
+  SurfaceModel close = make_surface_model(std::move(again), options, progress);
+  const std::vector<Foot> to_close = feet_of(close, x, {}, progress);
+  double nearer = 0, both = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (skip[i] || !to_close[i].found) continue;
+    nearer += squared_norm(to_smooth[i].position - x[i]) - squared_norm(to_close[i].position - x[i]), ++both;
+  }
+  return nearer > noise * noise * both ? std::move(close) : std::move(smooth);
+}
 
 void ProjectToSurface::validate() const {
   check_range("steps", steps, 1, 1000);
@@ -89,6 +155,7 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
   std::vector<Vec3> x(points.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = place.from_input(points.origin, points.positions[i]);
   const std::vector<Foot> feet = feet_of(model, x, options, progress);
+  const std::vector<std::uint8_t> far = far_off(model, x, feet);
 
   PointSet result = points;
   result.triangles.clear();
@@ -99,7 +166,7 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
   SurfaceProjection& r = report ? *report : local;
   r = {};
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!feet[i].found) {
+    if (!feet[i].found || far[i]) {
       gone[i] = 1;
       ++r.left_out;
       continue;

@@ -6,6 +6,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/points/prepare_cloud.h"
 
 namespace sansmesh {
 
@@ -18,13 +19,19 @@ struct ProjectToSurface {
 
 struct SurfaceProjection {
   std::size_t projected = 0;
-  std::size_t left_out = 0;                              ///< outside of the domain of definition
+  std::size_t left_out = 0;                              ///< outside of the domain of definition, or too far from it
   double mean_move = 0, rms_move = 0, largest_move = 0;  ///< distances (length, unit of the input)
 };
 
+/// The surface that suits samples which are to be moved onto their own (docs/methods/projections.md has the table):
+/// `partition`, unless it moves them by more than their noise explains and `curvature`, whose fits are smaller, by
+/// less.
+SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress);
+
 /// The points on the surface (by the projection, or down the gradient of an implicit one), with its normals; colours
-/// and other attributes stay. Points outside of the domain of definition are left out. Positions of points and model
-/// are world coordinates.
+/// and other attributes stay. Points are left out, and counted, outside of the domain of definition, and where the
+/// surface or the samples are farther than 3 spacings (of samples around the place there, at most twice the median) and
+/// 5 deviations of the noise. Positions of points and model are world coordinates.
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
                         Progress& progress, SurfaceProjection* report = nullptr);
 

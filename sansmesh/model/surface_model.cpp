@@ -56,6 +56,9 @@ BallUnion support_balls(const PartitionOfUnity& partition) {
   return balls;
 }
 
+/// Of fields whose patches do not meet, and of others (`jump`).
+constexpr double kJumpOfPatches = 0.5, kJumpOfOthers = 0.01;
+
 /// Whether large triangles would do.
 struct Flatness {
   const PointSet& feet;  ///< of the balls' centres
@@ -268,6 +271,9 @@ const ScalarField* SurfaceModel::placement(Progress& progress) const {
 }
 const Projection* SurfaceModel::projection() const { return state_->projection ? &*state_->projection : nullptr; }
 const BallUnion& SurfaceModel::balls() const { return state_->balls; }
+double SurfaceModel::jump() const {
+  return state_->report.method == SurfaceMethod::hoppe ? kJumpOfPatches : kJumpOfOthers;
+}
 const PointSet& SurfaceModel::points() const { return state_->cloud.points; }
 const ColorField* SurfaceModel::colors() const { return state_->colors ? &*state_->colors : nullptr; }
 const SurfaceReport& SurfaceModel::report() const { return state_->report; }

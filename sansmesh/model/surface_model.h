@@ -70,6 +70,9 @@ class SurfaceModel {
   const Projection* projection() const;
   /// Where the surface can be.
   const BallUnion& balls() const;
+  /// How far from zero the field may be on either side of a jump that is part of the surface, over the radius of the
+  /// ball there: patches of planes that do not meet (hoppe), or nearly nothing.
+  double jump() const;
   const PointSet& points() const;
   /// The samples' colours, interpolated; null where they have none.
   const ColorField* colors() const;

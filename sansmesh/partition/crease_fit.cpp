@@ -1,7 +1,9 @@
 #include "sansmesh/partition/crease_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace sansmesh {
@@ -10,6 +12,41 @@ namespace {
 constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
 constexpr std::uint8_t kTooFew = 255;
 constexpr float kCornerSine = 0.5f;  // a normal that leaves the plane of the two sheets' normals by more makes a corner
+
+/// Where what two sheets are to each other cannot be told, the way of joining all that leaves the samples on the zero
+/// set is taken: with at most this mean square over that of the sheets by themselves, or this rms as a share of the
+/// scale.
+constexpr double kJoinedSquare = 4, kJoinedShare = 1e-3;
+
+/// Puts the pieces in the order, and joined in the way, in which the samples come closest to the zero set. False: not
+/// close enough.
+bool join_by_samples(std::span<const Vec3f> positions, std::span<const float> weights, double mean_square, float scale,
+                     std::vector<LocalFunction>& pieces) {
+  const std::size_t sheets = pieces.size();
+  std::vector<std::array<float, 3>> value(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    for (std::size_t s = 0; s < sheets; ++s) value[i][s] = local_value(pieces[s], positions[i]);
+  double least = std::numeric_limits<double>::max(), total = 0;
+  for (const float w : weights) total += w;
+  std::size_t best_last = 0, best_way = 0;
+  for (std::size_t last = sheets == 2 ? 1 : 0; last < (sheets == 2 ? 2u : 3u); ++last)
+    for (std::size_t way = 0; way < (sheets == 2 ? 2u : 4u); ++way) {
+      const std::size_t a = last == 0 ? 1 : 0, b = sheets == 2 ? 1 : last == 2 ? 1 : 2;
+      double squares = 0;
+      for (std::size_t i = 0; i < positions.size(); ++i) {
+        float v = way % 2 ? std::max(value[i][a], value[i][b]) : std::min(value[i][a], value[i][b]);
+        if (sheets == 3) v = way / 2 ? std::max(v, value[i][last]) : std::min(v, value[i][last]);
+        squares += static_cast<double>(weights[i]) * static_cast<double>(v) * static_cast<double>(v);
+      }
+      if (squares < least) least = squares, best_last = last, best_way = way;
+    }
+  const double allowed = std::max(kJoinedSquare * mean_square, std::pow(kJoinedShare * static_cast<double>(scale), 2));
+  if (!(total > 0) || least > allowed * total) return false;
+  if (sheets == 3) std::swap(pieces[best_last], pieces[2]);
+  pieces[0].convex = best_way % 2;
+  pieces[1].convex = best_way / 2;
+  return true;
+}
 
 /// Representative normals of the sheets: the two farthest apart, and a third if one stands out of their plane.
 std::vector<Vec3f> seed_sheets(std::span<const Vec3f> normals) {
@@ -115,19 +152,26 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     piece[0].convex = 1;
   } else if (sheets == 2) {
     const int r = relation(0, 1);
-    if (r < 0) return result;
-    piece[0].convex = r == 1;
+    if (r >= 0) {
+      piece[0].convex = r == 1;
+    } else if (!join_by_samples(positions, weights, result.mean_square, scale, piece)) {
+      return result;
+    }
   } else {
     const int ab = relation(0, 1), bc = relation(1, 2), ac = relation(0, 2);
-    if (ab < 0 || bc < 0 || ac < 0) return result;
-    // The pair that differs from the other two is joined first.
-    if (ab == bc && ab != ac) std::swap(piece[1], piece[2]);
-    if (ab == ac && ab != bc) std::swap(piece[0], piece[2]);
-    const bool odd = ab == bc && bc == ac;
-    const int first = odd ? ab : (bc == ac ? ab : ab == bc ? ac : bc);
-    const int second = odd ? ab : 1 - first;
-    piece[0].convex = first == 1;
-    piece[1].convex = second == 1;
+    if (ab < 0 || bc < 0 || ac < 0) {
+      // One sheet lies on both sides of another, as in corners that are neither convex nor concave.
+      if (!join_by_samples(positions, weights, result.mean_square, scale, piece)) return result;
+    } else {
+      // The pair that differs from the other two is joined first.
+      if (ab == bc && ab != ac) std::swap(piece[1], piece[2]);
+      if (ab == ac && ab != bc) std::swap(piece[0], piece[2]);
+      const bool odd = ab == bc && bc == ac;
+      const int first = odd ? ab : (bc == ac ? ab : ab == bc ? ac : bc);
+      const int second = odd ? ab : 1 - first;
+      piece[0].convex = first == 1;
+      piece[1].convex = second == 1;
+    }
   }
   result.pieces = std::move(piece);
   return result;

@@ -7,10 +7,12 @@
 #include <atomic>
 #include <cmath>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
+#include "sansmesh/partition/changed_regions.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
 
@@ -74,16 +76,15 @@ Box3f ball_box(const LocalFunction& f) {
   return {f.center - r, f.center + r};
 }
 
-Box3f ball_boxes(const PartitionData& data, const Selection& chosen) {
-  Box3f box;
-  for (const std::uint32_t i : chosen) box.extend(ball_box(data.functions[i]));
-  return box;
-}
-
 /// Data with other leaves in place of the chosen supports.
 EditResult replaced(const PartitionData& data, const Selection& chosen, std::vector<FittedLeaf> leaves) {
-  EditResult result{data, ball_boxes(data, chosen), chosen.size(), leaves.size()};
-  for (const FittedLeaf& leaf : leaves) result.changed.extend(ball_box(leaf.function));
+  EditResult result{data, {}, {}, chosen.size(), leaves.size()};
+  std::vector<Box3f> balls;
+  balls.reserve(chosen.size() + leaves.size());
+  for (const std::uint32_t i : chosen) balls.push_back(ball_box(data.functions[i]));
+  for (const FittedLeaf& leaf : leaves) balls.push_back(ball_box(leaf.function));
+  result.changed = bounds_of(balls);
+  result.regions = changed_regions(balls, {data.lower, data.lower + Vec3f{1, 1, 1} * data.edge});
   const auto position = [](const Support& s) { return curve_position(s.level, s.code); };
   std::stable_sort(leaves.begin(), leaves.end(),
                    [&](const FittedLeaf& a, const FittedLeaf& b) { return position(a.support) < position(b.support); });
@@ -280,7 +281,7 @@ Selection select_supports(const PartitionData& data, const SupportQuery& query) 
 EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
                       Progress& progress) {
   if (degree < 0 || degree > kMaxDegree) throw ArgumentError("the degree must lie in 0..4");
-  if (chosen.empty()) return {data, {}, 0, 0};
+  if (chosen.empty()) return {data, {}, {}, 0, 0};
   SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
   tree.build_levels(data.basis.finest);
   const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest,
@@ -343,7 +344,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
 EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
                  const EditSamples& samples, Progress& progress) {
   options.validate();
-  if (chosen.empty()) return {data, {}, 0, 0};
+  if (chosen.empty()) return {data, {}, {}, 0, 0};
   const std::vector<BlockKey> roots = filled_blocks(data, chosen);
   SampleTree tree = tree_around(data, roots, samples);
   tree.build_levels(data.basis.tried);

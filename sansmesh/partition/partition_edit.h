@@ -44,7 +44,9 @@ struct EditSamples {
 
 struct EditResult {
   PartitionData data;
-  Box3f changed;             ///< holds all places where the function may have changed (but for its far field)
+  Box3f changed;  ///< holds all places where the function may have changed (but for its far field)
+  /// The same more closely: boxes, 64 at most, whose union holds them; they may overlap.
+  std::vector<Box3f> regions;
   std::size_t changes = 0;   ///< of the chosen supports, those that are not as before
   std::size_t supports = 0;  ///< that took the place of those chosen
   std::size_t lower = 0;     ///< of the changed ones, supports of a lower degree than was asked for

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
@@ -13,13 +14,6 @@ namespace {
 
 constexpr std::size_t kSearchChunk = 65536;
 constexpr std::size_t kCoarse = 30000;  ///< samples of the tree that tells the local density
-
-std::uint64_t scramble(std::uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
 
 // One finite sample from each of `count` equal stretches of the file order, at a fixed pseudo-random place in it:
 // even over scan lines, yet blind to their period.
@@ -30,7 +24,7 @@ std::vector<Vec3f> stratified(std::span<const Vec3f> points, std::size_t count, 
   chosen.reserve(count);
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t first = j * n / count, last = (j + 1) * n / count;
-    const std::size_t start = scramble(seed + j) % (last - first);
+    const std::size_t start = scrambled(seed + j) % (last - first);
     for (std::size_t i = 0; i < last - first; ++i) {
       const Vec3f& p = points[first + (start + i) % (last - first)];
       if (!is_finite(p)) continue;

@@ -1,13 +1,16 @@
 #include "sansmesh/points/noise.h"
 
+#include <fmt/core.h>
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sansmesh/core/median.h"
@@ -24,6 +27,14 @@ constexpr std::size_t kCoefficients = 6;
 /// d log(residual) / d log(size): about 0 for noise, 1.5 for the cubic terms of a smooth surface, 0.5 and more where
 /// creases and detail of all sizes meet. Below this there is noise to speak of.
 constexpr double kSlopeWithoutNoise = 0.6;
+/// Up to this slope it is the noise that is seen, and hardly any shape.
+constexpr double kSlopeOfNoise = 0.3;
+/// Less than this, over the distance to the nearest samples, is little, whatever it is.
+constexpr double kLittle = 0.1;
+/// Steps between the values of a coordinate are seen where it has this many times fewer values than samples, and the
+/// nearest neighbours are off their surface by less than this share of a step.
+constexpr std::size_t kFewValues = 50, kMostValues = 100000;
+constexpr double kSameStep = 0.1, kStepOfSpacing = 0.2;
 /// A residual grown by more than this from the smallest scale is shape, whatever its slope.
 constexpr double kLargestGrowth = 4;
 
@@ -85,9 +96,40 @@ std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std
   return deviation * radius;
 }
 
+/// About the edge of the square that a sample stands for.
+double nearest_spacing(const std::vector<Neighbourhood>& sample) {
+  std::vector<double> spacings;
+  for (const Neighbourhood& n : sample)
+    if (n.distances.size() > kScales[0])
+      spacings.push_back(static_cast<double>(n.distances[kScales[0]]) *
+                         std::sqrt(std::numbers::pi / static_cast<double>(kScales[0])));
+  return median(spacings);
+}
+
+/// The step between the values of the coordinate that has the fewest, where neighbours have the same; else 0.
+double step_of_coordinates(const PointSet& points, double residual, double spacing) {
+  double largest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kMostValues)
+      if (std::isfinite(points.positions[i][k])) values.push_back(points.positions[i][k]);
+    const std::size_t all = values.size();
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    if (values.size() < 3 || values.size() * kFewValues > all) continue;
+    std::vector<float> steps;
+    for (std::size_t i = 1; i < values.size(); ++i) steps.push_back(values[i] - values[i - 1]);
+    const auto step = static_cast<double>(median(steps));
+    if (step > kStepOfSpacing * spacing && residual < kSameStep * step) largest = std::max(largest, step);
+  }
+  return largest;
+}
+
 }  // namespace
 
-double estimate_noise(const PointSet& points) {
+double estimate_noise(const PointSet& points) { return measure_noise(points).deviation; }
+
+NoiseEstimate measure_noise(const PointSet& points) {
   const std::vector<Neighbourhood> sample = sample_neighbourhoods(points.positions, kPlaces, kScales.back());
   std::vector<std::array<std::optional<double>, kScales.size()>> residuals(sample.size());
   parallel_ranges(0, sample.size(), 16, [&](std::size_t first, std::size_t last) {
@@ -112,8 +154,18 @@ double estimate_noise(const PointSet& points) {
     scale.push_back(std::log(static_cast<double>(kScales[s])));
     deviation.push_back(std::max(median(values), rounding));
   }
-  if (deviation.empty() || deviation[0] <= rounding) return 0;
-  if (deviation.size() == 1) return deviation[0];  // too few samples to tell shape from noise
+  NoiseEstimate result;
+  if (deviation.empty()) return result;
+  const double spacing = nearest_spacing(sample);
+  result.step = step_of_coordinates(points, deviation[0], spacing);
+  result.most = std::max(deviation[0], result.step / std::sqrt(12.0));
+  const bool little = result.most < kLittle * spacing;
+  result.known = little;
+  if (deviation[0] <= rounding) return result;
+  if (deviation.size() == 1) {  // too few samples to tell shape from noise
+    result.deviation = deviation[0];
+    return result;
+  }
 
   double smallest_slope = kSlopeWithoutNoise, noise = 0;
   for (std::size_t s = 1; s < deviation.size() && deviation[s] <= kLargestGrowth * deviation[0]; ++s) {
@@ -123,7 +175,18 @@ double estimate_noise(const PointSet& points) {
     // What still grows is shape: take its share of the variance away.
     noise = std::sqrt(deviation[s] * deviation[s - 1] * (1 - slope / kSlopeWithoutNoise));
   }
-  return noise;
+  result.deviation = noise;
+  result.most = std::max(result.most, noise);
+  result.known = little || (smallest_slope < kSlopeOfNoise && noise > 0.5 * result.step);
+  return result;
+}
+
+std::string noise_words(const NoiseEstimate& noise, double spacing) {
+  if (!noise.known && !(noise.most > 0)) return "unknown: too few samples";
+  if (noise.step > 0 && !noise.known) return fmt::format("unknown: coordinates come in steps of {:.4g}", noise.step);
+  if (!noise.known) return fmt::format("unknown: {:.4g} at most, which may be shape or noise", noise.most);
+  if (noise.deviation > 0.005 * spacing) return fmt::format("{:.4g}", noise.deviation);
+  return fmt::format("less than {:.1g}", std::max(noise.most, 1e-6 * spacing));
 }
 
 }  // namespace sansmesh

@@ -426,8 +426,20 @@ std::string unknown_sights(OrientBy asked) {
   }
 }
 
+/// The share of what neighbours say, by its weight, that confirms the given signs.
+double agreement_of(const RelationGraph& graph) {
+  double agree = 0, all = 0;
+  for (std::size_t s = 0; s < graph.size(); ++s)
+    for (std::size_t k = 0; k < graph.degree(); ++k) {
+      const double r = graph.relation_to(s, k);
+      all += r * r;
+      if (r > 0) agree += r * r;
+    }
+  return all > 0 ? agree / all : 0;
+}
+
 // The given normals against those oriented anew.
-OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise) {
+OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise) {
   Progress silent;
   const KdTree tree(positions);
   const RelationGraph graph(tree, normals, 10, noise);
@@ -444,8 +456,9 @@ OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> 
     ++members[parts.part[s]];
     negative[parts.part[s]] += parts.sign[s] < 0;
   }
-  std::size_t flipped = 0, inward = 0;
+  std::size_t flipped = 0, inward = 0, open = 0;
   for (std::size_t p = 0; p < parts.count; ++p) {
+    if (parts.open[p]) open += members[p];
     const bool turned = 2 * negative[p] > members[p];
     flipped += turned ? members[p] - negative[p] : negative[p];
     if (!parts.open[p] && (turned ? -parts.outwardness[p] : parts.outwardness[p]) < -0.2) inward += members[p];
@@ -460,9 +473,20 @@ OrientationCheck judge(std::span<const Vec3f> positions, std::span<const Vec3f> 
       (r < 0 ? contradiction : agreement) += r * r;
     }
   const bool systematic = contradiction > 3 * agreement;
-  if (static_cast<double>(flipped) > 0.06 * static_cast<double>(graph.size()) && systematic)
-    return OrientationCheck::unoriented;
-  return 2 * inward > graph.size() ? OrientationCheck::inward : OrientationCheck::oriented;
+  OrientationReport report;
+  const auto all = static_cast<double>(graph.size());
+  report.agreement = agreement_of(graph);
+  std::size_t firm = 0;
+  for (std::size_t s = 0; s < graph.size(); ++s) firm += graph.firm(s);
+  report.related = static_cast<double>(firm) / all;
+  report.inward = static_cast<double>(inward) / all;
+  report.open = static_cast<double>(open) / all;
+  report.outward = std::max(0.0, 1 - report.inward - report.open);
+  report.check = 2 * inward > graph.size() ? OrientationCheck::inward : OrientationCheck::oriented;
+  if ((static_cast<double>(flipped) > 0.06 * all && systematic) || report.agreement < kLeastAgreement ||
+      report.related < kLeastRelated)
+    report.check = OrientationCheck::unoriented;
+  return report;
 }
 
 bool from_air(OrientBy by) { return by == OrientBy::flight || by == OrientBy::up; }
@@ -531,11 +555,15 @@ double share_looking_away(const PointSet& points, std::span<const Vec3f> sights)
 }
 
 OrientationCheck check_orientation(const PointSet& points, std::optional<double> known_noise) {
-  if (points.normals.size() != points.size()) return OrientationCheck::missing;
+  return measure_orientation(points, known_noise).check;
+}
+
+OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise) {
+  if (points.normals.size() != points.size()) return {};
   std::vector<Vec3f> positions, normals;
   std::size_t with_normal = 0;
   for (const Vec3f& n : points.normals) with_normal += squared_norm(n) > 0.25f;
-  if (with_normal * 10 < points.size() || with_normal == 0) return OrientationCheck::missing;
+  if (with_normal * 10 < points.size() || with_normal == 0) return {};
   // Equal steps through the samples that have a normal.
   const std::size_t wanted = std::min(with_normal, kCheckSamples);
   std::size_t seen = 0;
@@ -546,11 +574,11 @@ OrientationCheck check_orientation(const PointSet& points, std::optional<double>
     positions.push_back(points.positions[i]);
     normals.push_back(points.normals[i]);
   }
-  if (positions.empty()) return OrientationCheck::missing;
+  if (positions.empty()) return {};
   const double noise = known_noise ? *known_noise : estimate_noise(points);
-  const OrientationCheck judgement = judge(positions, normals, noise);
+  const OrientationReport judgement = judge(positions, normals, noise);
   // The sides of a thin sheet may have been taken for noise.
-  if (judgement != OrientationCheck::unoriented || noise == 0) return judgement;
+  if (judgement.check != OrientationCheck::unoriented || noise == 0) return judgement;
   return judge(positions, normals, 0);
 }
 

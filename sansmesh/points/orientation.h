@@ -19,6 +19,25 @@ enum class OrientationCheck {
   unoriented,  ///< neighbouring normals disagree in sign systematically
 };
 
+/// What `check_orientation` sees, in numbers.
+struct OrientationReport {
+  OrientationCheck check = OrientationCheck::missing;
+  /// What neighbouring normals say of each other's signs, by its weight: the share that confirms those they have.
+  /// 1: no contradiction; about ½: signs, or normals, at random.
+  double agreement = 0;
+  /// Share of the samples whose normals have to do with those of their neighbours at all: hardly any of normals at
+  /// random.
+  double related = 0;
+  /// Shares of the samples: in closed parts whose normals point outward, or inward, and in parts that are so far from
+  /// closed that they have no outside. They add up to 1.
+  double outward = 0, inward = 0, open = 0;
+};
+
+/// Normals with less agreement, or of which fewer are related, are not oriented.
+inline constexpr double kLeastAgreement = 0.9, kLeastRelated = 0.5;
+
+OrientationReport measure_orientation(const PointSet& points, std::optional<double> noise = {});
+
 /// Judges points.normals on a fixed subsample: orients it anew and asks whether that makes whole regions agree with
 /// their surroundings that disagreed before. Single wrong signs (noise) and thin parts do not count. Parts that are far
 /// from closed, such as terrain, have no outside: their normals are never `inward`.

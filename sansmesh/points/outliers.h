@@ -16,12 +16,16 @@ struct OutlierOptions {
   double isolation = 4;
   /// Detached clusters of fewer samples than this are outliers; 0 keeps all.
   std::size_t min_cluster = 12;
+  /// A sample is off the surface if it is this many standard deviations of those around it from the plane through
+  /// them, > 1, and farther than they are from each other; unless `min_cluster` of them are beside it.
+  double height = 4;
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
 /// 1 for outliers, 0 for samples to keep. Distances are judged against the spacing around each sample, so samples in
-/// sparse regions stay; a cloud smaller than `min_cluster` is kept whole. Non-finite positions are outliers.
+/// sparse regions stay, and where coordinates come in steps, two of these are no distance; a cloud smaller than
+/// `min_cluster` is kept whole. Non-finite positions are outliers.
 std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOptions& options, Progress& progress);
 
 }  // namespace sansmesh

@@ -163,6 +163,10 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
   orientation.noise = cloud.noise;
   orientation.by = use.orient_by;
   cloud.oriented_by = orient_normals(points, tree, orientation, progress);
+  if (check == OrientationCheck::unoriented && measure_orientation(points, cloud.noise).related < kLeastRelated)
+    cloud.warnings.push_back(
+        "the normals have nothing to do with those next to them, so no sign is right: `normals = estimate` makes "
+        "others");
 }
 
 /// Of all scans together, to tell whether they disagree; and of each of them at least.

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/clip_mesh.h"
@@ -34,7 +35,7 @@ struct Extraction {
   const ScalarField& field;
   BlockTree tree;
   Vec3 origin;
-  std::optional<Box3> region = {};               ///< only blocks that meet it, and kLayers around them
+  std::vector<Box3> regions = {};                ///< only blocks that meet one, and kLayers around them; none: all
   std::vector<std::uint8_t> beyond_domain = {};  ///< of each block; empty: none is
   LatticeNumbering numbering = {};               ///< while the surface is followed
   PatternTable patterns = {};
@@ -213,7 +214,7 @@ struct Extraction {
     add_new(seeds.empty() ? blocks_with_small_values() : blocks_at(seeds), is_active);
     std::vector<std::uint32_t> beyond;
     follow(is_active, 0, beyond);
-    for (int layer = 0; region && layer < kLayers; ++layer) {
+    for (int layer = 0; !regions.empty() && layer < kLayers; ++layer) {
       const std::size_t first = active.size();
       add_new(std::exchange(beyond, {}), is_active);
       follow(is_active, first, beyond);
@@ -266,13 +267,9 @@ struct Extraction {
   }
 
   bool in_region(std::size_t block) const {
-    if (!region) return true;
-    const double e = tree.block_edge(block);
-    const Vec3 half = Vec3{e, e, e} * 0.5, center = tree.block_center(block), lower = center - half,
-               upper = center + half;
-    for (std::size_t k = 0; k < 3; ++k)
-      if (lower[k] > region->upper[k] || upper[k] < region->lower[k]) return false;
-    return true;
+    if (regions.empty()) return true;
+    const Vec3 center = tree.block_center(block);
+    return any_touches(regions, widened(Box3{center, center}, 0.5 * tree.block_edge(block)));
   }
 
   std::vector<std::uint32_t> blocks_with_small_values() const {
@@ -497,7 +494,7 @@ struct RawSurface {
 /// The lattice, which takes more room than the surface in it, is gone afterwards.
 RawSurface extract(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
                    Progress& progress) {
-  Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .region = options.region};
+  Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .regions = options.regions};
   progress.begin("evaluate lattice");
   if (options.domain) e.leave_out(*options.domain);
   e.activate(options.seeds);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "sansmesh/core/box.h"
@@ -40,9 +39,9 @@ struct PolygonizeOptions {
   /// Points near the surface from which it is followed (METHODS §3.2): sheets that no seed leads to are not found, so
   /// seeds at the samples keep sheets far from any sample out. Empty: every block is looked at.
   std::vector<Vec3> seeds;
-  /// Only the surface in this box: the mesh is as that of the whole there, and ends a few blocks beyond in a border
-  /// around which its vertices are not quite where they would be.
-  std::optional<Box3> region;
+  /// Only the surface in these boxes: the mesh is as that of the whole there, and ends a few blocks beyond in a border
+  /// around which its vertices are not quite where they would be. None: all of it.
+  std::vector<Box3> regions;
   /// The surface ends where this field becomes positive, in a border along the contour where it passes zero: it is cut
   /// off there before it is simplified, as finely as the blocks are. Blocks where its ranges() are above zero are not
   /// even looked at. Must outlive the call.

@@ -69,7 +69,7 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
   };
   std::vector<Row> found(rows);
   parallel_for(0, rows, 1, [&](std::size_t r) {
-    std::vector<Vec3f> directions;
+    CameraRays going(camera_);
     std::vector<std::size_t> slots, first;
     std::vector<SurfacePoint> points;
     const int top = static_cast<int>(r) * kSide;
@@ -78,17 +78,18 @@ FlowTexture::FlowTexture(const PictureScene& scene, const Camera& camera, int wi
                 y = top + place / kSide % kSide;
       if (x >= width || y >= height) continue;
       slots.push_back(i);
-      directions.push_back(camera_.direction((2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1,
-                                             1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(height)));
+      going.add((2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1,
+                1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(height));
     }
-    scene.layers(camera_.position, directions, first, points);
+    const EyeRays rays = going.rays();
+    if (rays.size() > 0) scene.layers(rays, first, points);
     Row& row = found[r];
     row.counts.assign(in_row, 0);
     for (std::size_t k = 0; k < slots.size(); ++k)
       row.counts[slots[k]] = static_cast<std::uint32_t>(first[k + 1] - first[k]);
-    for (std::size_t i = 0; i < directions.size(); ++i)
+    for (std::size_t i = 0; i < rays.size(); ++i)
       for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
-        row.places.push_back(camera_.position + points[k].distance * directions[i]);
+        row.places.push_back(rays.at(i, points[k].distance));
         row.entries.push_back(entry(points[k], row.places.back()));
       }
     if (keep) row.points = std::move(points);
@@ -110,10 +111,11 @@ inline std::size_t FlowTexture::slot(int x, int y) const {
 }
 
 /// Of a place beyond the picture's border the nearest: painters look a little beyond it.
-std::size_t FlowTexture::slot(const Vec3f& direction) const {
-  const float ahead = -dot(direction, camera_.backward);
-  const float u = dot(direction, camera_.right) / (ahead * camera_.half_width),
-              v = dot(direction, camera_.up) / (ahead * camera_.half_height);
+std::size_t FlowTexture::slot(const Vec3f& origin, const Vec3f& direction) const {
+  const Vec3f way = camera_.parallel ? origin - camera_.position : direction;
+  const float ahead = camera_.shrink(-dot(way, camera_.backward));
+  const float u = dot(way, camera_.right) / (ahead * camera_.half_width),
+              v = dot(way, camera_.up) / (ahead * camera_.half_height);
   const int x = static_cast<int>(std::floor(0.5f * (1 + u) * static_cast<float>(width_))),
             y = static_cast<int>(std::floor(0.5f * (1 - v) * static_cast<float>(height_)));
   return slot(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1));
@@ -127,12 +129,11 @@ FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point, const Vec3f& pl
   const float length = norm(along);
   if (!(e.depth > 0) || !(length > kAcross * norm(point.vector))) return e;
   // One pixel's width in space, as it is seen.
-  const float step = footprint_ * e.depth / length;
-  const float away = -dot(along, camera_.backward);
-  const float x = dot(from, camera_.right) / e.depth, y = dot(from, camera_.up) / e.depth;
-  e.du =
-      step * (dot(along, camera_.right) - x * away) / e.depth * static_cast<float>(width_) / (2 * camera_.half_width);
-  e.dv = -step * (dot(along, camera_.up) - y * away) / e.depth / footprint_;
+  const float scale = camera_.shrink(e.depth), step = footprint_ * scale / length;
+  const float away = camera_.parallel ? 0 : -dot(along, camera_.backward);
+  const float x = dot(from, camera_.right) / scale, y = dot(from, camera_.up) / scale;
+  e.du = step * (dot(along, camera_.right) - x * away) / scale * static_cast<float>(width_) / (2 * camera_.half_width);
+  e.dv = -step * (dot(along, camera_.up) - y * away) / scale / footprint_;
   return e;
 }
 
@@ -149,7 +150,8 @@ void FlowTexture::grain(double pixels) {
   if (grain_ == pixels) return;
   grain_ = pixels;
   parallel_for(0, entries_.size(), 4096, [&](std::size_t i) {
-    entries_[i].noise = solid_noise(places_[i], footprint_ * entries_[i].depth * static_cast<float>(pixels));
+    entries_[i].noise =
+        solid_noise(places_[i], footprint_ * camera_.shrink(entries_[i].depth) * static_cast<float>(pixels));
   });
 }
 
@@ -182,7 +184,7 @@ float FlowTexture::sum(int x, int y, const Entry& from) const {
       if (iu != i || jv != j) {
         i = iu, j = jv;
         const Entry* next = nearest(slot(i, j), now->depth);
-        if (!next || std::abs(next->depth - now->depth) > kSameSheet * footprint_ * now->depth) break;
+        if (!next || std::abs(next->depth - now->depth) > kSameSheet * footprint_ * camera_.shrink(now->depth)) break;
         if (next->du == 0 && next->dv == 0) break;
         leave();
         now = next;
@@ -223,14 +225,14 @@ void FlowTexture::convolve(const FlowTextureOptions& options) {
   });
 }
 
-float FlowTexture::factor(const Vec3f& direction, const SurfacePoint& point) const {
+float FlowTexture::factor(const Vec3f& origin, const Vec3f& direction, const SurfacePoint& point) const {
   if (point.vector == Vec3f{}) return 1;
-  const Entry* e = nearest(slot(direction), -point.distance * dot(direction, camera_.backward));
+  const Entry* e = nearest(slot(origin, direction), -point.distance * dot(direction, camera_.backward));
   return e ? factors_[static_cast<std::size_t>(e - entries_.data())] : 1;
 }
 
-std::optional<SurfacePoint> FlowTexture::first_point(const Vec3f& direction) const {
-  const std::size_t i = slot(direction);
+std::optional<SurfacePoint> FlowTexture::first_point(const Vec3f& origin, const Vec3f& direction) const {
+  const std::size_t i = slot(origin, direction);
   if (first_[i] == first_[i + 1]) return std::nullopt;
   SurfacePoint point = points_[first_[i]];
   point.color *= factors_[first_[i]];

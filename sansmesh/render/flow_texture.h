@@ -35,11 +35,12 @@ class FlowTexture {
   /// Makes the texture; another phase costs no rays. Throws ArgumentError for bad options.
   void convolve(const FlowTextureOptions& options);
 
-  /// What the light of a point that the scene found along a unit direction is multiplied by: 1 on average and where
+  /// What the light of a point that the scene found along a ray of the camera is multiplied by: 1 on average and where
   /// nothing flows.
-  float factor(const Vec3f& direction, const SurfacePoint& point) const;
-  /// What the scene showed in the middle of the pixel that a unit direction leads to, its colour times the factor.
-  std::optional<SurfacePoint> first_point(const Vec3f& direction) const;
+  float factor(const Vec3f& origin, const Vec3f& direction, const SurfacePoint& point) const;
+  /// What the scene showed in the middle of the pixel that a ray of the camera goes through, its colour times the
+  /// factor.
+  std::optional<SurfacePoint> first_point(const Vec3f& origin, const Vec3f& direction) const;
 
  private:
   /// A sheet in a pixel.
@@ -50,7 +51,7 @@ class FlowTexture {
   };
   /// Pixels are numbered in blocks, in which neighbours are near each other.
   std::size_t slot(int x, int y) const;
-  std::size_t slot(const Vec3f& direction) const;
+  std::size_t slot(const Vec3f& origin, const Vec3f& direction) const;
   const Entry* nearest(std::size_t slot, float depth) const;
   Entry entry(const SurfacePoint& point, const Vec3f& place) const;
   void grain(double pixels);

@@ -12,12 +12,10 @@ Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progre
   Subject subject = make_subject(mesh, options);
   const float radius = subject.radius;
   const float below = subject.mesh.normals.empty() ? radius : 0;  // balls reach below the lowest point, discs hardly
-  const Camera camera = frame_camera(subject.mesh.vertices, options.view, options.up, options.field_of_view,
-                                     static_cast<double>(options.width) / options.height, kPictureMargin, radius);
-  const MeshScene scene(std::move(subject), options, camera.backward);
-  Painter painter(scene, camera, options);
-  if (options.ground) painter.add_ground(scene.points(), below);
-  return painter.paint(progress);
+  const PictureFrame frame = subject.frame;
+  const Camera camera = picture_camera(subject.mesh.vertices, frame, false, options, radius);
+  const MeshScene scene(std::move(subject), options, camera);
+  return paint_scene(scene, camera, frame, options, true, scene.points(), below, progress);
 }
 
 Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options) {

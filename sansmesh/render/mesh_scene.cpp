@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -86,6 +87,7 @@ Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
   }
   if (frame) size = frame->size;
   const Vec3 center = frame ? frame->center : box.center();
+  subject.frame = {mesh.origin + center, size};
   for (Vec3f& p : own.vertices) p = Vec3f((Vec3(p) - center) / size);
   return subject;
 }
@@ -102,14 +104,31 @@ Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, con
   return placed_subject(mesh, vectors, options, &own);
 }
 
-MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer)
+namespace {
+
+/// Where a disc that looks along the ray is lit from. At the rim of a shape those of its far side stick out: they are
+/// of the rim, whose neighbours they continue, not of the inside, where it is dark. Discs that look away are seen from
+/// behind, as sheets are.
+Vec3f back_of_disc(const Vec3f& normal, const Vec3f& direction) {
+  const float away = dot(normal, direction);
+  const float t = std::clamp((away - 0.3f) / 0.4f, 0.0f, 1.0f), behind = t * t * (3 - 2 * t);
+  return normalized((1 - 2 * behind) * (normal - away * direction) - away * direction);
+}
+
+}  // namespace
+
+MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Camera& camera)
     : subject_(std::move(subject)),
-      rays_(make_rays(subject_, toward_viewer)),
+      rays_(make_rays(subject_, camera.backward)),
       linear_(256),
-      color_(linear_color(options.surface_color)) {
+      only_wires_(options.wireframe == RenderOptions::Wireframe::only),
+      color_(linear_color(options.surface_color)),
+      wire_color_(linear_color(options.wire_color)) {
   TriangleMesh& mesh = subject_.mesh;
   if (options.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
   if (!options.use_colors) mesh.colors.clear();
+  if (options.wireframe != RenderOptions::Wireframe::none && !mesh.triangles.empty())
+    wires_ = MeshWires(mesh, camera, options.height, options.samples, options.wire_width);
   for (int i = 0; i < 256; ++i) {
     const float c = from_byte(static_cast<std::uint8_t>(i));
     linear_[static_cast<std::size_t>(i)] = linear_color({c, c, c}).x;
@@ -153,58 +172,78 @@ SurfacePoint MeshScene::seen(const RayHit& hit, const Vec3f& eye, const Vec3f& d
   SurfacePoint point = cloud ? SurfacePoint{hit.distance, at, hit.normal, color_} : on_triangle(hit, at);
   if (cloud && !subject_.mesh.colors.empty()) point.color = vertex_color(hit.primitive);
   const float side = dot(hit.normal, direction) > 0 ? -1.0f : 1.0f;
+  if (!wires_.empty()) {
+    // Lines are black ink: they take the light, and mirror none.
+    const float ink = only_wires_ ? 1 : wires_.cover(hit, eye, direction);
+    point.color = mix(point.color, wire_color_, ink);
+    point.gloss *= 1 - ink;
+  }
   // Seen from behind, the suggested surface lies on the far side.
   if (side < 0) point.position = at;
+  Vec3f away = hit.normal * side;  // from the surface
   point.normal = point.normal * side;
+  if (cloud && side < 0) point.normal = away = back_of_disc(hit.normal, direction);
   // Discs and balls of a rough cloud pierce each other: their neighbours must not shade them.
-  point.position += hit.normal * (side * (kOffset + subject_.radius));
+  point.position += away * (kOffset + subject_.radius);
   if (subject_.opacity < 1 && !cloud) point.opacity = sheet_opacity(subject_.opacity, dot(point.normal, direction));
   return point;
 }
 
-void MeshScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
-                        std::span<std::optional<SurfacePoint>> points) const {
-  std::vector<std::optional<RayHit>> hits(directions.size());
-  rays_.closest(eye, directions, {}, hits);
-  for (std::size_t i = 0; i < directions.size(); ++i) {
+/// Whether only lines are drawn, and there is none.
+bool MeshScene::clear(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const {
+  return only_wires_ && !wires_.empty() && wires_.cover(hit, eye, direction) < 0.5f;
+}
+
+void MeshScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const {
+  std::vector<std::optional<RayHit>> hits(rays.size());
+  rays_.closest(rays.origins, rays.directions, rays.near, rays.far, hits);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
     points[i].reset();
-    if (hits[i]) points[i] = seen(*hits[i], eye, directions[i]);
+    if (!hits[i] || clear(*hits[i], rays.origin(i), rays.directions[i])) continue;
+    points[i] = seen(*hits[i], rays.origin(i), rays.directions[i]);
   }
 }
 
-void MeshScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
-                       std::vector<SurfacePoint>& points) const {
-  if (!(subject_.opacity < 1) || subject_.mesh.triangles.empty())
-    return PictureScene::layers(eye, directions, first, points);
+void MeshScene::layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const {
+  if (!(subject_.opacity < 1) || subject_.mesh.triangles.empty()) return PictureScene::layers(rays, first, points);
   // Round after round from just behind what was found last.
   struct Found {
     std::uint32_t ray;
     SurfacePoint point;
   };
   std::vector<Found> found;
-  std::vector<std::uint32_t> active(directions.size());
+  std::vector<std::uint32_t> active(rays.size());
   for (std::size_t i = 0; i < active.size(); ++i) active[i] = static_cast<std::uint32_t>(i);
-  std::vector<Vec3f> going(directions.begin(), directions.end());
-  std::vector<float> beyond(directions.size(), 0), left(directions.size(), 1);
+  const bool apart = rays.origins.size() != 1;
+  std::vector<Vec3f> from(rays.origins.begin(), rays.origins.end());
+  std::vector<Vec3f> going(rays.directions.begin(), rays.directions.end());
+  std::vector<float> beyond(rays.near.begin(), rays.near.end()), until(rays.far.begin(), rays.far.end());
+  beyond.resize(rays.size(), 0), until.resize(rays.size(), std::numeric_limits<float>::infinity());
+  std::vector<float> left(rays.size(), 1);
   std::vector<std::optional<RayHit>> hits;
   for (int round = 0; round < kMostSheets && !active.empty(); ++round) {
     hits.resize(active.size());
-    rays_.closest(eye, going, beyond, hits);
+    rays_.closest(from, going, beyond, until, hits);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < active.size(); ++k) {
       if (!hits[k]) continue;
       const std::uint32_t ray = active[k];
-      found.push_back({ray, seen(*hits[k], eye, directions[ray])});
-      left[ray] *= 1 - found.back().point.opacity;
-      if (left[ray] < kLeastThrough) continue;
+      if (!clear(*hits[k], rays.origin(ray), rays.directions[ray])) {
+        found.push_back({ray, seen(*hits[k], rays.origin(ray), rays.directions[ray])});
+        left[ray] *= 1 - found.back().point.opacity;
+        if (left[ray] < kLeastThrough) continue;
+      }
       active[kept] = ray;
-      going[kept] = directions[ray];
+      if (apart) from[kept] = rays.origin(ray);
+      going[kept] = rays.directions[ray];
+      until[kept] = until[k];
       beyond[kept++] = hits[k]->distance + kBehind;
     }
-    active.resize(kept), going.resize(kept), beyond.resize(kept);
+    active.resize(kept), going.resize(kept), beyond.resize(kept), until.resize(kept);
+    if (apart) from.resize(kept);
   }
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.ray < b.ray; });
-  first.assign(directions.size() + 1, 0);
+  first.assign(rays.size() + 1, 0);
   points.clear();
   for (const Found& f : found) {
     ++first[f.ray + 1];
@@ -215,7 +254,8 @@ void MeshScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std:
 
 void MeshScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {
   for (std::size_t i = 0; i < rays.size(); ++i)
-    answers[i] = rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length);
+    answers[i] = !(only_wires_ && !wires_.empty()) &&
+                 rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length, rays[i].near);
 }
 
 }  // namespace sansmesh

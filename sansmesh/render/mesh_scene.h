@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/render/mesh_wires.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/render_options.h"
@@ -19,6 +20,7 @@ struct Subject {
   TriangleMesh mesh;           ///< finite vertices, used by triangles if there are any; corners exist
   std::vector<Vec3f> vectors;  ///< of a flow at its vertices; may be empty
   float radius = 0;            ///< of points; 0 for triangles
+  PictureFrame frame;          ///< where all that lies in the world
   /// Of a sheet of triangles seen at right angles, 0..1; seen at others it is thicker.
   float opacity = 1;
 };
@@ -32,12 +34,10 @@ Subject make_subject(const TriangleMesh& mesh, const RenderOptions& options, con
 
 class MeshScene : public PictureScene {
  public:
-  /// `toward_viewer`: normal of discs that have none.
-  MeshScene(Subject subject, const RenderOptions& options, const Vec3f& toward_viewer);
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override;
-  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
-              std::vector<SurfacePoint>& points) const override;
+  /// Discs without a normal face the camera.
+  MeshScene(Subject subject, const RenderOptions& options, const Camera& camera);
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override;
+  void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const override;
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
   const std::vector<Vec3f>& points() const { return subject_.mesh.vertices; }
 
@@ -45,12 +45,15 @@ class MeshScene : public PictureScene {
   SurfacePoint seen(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const;
   SurfacePoint on_triangle(const RayHit& hit, const Vec3f& at) const;
   Vec3f vertex_color(std::uint32_t vertex) const;
+  bool clear(const RayHit& hit, const Vec3f& eye, const Vec3f& direction) const;
 
   Subject subject_;
   RayScene rays_;
   std::vector<Vec3f> corner_normals_;  // empty: flat
   std::vector<float> linear_;          // linear light of a byte
-  Vec3f color_;
+  MeshWires wires_;
+  bool only_wires_ = false;
+  Vec3f color_, wire_color_;
 };
 
 }  // namespace sansmesh

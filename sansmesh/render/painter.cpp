@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/render/lighting.h"
+#include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/pixel.h"
 #include "sansmesh/render/sample_pattern.h"
 
@@ -28,8 +30,9 @@ constexpr float kBounce = 0.22f;         // light that what blocks the sky sends
 
 /// Rays of a block, and their answers.
 struct Batch {
+  explicit Batch(const Camera& camera) : eye(camera) {}
   std::vector<std::pair<int, int>> pixels;
-  std::vector<Vec3f> directions;
+  CameraRays eye;
   std::vector<std::optional<SurfacePoint>> points;
   std::vector<ShadowRay> rays;
   std::vector<std::uint8_t> answers;
@@ -49,16 +52,71 @@ struct Replay {
   bool operator()(const Vec3f& origin, const Vec3f& direction, float length) { return *next++ != 0; }
 };
 
+/// A box in the painter's coordinates.
+Box3f box_in_picture(const Box3& box, const PictureFrame& frame) {
+  return {frame.to_picture(box.lower), frame.to_picture(box.upper)};
+}
+
+/// What frames a picture: the points, or the corners of what their box has in common with that of the options.
+std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFrame& frame, const Box3& clip) {
+  Box3f box = box_in_picture(clip, frame), all;
+  for (const Vec3f& p : points) all.extend(p);
+  for (int k = 0; k < 3; ++k) {
+    box.lower[k] = std::max(box.lower[k], all.lower[k]);
+    box.upper[k] = std::min(box.upper[k], all.upper[k]);
+  }
+  if (box.empty()) throw ArgumentError("`clip_box` holds nothing of what is drawn");
+  std::vector<Vec3f> corners;
+  for (int c = 0; c < 8; ++c)
+    corners.push_back(
+        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+  return corners;
+}
+
 }  // namespace
 
-Camera picture_camera(std::span<const Vec3f> points, bool steady, const RenderOptions& options) {
+Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, bool steady,
+                      const RenderOptions& options, float radius) {
   const double aspect = static_cast<double>(options.width) / options.height;
-  double reach = 0;
+  std::vector<Vec3f> corners;
+  if (options.clip_box) {
+    corners = shown_corners(points, frame, *options.clip_box);
+    points = corners;
+  }
+  const Vec3f middle = corners.empty() ? Vec3f{} : (corners.front() + corners.back()) * 0.5f;
+  double reach = radius;
   if (steady)
-    for (const Vec3f& p : points) reach = std::max(reach, static_cast<double>(norm(p)));
-  const Vec3f middle;
-  return frame_camera(steady ? std::span(&middle, 1) : points, options.view, options.up, options.field_of_view, aspect,
-                      kPictureMargin, reach);
+    for (const Vec3f& p : points) reach = std::max(reach, static_cast<double>(norm(p - middle)));
+  Camera camera = frame_camera(steady ? std::span(&middle, 1) : points, options.view, options.up, options.field_of_view,
+                               aspect, kPictureMargin, reach, options.orthographic);
+  double factor = options.zoom;
+  if (options.look_at) {
+    const Vec3f place = frame.to_picture(*options.look_at);
+    look_at(camera, place);
+    if (options.look_radius)
+      factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth), *options.look_radius / frame.size,
+                            kPictureMargin);
+  }
+  if (factor != 1) zoom(camera, factor);
+  return camera;
+}
+
+Image paint_scene(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
+                  const RenderOptions& options, bool smooth_light, std::span<const Vec3f> points, float below,
+                  Progress& progress) {
+  std::optional<ClippedScene> part;
+  std::vector<Vec3f> corners;
+  if (options.clip_box) {
+    part.emplace(scene, box_in_picture(*options.clip_box, frame));
+    corners = shown_corners(points, frame, *options.clip_box);
+    points = corners;
+  }
+  const PictureScene& shown = part ? static_cast<const PictureScene&>(*part) : scene;
+  Painter painter(shown, camera, options, smooth_light);
+  if (options.ground) painter.add_ground(points, below);
+  Image image = painter.paint(progress);
+  if (options.scale_bar) draw_scale_bar(image, frame, camera, options.input_length, *options.scale_bar);
+  return image;
 }
 
 class Painter::Work {
@@ -87,7 +145,9 @@ class Painter::Work {
     half[axis] *= 0.5f;
     shadow_reach_ = 1.6f * norm(half) + below;
     // From below or along the ground there is nothing that a shadow could fall on.
-    ground_ = dot(camera_.position, up_frame_.n) > floor_ + 0.02f && dot(key_frame_.n, up_frame_.n) > 0.1f;
+    const bool above = camera_.parallel ? dot(camera_.backward, up_frame_.n) > 1e-3f
+                                        : dot(camera_.position, up_frame_.n) > floor_ + 0.02f;
+    ground_ = above && dot(key_frame_.n, up_frame_.n) > 0.1f;
   }
 
   Image paint(Progress& progress) const {
@@ -106,7 +166,7 @@ class Painter::Work {
  private:
   void paint_tile(int left, int top, Image& image) const {
     const int right = std::min(left + kTile, image.width), bottom = std::min(top + kTile, image.height);
-    Batch batch;
+    Batch batch(camera_);
     std::vector<Pixel> pixels;
     if (rim_ == 0) {  // each block is done with once it has been looked at
       constexpr int kStride = kBlock - 1;
@@ -143,23 +203,24 @@ class Painter::Work {
       for (int u = left; u < right; u += kCoherent)
         for (int y = v; y < std::min(v + kCoherent, bottom); ++y)
           for (int x = u; x < std::min(u + kCoherent, right); ++x) batch.pixels.emplace_back(x, y);
-    batch.directions.clear();
+    batch.eye.clear();
     for (const auto& [x, y] : batch.pixels)
       for (int s = 0; s < n * n; ++s) {
         const int column = s % n, row = s / n;
         const float fx = static_cast<float>(x) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n);
         const float fy = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n);
-        batch.directions.push_back(camera_.direction(2 * fx / static_cast<float>(options_.width) - 1,
-                                                     1 - 2 * fy / static_cast<float>(options_.height)));
+        batch.eye.add(2 * fx / static_cast<float>(options_.width) - 1,
+                      1 - 2 * fy / static_cast<float>(options_.height));
       }
-    batch.points.resize(batch.directions.size());
-    scene_.closest(camera_.position, batch.directions, batch.points);
+    const EyeRays eye = batch.eye.rays();
+    batch.points.resize(eye.size());
+    scene_.closest(eye, batch.points);
 
     batch.rays.clear();
     const auto all_pixels = [&](auto& blocked) {
       std::size_t first = 0;
       for (const auto& [x, y] : batch.pixels) {
-        at(x, y) = pixel(x, y, &batch.directions[first], &batch.points[first], blocked);
+        at(x, y) = pixel(x, y, eye, first, &batch.points[first], blocked);
         first += static_cast<std::size_t>(n * n);
       }
     };
@@ -173,7 +234,7 @@ class Painter::Work {
   }
 
   template <class Blocked>
-  Pixel pixel(int x, int y, const Vec3f* directions, const std::optional<SurfacePoint>* points,
+  Pixel pixel(int x, int y, const EyeRays& eye, std::size_t first, const std::optional<SurfacePoint>* points,
               Blocked& blocked) const {
     const int n = options_.samples;
     const int part = pattern_part(x, y);
@@ -182,10 +243,11 @@ class Painter::Work {
     const int asking = (n * n + 1) / 2;
     for (int s = 0; s < n * n; ++s) {
       if (points[s]) {
-        add_surface(*points[s], directions[s], part * n * n + s, sum, blocked);
+        add_surface(*points[s], eye.directions[first + static_cast<std::size_t>(s)], part * n * n + s, sum, blocked);
         ++on;
       } else if (s % 2 == 0) {  // smooth as it is, the shadow needs no more
-        sum.dark += ground_shadow(directions[s], part * asking + s / 2, blocked);
+        const std::size_t ray = first + static_cast<std::size_t>(s);
+        sum.dark += ground_shadow(eye.origin(ray), eye.directions[ray], part * asking + s / 2, blocked);
         sum.asked += 1;
       }
     }
@@ -204,7 +266,7 @@ class Painter::Work {
   template <class At>
   Pixel smoothed(const At& at, int x, int y) const {
     Pixel pixel = at(x, y);
-    const float far = 3 * footprint_ * norm(pixel.position - camera_.position);
+    const float far = 3 * footprint_ * (camera_.parallel ? 1 : norm(pixel.position - camera_.position));
     float weights = 0, lit_weights = 0, ground = 0, open = 0, lit = 0, dark = 0;
     Vec3f ambient;
     for (int v = y - kSmooth; v <= y + kSmooth; ++v) {
@@ -300,11 +362,11 @@ class Painter::Work {
 
   /// How much darker the ground is for the subject standing on it, 0..1.
   template <class Blocked>
-  float ground_shadow(const Vec3f& direction, int index, Blocked& blocked) const {
+  float ground_shadow(const Vec3f& origin, const Vec3f& direction, int index, Blocked& blocked) const {
     const Vec3f& up = up_frame_.n;
     const float descent = dot(direction, up);
     if (!ground_ || descent > -1e-3f) return 0;
-    const Vec3f at = camera_.position + (floor_ - dot(camera_.position, up)) / descent * direction;
+    const Vec3f at = origin + (floor_ - dot(origin, up)) / descent * direction;
     const float d = norm(at - foot_) / shadow_reach_;
     if (d >= 1) return 0;
     float dark = in_key_shadow(at, index, blocked) ? 0.38f : 0.0f;
@@ -322,7 +384,7 @@ class Painter::Work {
   Around up_frame_, key_frame_;
   std::vector<Spot> spots_;
   Vec3f foot_;
-  float footprint_ = 0;  // of a pixel at distance 1
+  float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any
   int rim_ = kSmooth;    // pixels around a tile
   Rgba paper_;           // where there is nothing on a solid background
   float floor_ = 0, shadow_reach_ = 1;

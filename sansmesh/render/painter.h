@@ -15,9 +15,11 @@ namespace sansmesh {
 /// Share of the picture's half left free around the subject.
 constexpr double kPictureMargin = 0.13;
 
-/// The camera of a picture of these points (finite, in the painter's coordinates) with that margin. `steady`: one that
-/// does not zoom with the direction.
-Camera picture_camera(std::span<const Vec3f> points, bool steady, const RenderOptions& options);
+/// The camera of a picture of these points (finite, in the painter's coordinates, those of `frame`), each a ball of the
+/// given radius, with that margin. `steady`: one that does not zoom with the direction. Throws ArgumentError where no
+/// point lies near the box that the options ask for.
+Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, bool steady,
+                      const RenderOptions& options, float radius = 0);
 
 /// The subject's box should be centred at 0 with a diagonal of about 1. What is passed must outlive the painter.
 class Painter {
@@ -38,5 +40,10 @@ class Painter {
   class Work;
   std::unique_ptr<Work> work_;
 };
+
+/// Paints what of the scene the options show; the ground, if there is one, lies that far below the lowest point.
+Image paint_scene(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
+                  const RenderOptions& options, bool smooth_light, std::span<const Vec3f> points, float below,
+                  Progress& progress);
 
 }  // namespace sansmesh

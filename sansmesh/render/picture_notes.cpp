@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "sansmesh/render/color_space.h"
+#include "sansmesh/render/lighting.h"
 #include "sansmesh/render/stroke_text.h"
 
 namespace sansmesh {
@@ -16,6 +18,8 @@ namespace {
 
 constexpr int kLowestWithBar = 100;
 constexpr int kBarTicks = 5;
+constexpr double kBarPoint = 0.55;     // of a pointed end, over the bar's width
+constexpr double kLegendLetters = 16;  // widest name, over the height of its letters
 
 double letter_height(int picture_height) { return std::max(7.0, picture_height / 52.0); }
 
@@ -45,9 +49,10 @@ std::optional<std::pair<double, double>> seen_at(const Vec3& x, const PictureFra
                                                  const Image& image) {
   const Vec3 d = (x - frame.center) / frame.size - Vec3(camera.position);
   const double depth = -dot(d, Vec3(camera.backward));
-  if (!(depth > 1e-3)) return std::nullopt;
-  const double u = dot(d, Vec3(camera.right)) / (depth * static_cast<double>(camera.half_width));
-  const double v = dot(d, Vec3(camera.up)) / (depth * static_cast<double>(camera.half_height));
+  if (!camera.parallel && !(depth > 1e-3)) return std::nullopt;
+  const double scale = camera.parallel ? 1 : depth;
+  const double u = dot(d, Vec3(camera.right)) / (scale * static_cast<double>(camera.half_width));
+  const double v = dot(d, Vec3(camera.up)) / (scale * static_cast<double>(camera.half_height));
   return std::pair{0.5 * (u + 1) * image.width, 0.5 * (1 - v) * image.height};
 }
 
@@ -73,7 +78,92 @@ bool face_seen(const Box3& box, std::size_t axis, bool high, const Vec3& eye) {
 }
 
 Vec3 eye_of(const PictureFrame& frame, const Camera& camera) {
-  return frame.center + Vec3(camera.position) * frame.size;
+  // Of parallel rays so far away that which side it sees is that of the rays.
+  const Vec3 position = Vec3(camera.position) + Vec3(camera.backward) * (camera.parallel ? 1e6 : 0.0);
+  return frame.center + position * frame.size;
+}
+
+/// 0..1, on white where it is clear.
+double lightness_of(const Rgba& p) {
+  const double light =
+      0.3 * static_cast<double>(p[0]) + 0.6 * static_cast<double>(p[1]) + 0.1 * static_cast<double>(p[2]);
+  return light * static_cast<double>(p[3]) + (1 - static_cast<double>(p[3]));
+}
+
+/// What can be read on paper so light.
+Rgba ink_on(double lightness) {
+  if (lightness < 0.45) return {0.92f, 0.93f, 0.95f, 1};
+  return {from_byte(32), from_byte(36), from_byte(43), 1};
+}
+
+/// What can be read on a part of the picture, wherever that shows more than background.
+Rgba ink_within(const Image& image, double left, double top, double right, double bottom) {
+  double sum = 0, weight = 0;
+  for (int y = std::max(0, static_cast<int>(top)); y < std::min<double>(image.height, bottom); ++y)
+    for (int x = std::max(0, static_cast<int>(left)); x < std::min<double>(image.width, right); ++x)
+      sum += lightness_of(image.at(x, y)), weight += 1;
+  return weight > 0 ? ink_on(sum / weight) : ink_for(image);
+}
+
+/// The same where lines and edges of what is behind do not disturb: there a plate is laid over them first.
+Rgba plate_within(Image& image, double left, double top, double right, double bottom) {
+  constexpr float kBusy = 0.12f, kPlate = 0.8f;
+  const Rgba ink = ink_within(image, left, top, right, bottom);
+  const int x0 = std::max(0, static_cast<int>(left)), y0 = std::max(0, static_cast<int>(top));
+  const int x1 = static_cast<int>(std::min<double>(image.width, right));
+  const int y1 = static_cast<int>(std::min<double>(image.height, bottom));
+  double least = 1, most = 0;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const double lightness = lightness_of(image.at(x, y));
+      least = std::min(least, lightness), most = std::max(most, lightness);
+    }
+  if (most - least < kBusy) return ink;
+  const float paper = ink[0] < 0.5f ? 0.95f : 0.1f;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      Rgba& p = image.at(x, y);
+      const float alpha = kPlate + (1 - kPlate) * p[3];
+      for (std::size_t c = 0; c < 3; ++c) p[c] = (kPlate * paper + (1 - kPlate) * p[3] * p[c]) / alpha;
+      p[3] = alpha;
+    }
+  return ink;
+}
+
+/// With so many columns more, in which the last one of `behind` goes on.
+Image widened(const Image& picture, int added, const Image& behind) {
+  Image image(picture.width + added, picture.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      image.at(x, y) = x < picture.width ? picture.at(x, y) : behind.at(behind.width - 1, y);
+  return image;
+}
+
+/// The pointed end of a bar: its base at `y`, its tip `point` below that.
+void draw_bar_point(Image& image, double x0, double x1, int y, double point, const Vec3f& color, double line,
+                    const Rgba& ink) {
+  const double middle = 0.5 * (x0 + x1);
+  const int rows = static_cast<int>(std::lround(std::abs(point)));
+  for (int k = 0; k < rows; ++k) {
+    const double share = 1 - (k + 0.5) / rows, half = 0.5 * (x1 - x0) * share;
+    const int row = point > 0 ? y + k : y - 1 - k;
+    if (row < 0 || row >= image.height) continue;
+    for (int x = static_cast<int>(std::lround(middle - half)); x < std::lround(middle + half); ++x)
+      if (x >= 0 && x < image.width) image.at(x, row) = {color.x, color.y, color.z, 1};
+  }
+  draw_line(image, x0, y, middle, y + point, line, ink);
+  draw_line(image, x1, y, middle, y + point, line, ink);
+}
+
+/// A text that is no wider than this: its end gives way to dots.
+std::string shortened(const std::string& text, double height, double widest) {
+  if (stroke_width(text, height) <= widest) return text;
+  std::string part = text;
+  while (!part.empty() && stroke_width(part + "..", height) > widest) {
+    while (!part.empty() && (static_cast<unsigned char>(part.back()) & 0xC0u) == 0x80u) part.pop_back();
+    if (!part.empty()) part.pop_back();
+  }
+  return part + "..";
 }
 
 }  // namespace
@@ -125,14 +215,10 @@ Rgba ink_for(const Image& image) {
   for (const auto& [fx, fy] :
        {std::pair{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {1.0, 1.0}, {0.5, 0.0}, {0.0, 0.5}, {1.0, 0.5}}) {
     if (image.pixels.empty()) break;
-    const Rgba& p = image.at(static_cast<int>(fx * (image.width - 1)), static_cast<int>(fy * (image.height - 1)));
-    const double light =
-        0.3 * static_cast<double>(p[0]) + 0.6 * static_cast<double>(p[1]) + 0.1 * static_cast<double>(p[2]);
-    sum += light * static_cast<double>(p[3]) + (1 - static_cast<double>(p[3]));
+    sum += lightness_of(image.at(static_cast<int>(fx * (image.width - 1)), static_cast<int>(fy * (image.height - 1))));
     weight += 1;
   }
-  if (weight > 0 && sum / weight < 0.45) return {0.92f, 0.93f, 0.95f, 1};
-  return {from_byte(32), from_byte(36), from_byte(43), 1};
+  return weight > 0 ? ink_on(sum / weight) : ink_on(1);
 }
 
 int value_bar_width(int height, const TransferFunction& function, const std::string& title) {
@@ -142,13 +228,10 @@ int value_bar_width(int height, const TransferFunction& function, const std::str
 }
 
 Image beside_value_bar(const Image& picture, const TransferFunction& function, const std::string& title,
-                       std::span<const double> marks, const Image* paper) {
+                       std::span<const double> marks, const Image* paper, const BarEnds& ends) {
   if (picture.height < kLowestWithBar || picture.width < 1) return picture;
-  Image image(picture.width + value_bar_width(picture.height, function, title), picture.height);
   const Image& behind = paper && paper->width > 0 && paper->height == picture.height ? *paper : picture;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      image.at(x, y) = x < picture.width ? picture.at(x, y) : behind.at(behind.width - 1, y);
+  Image image = widened(picture, value_bar_width(picture.height, function, title), behind);
   const BarLayout bar(picture.height, function, title);
   const Rgba ink = ink_for(image);
   const double left = picture.width + bar.gap * 0.5, right = left + bar.thick;
@@ -164,6 +247,9 @@ Image beside_value_bar(const Image& picture, const TransferFunction& function, c
        {std::array{x0, double(first), x1, double(first)}, std::array{x0, double(last), x1, double(last)},
         std::array{x0, double(first), x0, double(last)}, std::array{x1, double(first), x1, double(last)}})
     draw_line(image, ax, ay, bx, by, line, ink);
+  const double point = kBarPoint * bar.thick;
+  if (ends.above) draw_bar_point(image, x0, x1, first, -point, function.color(bar.upper), line, ink);
+  if (ends.below) draw_bar_point(image, x0, x1, last, point, function.color(bar.lower), line, ink);
   for (const double t : bar.ticks) {
     const double y = last - bar.place(t) * (last - first);
     draw_line(image, x1, y, x1 + 0.6 * bar.gap, y, line, ink);
@@ -173,7 +259,48 @@ Image beside_value_bar(const Image& picture, const TransferFunction& function, c
     const double y = last - bar.place(m) * (last - first);
     if (m >= bar.lower && m <= bar.upper) draw_line(image, x0, y, x1, y, line, ink);
   }
-  draw_strokes(image, x0, first - 1.4 * bar.text, bar.text, title, ink);
+  draw_strokes(image, x0, first - 1.4 * bar.text - (ends.above ? point : 0), bar.text, title, ink);
+  return image;
+}
+
+int legend_width(int height, std::span<const LegendEntry> entries) {
+  if (height < kLowestWithBar || entries.empty()) return 0;
+  const double text = letter_height(height);
+  double widest = 0;
+  for (const LegendEntry& e : entries)
+    widest = std::max(widest, stroke_width(shortened(e.name, text, kLegendLetters * text), text));
+  return static_cast<int>(std::ceil(widest + 4.2 * text));
+}
+
+Image paper_beside(const RenderOptions& o) {
+  Image paper(1, o.height);
+  const float u = (static_cast<float>(o.width) - 0.5f) / static_cast<float>(o.width);
+  for (int y = 0; y < o.height && o.background != RenderOptions::Background::transparent; ++y) {
+    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(o.height);
+    const Vec3f color = srgb_color(background_light(o, u, v));
+    paper.at(0, y) = {color.x, color.y, color.z, 1};
+  }
+  return paper;
+}
+
+Image beside_legend(const Image& picture, std::span<const LegendEntry> entries, const Image* paper) {
+  const int added = legend_width(picture.height, entries);
+  if (added == 0 || picture.width < 1) return picture;
+  Image image = widened(picture, added, paper ? *paper : picture);
+  const double text = letter_height(picture.height);
+  const double line = std::min(2.2 * text, 0.9 * picture.height / static_cast<double>(entries.size()));
+  const double size = std::min(text, 0.8 * line);
+  const Rgba ink = ink_for(image);
+  double y = 0.5 * (picture.height - line * static_cast<double>(entries.size()));
+  for (const LegendEntry& e : entries) {
+    const double middle = y + 0.5 * line, left = picture.width + 0.8 * text;
+    for (int v = static_cast<int>(std::lround(middle - 0.7 * size)); v < std::lround(middle + 0.7 * size); ++v)
+      for (int u = static_cast<int>(std::lround(left)); u < std::lround(left + 1.4 * size); ++u)
+        if (v >= 0 && v < image.height && u < image.width) image.at(u, v) = {e.color.x, e.color.y, e.color.z, 1};
+    draw_strokes(image, left + 2.2 * size, middle + 0.5 * size, size, shortened(e.name, text, kLegendLetters * text),
+                 ink);
+    y += line;
+  }
   return image;
 }
 
@@ -253,8 +380,23 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
   }
 }
 
+void draw_scale_bar(Image& image, const PictureFrame& frame, const Camera& camera, double length,
+                    const std::string& unit) {
+  const double width = 2 * static_cast<double>(camera.half_width) * frame.size * length;  // of the picture
+  const std::vector<double> steps = round_ticks(0, width, 5);
+  if (!camera.parallel || steps.size() < 2 || !(width > 0)) return;
+  const double bar = steps[1] / width * image.width;
+  const double text = letter_height(image.height), edge = 1.4 * text, line = std::max(1.0, text / 7);
+  const std::string what = tick_text(steps[1], steps[1]) + (unit.empty() ? "" : " " + unit);
+  const double y = image.height - edge, rim = 0.6 * text;
+  const Rgba ink = plate_within(image, edge - rim, y - 1.8 * text - rim,
+                                edge + std::max(bar, stroke_width(what, text)) + rim, y + 0.4 * text + rim);
+  draw_line(image, edge, y, edge + bar, y, line, ink);
+  for (const double x : {edge, edge + bar}) draw_line(image, x, y - 0.4 * text, x, y + 0.4 * text, line, ink);
+  draw_strokes(image, edge, y - 0.8 * text, text, what, ink);
+}
+
 void draw_title(Image& image, std::string_view title) {
-  const Rgba ink = ink_for(image);
   double text = 1.35 * letter_height(image.height);
   const double edge = 1.2 * text;
   double widest = 0;
@@ -267,7 +409,9 @@ void draw_title(Image& image, std::string_view title) {
   double y = edge + text;
   while (!title.empty()) {
     const std::size_t end = std::min(title.find('\n'), title.size());
-    draw_strokes(image, edge, y, text, title.substr(0, end), ink);
+    const std::string_view line = title.substr(0, end);
+    const Rgba ink = ink_within(image, edge, y - text, edge + stroke_width(line, text), y + 0.3 * text);
+    draw_strokes(image, edge, y, text, line, ink);
     y += 1.9 * text;
     title.remove_prefix(std::min(end + 1, title.size()));
   }

@@ -10,6 +10,7 @@
 #include "sansmesh/data/image.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render/render_options.h"
 #include "sansmesh/render/transfer_function.h"
 
 namespace sansmesh {
@@ -23,19 +24,43 @@ std::string tick_text(double value, double step);
 /// Dark on light, light on dark.
 Rgba ink_for(const Image& image);
 
+/// Whether there are values beyond the range of a bar: they get the colours of its ends, which are then pointed.
+struct BarEnds {
+  bool below = false, above = false;
+};
+
 /// The picture with the colours of a transfer function over its range as a bar to its right, ticks and, where there is
 /// a title (what is shown, and its unit), that above; lines across the bar at `marks`, as far as they lie in its range.
 /// Wider by value_bar_width(); behind it the last column of `paper` goes on, a picture of the same height (null: that
 /// of the picture itself). Pictures lower than 100 pixels stay as they are.
 Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title,
-                       std::span<const double> marks = {}, const Image* paper = nullptr);
+                       std::span<const double> marks = {}, const Image* paper = nullptr, const BarEnds& ends = {});
 /// Pixels that the bar adds to a picture of this height.
 int value_bar_width(int height, const TransferFunction& function, const std::string& title);
+
+/// What stands beside a picture made with these options, of its height: the last column of its background, without what
+/// reaches the picture's edge.
+Image paper_beside(const RenderOptions& options);
+
+/// What a colour in a picture stands for.
+struct LegendEntry {
+  Vec3f color;  ///< sRGB 0..1
+  std::string name;
+};
+/// The picture with the list to its right, wider by legend_width(); names too long end in dots. Behind the list the
+/// last column of `paper` goes on, as beside bars. Pictures lower than 100 pixels stay as they are.
+Image beside_legend(const Image& image, std::span<const LegendEntry> entries, const Image* paper = nullptr);
+int legend_width(int height, std::span<const LegendEntry> entries);
 
 /// The outline of a box in the world: the edges behind what is seen, to be drawn before it.
 void draw_box_edges(Image& image, const Box3& box, const PictureFrame& frame, const Camera& camera);
 /// Ticks with values along one edge of the outline in each direction, with the axis' name and `unit`.
 void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, const Camera& camera,
+                    const std::string& unit);
+
+/// Of parallel rays: a bar of a round length, about a fifth of the picture's width, in the lower left corner, with the
+/// length in units of `length` and their name.
+void draw_scale_bar(Image& image, const PictureFrame& frame, const Camera& camera, double length,
                     const std::string& unit);
 
 /// In the upper left corner. Lines are separated by line breaks; text too wide is made smaller.

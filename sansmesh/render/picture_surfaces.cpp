@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
 #include "sansmesh/core/box.h"
@@ -18,6 +20,8 @@
 namespace sansmesh {
 namespace {
 
+constexpr double kSheetsApart = 2e-5;  // of the diagonal: nearer ones may be the same one once more
+
 /// Whether a painter takes means over neighbouring pixels.
 bool soft_light(const RenderOptions& options) {
   return options.shadows || options.ground || options.occlusion_rays > 0;
@@ -29,9 +33,8 @@ class PlacedScene final : public PictureScene {
   PlacedScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
               const SurfaceRenderOptions& options)
       : options_(options), scene_(caster, frame, camera, colors, options_) {}
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override {
-    scene_.closest(eye, directions, points);
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
+    scene_.closest(rays, points);
   }
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
     scene_.blocked(rays, answers);
@@ -54,22 +57,21 @@ class FlowScene final : public PictureScene {
     texture_.emplace(*scene_, camera, picture.width, picture.height, one_a_pixel_);
     texture_->convolve(*streaks);
   }
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override {
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
     if (one_a_pixel_) {
-      for (std::size_t i = 0; i < directions.size(); ++i) points[i] = texture_->first_point(directions[i]);
+      for (std::size_t i = 0; i < rays.size(); ++i)
+        points[i] = texture_->first_point(rays.origin(i), rays.directions[i]);
       return;
     }
-    scene_->closest(eye, directions, points);
-    for (std::size_t i = 0; texture_ && i < directions.size(); ++i)
-      if (points[i]) points[i]->color *= texture_->factor(directions[i], *points[i]);
+    scene_->closest(rays, points);
+    for (std::size_t i = 0; texture_ && i < rays.size(); ++i)
+      if (points[i]) points[i]->color *= texture_->factor(rays.origin(i), rays.directions[i], *points[i]);
   }
-  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
-              std::vector<SurfacePoint>& points) const override {
-    scene_->layers(eye, directions, first, points);
-    for (std::size_t i = 0; texture_ && i < directions.size(); ++i)
+  void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const override {
+    scene_->layers(rays, first, points);
+    for (std::size_t i = 0; texture_ && i < rays.size(); ++i)
       for (std::size_t k = first[i]; k < first[i + 1]; ++k)
-        points[k].color *= texture_->factor(directions[i], points[k]);
+        points[k].color *= texture_->factor(rays.origin(i), rays.directions[i], points[k]);
   }
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
     scene_->blocked(rays, answers);
@@ -84,13 +86,12 @@ class FlowScene final : public PictureScene {
 class CombinedScene final : public PictureScene {
  public:
   explicit CombinedScene(std::vector<std::unique_ptr<PictureScene>> scenes) : scenes_(std::move(scenes)) {}
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override {
-    scenes_[0]->closest(eye, directions, points);
-    std::vector<std::optional<SurfacePoint>> others(directions.size());
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
+    scenes_[0]->closest(rays, points);
+    std::vector<std::optional<SurfacePoint>> others(rays.size());
     for (std::size_t s = 1; s < scenes_.size(); ++s) {
-      scenes_[s]->closest(eye, directions, others);
-      for (std::size_t i = 0; i < directions.size(); ++i)
+      scenes_[s]->closest(rays, others);
+      for (std::size_t i = 0; i < rays.size(); ++i)
         if (others[i] && (!points[i] || others[i]->distance < points[i]->distance)) points[i] = others[i];
     }
   }
@@ -105,6 +106,70 @@ class CombinedScene final : public PictureScene {
 
  private:
   std::vector<std::unique_ptr<PictureScene>> scenes_;
+};
+
+/// Whatever the scene shows, seen through.
+class TranslucentScene final : public PictureScene {
+ public:
+  TranslucentScene(std::unique_ptr<PictureScene> scene, float opacity, float apart)
+      : scene_(std::move(scene)), opacity_(opacity), apart_(apart) {}
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
+    scene_->closest(rays, points);
+  }
+  void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const override {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    const std::size_t n = rays.size();
+    struct Found {
+      std::uint32_t ray;
+      SurfacePoint point;
+    };
+    std::vector<Found> found;
+    std::vector<std::uint32_t> active(n);
+    std::iota(active.begin(), active.end(), 0u);
+    std::vector<float> left(n, 1), near(n, 0);
+    if (!rays.near.empty()) near.assign(rays.near.begin(), rays.near.end());
+    std::vector<Vec3f> origins, directions;
+    std::vector<float> from, until;
+    std::vector<std::optional<SurfacePoint>> hits;
+    for (int round = 0; round < kMostSheets && !active.empty(); ++round) {
+      origins.clear(), directions.clear(), from.clear(), until.clear();
+      if (rays.origins.size() == 1) origins.push_back(rays.origins[0]);
+      for (const std::uint32_t i : active) {
+        if (rays.origins.size() != 1) origins.push_back(rays.origin(i));
+        directions.push_back(rays.directions[i]);
+        from.push_back(near[i]), until.push_back(rays.far.empty() ? kFar : rays.far[i]);
+      }
+      hits.assign(active.size(), {});
+      scene_->closest({origins, directions, from, until}, hits);
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        if (!hits[k]) continue;
+        const std::uint32_t i = active[k];
+        SurfacePoint& point = hits[k].value();
+        point.opacity = sheet_opacity(opacity_, dot(point.normal, rays.directions[i]));
+        found.push_back({i, point});
+        left[i] *= 1 - point.opacity;
+        near[i] = point.distance + apart_;
+        if (left[i] >= kLeastThrough) active[kept++] = i;
+      }
+      active.resize(kept);
+    }
+    std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.ray < b.ray; });
+    first.assign(n + 1, 0);
+    points.clear();
+    for (const Found& f : found) {
+      ++first[f.ray + 1];
+      points.push_back(f.point);
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+  }
+  void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override {
+    scene_->blocked(rays, answers);
+  }
+
+ private:
+  std::unique_ptr<PictureScene> scene_;
+  float opacity_, apart_;
 };
 
 /// A volume that nothing is to be seen of, around translucent surfaces.
@@ -142,7 +207,7 @@ PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions&
   auto shared = std::make_shared<const TriangleMesh>(mesh);
   make_subject(*shared, options);  // there is something to draw
   return [shared, options](const PictureFrame& frame, const Camera& camera) {
-    return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera.backward);
+    return std::make_unique<MeshScene>(make_subject(*shared, options, frame), options, camera);
   };
 }
 
@@ -154,6 +219,15 @@ PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& 
   return [&caster, place, colors, own](const PictureFrame& frame, const Camera& camera) {
     const PictureFrame placed{place.from_input(frame.center), place.from_input(frame.size)};
     return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
+  };
+}
+
+PictureSurface translucent(PictureSurface surface, double opacity, double apart) {
+  check_range("opacity", opacity, 0, 1);
+  return [surface = std::move(surface), opacity, apart](const PictureFrame& frame, const Camera& camera) {
+    const double sheets = std::max(kSheetsApart, apart / frame.size);
+    return std::make_unique<TranslucentScene>(surface(frame, camera), static_cast<float>(opacity),
+                                              static_cast<float>(sheets));
   };
 }
 
@@ -169,7 +243,7 @@ struct DrawnFlow::State {
   std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera, const FlowLook& look) {
     const std::lock_guard lock(mutex);
     if (scene && frame.center == wanted.center && frame.size == wanted.size && splats == look.splats &&
-        opacity == look.opacity)
+        opacity == look.opacity && options.wireframe == RenderOptions::Wireframe::none)
       return scene;
     frame = wanted, splats = look.splats, opacity = look.opacity;
     if (splats) {
@@ -179,7 +253,7 @@ struct DrawnFlow::State {
     } else {
       Subject drawn = make_subject(subject.mesh, options, frame, subject.vectors);
       drawn.opacity = static_cast<float>(opacity);
-      scene = std::make_shared<const MeshScene>(std::move(drawn), options, camera.backward);
+      scene = std::make_shared<const MeshScene>(std::move(drawn), options, camera);
     }
     return scene;
   }
@@ -231,14 +305,12 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   std::vector<Vec3f> placed;
   for (const Vec3& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(p));
-  const Camera camera = picture_camera(placed, steady, options);
+  const Camera camera = picture_camera(placed, frame, steady, options);
   progress.begin("preparing");
   std::vector<std::unique_ptr<PictureScene>> scenes;
   for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));
   const CombinedScene scene(std::move(scenes));
-  Painter painter(scene, camera, options, soft_light(options));
-  if (options.ground) painter.add_ground(placed, 0);
-  return painter.paint(progress);
+  return paint_scene(scene, camera, frame, options, soft_light(options), placed, 0, progress);
 }
 
 }  // namespace sansmesh

@@ -26,6 +26,11 @@ PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions&
 PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
                                   const SurfaceRenderOptions& options);
 
+/// The same with light from behind coming through, sheet after sheet: `opacity` 0..1 is the share that is kept back
+/// where the surface is seen at right angles. `apart`: sheets nearer to each other than this, in the coordinates of the
+/// picture, are one; default: what floats can tell apart.
+PictureSurface translucent(PictureSurface surface, double opacity, double apart = 0);
+
 /// How a surface with a flow along it looks.
 struct FlowLook {
   std::optional<FlowTextureOptions> texture = FlowTextureOptions{};  ///< none: smooth

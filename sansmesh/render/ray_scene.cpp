@@ -179,8 +179,8 @@ std::optional<RayHit> RayScene::closest(const Vec3f& origin, const Vec3f& direct
                 found.hit.u, found.hit.v};
 }
 
-void RayScene::closest(const Vec3f& origin, std::span<const Vec3f> directions, std::span<const float> beyond,
-                       std::span<std::optional<RayHit>> hits) const {
+void RayScene::closest(std::span<const Vec3f> origins, std::span<const Vec3f> directions, std::span<const float> beyond,
+                       std::span<const float> until, std::span<std::optional<RayHit>> hits) const {
   for (std::size_t first = 0; first < directions.size(); first += kPacket) {
     const std::size_t n = std::min(kPacket, directions.size() - first);
     Query query;
@@ -189,11 +189,12 @@ void RayScene::closest(const Vec3f& origin, std::span<const Vec3f> directions, s
     alignas(64) std::array<int, kPacket> valid{};
     for (std::size_t i = 0; i < kPacket; ++i) {
       const Vec3f d = i < n ? directions[first + i] : Vec3f{};
+      const Vec3f& origin = origins[origins.size() == 1 || i >= n ? 0 : first + i];
       valid[i] = i < n ? -1 : 0;
       packet.ray.org_x[i] = origin.x, packet.ray.org_y[i] = origin.y, packet.ray.org_z[i] = origin.z;
       packet.ray.dir_x[i] = d.x, packet.ray.dir_y[i] = d.y, packet.ray.dir_z[i] = d.z;
       packet.ray.tnear[i] = i < n && !beyond.empty() ? beyond[first + i] : 0;
-      packet.ray.tfar[i] = std::numeric_limits<float>::infinity();
+      packet.ray.tfar[i] = i < n && !until.empty() ? until[first + i] : std::numeric_limits<float>::infinity();
       packet.ray.time[i] = 0;
       packet.ray.mask[i] = 0xFFFFFFFFu;
       packet.ray.id[i] = static_cast<unsigned>(i);
@@ -225,10 +226,11 @@ void RayScene::crossings(const Vec3f& origin, const Vec3f& direction, float leng
   });
 }
 
-bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float length) const {
+bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float length, float near) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay ray = make_ray(origin, direction, length);
+  ray.tnear = near;
   rtcOccluded1(state_->scene, &context, &ray);
   return ray.tfar < 0;
 }

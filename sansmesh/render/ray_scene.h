@@ -41,14 +41,14 @@ class RayScene {
   ~RayScene();
 
   std::optional<RayHit> closest(const Vec3f& origin, const Vec3f& direction) const;
-  /// The same for rays from one place, each from a distance on (`beyond`; empty: 0). Neighbours in the picture in
-  /// neighbouring slots go fastest. Sizes must agree.
-  void closest(const Vec3f& origin, std::span<const Vec3f> directions, std::span<const float> beyond,
-               std::span<std::optional<RayHit>> hits) const;
+  /// The same for rays from one place, or from one each, each from a distance on (`beyond`; empty: 0) and up to another
+  /// (`until`; empty: infinity). Neighbours in the picture in neighbouring slots go fastest. Sizes must agree.
+  void closest(std::span<const Vec3f> origins, std::span<const Vec3f> directions, std::span<const float> beyond,
+               std::span<const float> until, std::span<std::optional<RayHit>> hits) const;
   /// All of them up to a distance, by distance, in place of what `found` held. Where a ray meets an edge or a corner,
   /// each triangle there may count.
   void crossings(const Vec3f& origin, const Vec3f& direction, float length, std::vector<RayCrossing>& found) const;
-  bool blocked(const Vec3f& origin, const Vec3f& direction, float length) const;
+  bool blocked(const Vec3f& origin, const Vec3f& direction, float length, float near = 0) const;
 
  private:
   struct State;

@@ -245,9 +245,9 @@ void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
   beyond_ = beyond;
   const double tolerance = rules.tolerance * radius_;
   if (high_.t - low_.t <= tolerance) {
-    // A jump from one side to the other without a zero is no surface, nor is a place that the projection moves on.
+    // A long jump from one side to the other without a zero is no surface, nor is a place that the projection moves on.
     const double off = rules.feet ? sample.residual : std::abs(sample.value);
-    if (off > 10 * tolerance) return go_on_from(high_, rules);
+    if (off > std::max(10 * tolerance, rules.feet ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
     normal_ = sample.normal;
     return finish(true);
   }

@@ -10,7 +10,7 @@ namespace sansmesh {
 
 /// What holds for all rays of a caster; shares of the radius of the ball around a place.
 struct WalkRules {
-  double tolerance = 1e-3, smallest_step = 0.1, largest_step = 0.5;
+  double tolerance = 1e-3, smallest_step = 0.1, largest_step = 0.5, jump = 0.01;
   bool feet = false;  ///< samples come from a projection
 };
 

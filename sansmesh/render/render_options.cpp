@@ -21,12 +21,35 @@ void RenderOptions::validate() const {
   check_range("view.azimuth", view.azimuth, -3600, 3600);
   check_range("view.elevation", view.elevation, -90, 90);
   check_range("field_of_view", field_of_view, 1, 120);
+  check_range("zoom", zoom, 0.001, 100000);
+  if (look_at && !is_finite(*look_at)) throw ArgumentError("`look_at` must be finite");
+  if (look_radius && !(*look_radius > 0 && std::isfinite(*look_radius)))
+    throw ArgumentError("`look_radius` must be positive, not " + std::to_string(*look_radius));
+  if (look_radius && !look_at) throw ArgumentError("`look_radius` needs `look_at`");
+  if (scale_bar && !orthographic)
+    throw ArgumentError("`scale_bar` needs `orthographic`: in perspective there is no one scale");
+  if (!(input_length > 0 && std::isfinite(input_length))) throw ArgumentError("`input_length` must be positive");
+  if (clip_box) {
+    if (!is_finite(clip_box->lower) || !is_finite(clip_box->upper)) throw ArgumentError("`clip_box` must be finite");
+    const Vec3 size = clip_box->size();
+    if (!(size.x > 0 && size.y > 0 && size.z > 0))
+      throw ArgumentError("`clip_box` must have an extent: XMIN < XMAX, YMIN < YMAX and ZMIN < ZMAX");
+  }
   check_color("background_color", background_color);
   check_color("surface_color", surface_color);
+  check_range("wire_width", wire_width, 0.1, 50);
+  check_color("wire_color", wire_color);
   check_range("samples", samples, 1, 8);
   check_range("occlusion_rays", occlusion_rays, 0, 64);
   if (point_radius && !(*point_radius > 0 && std::isfinite(*point_radius)))
     throw ArgumentError("`point_radius` must be positive, not " + std::to_string(*point_radius));
+}
+
+void move_from_input(RenderOptions& options, const Placement& place) {
+  if (options.look_at) options.look_at = place.from_input(*options.look_at);
+  if (options.look_radius) options.look_radius = place.from_input(*options.look_radius);
+  options.input_length *= place.unit;
+  if (options.clip_box) options.clip_box = place.from_input(*options.clip_box);
 }
 
 void SurfaceRenderOptions::validate() const {

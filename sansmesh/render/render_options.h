@@ -3,8 +3,11 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/render/camera.h"
 
 namespace sansmesh {
@@ -14,20 +17,41 @@ struct RenderOptions {
   ViewDirection view;              ///< degrees; `named_view` gives the usual ones
   UpAxis up = UpAxis::y;
   double field_of_view = 30;  ///< degrees over the shorter side, 1..120
+  bool orthographic = false;  ///< parallel rays: what is equally large is seen equally large at any depth
+  /// Place in the middle of the picture, in the coordinates of what is drawn; the view keeps its direction. Default:
+  /// the middle of what there is to see.
+  std::optional<Vec3> look_at;
+  double zoom = 1;  ///< so many times as large as what shows everything, 0.001..100000
+  /// Instead of `zoom`: a ball of this radius around `look_at` fills the picture. > 0, in the unit of what is drawn.
+  std::optional<double> look_radius;
+  /// Only what lies in this box is shown, in the coordinates of what is drawn. (Mirrors and clear bodies still show
+  /// the rest.)
+  std::optional<Box3> clip_box;
+  /// Of orthographic pictures: a bar of a round length in the lower left corner, with this unit (may be empty).
+  std::optional<std::string> scale_bar;
+  double input_length = 1;  ///< of 1 in the coordinates of what is drawn, in the unit of the scale bar; > 0
   enum class Background { gradient, solid, transparent } background = Background::gradient;
   Vec3f background_color{1, 1, 1};           ///< sRGB 0..1, for a solid background
   Vec3f surface_color{0.87f, 0.84f, 0.80f};  ///< sRGB 0..1, where there are no vertex colours
   bool use_colors = true;                    ///< take the vertex colours where there are some
-  bool smooth = true;                        ///< interpolate normals over the triangles, except across creases
-  bool shadows = true;                       ///< of the key light, on the surface itself
-  bool ground = true;                        ///< let a shadow fall on the ground below
-  int samples = 3;                           ///< samples per pixel in each direction, 1..8
-  int occlusion_rays = 1;                    ///< rays towards the sky a sample, 0..64; 0: none is blocked
+  /// Edges of triangles as lines, over the shaded surface or alone: then the surface is clear, but hides what of the
+  /// same mesh is behind it.
+  enum class Wireframe { none, over, only } wireframe = Wireframe::none;
+  double wire_width = 1;                  ///< pixels, 0.1..50
+  Vec3f wire_color{0.10f, 0.12f, 0.15f};  ///< sRGB 0..1
+  bool smooth = true;                     ///< interpolate normals over the triangles, except across creases
+  bool shadows = true;                    ///< of the key light, on the surface itself
+  bool ground = true;                     ///< let a shadow fall on the ground below
+  int samples = 3;                        ///< samples per pixel in each direction, 1..8
+  int occlusion_rays = 1;                 ///< rays towards the sky a sample, 0..64; 0: none is blocked
   /// Radius of points, in the unit of the cloud; default: from their spacing.
   std::optional<double> point_radius;
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
+
+/// The view's places and lengths, given in coordinates of the input, in those of a placement.
+void move_from_input(RenderOptions& options, const Placement& place);
 
 /// As for meshes (`smooth` and `point_radius` mean nothing here), and:
 struct SurfaceRenderOptions : RenderOptions {

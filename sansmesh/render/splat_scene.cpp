@@ -161,29 +161,31 @@ SurfacePoint SplatScene::blend(const Vec3f& eye, const Vec3f& direction, std::sp
   return point;
 }
 
-void SplatScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
-                         std::span<std::optional<SurfacePoint>> points) const {
-  std::vector<std::optional<RayHit>> hits(directions.size());
-  rays_.closest(eye, directions, {}, hits);
+void SplatScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const {
+  std::vector<std::optional<RayHit>> hits(rays.size());
+  rays_.closest(rays.origins, rays.directions, rays.near, rays.far, hits);
   std::vector<RayCrossing> all, sheet;
-  for (std::size_t i = 0; i < directions.size(); ++i) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
     points[i].reset();
     if (!hits[i]) continue;
-    rays_.crossings(eye, directions[i], hits[i]->distance + depth(hits[i]->primitive, directions[i]), all);
+    const Vec3f &eye = rays.origin(i), &direction = rays.directions[i];
+    rays_.crossings(eye, direction, hits[i]->distance + depth(hits[i]->primitive, direction), all);
+    if (!rays.near.empty()) std::erase_if(all, [&](const RayCrossing& hit) { return hit.distance < rays.near[i]; });
     if (all.empty()) all.push_back({hits[i]->distance, hits[i]->primitive, true});
-    take_first(directions[i], all, sheet);
-    points[i] = blend(eye, directions[i], sheet);
+    take_first(direction, all, sheet);
+    points[i] = blend(eye, direction, sheet);
   }
 }
 
-void SplatScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
-                        std::vector<SurfacePoint>& points) const {
-  if (!(opacity_ < 1)) return PictureScene::layers(eye, directions, first, points);
+void SplatScene::layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const {
+  if (!(opacity_ < 1)) return PictureScene::layers(rays, first, points);
   first.assign(1, 0);
   points.clear();
   std::vector<RayCrossing> all, sheet;
-  for (const Vec3f& direction : directions) {
-    rays_.crossings(eye, direction, std::numeric_limits<float>::infinity(), all);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Vec3f &eye = rays.origin(i), &direction = rays.directions[i];
+    rays_.crossings(eye, direction, rays.far.empty() ? std::numeric_limits<float>::infinity() : rays.far[i], all);
+    if (!rays.near.empty()) std::erase_if(all, [&](const RayCrossing& hit) { return hit.distance < rays.near[i]; });
     float left = 1;
     for (int n = 0; n < kMostSheets && !all.empty() && left >= kLeastThrough; ++n) {
       take_first(direction, all, sheet);
@@ -196,7 +198,7 @@ void SplatScene::layers(const Vec3f& eye, std::span<const Vec3f> directions, std
 
 void SplatScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {
   for (std::size_t i = 0; i < rays.size(); ++i)
-    answers[i] = rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length);
+    answers[i] = rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length, rays[i].near);
 }
 
 }  // namespace sansmesh

@@ -39,10 +39,8 @@ class SplatScene final : public PictureScene {
  public:
   /// `opacity` as of meshes (Subject).
   SplatScene(Splats splats, float opacity);
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override;
-  void layers(const Vec3f& eye, std::span<const Vec3f> directions, std::vector<std::size_t>& first,
-              std::vector<SurfacePoint>& points) const override;
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override;
+  void layers(const EyeRays& rays, std::vector<std::size_t>& first, std::vector<SurfacePoint>& points) const override;
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
 
  private:

@@ -70,6 +70,7 @@ void SurfaceCastOptions::validate() const {
   check_range("tolerance", tolerance, 1e-6, 0.1);
   check_range("smallest_step", smallest_step, 1e-3, 1);
   check_range("largest_step", largest_step, smallest_step, 1);
+  check_range("jump", jump, 0, 1);
 }
 
 struct SurfaceCaster::State {
@@ -79,7 +80,7 @@ struct SurfaceCaster::State {
         balls(usable(b)),
         segments(balls),
         normals(options.normals),
-        rules{options.tolerance, options.smallest_step, options.largest_step, p != nullptr} {}
+        rules{options.tolerance, options.smallest_step, options.largest_step, options.jump, p != nullptr} {}
 
   void cast(std::span<const CastRay> rays, std::span<CastHit> hits, Scratch& scratch) const;
   void answer_queries(std::span<const CastRay> rays, Scratch& scratch, std::uint64_t& queries) const;

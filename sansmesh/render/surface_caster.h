@@ -23,6 +23,9 @@ struct SurfaceCastOptions {
   /// ball's radius: sheets closer to each other than the smallest step can be missed. Jumps to where the tangent
   /// predicts the surface may be three times as long. 0.001 <= smallest <= largest <= 1.
   double smallest_step = 0.1, largest_step = 0.5;
+  /// Where a field changes its sign by a jump, no farther from zero on either side than this share of the ball's
+  /// radius, there is a surface, too, 0..1: fields of patches that do not meet have no other between them.
+  double jump = 0.01;
   /// Better normals of hits than those of the field or projection; null: theirs. Must outlive the caster.
   const NormalField* normals = nullptr;
   /// Throws ArgumentError naming the field.

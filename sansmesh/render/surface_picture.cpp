@@ -39,13 +39,11 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
   placed.reserve(points.size());
   for (const Vec3f& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(Vec3(p)));
-  const Camera camera = picture_camera(placed, own.steady, own);
+  const Camera camera = picture_camera(placed, frame, own.steady, own);
 
   progress.begin("preparing");
   const SurfaceScene scene(caster, frame, camera, colors, own);
-  Painter painter(scene, camera, own, !own.plain);
-  if (own.ground) painter.add_ground(placed, 0);
-  return painter.paint(progress);
+  return paint_scene(scene, camera, frame, own, !own.plain, placed, 0, progress);
 }
 
 DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height) {
@@ -58,10 +56,11 @@ DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int wi
     const int right = std::min(left + kDepthTile, width), bottom = std::min(top + kDepthTile, height);
     std::vector<CastRay> rays;
     for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right; ++x)
-        rays.push_back(
-            {camera.position, camera.direction((2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1,
-                                               1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(height))});
+      for (int x = left; x < right; ++x) {
+        const float u = (2 * static_cast<float>(x) + 1) / static_cast<float>(width) - 1;
+        const float v = 1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(height);
+        rays.push_back({camera.origin(u, v), camera.direction(u, v)});
+      }
     std::vector<CastHit> hits(rays.size());
     caster.cast(rays, hits);
     std::size_t k = 0;

@@ -13,6 +13,7 @@ namespace {
 constexpr float kShadowOffset = 2e-4f;     // of the diagonal: hides what floats cannot resolve
 constexpr float kOffSurface = 0.02f;       // of the ball's radius: many tolerances off the surface
 constexpr double kDiscWidth = 1.3;         // discs at random places leave exp(−π 1.3²) = 0.5 % uncovered
+constexpr float kParallelField = 0.27f;    // half the field of view whose background parallel rays see, a slope
 constexpr float kLeastWeight = 1.0f / 32;  // of light that rays are cast for
 
 /// Share that a clear body mirrors (Fresnel, unpolarised). `cosine`: of the angle outside of the normal, 0..1; `ratio`:
@@ -114,12 +115,16 @@ void SurfaceScene::color_hits(Scratch& s) const {
     c = linear_color({std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)});
 }
 
-void SurfaceScene::closest(const Vec3f& eye, std::span<const Vec3f> directions,
-                           std::span<std::optional<SurfacePoint>> points) const {
+void SurfaceScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const {
   Scratch s;
-  s.rays.reserve(directions.size());
-  const Vec3f origin = frame_.to_surface(eye);
-  for (const Vec3f& d : directions) s.rays.push_back({origin, d});
+  s.rays.reserve(rays.size());
+  const std::span<const Vec3f> directions = rays.directions;
+  const auto size = static_cast<float>(frame_.size);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    s.rays.push_back({frame_.to_surface(rays.origin(i)), directions[i]});
+    if (!rays.near.empty()) s.rays.back().near = rays.near[i] * size;
+    if (!rays.far.empty()) s.rays.back().far = rays.far[i] * size;
+  }
   s.hits.resize(s.rays.size());
   caster_.cast(s.rays, s.hits);
   color_hits(s);
@@ -223,8 +228,10 @@ Vec3f SurfaceScene::environment(const Vec3f& direction) const {
   const float ahead = -dot(direction, camera_.backward);
   const Vec3f sky = lighting_.sky_light(direction) * 2;
   if (ahead <= 0) return sky;
-  const float x = dot(direction, camera_.right) / (ahead * camera_.half_width);
-  const float y = dot(direction, camera_.up) / (ahead * camera_.half_height);
+  // Parallel rays see the background as those of a narrow field do.
+  const float wide = camera_.parallel ? kParallelField / std::max(camera_.half_width, camera_.half_height) : 1;
+  const float x = dot(direction, camera_.right) / (ahead * wide * camera_.half_width);
+  const float y = dot(direction, camera_.up) / (ahead * wide * camera_.half_height);
   const float t = std::min(1.0f, ahead / 0.5f);
   return mix(sky, background_light(options_, 0.5f + 0.5f * x, 0.5f - 0.5f * y), t * t * (3 - 2 * t));
 }
@@ -232,13 +239,14 @@ Vec3f SurfaceScene::environment(const Vec3f& direction) const {
 void SurfaceScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {
   if (discs_) {
     for (std::size_t i = 0; i < rays.size(); ++i)
-      answers[i] = discs_->blocked(rays[i].origin, rays[i].direction, rays[i].length);
+      answers[i] = discs_->blocked(rays[i].origin, rays[i].direction, rays[i].length, rays[i].near);
     return;
   }
   std::vector<CastRay> casts;
   casts.reserve(rays.size());
   const auto size = static_cast<float>(frame_.size);
-  for (const ShadowRay& r : rays) casts.push_back({frame_.to_surface(r.origin), r.direction, 0, r.length * size});
+  for (const ShadowRay& r : rays)
+    casts.push_back({frame_.to_surface(r.origin), r.direction, r.near * size, r.length * size});
   std::vector<CastHit> hits(casts.size());
   caster_.cast(casts, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = hits[i].hit;

@@ -19,8 +19,7 @@ class SurfaceScene : public PictureScene {
   /// What is passed must outlive the scene; `colors` may be null. `camera` in the painter's coordinates.
   SurfaceScene(const SurfaceCaster& caster, const PictureFrame& frame, const Camera& camera, const ColorField* colors,
                const SurfaceRenderOptions& options);
-  void closest(const Vec3f& eye, std::span<const Vec3f> directions,
-               std::span<std::optional<SurfacePoint>> points) const override;
+  void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override;
   void blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const override;
 
  private:

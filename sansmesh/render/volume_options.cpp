@@ -120,8 +120,6 @@ void VolumePictureOptions::validate() const {
   check_range("opacity_scale", opacity_scale, 0, 1000);
   check_range("step", step, 0.05, 4);
   check_range("least_light", least_light, 0, 0.1);
-  check_range("zoom", zoom, 0.01, 1000);
-  if (focus && !is_finite(*focus)) throw ArgumentError("`focus` must be finite");
   if (isos.size() > kMostSurfaces)
     throw ArgumentError(fmt::format("`isos` may hold {} surfaces, not {}", kMostSurfaces, isos.size()));
   if (cuts.size() > kMostSurfaces)

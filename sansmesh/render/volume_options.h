@@ -51,10 +51,6 @@ struct VolumePictureOptions : RenderOptions {
   bool skip_empty = true;  ///< leaps over what is clear
   /// The view does not zoom with the direction: frames of a turntable fit together.
   bool steady = false;
-  /// What lies in the middle of the picture, in the coordinates of the data; default: the middle of the volume's
-  /// outline.
-  std::optional<Vec3> focus;
-  double zoom = 1;  ///< so many times as large as what shows all of the volume, 0.01..1000: the eye stays where it is
 
   bool color_bar = false;   ///< to the right of the picture, which it makes wider
   std::string color_title;  ///< of the colour bar: what is shown and its unit

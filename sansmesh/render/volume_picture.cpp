@@ -44,9 +44,23 @@ std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int b
   return pixels;
 }
 
-Vec3f direction_at(const Camera& camera, const VolumePictureOptions& options, float x, float y) {
-  return camera.direction(2 * x / static_cast<float>(options.width) - 1,
-                          1 - 2 * y / static_cast<float>(options.height));
+/// The ray through a place in pixels.
+void add_ray(CameraRays& rays, const VolumePictureOptions& options, float x, float y) {
+  rays.add(2 * x / static_cast<float>(options.width) - 1, 1 - 2 * y / static_cast<float>(options.height));
+}
+
+/// With the box that is shown as cuts, of a volume that has this box: where both end at the same place, or the volume
+/// before, there is nothing to cut.
+VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box) {
+  if (!options.clip_box) return options;
+  const double same = 1e-6 * box.diagonal();
+  for (std::size_t k = 0; k < 3; ++k) {
+    Vec3 axis{};
+    axis[k] = 1;
+    if (options.clip_box->upper[k] < box.upper[k] - same) options.cuts.push_back({axis, options.clip_box->upper[k]});
+    if (options.clip_box->lower[k] > box.lower[k] + same) options.cuts.push_back({-axis, -options.clip_box->lower[k]});
+  }
+  return options;
 }
 
 /// About as the eye sees it, on a background of middling light.
@@ -81,16 +95,6 @@ Rgba in_front(const std::array<float, 4>& p, const Rgba& back) {
   return {c.x, c.y, c.z, std::max(0.0f, alpha)};
 }
 
-/// Looks at a place without leaving its own.
-void turn_to(Camera& camera, const Vec3f& place) {
-  const Vec3 away = Vec3(camera.position) - Vec3(place), right = cross(Vec3(camera.up), away);
-  if (!(norm(away) > 0 && norm(away) < 1e6 && norm(right) > 0))
-    throw ArgumentError("`focus` cannot be looked at from there");
-  camera.backward = Vec3f(normalized(away));
-  camera.right = Vec3f(normalized(right));
-  camera.up = Vec3f(cross(normalized(away), normalized(right)));
-}
-
 }  // namespace
 
 class VolumePicture::Work {
@@ -102,11 +106,7 @@ class VolumePicture::Work {
         stretches_(*subject_.field, subject_.boundary, frame_) {}
 
   Camera camera(const VolumePictureOptions& options) const {
-    Camera camera = picture_camera(outline_, options.steady, options);
-    if (options.focus) turn_to(camera, frame_.to_picture(*options.focus));
-    camera.half_width /= static_cast<float>(options.zoom);
-    camera.half_height /= static_cast<float>(options.zoom);
-    return camera;
+    return picture_camera(outline_, frame_, options.steady, options);
   }
 
   SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
@@ -120,15 +120,22 @@ class VolumePicture::Work {
     return found;
   }
 
-  LightMap light(const Camera& camera, const VolumePictureOptions& options, Progress& progress,
+  LightMap light(const Camera& camera, const VolumePictureOptions& given, Progress& progress,
                  VolumePictureReport* report, bool check) const {
-    options.validate();
+    given.validate();
+    const VolumePictureOptions options = with_box_cut(given, box_);
     const SuggestedTransferFunction chosen = transfer(options);
     std::vector<std::unique_ptr<PictureScene>> scenes;
     TracedVolume volume = traced();
     for (const PictureSurface& surface : subject_.surfaces) {
       scenes.push_back(surface(frame_, camera));
       volume.surfaces.push_back(scenes.back().get());
+    }
+    std::vector<std::unique_ptr<ClippedScene>> parts;
+    for (std::size_t k = 0; options.clip_box && k < scenes.size(); ++k) {
+      const Box3f box{frame_.to_picture(options.clip_box->lower), frame_.to_picture(options.clip_box->upper)};
+      parts.push_back(std::make_unique<ClippedScene>(*scenes[k], box));
+      volume.surfaces[k] = parts.back().get();
     }
     const VolumeTracer tracer(volume, camera, chosen.function, options);
     LightMap map(options.width, options.height);
@@ -234,12 +241,11 @@ class VolumePicture::Work {
                 top = static_cast<int>(tile) / across * kVolumeTile;
       const auto pixels =
           tile_pixels(left, top, std::min(left + kVolumeTile, map.width), std::min(top + kVolumeTile, map.height));
-      std::vector<Vec3f> directions;
-      directions.reserve(pixels.size());
+      CameraRays going(camera);
       for (const auto& [x, y] : pixels)
-        directions.push_back(direction_at(camera, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+        add_ray(going, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
       std::vector<TracedLight> lights(pixels.size());
-      evaluations += tracer.trace(directions, lights);
+      evaluations += tracer.trace(going.rays(), lights);
       rays += pixels.size();
       for (std::size_t i = 0; i < pixels.size(); ++i) {
         const TracedLight& l = lights[i];
@@ -274,17 +280,16 @@ class VolumePicture::Work {
     progress.begin("smoothing", std::max<std::size_t>(1, chunks));
     parallel_for(0, chunks, 1, [&](std::size_t c) {
       const std::size_t first = c * chunk, last = std::min(first + chunk, pixels.size());
-      std::vector<Vec3f> directions;
+      CameraRays going(camera);
       for (std::size_t i = first; i < last; ++i)
         for (int row = 0; row < n; ++row)
           for (int column = 0; column < n; ++column)
-            directions.push_back(direction_at(
-                camera, options,
-                static_cast<float>(pixels[i].first) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n),
-                static_cast<float>(pixels[i].second) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n)));
-      std::vector<TracedLight> lights(directions.size());
-      evaluations += tracer.trace(directions, lights);
-      rays += directions.size();
+            add_ray(going, options,
+                    static_cast<float>(pixels[i].first) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n),
+                    static_cast<float>(pixels[i].second) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
+      std::vector<TracedLight> lights(going.size());
+      evaluations += tracer.trace(going.rays(), lights);
+      rays += going.size();
       for (std::size_t i = first; i < last; ++i) {
         std::array<float, 4> sum{};
         for (std::size_t s = 0; s < each; ++s) {
@@ -304,16 +309,16 @@ class VolumePicture::Work {
     VolumePictureOptions halved = options;
     halved.step = 0.5 * options.step;
     const VolumeTracer tracer(volume, camera, transfer, halved);
-    std::vector<Vec3f> directions;
+    CameraRays going(camera);
     std::vector<std::array<float, 4>> before;
     for (int y = kCheckEvery / 2; y < map.height; y += kCheckEvery)
       for (int x = kCheckEvery / 2; x < map.width; x += kCheckEvery) {
-        directions.push_back(direction_at(camera, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+        add_ray(going, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
         before.push_back(map.at(x, y));
       }
-    if (directions.empty()) return;
-    std::vector<TracedLight> lights(directions.size());
-    tracer.trace(directions, lights);
+    if (going.size() == 0) return;
+    std::vector<TracedLight> lights(going.size());
+    tracer.trace(going.rays(), lights);
     double sum = 0;
     for (std::size_t i = 0; i < lights.size(); ++i) {
       // On white, as it would be shown.
@@ -378,13 +383,17 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
       for (float& v : color) v = from_byte(to_byte(v, threshold));
     }
   if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
+  if (options.scale_bar) draw_scale_bar(image, work_->frame(), camera, options.input_length, *options.scale_bar);
   if (!options.title.empty()) draw_title(image, options.title);
   if (options.color_bar) {
     std::vector<double> marks;
     marks.reserve(options.isos.size());
     for (const IsoSurface& iso : options.isos) marks.push_back(iso.value);
     const Image paper = behind(options);
-    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper);
+    const auto [lower, upper] = own.transfer.range();
+    const bool below = work_->histogram().least<lower, above = work_->histogram().most> upper;
+    const BarEnds ends{below, above};
+    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper, ends);
   }
   if (report) *report = own;
   return image;

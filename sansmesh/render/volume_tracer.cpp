@@ -49,7 +49,7 @@ struct VolumeTracer::Sample {
 };
 
 struct VolumeTracer::Walk {
-  Vec3 direction;
+  Vec3 origin, direction;
   Vec3f half;                           // between the ways to the key light and to the eye: the mirror's normal
   std::uint32_t slot = 0;               // of the ray's answer
   std::uint32_t stretch = 0, last = 0;  // the next one, and where they end
@@ -100,8 +100,7 @@ struct VolumeTracer::Scratch {
 VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
                            const VolumePictureOptions& options)
     : volume_(volume),
-      camera_(camera),
-      eye_(camera.position),
+      parallel_(camera.parallel),
       lighting_(camera),
       transfer_(transfer),
       colors_(volume.opacity ? TransferTable::colors_only(transfer) : TransferTable(transfer)),
@@ -143,14 +142,14 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
 }
 
 Vec3 VolumeTracer::world(const Walk& walk, double t) const {
-  return volume_.frame.center + (eye_ + walk.direction * t) * volume_.frame.size;
+  return volume_.frame.center + (walk.origin + walk.direction * t) * volume_.frame.size;
 }
 
 double VolumeTracer::step_at(std::size_t cell, double t) const {
   const Vec3& edge = volume_.cells->edge();
   const double most = std::min({edge.x, edge.y, edge.z}) / volume_.frame.size;
   const double step = options_.step * volume_.cells->spacing(cell) / volume_.frame.size;
-  return std::max(std::min(step, most), 0.5 * static_cast<double>(footprint_) * t);
+  return std::max(std::min(step, most), 0.5 * static_cast<double>(footprint_) * (parallel_ ? 1 : t));
 }
 
 /// Goes on to the volume behind, through the surfaces on the way there; false: there is none, or nothing more to see.
@@ -564,20 +563,20 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
 }
 
 /// Where surfaces stand in the way of the rays, and how they look.
-void VolumeTracer::find_layers(std::span<const Vec3f> directions, Scratch& s) const {
+void VolumeTracer::find_layers(const EyeRays& rays, Scratch& s) const {
   std::vector<std::size_t> first;
   std::vector<SurfacePoint> points;
   for (const PictureScene* scene : volume_.surfaces) {
-    scene->layers(camera_.position, directions, first, points);
-    for (std::size_t i = 0; i < directions.size(); ++i)
+    scene->layers(rays, first, points);
+    for (std::size_t i = 0; i < rays.size(); ++i)
       for (std::size_t k = first[i]; k < first[i + 1]; ++k) {
         const SurfacePoint& p = points[k];
         Pixel pixel;
         pixel.color = p.color, pixel.ambient = lighting_.ambient(p.normal), pixel.open = pixel.lit = 1;
         pixel.facing = std::max(0.0f, dot(p.normal, lighting_.key));
         pixel.fill = std::max(0.0f, dot(p.normal, lighting_.fill));
-        pixel.shine = pixel.facing > 0 ? p.gloss * lighting_.shine(p.normal, directions[i]) : 0;
-        pixel.sheen = p.gloss * lighting_.sheen(p.normal, directions[i]);
+        pixel.shine = pixel.facing > 0 ? p.gloss * lighting_.shine(p.normal, rays.directions[i]) : 0;
+        pixel.sheen = p.gloss * lighting_.sheen(p.normal, rays.directions[i]);
         pixel.beyond = p.beyond;
         s.layers.push_back(
             {static_cast<double>(p.distance), surface_light(pixel), p.opacity, static_cast<std::uint32_t>(i)});
@@ -592,23 +591,24 @@ void VolumeTracer::find_layers(std::span<const Vec3f> directions, Scratch& s) co
   }
 }
 
-std::size_t VolumeTracer::trace(std::span<const Vec3f> directions, std::span<TracedLight> lights) const {
+std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> lights) const {
   Scratch s;
-  s.walks.resize(directions.size());
-  std::vector<VolumeRay> rays(directions.size());
-  for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = {eye_, normalized(Vec3(directions[i]))};
+  s.walks.resize(eye.size());
+  std::vector<VolumeRay> rays(eye.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = {Vec3(eye.origin(i)), normalized(Vec3(eye.directions[i]))};
   volume_.stretches->find(rays, options_.cuts, s.stretches, s.first);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Walk& walk = s.walks[i];
+    walk.origin = rays[i].origin;
     walk.direction = rays[i].direction;
-    walk.half = normalized(lighting_.key - directions[i]);
+    walk.half = normalized(lighting_.key - eye.directions[i]);
     walk.slot = static_cast<std::uint32_t>(i);
     walk.stretch = s.first[i], walk.last = s.first[i + 1];
   }
-  find_layers(directions, s);
+  find_layers(eye, s);
 
   std::size_t count = 0;
-  s.active.resize(directions.size());
+  s.active.resize(eye.size());
   for (std::size_t i = 0; i < s.active.size(); ++i) s.active[i] = static_cast<std::uint32_t>(i);
   for (;;) {
     std::size_t kept = 0;

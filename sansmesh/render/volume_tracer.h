@@ -44,10 +44,10 @@ class VolumeTracer {
   VolumeTracer(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
                const VolumePictureOptions& options);
 
-  /// Light along each of the unit directions from the camera; as many answers. What a ray finds does not depend on the
-  /// others: neighbours in neighbouring slots, some hundreds at a time, go fastest. Returns the number of places at
-  /// which the field was evaluated. Safe from several threads.
-  std::size_t trace(std::span<const Vec3f> directions, std::span<TracedLight> lights) const;
+  /// Light along each of the rays of the camera (whose near and far do not count); as many answers. What a ray finds
+  /// does not depend on the others: neighbours in neighbouring slots, some hundreds at a time, go fastest. Returns the
+  /// number of places at which the field was evaluated. Safe from several threads.
+  std::size_t trace(const EyeRays& rays, std::span<TracedLight> lights) const;
 
  private:
   struct Sample;
@@ -56,7 +56,7 @@ class VolumeTracer {
   struct Layer;
   struct Scratch;
 
-  void find_layers(std::span<const Vec3f> directions, Scratch& scratch) const;
+  void find_layers(const EyeRays& rays, Scratch& scratch) const;
   bool next_stretch(Walk& walk, const Scratch& scratch) const;
   bool next_place(Walk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
@@ -74,8 +74,7 @@ class VolumeTracer {
   Vec3 world(const Walk& walk, double t) const;
 
   TracedVolume volume_;
-  Camera camera_;
-  Vec3 eye_;
+  bool parallel_ = false;  // rays
   Lighting lighting_;
   TransferFunction transfer_;
   TransferTable colors_;  // with extinctions; or colours alone where opacities are of another array
@@ -85,7 +84,7 @@ class VolumeTracer {
   double extinction_ = 0;                     // per picture length, of extinction 1 in reference lengths
   double value_range_ = 0, other_range_ = 0;  // of the transfer function
   double weak_ = 0;      // gradients (per picture length) that say as little about a surface as they say much
-  float footprint_ = 0;  // of a pixel at distance 1
+  float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any
   std::optional<double> least_shown_;  // of values on faces of gaps, where only iso-surfaces are seen
   std::vector<std::uint8_t> clear_;    // of each cell: 0, or 1 + so many around it in each direction are clear, too
   std::vector<Vec3f> iso_colors_;

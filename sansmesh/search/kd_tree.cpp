@@ -136,10 +136,14 @@ double KdTree::distance(const Vec3f& q) const {
 }
 
 void KdTree::within(const Vec3f& q, float radius, std::vector<Neighbour>& out) const {
+  within_by_slot(q, radius, out);
+  std::sort(out.begin(), out.end());
+}
+
+void KdTree::within_by_slot(const Vec3f& q, float radius, std::vector<Neighbour>& out) const {
   out.clear();
   if (size_ == 0 || !is_finite(q) || !(radius >= 0)) return;
   detail::append_within({leaves_.data(), levels_}, q, radius * radius, out);
-  std::sort(out.begin(), out.end());
 }
 
 std::size_t KdTree::count_within(const Vec3f& q, float radius) const {

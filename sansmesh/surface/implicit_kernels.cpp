@@ -121,7 +121,9 @@ HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
 /// What the polynomials add up to over a plane, relative to the Gaussians alone.
 constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 ? 1.5f : 1.875f; }
 
-/// The second pass of Amenta & Kil: ⟨n, ∇e⟩ with e the weighted energy of the distances along n.
+/// The second pass of Amenta & Kil: ½⟨n, ∇e⟩ with e the weighted mean of the squared distances along n. Of their sum,
+/// as in the source, the places where the weights fall fastest are extrema as well: at 0.8 widths from the surface, and
+/// as near as that to it where noise puts samples on either side.
 template <bool kGradient>
 HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const Lanes& p, const Num3<kGradient>& point,
                                    const Sums<kGradient>& s, bool sheets, const Lanes& near) {
@@ -129,7 +131,7 @@ HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const 
   constexpr const N* kTag = nullptr;
   const N length = Root(Dot(s.n, s.n) + Constant(kTiny));
   const Num3<kGradient> n{s.n.x / length, s.n.y / length, s.n.z / length};
-  N energy = Fixed<kGradient>(0);
+  N slope = Fixed<kGradient>(0), square = slope, pull = slope;
   for (const Candidate& c : candidates) {
     const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
     const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
@@ -143,9 +145,12 @@ HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const 
     const N w4 = Radial(hn::Mul(t3, t), hn::Mul(t3, Constant(-4 * c.inverse_support)), dx, dy, dz, kTag);
     const Num3<kGradient> d{point.x + Constant(-c.x), point.y + Constant(-c.y), point.z + Constant(-c.z)};
     const N distance = Dot(n, d);
-    energy = energy + distance * (w4 - distance * distance * w3 * Constant(4 * c.inverse_support));
+    const N falls = distance * w3 * Constant(4 * c.inverse_support);
+    slope = slope + distance * (w4 - distance * falls);
+    square = square + distance * distance * w4;
+    pull = pull + falls;
   }
-  return energy / s.w;
+  return (slope + square / s.w * pull) / s.w;
 }
 
 template <bool kGradient>

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/points/noise.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
 #include "sansmesh/surface/implicit_kernels.h"
@@ -44,14 +45,32 @@ detail::ImplicitFormula formula_of(ImplicitMethod method) {
   throw ArgumentError("unknown surface method");
 }
 
+/// With noise from this on (over the spacing) leaving samples out tells nothing: neighbours of one that is off the
+/// surface are off it in the same direction, and the order that follows the noise wins. Then the noise decides: order
+/// 2, whose one iteration takes out what the mean leaves of curvature, and a width that grows with the noise.
+constexpr double kTelling = 0.1;
+constexpr double kSmoothingOfNoise = 2.2, kMostOfNoise = 5;
+
+detail::IterationChoice choose_by_noise(const SurfaceSamples& samples, const ImplicitOptions& options) {
+  detail::IterationChoice choice;
+  choice.order = options.order.value_or(2);
+  choice.iterations = options.iterations.value_or(choice.order == 2 ? 1 : 0);
+  choice.smoothing = options.smoothing.value_or(
+      std::min(1 + kSmoothingOfNoise * samples.noise / samples.median_spacing, kMostOfNoise));
+  return choice;
+}
+
 /// Order, width and iterations of the approximation with the least leave-one-out error, as far as they are not given.
 detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOptions& options,
                                detail::IterationOptions iteration) {
+  if (samples.noise >= kTelling * samples.median_spacing) {
+    PointSet points;
+    points.positions = samples.positions;
+    if (measure_noise(points).known) return choose_by_noise(samples, options);  // else it may be shape
+  }
   detail::IterationChoice best;
-  // Where the noise is of the order of the spacing, higher orders and iterations follow what is left of it.
-  const bool rough = detail::is_rough(samples);
   for (const int order : {2, 4}) {
-    if (order != 2 && (options.order || rough)) break;
+    if (order != 2 && options.order) break;
     iteration.order = options.order.value_or(order);
     const auto choice =
         detail::choose_iterations(samples, iteration, options.smoothing.value_or(0), options.iterations.value_or(-1));
@@ -154,6 +173,7 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   const bool amls = options.method == ImplicitMethod::amls;
   double smoothing = options.smoothing.value_or(default_smoothing(samples, options.method));
   smooth_noisy_normals(samples, default_smoothing(samples));
+  if (options.method == ImplicitMethod::hoppe) move_noisy_to_means(samples, smoothing);
   detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0),
                                      options.separate_sheets};
   if (amls && !options.bandwidth && (!options.smoothing || !options.iterations || !options.order)) {

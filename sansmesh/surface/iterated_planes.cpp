@@ -76,8 +76,6 @@ class Rows {
 constexpr std::size_t kLeftOut = 100;  // samples left out in turn
 constexpr double kMostEntries = 5e8;   // of the matrix: 4 GB
 constexpr int kMostIterations = 10;
-constexpr double kRough = 0.35;    // noise over spacing from which on …
-constexpr int kMostWhenRough = 2;  // … no more are tried: they fit what is left of the noise
 constexpr float kForget = 2e-4f;   // entries of the powers' rows that no longer matter
 constexpr double kWorthIt = 0.99;  // further iterations must lower the error by more than this
 
@@ -230,8 +228,6 @@ IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<f
   return result;
 }
 
-bool is_rough(const SurfaceSamples& samples) { return samples.noise > kRough * samples.median_spacing; }
-
 IterationChoice choose_iterations(const SurfaceSamples& samples, const IterationOptions& options, double smoothing,
                                   int iterations) {
   const bool clean = samples.noise < kFootNoise * samples.median_spacing;
@@ -240,9 +236,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
   if (clean)
     candidates = unevenness(samples) < 0.5 ? std::vector<double>{0.8, 1, 1.25, 1.6} : std::vector<double>{1.25, 1.6, 2};
   if (smoothing > 0) candidates = {smoothing};
-  const bool rough = is_rough(samples);
-  const int tried = rough ? kMostWhenRough : kMostIterations;
-  const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : tried;
+  const int most = iterations >= 0 ? std::min(iterations, kMostIterations) : kMostIterations;
   const std::size_t places = std::min(kLeftOut, samples.size());
   IterationChoice best;
   best.error = std::numeric_limits<double>::infinity();

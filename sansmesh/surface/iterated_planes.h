@@ -26,9 +26,6 @@ struct IteratedPlanes {
 IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<float>& widths,
                               const IterationOptions& options, Progress& progress);
 
-/// Whether the noise is of the order of the spacing: higher orders and iterations then fit what is left of it.
-bool is_rough(const SurfaceSamples& samples);
-
 /// The width, as a multiple of the spacing, and the number of iterations with the least leave-one-out error: how far
 /// each of some samples is from the surface that the others make. `smoothing`: known width, or 0; `iterations`: known
 /// number, or −1.

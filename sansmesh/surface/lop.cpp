@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 #include "sansmesh/data/placement.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
@@ -29,17 +30,13 @@ constexpr double kRound = 0.15;
 constexpr double kAtRest = 0.003;  ///< root mean square step, in spacings of the result, at which all is done
 constexpr std::size_t kGrain = 512;
 constexpr std::size_t kAreaNeighbours = 12;
-
-std::uint64_t mixed(std::uint64_t v) {  // splitmix64
-  v += 0x9e3779b97f4a7c15u;
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
-  return v ^ (v >> 31);
-}
+/// A sample that seems to stand for more than this many times the area that those around it do is off the surface.
+constexpr float kMostArea = 2;
+constexpr std::size_t kTableSize = 2048;
 
 /// Uniform in (0, 1).
 double uniform(std::uint64_t seed, std::uint64_t i) {
-  return (static_cast<double>(mixed(mixed(seed) ^ i) >> 11) + 0.5) * 0x1p-53;
+  return (static_cast<double>(scrambled(scrambled(seed) ^ i) >> 11) + 0.5) * 0x1p-53;
 }
 
 /// Neighbours of each of many points, one after another in one array.
@@ -57,7 +54,7 @@ Lists neighbour_lists(const KdTree& tree, std::span<const Vec3> x, float radius)
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     std::vector<Neighbour> found;
     for (std::size_t i = c * kGrain; i < std::min(x.size(), (c + 1) * kGrain); ++i) {
-      tree.within(Vec3f(x[i]), radius, found);
+      tree.within_by_slot(Vec3f(x[i]), radius, found);
       for (const Neighbour& n : found) parts[c].push_back(n.index);
       lists.first[i + 1] = found.size();
     }
@@ -71,20 +68,54 @@ Lists neighbour_lists(const KdTree& tree, std::span<const Vec3> x, float radius)
   return lists;
 }
 
+/// A function of the squared distance up to a radius, between values at even steps: no roots, no exponentials, and the
+/// same bits everywhere.
+class RadialTable {
+ public:
+  template <class Function>
+  RadialTable(double radius, const Function& f) : end_(radius * radius), scale_(kTableSize / end_) {
+    for (std::size_t i = 0; i <= kTableSize + 1; ++i) values_[i] = f(static_cast<double>(i) / scale_);
+  }
+  RadialTable() = default;
+  double end() const { return end_; }
+  /// At squared distances up to `end`.
+  double operator()(double squared) const {
+    const double at = squared * scale_;
+    const auto i = static_cast<std::size_t>(at);
+    return values_[i] + (at - static_cast<double>(i)) * (values_[i + 1] - values_[i]);
+  }
+
+ private:
+  double end_ = 0, scale_ = 0;
+  std::array<double, kTableSize + 2> values_{};
+};
+
 class Consolidation {
  public:
   Consolidation(const PointSet& points, const LopOptions& options, Progress& progress) : options_(options) {
     for (const Vec3f& p : points.positions)
       if (is_finite(p)) samples_.push_back(p);
     if (samples_.empty()) throw DataError("there are no finite samples to consolidate");
+    samples_ = KdTree(samples_).positions();  // those that lie close together stand close together
     tree_ = KdTree(samples_);
     start(points, progress);
+    const auto theta_at = [&](double squared) { return std::exp(-16 * squared / (h_ * h_)); };
+    const double reach = kReachOfTheta * h_, near = kRound * h_;
+    theta_ = RadialTable(reach, theta_at);
+    attraction_ =
+        RadialTable(reach, [&](double squared) { return theta_at(squared) / std::sqrt(squared + near * near); });
+    repulsion_ = RadialTable(reach, [&](double squared) {
+      // −r falls slowly and keeps the points even over the whole neighbourhood (Huang et al.); Lipman's 1/(3r³) acts
+      // between the nearest.
+      const double part = std::max(squared / (h_ * h_), 0.0025);
+      return theta_at(squared) * (options_.weighted ? 1 : 1 / (part * part));
+    });
   }
 
   void run(Progress& progress) {
     const auto iterations = static_cast<std::size_t>(options_.iterations);
     progress.begin("consolidate", iterations);
-    if (options_.weighted) weigh_samples();
+    weigh_samples();
     for (std::size_t iteration = 0; iteration < iterations; ++iteration) {
       const double moved = step();
       progress.advance();
@@ -101,8 +132,6 @@ class Consolidation {
   }
 
  private:
-  double theta(double squared) const { return std::exp(-16 * squared / (h_ * h_)); }
-
   /// The starting points, the spacing that the result will have, and h. A sample stands for the area π r²/k around it.
   /// Along the order of the tree, which is one through space, points start at equal steps of area (of samples, where
   /// the density is to stay), one at random in each: evenly from the first.
@@ -110,37 +139,47 @@ class Consolidation {
     const std::size_t n = samples_.size(), wanted = options_.points.value_or(std::max<std::size_t>(1, n / 2));
     PointSet finite;
     finite.positions = samples_;
-    const std::vector<std::uint8_t> outlier = find_outliers(finite, {}, progress);
-    std::vector<float> area(n);  // by slot
+    outlier_ = find_outliers(finite, {}, progress);
+    std::vector<float> raw(n), area(n);  // by sample
     tree_.for_each_nearest(kAreaNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
       const auto others = static_cast<float>(std::max<std::size_t>(1, found.size() - 1));
-      area[slot] = outlier[tree_.order()[slot]] ? 0 : 3.14159265f * found.back().squared_distance / others;
+      raw[tree_.order()[slot]] = 3.14159265f * found.back().squared_distance / others;
+    });
+    // Samples off the surface are far from all others, but stand for no area: no point starts there.
+    tree_.for_each_nearest(kAreaNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
+      const std::uint32_t own = tree_.order()[slot];
+      std::array<float, kAreaNeighbours + 1> others;
+      for (std::size_t k = 0; k < found.size(); ++k) others[k] = raw[tree_.order()[found[k].index]];
+      const auto middle = others.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
+      std::nth_element(others.begin(), middle, others.begin() + static_cast<std::ptrdiff_t>(found.size()));
+      area[own] = outlier_[own] || raw[own] > kMostArea * *middle ? 0 : raw[own];
     });
     std::vector<float> inliers;
     double total = 0, steps = 0;
     std::vector<double> until(n);
-    for (std::size_t slot = 0; slot < n; ++slot) {
-      const bool inlier = !outlier[tree_.order()[slot]];
-      if (inlier) inliers.push_back(area[slot]);
-      total += static_cast<double>(area[slot]);
-      steps += options_.weighted ? static_cast<double>(area[slot]) : inlier ? 1.0 : 0.0;
-      until[slot] = steps;
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool inlier = !outlier_[i];
+      if (inlier) inliers.push_back(area[i]);
+      total += static_cast<double>(area[i]);
+      steps += options_.weighted ? static_cast<double>(area[i]) : inlier ? 1.0 : 0.0;
+      until[i] = steps;
     }
     if (!(steps > 0)) {  // all at one place, or nothing but outliers
-      for (std::size_t slot = 0; slot < n; ++slot) until[slot] = static_cast<double>(slot + 1);
+      outlier_.assign(n, 0);
+      for (std::size_t i = 0; i < n; ++i) until[i] = static_cast<double>(i + 1);
       steps = static_cast<double>(n);
     }
-    std::size_t slot = 0, before = n;
+    std::size_t sample = 0, before = n;
     for (std::size_t i = 0; i < wanted; ++i) {
       const double at = (static_cast<double>(i) + uniform(options_.seed, i)) / static_cast<double>(wanted) * steps;
-      while (slot + 1 < n && until[slot] <= at) ++slot;
-      Vec3 x(tree_.position(slot));
-      if (slot == before) {  // the sample has a point already: beside it
+      while (sample + 1 < n && until[sample] <= at) ++sample;
+      Vec3 x(samples_[sample]);
+      if (sample == before) {  // the sample has a point already: beside it
         const Vec3 d{uniform(options_.seed + 1, i) - 0.5, uniform(options_.seed + 2, i) - 0.5,
                      uniform(options_.seed + 3, i) - 0.5};
-        x += d * std::sqrt(static_cast<double>(area[slot]));
+        x += d * std::sqrt(static_cast<double>(area[sample]));
       }
-      before = slot;
+      before = sample;
       x_.push_back(x);
     }
     spacing_ = std::sqrt(total / static_cast<double>(wanted));
@@ -161,17 +200,34 @@ class Consolidation {
     if (!(h_ > 0)) h_ = 1;
   }
 
-  /// 1 / v_j: samples that stand close together have less weight each.
+  /// 1 / v_j: samples that stand close together have less weight each. That is for the density along the surface: what
+  /// lies off it has few others around, and must not count the more for that. So v is at least its mean over the
+  /// samples around. Outliers have no weight.
   void weigh_samples() {
-    weights_.resize(samples_.size());
-    parallel_ranges(0, samples_.size(), kGrain, [&](std::size_t first, std::size_t last) {
-      std::vector<Neighbour> found;
-      for (std::size_t slot = first; slot < last; ++slot) {
-        tree_.within(tree_.position(slot), static_cast<float>(kReachOfTheta * h_), found);
-        double density = 0;
-        for (const Neighbour& n : found) density += theta(static_cast<double>(n.squared_distance));
-        weights_[tree_.order()[slot]] = 1 / density;  // the sample itself is the 1 in 1 + Σ
-      }
+    const std::size_t n = samples_.size();
+    weights_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) weights_[i] = outlier_[i] ? 0 : 1;
+    if (!options_.weighted) return;
+    std::vector<double> density(n);
+    const auto over_neighbours = [&](const auto& visit) {
+      parallel_ranges(0, n, kGrain, [&](std::size_t first, std::size_t last) {
+        std::vector<Neighbour> found;
+        for (std::size_t i = first; i < last; ++i) {
+          tree_.within_by_slot(samples_[i], static_cast<float>(kReachOfTheta * h_), found);
+          visit(i, std::span<const Neighbour>(found));
+        }
+      });
+    };
+    const auto theta = [&](const Neighbour& j) {
+      return theta_(std::min(static_cast<double>(j.squared_distance), theta_.end()));
+    };
+    over_neighbours([&](std::size_t i, std::span<const Neighbour> found) {
+      for (const Neighbour& j : found) density[i] += theta(j);  // the sample itself is the 1 in 1 + Σ
+    });
+    over_neighbours([&](std::size_t i, std::span<const Neighbour> found) {
+      double sum = 0;
+      for (const Neighbour& j : found) sum += theta(j) * density[j.index];
+      weights_[i] /= std::max(density[i], sum / density[i]);
     });
   }
 
@@ -191,11 +247,11 @@ class Consolidation {
       parallel_for(0, n, kGrain, [&](std::size_t i) {
         double crowd = 1;
         for (const std::uint32_t j : near_points_.of(i))
-          if (j != i) crowd += theta(squared_norm(x_[i] - x_[j]));
+          if (const double squared = squared_norm(x_[i] - x_[j]); j != i && squared <= theta_.end())
+            crowd += theta_(squared);
         crowd_[i] = crowd;
       });
     next_.resize(n);
-    const double near = kRound * h_;
     parallel_for(0, n, kGrain, [&](std::size_t i) {
       Vec3 attraction;
       Symmetric3 spread;
@@ -203,9 +259,8 @@ class Consolidation {
       for (const std::uint32_t j : near_samples_.of(i)) {
         const Vec3 d = Vec3(samples_[j]) - x_[i];
         const double squared = squared_norm(d);
-        if (squared > kReachOfTheta * kReachOfTheta * h_ * h_) continue;
-        double w = theta(squared) / std::sqrt(squared + near * near);
-        if (options_.weighted) w *= weights_[j];
+        if (squared > attraction_.end()) continue;
+        const double w = attraction_(squared) * weights_[j];
         attraction += d * w;
         spread.add(d, w);
         total += w;
@@ -219,13 +274,9 @@ class Consolidation {
         if (j == i) continue;
         Vec3 d = x_[i] - x_[j];
         if (squared_norm(d) < 1e-12 * h_ * h_) d = apart(i, j) * (1e-6 * h_);
-        const double squared = squared_norm(d), r = std::sqrt(squared);
-        if (r > kReachOfTheta * h_) continue;
-        // −r falls slowly and keeps the points even over the whole neighbourhood (Huang et al.); Lipman's 1/(3r³) acts
-        // between the nearest.
-        const double part = std::max(squared / (h_ * h_), 0.0025);
-        const double slope = options_.weighted ? 1 : 1 / (part * part);
-        const double w = crowd_[j] * slope * theta(squared) / r;
+        const double squared = squared_norm(d);
+        if (squared > repulsion_.end()) continue;
+        const double w = crowd_[j] * repulsion_(squared) / std::sqrt(squared);
         repulsion += d * w;
         pushed += w;
       }
@@ -268,6 +319,8 @@ class Consolidation {
   LopOptions options_;
   std::vector<Vec3f> samples_;
   KdTree tree_;
+  std::vector<std::uint8_t> outlier_;
+  RadialTable theta_, attraction_, repulsion_;
   std::vector<double> weights_, crowd_;
   std::vector<Vec3> x_, next_, listed_;
   Lists near_samples_, near_points_;

@@ -107,6 +107,31 @@ void smooth_noisy_normals(SurfaceSamples& samples, double smoothing) {
   if (ratio > kSomeNoise) smooth_normals(samples, smoothing, ratio > kMuchNoise ? 2 : 1);
 }
 
+void move_to_means(SurfaceSamples& samples, double smoothing) {
+  std::vector<Vec3f> next(samples.size());
+  parallel_ranges(0, samples.size(), 1024, [&](std::size_t first, std::size_t last) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = first; i < last; ++i) {
+      const float radius = 2 * static_cast<float>(smoothing) * samples.spacing[i];
+      const Vec3f& n = samples.normals[i];
+      samples.tree.within(samples.positions[i], radius, near);
+      float height = 0, total = 0;
+      for (const Neighbour& j : near) {
+        const float t = 1 - j.squared_distance / (radius * radius);
+        const float w = t * t * t * t * std::max(0.0f, dot(n, samples.normals[j.index]));
+        height += w * dot(n, samples.positions[j.index] - samples.positions[i]);
+        total += w;
+      }
+      next[i] = samples.positions[i] + (total > 0 ? height / total : 0) * n;
+    }
+  });
+  samples.positions.swap(next);
+}
+
+void move_noisy_to_means(SurfaceSamples& samples, double smoothing) {
+  if (samples.noise > kSomeNoise * samples.median_spacing) move_to_means(samples, smoothing);
+}
+
 double unevenness(const SurfaceSamples& samples) {
   return std::clamp((kEven - samples.evenness) / (kEven - kRandom), 0.0, 1.0);
 }

@@ -40,6 +40,12 @@ void smooth_normals(SurfaceSamples& samples, double smoothing, int rounds);
 /// The same as often as the noise asks for: not at all below a tenth of the spacing, else once or twice.
 void smooth_noisy_normals(SurfaceSamples& samples, double smoothing);
 
+/// Moves the samples along their normals onto the mean of those around them, with the same weights: the centres of
+/// tangent planes, as Hoppe et al. (1992) have them. `tree` keeps the places that they had.
+void move_to_means(SurfaceSamples& samples, double smoothing);
+/// The same where the noise asks for it: from a tenth of the spacing on.
+void move_noisy_to_means(SurfaceSamples& samples, double smoothing);
+
 /// 0 where samples lie evenly (by their `evenness`), 1 where they lie at random.
 double unevenness(const SurfaceSamples& samples);
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 #include "sansmesh/volume/support_index.h"
 
 namespace sansmesh {
@@ -31,10 +32,7 @@ constexpr std::uint32_t kElsewhere = 0xffffffffu;
 std::uint64_t place_hash(const Vec3& x) {
   std::uint64_t h = 0x9e3779b97f4a7c15ULL;
   for (std::size_t k = 0; k < 3; ++k) {
-    h ^= std::bit_cast<std::uint64_t>(x[k] + 0.0);
-    h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9ULL;
-    h = (h ^ h >> 27) * 0x94d049bb133111ebULL;
-    h ^= h >> 31;
+    h = mixed_bits(h ^ std::bit_cast<std::uint64_t>(x[k] + 0.0));
   }
   return h;
 }

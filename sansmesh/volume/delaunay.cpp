@@ -17,19 +17,14 @@ extern "C" {
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/scramble.h"
 #include "sansmesh/volume/cell_geometry.h"
 
 namespace sansmesh {
 namespace {
 
 /// Uniform in −1 .. 1, from a number.
-double hashed(std::uint64_t n) {
-  n += 0x9E3779B97F4A7C15u;
-  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9u;
-  n = (n ^ (n >> 27)) * 0x94d049bb133111ebu;
-  n ^= n >> 31;
-  return static_cast<double>(n >> 11) / 4503599627370496.0 - 1;
-}
+double hashed(std::uint64_t n) { return static_cast<double>(scrambled(n) >> 11) / 4503599627370496.0 - 1; }
 
 /// Whether the points extend in three directions: farthest from the first, from the line, from the plane.
 bool spans_space(std::span<const Vec3> points, double size) {

@@ -259,6 +259,22 @@ TEST_F(Commands, InfoDescribes) {
   EXPECT_EQ(run({"info", "nothing.ply"}).code, 1);
 }
 
+TEST_F(Commands, NormalsOfNoSurfaceAreNotCalledOutward) {
+  // Points that fill a cube: planes through most of them agree, and mean nothing.
+  PointSet filled = sphere(300);
+  std::uint32_t next = 1;
+  for (Vec3f& p : filled.positions)
+    for (std::size_t k = 0; k < 3; ++k) {
+      next = next * 1664525u + 1013904223u;
+      p[k] = static_cast<float>(next >> 8) / 16777216.0f;
+    }
+  filled.normals.clear();
+  write_points(path("filled.ply"), filled);
+  const Outcome outcome = run({"normals", "filled.ply", "-o", "out.ply"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("outward"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Commands, AttributesAreToldAndStayWithTheirPoints) {
   PointSet cloud = sphere(3000);
   std::vector<std::uint16_t> id(cloud.size());

@@ -42,10 +42,12 @@ TEST_F(Csg, CutsOffAtABox) {
 }
 
 TEST_F(Csg, ErrorsAreOneLine) {
+  write_points(path("scan.ply"), sphere(100));
   expect_failures({
       {{"csg", "sphere(1", "-o", "a.ply"}, 2, {"expression at 9: expected ',' or ')'"}},
       {{"csg", "missing.smf - sphere(1)", "-o", "a.ply"}, 1, {"missing.smf"}},
-      {{"csg", "scan.ply - sphere(1)", "-o", "a.ply"}, 1, {"scan.ply: no function file"}},
+      {{"csg", "missing.ply - sphere(1)", "-o", "a.ply"}, 1, {"missing.ply: no such file"}},
+      {{"csg", "scan.ply - sphere(1)", "-o", "a.ply"}, 1, {"scan.ply: neither a function (.smf) nor a mesh"}},
       {{"csg", "sphere(1)", "-o", "a.xyzw"}, 1, {"a.xyzw"}},
       {{"csg", "sphere(1)", "-o", "a.ply", "--cell", "0.1", "--resolution", "9"}, 2, {"not both"}},
       {{"csg", "sphere(1)", "-o", "a.ply", "--box", "0,0,0,1"}, 2, {"--box"}},
@@ -69,6 +71,9 @@ TEST_F(Csg, CutsFunctions) {
   const Outcome dashed = run({"csg", "my-ball.smf - cylinder(r=0.3)", "-o", "cut.ply"});
   EXPECT_EQ(dashed.code, 2);
   EXPECT_NE(dashed.err.find("quotes"), std::string::npos) << dashed.err;
+  const Outcome thin = run({"csg", "'my-ball.smf' - sphere(0.0001)", "-o", "thin.ply"});
+  EXPECT_EQ(thin.code, 1);
+  EXPECT_NE(thin.err.find("give --cell 0.0"), std::string::npos) << thin.err;
   const Outcome outcome =
       run({"csg", "'my-ball.smf' - cylinder(r=0.3)", "-o", "cut.ply", "--resolution", "64", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

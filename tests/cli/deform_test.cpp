@@ -158,7 +158,7 @@ TEST_F(DeformTool, SaysWhatIsWrongInALine) {
   expect_failures({
       {with({"-o", "a.ply"}), 2, {"--handles", "--map"}},
       {with({"--handles", "body.json", "--map", "m.vti", "-o", "a.ply"}), 2, {"one of"}},
-      {with({"--handles", "none.json", "-o", "a.ply"}), 1, {"none.json", "cannot be opened"}},
+      {with({"--handles", "none.json", "-o", "a.ply"}), 1, {"none.json", "no such file"}},
       {with({"--handles", "bad.json", "-o", "a.ply"}), 1, {"bad.json", "handle 1", "'wieght'"}},
       {with({"--handles", "two.json", "--kind", "affine", "-o", "a.ply"}), 1, {"two.json", "4"}},
       {with({"--handles", "body.json", "--degree", "3", "-o", "a.ply"}), 2, {"--degree", "nonlinear"}},

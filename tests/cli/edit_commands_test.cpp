@@ -6,6 +6,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
+#include "support/mesh_shapes.h"
 
 namespace sansmesh::test {
 namespace {
@@ -63,6 +64,7 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   EXPECT_TRUE(json["steps"][3]["changed"].is_null());
   EXPECT_EQ(json["output"]["file"], "new.smf");
   EXPECT_TRUE(json["mesh"]["local"]);
+  EXPECT_TRUE(json["mesh"]["why"].is_null());
   EXPECT_GT(json["mesh"]["added"].get<int>(), 0);
   const TriangleMesh after = read_mesh(path("new.ply"));
   EXPECT_TRUE(measure_topology(after).closed());
@@ -82,6 +84,10 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   const Json anew =
       json_of({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
   EXPECT_FALSE(anew["mesh"]["local"]);
+  EXPECT_NE(anew["mesh"]["why"].get<std::string>().find("without options"), std::string::npos) << anew["mesh"]["why"];
+  const Outcome said =
+      run({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
+  EXPECT_NE(said.out.find("all made anew: of the triangles"), std::string::npos) << said.out;
   EXPECT_TRUE(measure_topology(read_mesh(path("x.ply"))).closed());
 }
 
@@ -108,6 +114,9 @@ TEST_F(EditCommands, ErrorsAreOneLineAndWriteNothing) {
   write_points(path("cloud.ply"), sphere(2000));
   ASSERT_EQ(run({"fit", "cloud.ply", "-o", "lean.smf", "--without-samples"}).code, 0);
   script(R"({"select": {}, "degree": 1})", "good.json");
+  TriangleMesh other = octasphere(3);
+  for (Vec3f& v : other.vertices) v *= 1.5f;
+  write_mesh(path("other.ply"), other);
   write("text.json", "degree = 1");
   write("empty.json", "");
   script(R"({"select": {}, "degree": 1}, {"select": {"ball": {"center": [0,0,0], "radius": -1}}, "degree": 1})",
@@ -117,7 +126,7 @@ TEST_F(EditCommands, ErrorsAreOneLineAndWriteNothing) {
   script(R"({"select": {}, "remove": true})", "all.json");
   script(R"({"select": {}, "constant": "outside"})", "outside.json");
   expect_failures({
-      {{"edit", "ball.smf", "--script", "missing.json", "-o", "new.smf"}, 1, {"missing.json", "cannot be read"}},
+      {{"edit", "ball.smf", "--script", "missing.json", "-o", "new.smf"}, 1, {"missing.json", "no such file"}},
       {{"edit", "ball.smf", "--script", "text.json", "-o", "new.smf"}, 1, {"text.json: is not JSON"}},
       {{"edit", "ball.smf", "--script", "empty.json", "-o", "new.smf"}, 1, {"empty.json: is not JSON"}},
       {{"edit", "ball.smf", "--script", "ball.json", "-o", "new.smf"}, 1, {"ball.json: step 2.select", "radius"}},
@@ -141,10 +150,13 @@ TEST_F(EditCommands, ErrorsAreOneLineAndWriteNothing) {
       {{"edit", "ball.smf", "--script", "good.json", "--mesh-output", "x.ply", "--mesh", "cloud.ply"},
        1,
        {"cloud.ply", "no triangles"}},
+      {{"edit", "ball.smf", "--script", "good.json", "--mesh-output", "x.ply", "--mesh", "other.ply"},
+       1,
+       {"other.ply: is not a mesh of ball.smf", "0 of its"}},
       {{"edit", "ball.smf", "--script", "good.json"}, 2, {"nothing to write"}},
       {{"edit", "ball.smf", "--script", "good.json", "-o", "x.smf", "--mesh", "cloud.ply"}, 2, {"--mesh-output"}},
       {{"edit", "ball.smf", "-o", "x.smf"}, 2, {"--script"}},
-      {{"edit"}, 2, {"edit"}},
+      {{"edit", "--quiet"}, 2, {"edit needs input FILE and --script FILE"}},
       {{"mesh", "ball.smf", "-o", "x.ply", "--box", "0,0,0,1"}, 2, {"--box"}},
       {{"mesh", "ball.smf", "-o", "x.ply", "--box", "0,0,0,1,1,-1"}, 2, {"box"}},
       {{"mesh", "ball.smf", "-o", "x.ply", "--box", "0,0,0,1,1,nan"}, 2, {"box"}},

@@ -172,7 +172,8 @@ TEST_F(FlowLinesTool, PreviewsShowTheLinesAsTubes) {
   EXPECT_GT(coloured, 500u);
   // Wider tubes, other colours, streaks.
   json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)", "--time",
-                  "6", "--width", "400", "--height", "300", "--tube-radius", "0.06", "--color-by", "vorticity"});
+                  "6", "--width", "400", "--height", "300", "--tube-radius", "0.06", "--color-by", "vorticity",
+                  "--unit", "1/s"});
   EXPECT_EQ(json["color_by"], "vorticity");
   EXPECT_GT(drawn_and_coloured(read_png(path("l.png")), 300).first, 2 * drawn);
   json = preview({"abc", "--kind", "streak", "--seeds", "box(4)", "--time", "5", "--width", "300", "--height", "200"});
@@ -256,7 +257,7 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
   expect_failures({
       {some_lines("points(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
       {some_lines("points(far.csv)"), 1, {"rotation: no seed lies in the flow"}},
-      {some_lines("point(0.5,0,0)", "nan"), 2, {"--time must be positive"}},
+      {some_lines("point(0.5,0,0)", "nan"), 2, {"--time must be finite, not nan"}},
       {surface("curve(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
       {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve lies in the flow"}},
       {surface("curve(equal.csv)"), 1, {"equal.csv: the points of the seed curve coincide"}},

@@ -22,18 +22,6 @@ class MeasureCommands : public ToolTest {
     for (Vec3f& v : mesh.vertices) v *= radius;
     write_mesh(path(name), mesh);
   }
-  Json json_of(std::vector<std::string> arguments) const {
-    arguments.push_back("--json");
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return outcome.code == 0 ? Json::parse(outcome.out) : Json();
-  }
-  void expect_failure(const std::vector<std::string>& arguments, int code, const std::string& words) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, code) << outcome.err;
-    EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
-    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
-  }
 };
 
 TEST_F(MeasureCommands, SectionOfAMesh) {
@@ -83,7 +71,7 @@ TEST_F(MeasureCommands, SectionComplaints) {
   expect_failure({"section", "ball.ply", "--resolution", "100"}, 2, "--resolution");
   const Outcome coarse = run({"section", "ball.ply", "--resolution", "1"});
   EXPECT_EQ(coarse.code, 2);
-  EXPECT_NE(coarse.err.find("--resolution must lie in 2..4096, not be 1"), std::string::npos) << coarse.err;
+  EXPECT_NE(coarse.err.find("--resolution must lie in 2..4096, not 1"), std::string::npos) << coarse.err;
   EXPECT_EQ(coarse.err.find("::"), std::string::npos) << coarse.err;
   expect_failure({"section", "cloud.ply"}, 1, "no faces");
   expect_failure({"section", "none.ply"}, 1, "none.ply");
@@ -117,6 +105,66 @@ TEST_F(MeasureCommands, Measure) {
   EXPECT_NE(run({"measure", "sheet.ply"}).err.find("cancel out"), std::string::npos);
   write_points(path("cloud.ply"), sphere(200));
   expect_failure({"measure", "cloud.ply"}, 1, "no faces");
+}
+
+TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
+  // A vertex for each corner of each triangle; an edge of four triangles; of three; holes; faces turned over.
+  TriangleMesh soup;
+  for (const Triangle& t : octasphere(2).triangles) {
+    const auto base = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : t) soup.vertices.push_back(octasphere(2).vertices[v]);
+    soup.triangles.push_back({base, base + 1, base + 2});
+  }
+  TriangleMesh four = joined(octasphere(1), octasphere(1), {3, 0, 0});
+  const Triangle one = four.triangles[0], other = four.triangles[four.triangles.size() / 2];
+  for (Triangle& t : four.triangles)
+    for (std::uint32_t& v : t) v = v == other[0] ? one[1] : v == other[1] ? one[0] : v;
+  TriangleMesh three = octasphere(2);
+  three.vertices.push_back({3, 3, 3});
+  three.triangles.push_back({three.triangles[0][0], three.triangles[0][1], 66});
+  TriangleMesh holes = octasphere(3);
+  holes.triangles.resize(holes.triangles.size() - 10);
+  TriangleMesh turned = octasphere(2);
+  std::swap(turned.triangles[5][0], turned.triangles[5][1]);
+  // As text, so that nothing is joined when it is written.
+  const std::pair<const char*, TriangleMesh> meshes[] = {
+      {"soup.off", soup}, {"four.off", four}, {"three.off", three}, {"holes.off", holes}, {"turned.off", turned}};
+  for (const auto& [name, mesh] : meshes) {
+    SCOPED_TRACE(name);
+    write_mesh(path(name), mesh);
+    const Json measured = json_of({"measure", name}), evaluated = json_of({"evaluate", name}),
+               known = json_of({"info", name});
+    EXPECT_EQ(measured["topology"], evaluated["topology"]);
+    EXPECT_EQ(measured["topology"], known["mesh"]);
+    EXPECT_EQ(measured["whole"]["closed"], evaluated["topology"]["closed"]);
+    EXPECT_EQ(measured["whole"]["open_edges"], evaluated["topology"]["open_edges"]);
+    EXPECT_EQ(measured["whole"]["boundary_edges"], evaluated["topology"]["boundary_edges"]);
+    EXPECT_EQ(measured["whole"]["triangles"], evaluated["topology"]["triangles"]);
+    EXPECT_EQ(measured["component_count"], evaluated["topology"]["components"]);
+    EXPECT_EQ(measured["whole"]["area"], evaluated["quality"]["area"]);
+    if (measured["whole"]["closed"]) {
+      EXPECT_EQ(measured["whole"]["volume"], evaluated["quality"]["volume"]);
+    }
+    std::size_t open = 0;
+    for (const Json& part : measured["components"]) open += part["open_edges"].get<std::size_t>();
+    EXPECT_EQ(open, measured["whole"]["open_edges"]);
+    // The same words, too.
+    const std::string words = run({"measure", name}).out, said = run({"evaluate", name}).out;
+    const auto topology_of = [](const std::string& text) {
+      const std::size_t at = text.find("closed", text.find("topology"));
+      return text.substr(at, text.find('\n', at) - at);
+    };
+    EXPECT_EQ(topology_of(words), topology_of(said));
+  }
+  EXPECT_TRUE(json_of({"info", "soup.off"})["mesh"]["closed"]);
+  EXPECT_EQ(json_of({"evaluate", "three.off"})["topology"]["open_edges"], 3);
+  // What a command says of the mesh that it wrote.
+  const Json made = json_of({"csg", "box(2) - sphere(1.2)", "-o", "made.ply", "--resolution", "40"});
+  const Json measured = json_of({"measure", "made.ply"});
+  EXPECT_EQ(made["output"]["components"], measured["component_count"]);
+  EXPECT_EQ(made["output"]["closed"], measured["whole"]["closed"]);
+  EXPECT_NEAR(made["volume"].get<double>(), measured["whole"]["volume"].get<double>(), 1e-5);
+  EXPECT_NEAR(made["area"].get<double>(), measured["whole"]["area"].get<double>(), 1e-4);
 }
 
 TEST_F(MeasureCommands, Compare) {

@@ -137,6 +137,9 @@ class ToolTest : public ::testing::Test {
       EXPECT_EQ(listing(), before) << shown;
     }
   }
+  void expect_failure(const std::vector<std::string>& arguments, int code, const std::string& words) const {
+    expect_failures({{arguments, code, {words}}});
+  }
 
   std::filesystem::path folder_;
 };

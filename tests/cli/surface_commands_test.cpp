@@ -98,6 +98,11 @@ TEST_F(SurfaceCommands, ProjectSpreadsNewPoints) {
     EXPECT_NEAR(json["output"]["points"].get<double>(), count, 0.1 * count);
     EXPECT_LT(off_sphere(read_points(path("even.xyz"))), 2e-3) << method;
   }
+  // The method that suits the samples, by itself; options that only others heed bring theirs.
+  write_sphere("noisy.ply", 3000, 0.02, 1);
+  EXPECT_EQ(json_of({"project", "noisy.ply", "-o", "smooth.ply"})["method"], "partition");
+  EXPECT_LT(off_sphere(read_points(path("smooth.ply"))), 0.3 * 0.02);
+  EXPECT_EQ(json_of({"project", "noisy.ply", "-o", "smooth.ply", "--smoothing", "3"})["method"], "curvature");
   PointSet stray = sphere(3000, 0.01);
   for (const Vec3f& p : sphere(40).positions) {
     stray.positions.push_back(p * 2.0f);
@@ -302,7 +307,7 @@ TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
            {{"curvature", "ball.ply", "-o", "out.ply", "--tau", "9"}, "tau"},
            {{"curvature", "ball.ply", "-o", "out.ply", "--weights", "heavy"}, "gaussian"},
            {{"curvature", "ball.ply", "-o", "out.ply", "--radius", "-2"}, "radius"},
-           {{"render", "ball.ply", "-o", "out.png", "--frames", "3"}, "--frames"},
+           {{"render", "ball.ply", "-o", "out.png", "--plain"}, "--plain"},
            {{"render", "ball.ply", "-o", "out.png", "--sharp"}, "--sharp"},
            {{"render", "ball.ply", "-o", "out.png", "--color-by", "mean"}, "--color-by"},
            {{"render", "ball.ply", "-o", "out.png", "--order", "4"}, "--order"},

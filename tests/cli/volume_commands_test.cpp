@@ -132,7 +132,7 @@ TEST_F(VolumeTool, SaysInOneLineWhatIsWrong) {
       {{"volume", "resample", ball_, "-o", path("never.xyz")}, 1, {".vti"}},
       {{"volume", "resample", ball_, "-o", path("never.vti"), "--size", "1"}, 2, {"--size"}},
       {{"volume", "render", ball_, "-o", path("never.png"), "--preset", "pretty"}, 2, {"pretty", "ct-bone"}},
-      {{"volume"}, 2, {"volume"}},
+      {{"volume", "--quiet"}, 2, {"volume needs one of its commands"}},
       {{"section", ball_ + "[value=x]"}, 2, {"FILE[ARRAY=VALUE]"}},
   };
   expect_failures(cases);

@@ -182,7 +182,9 @@ TEST(DeformedField, RangesHoldWhereTheMapJumps) {
       std::vector<Vec3> x{{-0.95, 0.3, 0.1}};
       std::vector<ValueRange> range(1);
       field.ranges(x, radius, range);
-      if (radius < 0.2) EXPECT_LT(range[0].most - range[0].least, 4 * radius);
+      if (radius < 0.2) {
+        EXPECT_LT(range[0].most - range[0].least, 4 * radius);
+      }
     }
   }
 }
@@ -195,7 +197,9 @@ TEST(DeformedField, SolidsReachTheFacesOfCuts) {
     const DeformedField field(shared(sphere({}, 1)), std::make_shared<const ShiftMap>(Vec3{3, 0, 0}, at));
     field.evaluate(x, values);
     for (std::size_t i = 0; i < x.size(); ++i)
-      if (values[i] < 0) ASSERT_TRUE(field.bounds().contains(x[i])) << at << " " << x[i].x;
+      if (values[i] < 0) {
+        ASSERT_TRUE(field.bounds().contains(x[i])) << at << " " << x[i].x;
+      }
     if (at < 0.03) continue;
     Progress progress;
     CsgMeshReport report;

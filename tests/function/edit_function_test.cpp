@@ -209,7 +209,7 @@ TEST(FunctionEditor, UndoBringsBackEveryBit) {
   FunctionEditor editor(copy_of(function));
   Progress progress;
   std::vector<SurfaceFunction> stages;
-  std::vector<Box3> changed;
+  std::vector<std::vector<Box3>> changed;
   stages.push_back(copy_of(function)), changed.push_back({});
   for (std::size_t i = 0; i < actions().size(); ++i) {
     const Vec3 at = Vec3{1, 1, -1 + 0.25 * static_cast<double>(i)};
@@ -220,10 +220,8 @@ TEST(FunctionEditor, UndoBringsBackEveryBit) {
   const auto expect_stage = [&](std::size_t i) {
     EXPECT_TRUE(same_function(editor.function(), stages[i])) << i;
     EXPECT_EQ(editor.edits(), i);
-    EXPECT_EQ(editor.changed().empty(), changed[i].empty());
-    if (!changed[i].empty()) {
-      EXPECT_EQ(editor.changed().lower, changed[i].lower);
-    }
+    ASSERT_EQ(editor.changed().size(), changed[i].size());
+    for (std::size_t k = 0; k < changed[i].size(); ++k) EXPECT_EQ(editor.changed()[k].lower, changed[i][k].lower);
   };
   const std::size_t n = actions().size();
   EXPECT_EQ(editor.edits(), n);

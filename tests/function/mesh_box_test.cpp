@@ -170,7 +170,7 @@ TEST(MeshFunction, BoxesOfAnySizeAndPlace) {
     const Vec3 at = normalized(Vec3{uniform(random), uniform(random), uniform(random)});
     const double half = std::pow(10.0, -2.5 + 0.05 * round);
     MeshOptions options;
-    options.box = widened({at, at}, half);
+    options.box = widened(Box3{at, at}, half);
     const TriangleMesh mesh = meshed(function, options);
     const double area = area_of(mesh);
     EXPECT_GT(area, 1.5 * half * half) << half;

@@ -7,7 +7,7 @@
 #include <array>
 #include <set>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
@@ -38,8 +38,6 @@ inline bool near_box(const TriangleMesh& mesh, const Triangle& t, const Box3& bo
     if (b.upper[k] < box.lower[k] || b.lower[k] > box.upper[k]) return false;
   return true;
 }
-
-inline Box3 widened(const Box3& box, double by) { return {box.lower - Vec3{by, by, by}, box.upper + Vec3{by, by, by}}; }
 
 inline double mean_edge(const TriangleMesh& mesh) {
   double sum = 0;

@@ -50,16 +50,17 @@ TEST(SectionText, SvgHasOneGroupAPlane) {
   for (const CutPlane& plane : plane_series(2, -0.5, 0.1, 11)) sections.push_back(section_mesh(torus, plane));
   const std::string svg = section_svg(sections);
   EXPECT_EQ(count_of(svg, "<g id=\"plane"), 11u);
-  EXPECT_EQ(count_of(svg, "<svg "), 12u);
-  EXPECT_EQ(count_of(svg, "</svg>"), 12u);
+  EXPECT_EQ(count_of(svg, "inkscape:label=\"z = "), 11u);
+  EXPECT_EQ(count_of(svg, "<svg "), 1u);
+  EXPECT_EQ(count_of(svg, "</svg>"), 1u);
   EXPECT_EQ(count_of(svg, "<g "), count_of(svg, "</g>"));
   EXPECT_EQ(count_of(svg, "fill-rule=\"evenodd\""), 11u);
   EXPECT_NE(svg.find("z = -0.5"), std::string::npos);
   EXPECT_NE(svg.find("area "), std::string::npos);
   for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos) << bad;
-  // All show the same part of the plane.
-  const std::size_t box = svg.find("viewBox=", svg.find("<g "));
-  EXPECT_EQ(count_of(svg, svg.substr(box, svg.find(" fill-rule", box) - box)), 11u);
+  // All at the same scale.
+  const std::size_t matrix = svg.find("matrix(");
+  EXPECT_EQ(count_of(svg, svg.substr(matrix, svg.find(" 0 0 ", matrix) - matrix)), 11u);
   // The planes that miss the torus have no path but their own drawing; the others one path each with all of its curves.
   EXPECT_EQ(count_of(svg, "<path fill=\"#c9d5e3\""), 7u);
   EXPECT_EQ(count_of(svg, "Z\n"), 14u);
@@ -69,9 +70,34 @@ TEST(SectionText, TrueToScale) {
   const Section section[] = {section_mesh(test::box_mesh({0, 0, 0}, {50, 30, 10}), axis_plane(2, 5))};
   const std::string svg = section_svg(section, {.unit = "mm", .titles = false});
   // 50 × 30 and margins of 4 % of the longer side.
-  EXPECT_NE(svg.find("width=\"54mm\" height=\"34mm\" viewBox=\"0 0 54 34\""), std::string::npos) << svg;
-  EXPECT_NE(svg.find("width=\"54\" height=\"34\" viewBox=\"-2 -32 54 34\""), std::string::npos) << svg;
+  // In pixels of 1/96 inch, 3.779528 to the millimetre.
+  EXPECT_NE(svg.find("width=\"54mm\" height=\"34mm\" viewBox=\"0 0 204.0945 128.5039\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("transform=\"matrix(3.779528 0 0 3.779528 7.559055 120.9449)\""), std::string::npos) << svg;
   EXPECT_THROW(section_svg(section, {.unit = "furlong"}), ArgumentError);
+}
+
+TEST(SectionText, LettersAreLargeEnoughForEveryRendererAndFit) {
+  // Renderers place letters of fonts smaller than a few units badly: what a unit is must not matter.
+  const TriangleMesh torus = test::torus_mesh(20, 10);
+  std::vector<Section> sections;
+  for (const CutPlane& plane : plane_series(2, -0.2, 0.2, 3)) sections.push_back(section_mesh(torus, plane));
+  for (const char* unit : {"", "mm", "cm", "in"}) {
+    const std::string svg = section_svg(sections, {.unit = unit});
+    const double font = std::stod(svg.substr(svg.find("font-size=\"") + 11));
+    EXPECT_GE(font, 7) << unit;
+    EXPECT_LE(font, 13) << unit;
+    // The second line of the second drawing ends before the third begins, or below it.
+    std::vector<double> left;
+    for (std::size_t at = svg.find("<text x=\""); at != std::string::npos; at = svg.find("<text x=\"", at + 1))
+      left.push_back(std::stod(svg.substr(at + 9)));
+    ASSERT_EQ(left.size(), 9u);
+    const double width = std::stod(svg.substr(svg.find("viewBox=\"0 0 ") + 13));
+    const std::size_t line = svg.find("length "), end = svg.find('<', svg.find(">length ") + 1);
+    ASSERT_NE(line, std::string::npos);
+    const auto letters = static_cast<double>(end - svg.find(">length ") - 1);
+    EXPECT_GT((left[3] > left[0] ? left[3] : width) - left[0], 0.5 * font * letters) << unit;
+  }
+  EXPECT_NE(section_svg(sections, {.unit = "cm"}).find(" cm\u00B2"), std::string::npos);
 }
 
 TEST(SectionText, FarPlacesAreDrawnRelativeToOneNearby) {

@@ -55,6 +55,33 @@ TEST(ClipMesh, LeavesNoSliversWhereVerticesAreSnapped) {
   EXPECT_GT(measure_quality(snapped).smallest_angle, 10);
 }
 
+TEST(ClipMesh, CuttingOutABoxIsWhatClippingLeavesOut) {
+  const Box3f box{{-0.53f, -0.21f, -1}, {0.17f, 0.77f, 1}};
+  TriangleMesh whole = sheet(6);
+  std::vector<std::int32_t> id(whole.triangles.size());
+  for (std::size_t i = 0; i < id.size(); ++i) id[i] = static_cast<std::int32_t>(i);
+  whole.triangle_attributes.set("id", id);
+  TriangleMesh in = whole, out = whole;
+  clip_mesh(in, box);
+  cut_out_box(out, box);
+  EXPECT_NEAR(measure_size(in).area, 0.7 * 0.98, 1e-6);
+  EXPECT_NEAR(measure_size(in).area + measure_size(out).area, 4, 1e-6);
+  for (const Triangle& t : out.triangles) {
+    const Vec3f m = (out.vertices[t[0]] + out.vertices[t[1]] + out.vertices[t[2]]) * (1.0f / 3);
+    EXPECT_FALSE(m.x > box.lower.x && m.x < box.upper.x && m.y > box.lower.y && m.y < box.upper.y);
+  }
+  // One sheet with one hole, no cracks along the cuts; triangles far from the box are what they were.
+  const MeshTopology topology = measure_topology(out);
+  EXPECT_TRUE(topology.manifold());
+  EXPECT_EQ(topology.components, 1u);
+  EXPECT_EQ(topology.boundary_loops, 2u);
+  EXPECT_EQ(out.triangle_attributes.find("id")->rows(), out.triangles.size());
+  EXPECT_LT(out.triangles.size(), 3 * whole.triangles.size());
+  TriangleMesh apart = whole;
+  cut_out_box(apart, {{2, 2, 2}, {3, 3, 3}});
+  EXPECT_EQ(apart.triangles, whole.triangles);
+}
+
 TEST(ClipMesh, OfNothingAboveLeavesNothing) {
   TriangleMesh mesh = sheet(4);
   clip_mesh(mesh, std::vector<float>(mesh.vertices.size(), -1.0f), 0.3f);

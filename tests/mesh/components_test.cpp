@@ -45,6 +45,29 @@ TEST(Components, KeepingSomeTrianglesKeepsTheirVerticesAndAttributes) {
   EXPECT_TRUE(test::topology_of(mesh).closed_manifold());
 }
 
+TEST(Components, SplitTakesEverythingAlongAndLeavesUnusedVertices) {
+  TriangleMesh mesh;
+  add_tetrahedron(mesh, 0, 1);
+  mesh.vertices.push_back({9, 9, 9});  // in no triangle
+  mesh.colors.push_back({99, 0, 0});
+  add_tetrahedron(mesh, 5, 3);
+  mesh.origin = {1e6, 0, 0};
+  std::vector<std::int32_t> number(mesh.triangles.size()), of_vertex(mesh.vertices.size());
+  for (std::size_t i = 0; i < number.size(); ++i) number[i] = static_cast<std::int32_t>(i);
+  for (std::size_t v = 0; v < of_vertex.size(); ++v) of_vertex[v] = static_cast<std::int32_t>(v);
+  mesh.triangle_attributes.set("number", number);
+  mesh.attributes.set("vertex", of_vertex);
+  const std::vector<TriangleMesh> parts = split_components(mesh, find_components(mesh));
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].vertices.size(), 4u);  // the larger one first
+  EXPECT_EQ(parts[0].origin, mesh.origin);
+  EXPECT_EQ(parts[0].colors[0][0], 5);
+  EXPECT_EQ(*parts[0].triangle_attributes.find<std::int32_t>("number"), (std::vector<std::int32_t>{4, 5, 6, 7}));
+  EXPECT_EQ(*parts[0].attributes.find<std::int32_t>("vertex"), (std::vector<std::int32_t>{5, 6, 7, 8}));
+  EXPECT_EQ(parts[1].vertices.size(), 4u);
+  for (const TriangleMesh& part : parts) EXPECT_TRUE(test::topology_of(part).closed_manifold());
+}
+
 TEST(Components, FansThatMeetInAVertexAreSeparated) {
   TriangleMesh mesh;
   add_tetrahedron(mesh, 0, 1);

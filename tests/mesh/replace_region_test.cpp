@@ -34,12 +34,13 @@ TriangleMesh lattice(std::uint32_t n, Height&& height, std::uint32_t from = 0) {
 
 float flat(float, float) { return 0; }
 float hill(float x, float y) { return std::max(0.0f, 3.0f - norm(Vec3f{x - 10, y - 10, 0})); }
-const Box3f kHill{{6.5f, 6.5f, -1}, {13.5f, 13.5f, 4}};
+const std::vector<Box3f> kHill{Box3f{{6.5f, 6.5f, -1}, {13.5f, 13.5f, 4}}};
+const std::vector<Box3f> kSound{Box3f{{4, 4, -9}, {16, 16, 9}}};
 
 TEST(ReplaceRegion, TakesThePatchWhereTheyDiffer) {
   TriangleMesh mesh = lattice(20, flat);
   const TriangleMesh patch = lattice(14, hill, 3);
-  const RegionReplacement r = replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  const RegionReplacement r = replace_region(mesh, patch, kSound, kHill, 1e-3f);
   EXPECT_TRUE(r.done);
   EXPECT_EQ(r.agreement, 1);
   EXPECT_EQ(r.removed, r.added);
@@ -55,7 +56,7 @@ TEST(ReplaceRegion, TakesThePatchWhereTheyDiffer) {
 TEST(ReplaceRegion, TakesNothingWhereTheyAgree) {
   TriangleMesh mesh = lattice(20, hill);
   const TriangleMesh before = mesh;
-  const RegionReplacement r = replace_region(mesh, lattice(14, hill, 3), {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  const RegionReplacement r = replace_region(mesh, lattice(14, hill, 3), kSound, kHill, 1e-3f);
   EXPECT_TRUE(r.done);
   EXPECT_EQ(r.removed + r.added, 0u);
   EXPECT_EQ(mesh.triangles, before.triangles);
@@ -65,7 +66,7 @@ TEST(ReplaceRegion, LeavesDifferencesAwayFromTheChange) {
   // The patch differs at the hill, and at a bump elsewhere: that one is an accident of how it was made.
   const auto bump = [](float x, float y) { return hill(x, y) + (x == 5 && y == 5 ? 0.5f : 0.0f); };
   TriangleMesh mesh = lattice(20, flat);
-  const RegionReplacement r = replace_region(mesh, lattice(14, bump, 3), {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  const RegionReplacement r = replace_region(mesh, lattice(14, bump, 3), kSound, kHill, 1e-3f);
   EXPECT_TRUE(r.done);
   EXPECT_LT(r.agreement, 1);
   EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(20, hill)));
@@ -75,7 +76,7 @@ TEST(ReplaceRegion, FailsWhereAPieceReachesOut) {
   const TriangleMesh before = lattice(20, flat);
   const auto ridge = [](float x, float) { return x == 10 ? 1.0f : 0.0f; };
   TriangleMesh mesh = before;
-  RegionReplacement r = replace_region(mesh, lattice(14, ridge, 3), {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  RegionReplacement r = replace_region(mesh, lattice(14, ridge, 3), kSound, kHill, 1e-3f);
   EXPECT_FALSE(r.done);
   EXPECT_EQ(mesh.triangles, before.triangles);
   EXPECT_EQ(mesh.vertices, before.vertices);
@@ -83,18 +84,44 @@ TEST(ReplaceRegion, FailsWhereAPieceReachesOut) {
   r = replace_region(mesh,
                      lattice(
                          14, [](float, float) { return 0.3f; }, 3),
-                     {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+                     kSound, kHill, 1e-3f);
   EXPECT_EQ(r.agreement, 0);
   EXPECT_FALSE(r.done);
-  r = replace_region(mesh, {}, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f);
+  r = replace_region(mesh, {}, kSound, kHill, 1e-3f);
   EXPECT_FALSE(r.done);
+  EXPECT_EQ(mesh.triangles, before.triangles);
+}
+
+TEST(ReplaceRegion, SeveralRegionsAtOnceAndThoseThatCannotBeJoinedStay) {
+  // A hill, and a ridge that reaches out of its region.
+  const auto height = [](float x, float y) { return x < 20 ? hill(x, y) : x == 32 ? 1.0f : 0.0f; };
+  const TriangleMesh before = lattice(40, flat);
+  const std::vector<Box3f> sound{kSound[0], Box3f{{26, 4, -9}, {38, 16, 9}}},
+      changed{kHill[0], Box3f{{31.5f, 8, -1}, {32.5f, 12, 2}}};
+  TriangleMesh mesh = before;
+  const RegionReplacement r = replace_region(mesh, lattice(40, height), sound, changed, 1e-3f);
+  EXPECT_FALSE(r.done);
+  EXPECT_EQ(r.spoiled, (std::vector<std::uint8_t>{0, 1}));
+  EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(40, hill)));
+  // In two boxes that overlap, neither of which holds all of the hill.
+  mesh = before;
+  const std::vector<Box3f> halves{Box3f{{4, 4, -9}, {11, 16, 9}}, Box3f{{9, 4, -9}, {16, 16, 9}}};
+  EXPECT_TRUE(replace_region(mesh, lattice(40, hill), halves, kHill, 1e-3f).done);
+  EXPECT_EQ(triangle_set(mesh), triangle_set(lattice(40, hill)));
+  // Nothing is done where the two do not agree well enough.
+  mesh = before;
+  const auto other = [](float x, float y) { return hill(x, y) + (x < 9 && y < 9 ? 0.5f : 0.0f); };
+  const RegionReplacement poor = replace_region(mesh, lattice(40, other), kSound, kHill, 1e-3f, 0.99);
+  EXPECT_LT(poor.agreement, 0.99);
+  EXPECT_FALSE(poor.done);
   EXPECT_EQ(mesh.triangles, before.triangles);
 }
 
 TEST(ReplaceRegion, WholeComponents) {
   // Two spheres, one of which goes; then comes back.
   const TriangleMesh small = octasphere(2), both = joined(octasphere(3), small, {3, 0, 0});
-  const Box3f around{{1.9f, -1.1f, -1.1f}, {4.1f, 1.1f, 1.1f}}, sound{{1.5f, -2, -2}, {5, 2, 2}};
+  const std::vector<Box3f> around{Box3f{{1.9f, -1.1f, -1.1f}, {4.1f, 1.1f, 1.1f}}},
+      sound{Box3f{{1.5f, -2, -2}, {5, 2, 2}}};
   TriangleMesh mesh = both;
   RegionReplacement r = replace_region(mesh, {}, sound, around, 1e-3f);
   EXPECT_TRUE(r.done);
@@ -114,14 +141,14 @@ TEST(ReplaceRegion, ToleratesRoundingButNotCoincidence) {
   std::mt19937 random(8);
   std::uniform_real_distribution<float> uniform(-4e-4f, 4e-4f);
   for (Vec3f& v : patch.vertices) v += Vec3f{uniform(random), uniform(random), uniform(random)};
-  EXPECT_TRUE(replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f).done);
+  EXPECT_TRUE(replace_region(mesh, patch, kSound, kHill, 1e-3f).done);
   const MeshTopology topology = measure_topology(mesh);
   EXPECT_TRUE(topology.manifold() && topology.oriented());
   EXPECT_EQ(topology.boundary_loops, 1u);
 
   // Triangles smaller than the tolerance: no two of their vertices become one.
   TriangleMesh fine = lattice(20, flat);
-  const RegionReplacement r = replace_region(fine, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1.5f);
+  const RegionReplacement r = replace_region(fine, patch, kSound, kHill, 1.5f);
   const MeshTopology now = measure_topology(fine);
   EXPECT_TRUE(!r.done || (now.manifold() && now.oriented() && now.degenerate_triangles == 0));
 }
@@ -136,7 +163,7 @@ TEST(ReplaceRegion, AttributesComeAlong) {
   mesh.colors.assign(mesh.vertices.size(), {1, 2, 3});
   patch.normals.assign(patch.vertices.size(), {1, 0, 0});
   patch.colors.assign(patch.vertices.size(), {9, 8, 7});  // and no attributes of vertices
-  ASSERT_TRUE(replace_region(mesh, patch, {{4, 4, -9}, {16, 16, 9}}, kHill, 1e-3f).done);
+  ASSERT_TRUE(replace_region(mesh, patch, kSound, kHill, 1e-3f).done);
   ASSERT_EQ(mesh.normals.size(), mesh.vertices.size());
   const auto& quality = *mesh.attributes.find<float>("quality");
   const auto& id = *mesh.attributes.find<std::int32_t>("id");

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
@@ -62,6 +63,43 @@ double variation(const PointSet& cloud) {
 }
 
 double spacing_of_sphere(std::size_t n) { return std::sqrt(4 * std::numbers::pi / static_cast<double>(n)); }
+
+TEST(SuitedSurface, LeavesTheLeastError) {
+  const auto suited = [](const PointSet& cloud) {
+    Progress progress;
+    return make_suited_surface(prepare_cloud(cloud, {}, progress), progress);
+  };
+  EXPECT_EQ(suited(test::sphere(6000, 0.03)).report().method, SurfaceMethod::partition);
+  // Samples in the order of a grid, too far apart for the waves: what the partition smooths away is no noise.
+  PointSet waves;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) {
+      const float x = 0.05f * static_cast<float>(i), y = 0.05f * static_cast<float>(j);
+      waves.positions.push_back({x, y, 0.06f * std::sin(16 * x) * std::cos(13 * y)});
+    }
+  const auto moved = [&](const SurfaceModel& model) {
+    SurfaceProjection report;
+    project(waves, model, &report);
+    return report.rms_move;
+  };
+  EXPECT_LE(moved(suited(waves)), std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
+}
+
+TEST(ProjectPoints, LeavesOutWhatIsFarFromSamples) {
+  PointSet cloud = test::sphere(4000);
+  const double spacing = spacing_of_sphere(4000);
+  for (const std::string method : {"partition", "apss", "curvature"}) {
+    const SurfaceModel model = model_of(cloud, method);
+    PointSet probes = test::sphere(300);
+    for (std::size_t i = 0; i < 100; ++i) probes.positions[i] *= 1.5f;
+    for (std::size_t i = 100; i < 200; ++i) probes.positions[i] *= static_cast<float>(1 + 0.7 * spacing);
+    SurfaceProjection report;
+    const PointSet feet = project(probes, model, &report);
+    EXPECT_EQ(report.left_out, 100u) << method;
+    EXPECT_LT(off_sphere(feet), 0.01 * spacing) << method;
+    EXPECT_LT(report.largest_move, spacing) << method;
+  }
+}
 
 class EverySurfaceProjects : public testing::TestWithParam<std::string> {};
 

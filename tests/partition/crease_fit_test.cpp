@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace sansmesh {
@@ -47,6 +48,38 @@ TEST(CreaseFit, FindsACorner) {
   EXPECT_TRUE(fit.pieces[0].convex);
   EXPECT_TRUE(fit.pieces[1].convex);
   EXPECT_LT(fit.mean_square, 1e-10);
+}
+
+/// Samples of the boundary of {(x < 0 or y < 0) and z < 0}, most of its upper face beside one of the walls: that face
+/// lies on both sides of the wall's plane.
+TEST(CreaseFit, FindsACornerThatIsNeitherConvexNorConcave) {
+  CornerSamples s;
+  std::mt19937 generator(4);
+  std::uniform_real_distribution<float> part(0, 0.5f);
+  const auto add = [&](const Vec3f& p, const Vec3f& n) {
+    s.positions.push_back(p);
+    s.normals.push_back(n);
+    s.weights.push_back(1);
+  };
+  for (int i = 0; i < 30; ++i) {
+    add({0, part(generator), -part(generator)}, {1, 0, 0});
+    add({part(generator), 0, -part(generator)}, {0, 1, 0});
+    add({part(generator), -part(generator), 0}, {0, 0, 1});
+    if (i % 5 == 0) add({-part(generator), part(generator), 0}, {0, 0, 1});
+  }
+  const CreaseFit fit = fit_crease(s.positions, s.normals, s.weights, {0, 0, 0}, 1, 4);
+  ASSERT_EQ(fit.pieces.size(), 3u);
+  const auto value = [&](const Vec3f& x) {
+    const auto join = [](bool convex, float a, float b) { return convex ? std::max(a, b) : std::min(a, b); };
+    const auto& p = fit.pieces;
+    return join(p[1].convex != 0, join(p[0].convex != 0, local_value(p[0], x), local_value(p[1], x)),
+                local_value(p[2], x));
+  };
+  for (const Vec3f& x : s.positions) EXPECT_NEAR(value(x), 0, 1e-5f);
+  EXPECT_LT(value({0.2f, -0.2f, -0.2f}), 0);
+  EXPECT_LT(value({-0.2f, 0.2f, -0.2f}), 0);
+  EXPECT_GT(value({0.2f, 0.2f, -0.2f}), 0);
+  EXPECT_GT(value({-0.2f, -0.2f, 0.2f}), 0);
 }
 
 TEST(CreaseFit, SeesNoneOnASmoothSurfaceOrInNoise) {

@@ -34,6 +34,45 @@ TEST(Noise, IsNotFooledByOutliers) {
   EXPECT_NEAR(estimate_noise(points) / 0.01, 1, 0.25);
 }
 
+TEST(Noise, IsKnownWhereSamplesTell) {
+  const NoiseEstimate noisy = measure_noise(sample_sphere(20000, 1, 0.02f, 11));
+  EXPECT_TRUE(noisy.known);
+  EXPECT_EQ(noisy.deviation, estimate_noise(sample_sphere(20000, 1, 0.02f, 11)));
+  EXPECT_GE(noisy.most, noisy.deviation);
+  const PointSet clean = sample_torus(20000, 1, 0.3f, 12);
+  EXPECT_TRUE(measure_noise(clean).known);
+  EXPECT_EQ(noise_words(measure_noise(clean), estimate_spacing(clean)).rfind("less than ", 0), 0u);
+}
+
+TEST(Noise, OfCoarselySampledShapesCannotBeTold) {
+  // The samples are as far apart as the branches are thick: shape and noise look the same.
+  PointSet points;
+  for (unsigned k = 0; k < 5; ++k) {
+    PointSet ring = sample_torus(60, 1, 0.08f, 13 + k);
+    for (Vec3f& p : ring.positions)
+      append(points, cloud({Vec3f{p[k % 3], p[(k + 1) % 3], p[(k + 2) % 3]} * (1 + 0.3f * float(k))}));
+  }
+  const NoiseEstimate noise = measure_noise(points);
+  EXPECT_FALSE(noise.known);
+  EXPECT_GT(noise.most, 0.05 * estimate_spacing(points));
+  EXPECT_EQ(noise_words(noise, estimate_spacing(points)).rfind("unknown", 0), 0u);
+}
+
+TEST(Noise, StepsOfDepthsAreSeen) {
+  // A frame of a curved wall whose depths have few values.
+  PointSet points;
+  for (int j = 0; j < 200; ++j)
+    for (int i = 0; i < 250; ++i) {
+      const float x = 0.01f * static_cast<float>(i), y = 0.01f * static_cast<float>(j);
+      points.positions.push_back({x, y, 0.02f * std::round((2 + 0.1f * x * x + 0.2f * y) / 0.02f)});
+    }
+  const NoiseEstimate noise = measure_noise(points);
+  EXPECT_NEAR(noise.step, 0.02, 1e-3);
+  EXPECT_FALSE(noise.known);
+  EXPECT_NE(noise_words(noise, 0.01).find("steps of 0.02"), std::string::npos);
+  EXPECT_EQ(noise_words({}, 0.01), "unknown: too few samples");
+}
+
 TEST(Noise, OfTooFewSamplesIsZero) {
   PointSet points;
   EXPECT_EQ(estimate_noise(points), 0);

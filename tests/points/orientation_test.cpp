@@ -109,6 +109,39 @@ TEST(Orientation, SingleWrongSignsAreForgiven) {
   EXPECT_EQ(check_orientation(points), OrientationCheck::oriented);
 }
 
+TEST(Orientation, IsNotThereWhereNormalsAreAtRandom) {
+  PointSet points = sample_torus(8000, 1, 0.3f, 21);
+  std::mt19937 random(22);
+  for (Vec3f& n : points.normals) n = random_direction(random);
+  OrientationReport report = measure_orientation(points);
+  EXPECT_EQ(report.check, OrientationCheck::unoriented);
+  EXPECT_LT(report.related, 0.1);
+  EXPECT_NEAR(report.agreement, 0.5, 0.05);
+  // No choice of signs changes that.
+  Progress progress;
+  orient_normals(points, {}, progress);
+  EXPECT_EQ(check_orientation(points), OrientationCheck::unoriented);
+}
+
+TEST(Orientation, SaysWhereNormalsLook) {
+  PointSet points = sample_sphere(6000, 1, 0, 23);
+  append(points, sample_sphere(2000, 1, 0, 24, {4, 0, 0}));
+  for (std::size_t i = 6000; i < 8000; ++i) points.normals[i] = -points.normals[i];
+  OrientationReport report = measure_orientation(points);
+  EXPECT_EQ(report.check, OrientationCheck::oriented);
+  EXPECT_NEAR(report.inward, 0.25, 0.01);
+  EXPECT_NEAR(report.outward, 0.75, 0.01);
+  PointSet sheet;
+  for (std::size_t i = 0; i < 6000; ++i)
+    if (points.positions[i].z > 0) {
+      sheet.positions.push_back(points.positions[i]);
+      sheet.normals.push_back(points.normals[i]);
+    }
+  report = measure_orientation(sheet);
+  EXPECT_EQ(report.check, OrientationCheck::oriented);
+  EXPECT_EQ(report.open, 1) << "half a ball has no outside";
+}
+
 TEST(Orientation, ThinPlatesAreOriented) {
   EXPECT_EQ(check_orientation(sample_box(8000, {1, 1, 0.01f}, 12)), OrientationCheck::oriented);
 }

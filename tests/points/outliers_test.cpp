@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 
 #include "points/shapes.h"
@@ -56,6 +57,72 @@ TEST(Outliers, NoiseIsNotOutlying) {
   Progress progress;
   const auto mask = find_outliers(points, {}, progress);
   EXPECT_LT(count(mask, 0, mask.size()), 40u);
+}
+
+TEST(Outliers, OffANoisySurfaceAreFound) {
+  PointSet points = sample_sphere(20000, 1, 0.03f, 10);  // 1.2 spacings
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> u(6, 9);
+  for (int i = 0; i < 200; ++i)
+    points.positions.push_back(random_direction(random) * (1 + (i % 2 ? 1.0f : -1.0f) * 0.03f * u(random)));
+  Progress progress;
+  const auto mask = find_outliers(points, {}, progress);
+  EXPECT_LT(count(mask, 0, 20000), 20u);
+  EXPECT_GE(count(mask, 20000, 20200), 190u);
+}
+
+TEST(Outliers, NextToASurfaceAreFound) {
+  PointSet points = sample_torus(20000, 1, 0.3f, 12);
+  const float spacing = std::sqrt(4 * 9.8696f * 0.3f / 20000);
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> u(4, 8);
+  for (int i = 0; i < 400; ++i) {
+    const std::size_t at = static_cast<std::size_t>(i) * 50;
+    points.positions.push_back(points.positions[at] + points.normals[at] * (spacing * u(random)));
+  }
+  Progress progress;
+  const auto mask = find_outliers(points, {}, progress);
+  EXPECT_LT(count(mask, 0, 20000), 5u);
+  EXPECT_GE(count(mask, 20000, 20400), 360u);
+}
+
+TEST(Outliers, ScatteredClumpsAreFound) {
+  PointSet points = sample_torus(20000, 1, 0.3f, 14);
+  std::mt19937 random(15);
+  std::normal_distribution<float> g(0, 0.03f);
+  for (int clump = 0; clump < 10; ++clump) {
+    const Vec3f center = random_direction(random) * 2;
+    for (int i = 0; i < 40; ++i) points.positions.push_back(center + Vec3f{g(random), g(random), g(random)});
+  }
+  // A rod as thick as a few spacings is a surface, however few samples it has.
+  std::uniform_real_distribution<float> u(0, 1);
+  for (int i = 0; i < 400; ++i) {
+    const float angle = 6.2831853f * u(random);
+    points.positions.push_back({0.06f * std::cos(angle), 0.06f * std::sin(angle), 1 + u(random)});
+  }
+  Progress progress;
+  const auto mask = find_outliers(points, {}, progress);
+  EXPECT_EQ(count(mask, 0, 20000), 0u);
+  EXPECT_GE(count(mask, 20000, 20400), 380u);
+  EXPECT_LT(count(mask, 20400, 20800), 12u);
+}
+
+TEST(Outliers, OneStepOfTheCoordinatesIsNoDistance) {
+  // A wall as a sensor of few digits sees it: depths in steps of two spacings, some of them one step off.
+  PointSet points;
+  const float spacing = 0.01f, step = 0.02f;
+  for (int i = 0; i < 150; ++i)
+    for (int j = 0; j < 150; ++j) {
+      const float x = spacing * static_cast<float>(i), y = spacing * static_cast<float>(j);
+      const float wrong = (31 * i + 57 * j) % 101 == 0 ? 1.0f : 0.0f;
+      points.positions.push_back({x, y, step * (std::round(0.1f * x / step) + wrong)});
+    }
+  const std::size_t wall = points.size();
+  for (int i = 0; i < 10; ++i) points.positions.push_back({0.15f * static_cast<float>(i), 0.7f, 0.6f});
+  Progress progress;
+  const auto mask = find_outliers(points, {}, progress);
+  EXPECT_EQ(count(mask, 0, wall), 0u);
+  EXPECT_EQ(count(mask, wall, points.size()), 10u);
 }
 
 TEST(Outliers, TinyCloudsAreKeptWhole) {

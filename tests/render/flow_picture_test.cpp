@@ -66,8 +66,8 @@ std::vector<double> factors(const PictureScene& scene, const Camera& camera, con
       const Vec3f d = camera.direction((2.0f * static_cast<float>(x) + 1) / kSize - 1,
                                        1 - (2.0f * static_cast<float>(y) + 1) / kSize);
       std::optional<SurfacePoint> point;
-      scene.closest(camera.position, {&d, 1}, {&point, 1});
-      found.push_back(point ? static_cast<double>(texture.factor(d, *point)) : 0);
+      scene.closest({{&camera.position, 1}, {&d, 1}}, {&point, 1});
+      found.push_back(point ? static_cast<double>(texture.factor(camera.position, d, *point)) : 0);
     }
   return found;
 }
@@ -209,7 +209,7 @@ std::vector<SurfacePoint> layers_at(const PictureScene& scene, float x, float y)
   const Vec3f eye = from_above().position, d = normalized(Vec3f{x, y, 0} - eye);
   std::vector<std::size_t> first;
   std::vector<SurfacePoint> points;
-  scene.layers(eye, {&d, 1}, first, points);
+  scene.layers({{&eye, 1}, {&d, 1}}, first, points);
   EXPECT_EQ(first, (std::vector<std::size_t>{0, points.size()}));
   return points;
 }
@@ -327,7 +327,8 @@ TEST(SplatScene, NormalsAreThoseOfTheSurface) {
   for (const Vec3f& p : sphere.vertices) {
     const Vec3f d = normalized(p + Vec3f{0.003f, 0.011f, -0.007f});
     std::optional<SurfacePoint> point;
-    scene.closest({0, 0, 0}, {&d, 1}, {&point, 1});
+    const Vec3f eye{0, 0, 0};
+    scene.closest({{&eye, 1}, {&d, 1}}, {&point, 1});
     ASSERT_TRUE(point);
     EXPECT_NEAR(norm(point->position - point->normal * (0.5f * splats.spacings[0])), 1, 0.02);
   }

@@ -162,5 +162,107 @@ TEST(PictureNotes, StandAroundTheVolumeAndLeaveItAlone) {
   EXPECT_TRUE(picture.render(options, progress).pixels != noted.pixels);
 }
 
+TEST(ValueBar, EndsArePointedWhereThereIsMore) {
+  TransferFunction f;
+  f.colors = {{0, {1, 0, 0}}, {1, {0, 0, 1}}};
+  f.opacities = {{0, 1}, {1, 1}};
+  const Image paper(60, 200, kPaper);
+  const Image plain = beside_value_bar(paper, f, {}),
+              above = beside_value_bar(paper, f, {}, {}, nullptr, {false, true}),
+              both = beside_value_bar(paper, f, {}, {}, nullptr, {true, true});
+  EXPECT_EQ(above.width, plain.width);
+  const auto colored = [](const Image& image, int first, int last) {
+    int count = 0;
+    for (int y = first; y < last; ++y)
+      for (int x = 60; x < image.width; ++x) count += std::abs(image.at(x, y)[0] - image.at(x, y)[2]) > 0.5f;
+    return count;
+  };
+  // The bar itself reaches from a fifth of the height to four fifths.
+  EXPECT_EQ(colored(plain, 0, 39), 0);
+  EXPECT_EQ(colored(plain, 161, 200), 0);
+  EXPECT_GT(colored(above, 0, 39), 15);
+  EXPECT_EQ(colored(above, 161, 200), 0);
+  EXPECT_GT(colored(both, 161, 200), 15);
+  EXPECT_EQ(colored(above, 45, 155), colored(plain, 45, 155));
+}
+
+TEST(ScaleBar, IsAsLongAsItSays) {
+  // A picture that is 8 wide in the world, 10 pixels for each.
+  Camera camera;
+  camera.parallel = true;
+  camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.backward = {0, 0, 1};
+  camera.half_width = 0.5f, camera.half_height = 0.4f;
+  for (const double length : {1.0, 0.1}) {
+    Image image(800, 640, kPaper);
+    draw_scale_bar(image, {{0, 0, 0}, 8}, camera, length, "mm");
+    int first = 800, last = 0;
+    for (int x = 0; x < 800; ++x)
+      if (image.at(x, 640 - static_cast<int>(1.4 * 640 / 52.0))[1] < 0.6f)
+        first = std::min(first, x), last = std::max(last, x);
+    EXPECT_NEAR(last - first, 200, 4) << "2 of 8, or 0.2 of 0.8";
+  }
+  // In perspective there is no one scale.
+  camera.parallel = false;
+  Image image(800, 640, kPaper);
+  draw_scale_bar(image, {{0, 0, 0}, 8}, camera, 1, "mm");
+  EXPECT_EQ(ink_of(image), 0);
+}
+
+TEST(ScaleBar, CanBeReadOnLinesAndEdges) {
+  Camera camera;
+  camera.parallel = true;
+  camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.backward = {0, 0, 1};
+  camera.half_width = 0.5f, camera.half_height = 0.4f;
+  Image image(800, 640, kPaper);
+  for (int y = 0; y < 640; ++y)
+    for (int x = 0; x < 800; x += 4) image.at(x, y) = kBlack;
+  const Image before = image;
+  draw_scale_bar(image, {{0, 0, 0}, 8}, camera, 1, "mm");
+  const int y = 640 - static_cast<int>(1.9 * 640 / 52.0);  // between the bar and its length
+  for (int x = 24; x < 200; x += 4) EXPECT_GT(image.at(x, y)[1], 0.7f) << x;
+  EXPECT_EQ(image.at(400, y), before.at(400, y));
+}
+
+TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
+  RenderOptions options;
+  options.width = 60, options.height = 120;
+  const Image red(60, 120, Rgba{1, 0, 0, 1});
+  const std::vector<LegendEntry> some = {{{0, 0, 1}, "a"}};
+  for (const bool clear : {false, true}) {
+    if (clear) options.background = RenderOptions::Background::transparent;
+    const Image paper = paper_beside(options);
+    const Image list = beside_legend(red, some, &paper);
+    ASSERT_GT(list.width, 60);
+    EXPECT_EQ(list.at(59, 3), red.at(59, 3));
+    EXPECT_EQ(list.at(list.width - 1, 3), paper.at(0, 3));
+    EXPECT_EQ(paper.at(0, 3)[3], clear ? 0 : 1);
+    if (!clear) EXPECT_NEAR(paper.at(0, 3)[0], paper.at(0, 3)[2], 0.1) << "gray";
+  }
+}
+
+TEST(Legend, NamesTooLongEndInDots) {
+  const std::vector<LegendEntry> some = {{{1, 0, 0}, "a"}, {{0, 0, 1}, std::string(200, 'W')}};
+  const Image paper(300, 200, kPaper);
+  const Image list = beside_legend(paper, some);
+  EXPECT_EQ(list.width, 300 + legend_width(200, some));
+  EXPECT_LT(legend_width(200, some), 200);
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 300; ++x) ASSERT_EQ(list.at(x, y), kPaper) << "beside, not on the picture";
+  EXPECT_EQ(legend_width(99, some), 0);
+}
+
+TEST(PictureNotes, TitlesCanBeReadOnWhateverIsBehindThem) {
+  for (const float behind : {0.05f, 0.95f}) {
+    Image image(400, 300, Rgba{1 - behind, 1 - behind, 1 - behind, 1});
+    for (int y = 0; y < 100; ++y)
+      for (int x = 0; x < 400; ++x) image.at(x, y) = {behind, behind, behind, 1};
+    draw_title(image, "MMMM");
+    float apart = 0;
+    for (int y = 0; y < 100; ++y)
+      for (int x = 0; x < 400; ++x) apart = std::max(apart, std::abs(image.at(x, y)[1] - behind));
+    EXPECT_GT(apart, 0.6f) << behind;
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh

@@ -57,7 +57,7 @@ TEST(RayScene, PacketsFindWhatSingleRaysFind) {
       directions.push_back(
           normalized(Vec3f{0.02f * static_cast<float>(x - 20), 0.02f * static_cast<float>(y - 20), -1}));
   std::vector<std::optional<RayHit>> hits(directions.size()), behind(directions.size());
-  scene.closest(eye, directions, {}, hits);
+  scene.closest({&eye, 1}, directions, {}, {}, hits);
   std::size_t met = 0;
   std::vector<float> beyond;
   for (std::size_t i = 0; i < directions.size(); ++i) {
@@ -71,7 +71,7 @@ TEST(RayScene, PacketsFindWhatSingleRaysFind) {
     EXPECT_LT(norm(hits[i]->normal - single->normal), 1e-5f);
   }
   EXPECT_GT(met, 500u);
-  scene.closest(eye, directions, beyond, behind);
+  scene.closest({&eye, 1}, directions, beyond, {}, behind);
   for (std::size_t i = 0; i < directions.size(); ++i) {
     if (!hits[i] || dot(hits[i]->normal, directions[i]) > -0.2f) continue;
     ASSERT_TRUE(behind[i]) << "the far side";

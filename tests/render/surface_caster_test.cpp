@@ -49,6 +49,40 @@ TEST(SurfaceCaster, FindsASphereWhereItIs) {
   }
 }
 
+/// The distance to a sphere, off by a little in every other of many slices.
+class Patches : public ScalarField {
+ public:
+  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double slice = std::floor(20 * x[i].z + 20 * x[i].x);
+      values[i] = norm(x[i]) - (std::fmod(slice, 2) == 0 ? 1 : 0.98);
+      if (!gradients.empty()) gradients[i] = normalized(x[i]);
+    }
+  }
+};
+
+TEST(SurfaceCaster, PatchesThatDoNotMeetHaveNoGaps) {
+  const Patches field;
+  const BallUnion balls = test::sphere_balls(20000, 1, 2.5);
+  SurfaceCastOptions options;
+  const std::vector<CastRay> rays = test::random_rays(5000, 0.9f);
+  const auto missed = [&] {
+    const std::vector<CastHit> hits = cast(SurfaceCaster(field, balls, options), rays);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const SphereCrossings inner(rays[i], 0.975);
+      if (inner.near > 0) count += !hits[i].hit || static_cast<double>(hits[i].distance) > inner.near + 0.01;
+    }
+    return count;
+  };
+  EXPECT_GT(missed(), 20u) << "rays slip through where the sign jumps";
+  options.jump = 0.5;
+  EXPECT_EQ(missed(), 0u);
+  options.jump = 2;
+  EXPECT_THROW(SurfaceCaster(field, balls, options), ArgumentError);
+}
+
 TEST(SurfaceCaster, FindsGrazedSpheres) {
   const Spheres sphere({1});
   const BallUnion balls = test::sphere_balls(20000);

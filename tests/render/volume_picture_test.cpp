@@ -582,8 +582,9 @@ TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
       directions.push_back(
           camera.direction(0.1f * static_cast<float>(x) - 0.95f, 0.1f * static_cast<float>(y) - 0.95f));
   std::vector<TracedLight> together(directions.size()), alone(directions.size());
-  tracer.trace(directions, together);
-  for (std::size_t i = 0; i < directions.size(); ++i) tracer.trace({&directions[i], 1}, {&alone[i], 1});
+  tracer.trace({{&camera.position, 1}, directions}, together);
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    tracer.trace({{&camera.position, 1}, {&directions[i], 1}}, {&alone[i], 1});
   EXPECT_TRUE(together == alone);
 }
 

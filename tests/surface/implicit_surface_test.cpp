@@ -302,6 +302,47 @@ TEST(IteratedPlanes, CrossValidationSmoothsNoiseAndFollowsCleanSamples) {
   EXPECT_LT(clean.error, 0.002);
 }
 
+TEST(IteratedPlanes, TheNoiseChoosesTheOrder) {
+  SANSMESH_RUNS_ONCE("judges a choice; others make it, too");
+  const PointSet cloud = test::sphere(8000, 0.04);  // one spacing
+  ImplicitOptions o;
+  o.method = ImplicitMethod::amls;
+  const ImplicitSurface f = make(cloud, o);
+  EXPECT_EQ(f.report().order, 2);
+  EXPECT_EQ(f.report().iterations, 1);
+  EXPECT_GT(f.report().smoothing, 2.5);
+  std::vector<Vec3> x;
+  for (const Vec3f& p : test::sphere(500, 0, 2).positions) x.push_back(normalized(Vec3(p)));
+  std::vector<double> values(x.size());
+  f.evaluate(x, values);
+  double squares = 0;
+  for (const double v : values) squares += v * v;
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(x.size())), 0.4 * 0.04) << "the noise does not stay";
+  o.order = 4;
+  EXPECT_EQ(make(cloud, o).report().order, 4);
+}
+
+TEST(ImplicitSurface, NoiseMakesNoSpots) {
+  // No second zero between the surface and what lies well outside or inside, and gradients that look outward.
+  const PointSet cloud = test::sphere(6000, 0.03);  // ⅔ of a spacing
+  for (const ImplicitMethod method : {ImplicitMethod::extremal, ImplicitMethod::hoppe}) {
+    ImplicitOptions o;
+    o.method = method;
+    const ImplicitSurface f = make(cloud, o);
+    for (const double radius : {0.93, 1.07}) {
+      std::vector<Vec3> x;
+      for (const Vec3f& p : test::sphere(3000, 0, 3).positions) x.push_back(normalized(Vec3(p)) * radius);
+      std::vector<double> values(x.size());
+      std::vector<Vec3> gradients(x.size());
+      f.evaluate(x, values, gradients);
+      std::size_t wrong = 0;
+      for (std::size_t i = 0; i < x.size(); ++i)
+        wrong += (values[i] < 0) != (radius < 1) || dot(gradients[i], x[i]) < 0.5;
+      EXPECT_LE(wrong, 30u) << static_cast<int>(method) << " at " << radius;
+    }
+  }
+}
+
 TEST(ImplicitSurface, RefusesWhatItCannotUse) {
   Progress progress;
   PointSet bare = test::sphere(100);

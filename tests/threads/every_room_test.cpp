@@ -33,6 +33,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/measure/body_measures.h"
 #include "sansmesh/measure/distance_map.h"

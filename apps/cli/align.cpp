@@ -1,0 +1,115 @@
+// sansmesh align: one cloud or mesh moved onto another.
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "align_report.h"
+#include "cloud_input.h"
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/data/affine_map.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/io/transform_file.h"
+#include "surface_input.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct AlignArguments {
+  CloudInput moving, fixed;
+  std::string output, transform_output, start;
+  bool ascii = false;
+  SurfaceAlignmentOptions options;
+};
+
+/// What moves, with all that belongs to it: of functions the mesh.
+PointSet as_cloud(TriangleMesh mesh) {
+  PointSet points;
+  points.origin = mesh.origin;
+  points.positions = std::move(mesh.vertices);
+  points.normals = std::move(mesh.normals);
+  points.colors = std::move(mesh.colors);
+  points.attributes = std::move(mesh.attributes);
+  points.triangles = std::move(mesh.triangles);
+  points.triangle_attributes = std::move(mesh.triangle_attributes);
+  return points;
+}
+
+void run_align(AlignArguments& a, Console& console) {
+  if (!a.start.empty()) read_transform(a.start);  // before all else: it may be no transform
+  a.options.validate();
+  Progress& progress = console.progress();
+  SurfaceInput moving(a.moving, console), fixed(a.fixed, console);
+  TriangleMesh& mesh = moving.mesh();
+  const bool points = mesh.triangles.empty();
+  if (!a.output.empty()) check_writable(a.output, points ? "points" : "mesh");
+  if (!a.transform_output.empty()) check_writable(a.transform_output, "text");
+  AffineMap before;
+  if (!a.start.empty()) {
+    before = read_transform(a.start);
+    transform(mesh, before);
+  }
+  const SurfaceAlignment r = align_or_name(mesh, moving.file(), fixed.mesh(), fixed.file(), a.options, console);
+  const AffineMap motion = map_of(r.motion);
+  progress.begin("write");
+  if (!a.output.empty()) {
+    transform(mesh, motion);
+    if (points)
+      write_points(a.output, as_cloud(std::move(mesh)), {.ascii = a.ascii});
+    else
+      write_mesh(a.output, mesh, {.ascii = a.ascii});
+  }
+  const AffineMap whole = motion.after(before);
+  if (!a.transform_output.empty()) write_transform(a.transform_output, whole);
+  progress.finish();
+
+  console.say(fmt::format("{} ({}) moved onto {} ({})", moving.file(), moving.kind(), fixed.file(), fixed.kind()));
+  say_alignment(r, console);
+  if (a.output.empty() && a.transform_output.empty())
+    for (int row = 0; row < 3; ++row) {
+      const auto k = static_cast<std::size_t>(row);
+      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", whole.x[k], whole.y[k], whole.z[k], whole.shift[k]));
+    }
+  for (const std::string& file : {a.output, a.transform_output})
+    if (!file.empty()) console.say(file + ": written");
+  Json json = {{"moving", moving.json()}, {"fixed", fixed.json()}};
+  json["alignment"] = json_of_alignment(r);
+  json["matrix"] = json_of_matrix(whole);
+  if (!a.output.empty()) json["output"] = {{"file", a.output}};
+  if (!a.transform_output.empty()) json["transform_output"] = {{"file", a.transform_output}};
+  console.say_json(json);
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_align(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("align", "Cloud or mesh → the same moved onto another surface");
+  auto a = std::make_shared<AlignArguments>();
+  a->moving.files.resize(1);
+  c.add_option("moving", a->moving.files[0], "What moves: mesh, points, or function (.smf)")
+      .type_name("FILE")
+      .required();
+  c.add_option("fixed", a->fixed.files, "What it moves onto: mesh, points, or function; several files are read as one")
+      .type_name("FILE")
+      .required();
+  add_class_options(c, a->fixed, " of what it moves onto");
+  c.add_option("-o,--output", a->output, "What has moved, with all its attributes: formats of meshes or of points")
+      .type_name("FILE");
+  c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
+      .type_name("FILE");
+  add_align_options(c, a->options);
+  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").type_name("FILE");
+  add_ascii_flag(c, a->ascii);
+  c.footer(
+      "Distances run from samples of what moves to the surface of what is fixed; what lies beyond its borders, or\n"
+      "has no counterpart, does not count. Without an output the motion is printed.\n\n"
+      "Examples:\n"
+      "  sansmesh align scan.ply design.stl -o aligned.ply --transform-output motion.txt\n"
+      "  sansmesh align second.ply first.ply --from anywhere --json\n"
+      "  sansmesh align inches.stl millimetres.ply -o same.stl --scale");
+  return {&c, [a](Console& console) { run_align(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

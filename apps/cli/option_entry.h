@@ -1,0 +1,55 @@
+// One option as the table of the command line has it: parsing, help, shell completion and the manual page all read it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sansmesh::cli {
+
+/// What is wrong with the value of an option.
+struct ValueError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct OptionEntry {
+  enum class Kind { flag, text, whole, real };
+
+  std::vector<std::string> names;  ///< as they are typed, "-o", "--output"; one without dashes is told from its place
+  std::string what;                ///< one line
+  Kind kind = Kind::flag;
+  std::string value_name = "VALUE";
+  std::string group = "Options";
+  std::vector<std::string> words;    ///< the only ones that are taken; any if there are none
+  std::vector<std::string> endings;  ///< of files, with dots; those that `what` names if there are none
+  bool required = false;
+  bool repeated = false;  ///< may be given several times
+  bool in_order = false;  ///< used once for each time that it was given, in turn with others of that kind
+  bool several = false;   ///< takes words as long as there are some that fit
+  int numbers = 0;        ///< so many numbers in one word, with commas between them, or in as many words
+  std::optional<std::pair<double, double>> range;  ///< of numbers, ends included
+  bool positive = false;
+  std::string excludes;                ///< an option that cannot be given as well
+  std::optional<std::string> implied;  ///< stands for a value where none is given
+  /// Takes the values of all times that it was given, one at least unless it is a flag. Throws ValueError.
+  std::function<void(const std::vector<std::string>&)> use;
+
+  // What the command line had.
+  std::string typed;                ///< the name by which it was given; empty if it was not
+  std::vector<std::string> values;  ///< words, or numbers where one word has several of them
+
+  bool positional() const { return names[0][0] != '-'; }
+  /// "--output", or the name of what is told from its place.
+  const std::string& name() const { return names.back(); }
+  bool is_file() const { return value_name == "FILE" || value_name == "DATA" || value_name == "TETS"; }
+  /// Ends of what numbers it takes: those that were declared, or those that the description states, ", 2..14" at its
+  /// end, before a remark in brackets or before a colon. So help says nothing that does not hold.
+  std::optional<std::pair<double, double>> ends() const;
+  /// Endings of the files that fit: the given ones, or those that the description names.
+  std::vector<std::string> file_endings() const;
+};
+
+}  // namespace sansmesh::cli

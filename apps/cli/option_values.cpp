@@ -1,0 +1,142 @@
+#include "option_values.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "suggestions.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// Whether all of a word is a number, in any notation that C has but hexadecimal ones.
+bool reads_as_number(const std::string& word, double& value) {
+  const char *at = word.data(), *const end = at + word.size();
+  if (at != end && *at == '+') ++at;
+  if (at == end || (at != word.data() && *at == '-')) return false;
+  const auto [next, error] = std::from_chars(at, end, value);
+  if (error == std::errc::result_out_of_range) {  // 1e999, 1e-999: as far as numbers reach
+    value = word.find("e-") != std::string::npos || word.find("E-") != std::string::npos ? 0.0 : HUGE_VAL;
+    if (word[0] == '-') value = -value;
+    return next == end;
+  }
+  return error == std::errc() && next == end && !std::isnan(value);
+}
+
+}  // namespace
+
+std::string in_quotes(const std::string& word) { return "'" + printable(word, 60) + "'"; }
+
+std::vector<std::string> between_commas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
+std::vector<std::string> listed_words(const std::string& list) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at < list.size();) {
+    const std::size_t end = std::min(list.find(", ", at), list.size());
+    words.push_back(list.substr(at, end - at));
+    at = end + 2;
+  }
+  return words;
+}
+
+std::string joined_by_or(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return text;
+}
+
+double parse_real(const std::string& word) {
+  double value = 0;
+  if (!reads_as_number(word, value))
+    throw ValueError(word == "nan" ? "must be finite, not nan" : in_quotes(word) + " is not a number");
+  return value;
+}
+
+long long parse_whole(const std::string& word, long long least, long long most) {
+  double value = 0;
+  if (!reads_as_number(word, value)) throw ValueError(in_quotes(word) + " is not a number");
+  if (std::isinf(value) || std::floor(value) != value) throw ValueError(in_quotes(word) + " is not a whole number");
+  // 2^63 has no whole number of its own here; nothing is counted up to it.
+  if (value < static_cast<double>(least) || value > static_cast<double>(most) || std::abs(value) >= 9e18) {
+    const bool below = value < static_cast<double>(least);
+    throw ValueError(below && least == 0 ? "must be 0 or more, not " + word
+                     : below             ? fmt::format("must be at least {}, not {}", least, word)
+                                         : fmt::format("{} is too large", word));
+  }
+  long long whole = 0;
+  const std::size_t sign = word[0] == '+' ? 1 : 0;
+  const auto [next, error] = std::from_chars(word.data() + sign, word.data() + word.size(), whole);
+  return error == std::errc() && next == word.data() + word.size() ? whole : static_cast<long long>(value);
+}
+
+bool are_numbers(const std::string& word) {
+  double value = 0;
+  for (std::size_t at = 0;;) {
+    const std::size_t end = std::min(word.find(',', at), word.size());
+    if (!reads_as_number(word.substr(at, end - at), value)) return false;
+    if (end == word.size()) return true;
+    at = end + 1;
+  }
+}
+
+std::string number_wanted(const OptionEntry& o, const std::string& word) {
+  double value = 0;
+  std::string digits = word;
+  digits.erase(std::remove(digits.begin(), digits.end(), ','), digits.end());
+  // Groups of three digits; with several numbers a comma parts these.
+  bool grouped = o.numbers == 0 && reads_as_number(digits, value);
+  for (std::size_t at = word.find(','); grouped && at != std::string::npos; at = word.find(',', at + 1)) {
+    std::size_t end = at + 1;
+    while (end < word.size() && word[end] >= '0' && word[end] <= '9') ++end;
+    grouped = at > 0 && end == at + 4;
+  }
+  if (grouped) return ": write " + digits;
+  // A number, and a unit behind it, in any of the parts.
+  for (std::size_t at = 0; at < word.size();) {
+    const std::size_t end = std::min(word.find(',', at), word.size());
+    const std::string part = word.substr(at, end - at);
+    const std::size_t number = std::min(part.find_first_not_of("+-.0123456789"), part.size());
+    if (number > 0 && number < part.size() && reads_as_number(part.substr(0, number), value)) {
+      const char* const plural = o.numbers > 0 ? ": plain numbers are wanted" : ": a plain number is wanted";
+      const std::string& of = o.value_name;
+      const bool length = of == "LENGTH" || of == "POINT" || of == "BOX" || of == "X,Y,Z";
+      return plural + std::string(length            ? ", in the unit of the input"
+                                  : of == "DEGREES" ? ", in degrees"
+                                  : of == "PIXELS"  ? ", in pixels"
+                                                    : "");
+    }
+    at = end + 1;
+  }
+  return "";
+}
+
+void check_value(const OptionEntry& o, const std::string& word) {
+  if (!o.words.empty()) {
+    for (const std::string& known : o.words)
+      if (known == word) return;
+    std::string list;
+    for (const std::string& known : o.words) list += (list.empty() ? "" : ", ") + known;
+    throw ValueError("must be one of " + list + ", not " + in_quotes(word) + did_you_mean(word, o.words));
+  }
+  if (o.kind != OptionEntry::Kind::whole && o.kind != OptionEntry::Kind::real) return;
+  const double value = parse_real(word);
+  if (o.kind == OptionEntry::Kind::whole && (std::isinf(value) || std::floor(value) != value))
+    throw ValueError(in_quotes(word) + " is not a whole number");
+  if (const auto ends = o.ends(); ends && !(value >= ends->first && value <= ends->second))
+    throw ValueError(fmt::format("must lie in {}..{}, not {}", ends->first, ends->second, word));
+  if (o.positive && !(value > 0)) throw ValueError("must be greater than 0, not " + word);
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,215 @@
+#include "picture_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/render/color_space.h"
+#include "sansmesh/render/picture_crop.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr const char* kContent = "content";
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kColorWords{{{"red", "#d62828"},
+                                                                                     {"orange", "#f08c1e"},
+                                                                                     {"yellow", "#f2d21f"},
+                                                                                     {"green", "#2f9e44"},
+                                                                                     {"cyan", "#22b8cf"},
+                                                                                     {"blue", "#2f6fde"},
+                                                                                     {"purple", "#8e4ec6"},
+                                                                                     {"magenta", "#d6409f"},
+                                                                                     {"brown", "#8d5a34"},
+                                                                                     {"white", "#f5f5f5"},
+                                                                                     {"gray", "#8c9199"},
+                                                                                     {"silver", "#c6cad0"},
+                                                                                     {"black", "#22252a"}}};
+
+/// LEFT,TOP,WIDTH,HEIGHT
+std::optional<PixelBox> pixel_box_of(const std::string& text) {
+  PixelBox box;
+  const char *at = text.data(), *end = at + text.size();
+  for (int* value : {&box.left, &box.top, &box.width, &box.height}) {
+    const auto [next, error] = std::from_chars(at, end, *value);
+    if (error != std::errc() || (value == &box.height ? next != end : next == end || *next != ',')) return std::nullopt;
+    at = next + 1;
+  }
+  if (box.left < 0 || box.top < 0 || box.width < 1 || box.height < 1) return std::nullopt;
+  return box;
+}
+
+}  // namespace
+
+std::optional<Vec3f> color_of_word(const std::string& word) {
+  for (const auto& [name, hex] : kColorWords)
+    if (name == word) return color_of_hex(hex);
+  return color_of_hex(word);
+}
+
+std::string color_words() {
+  std::string known;
+  for (const auto& color : kColorWords) known += (known.empty() ? "" : ", ") + std::string(color.first);
+  return known;
+}
+
+bool PictureArguments::any() const {
+  const RenderOptions usual;
+  return options.wireframe != usual.wireframe || options.wire_width != usual.wire_width ||
+         options.wire_color != usual.wire_color || has_view() || !crop.empty() || z_up ||
+         options.width != usual.width || options.height != usual.height ||
+         options.field_of_view != usual.field_of_view || options.orthographic || options.scale_bar || options.look_at ||
+         options.zoom != usual.zoom || options.look_radius || options.clip_box;
+}
+
+RenderOptions PictureArguments::chosen() const {
+  RenderOptions o = options;
+  const RenderOptions usual;
+  if (o.wireframe == RenderOptions::Wireframe::none &&
+      (o.wire_width != usual.wire_width || o.wire_color != usual.wire_color))
+    throw ArgumentError("--wire-width and --wire-color need --wireframe");
+  if (azimuth) o.view.azimuth = *azimuth;
+  if (elevation) o.view.elevation = *elevation;
+  if (!view.empty()) o.view = named_view(view);
+  if (z_up) o.up = UpAxis::z;
+  if (crop.empty() || crop == kContent) return o;
+  const auto box = pixel_box_of(crop);
+  if (!box)
+    throw ArgumentError("--crop must be LEFT,TOP,WIDTH,HEIGHT in pixels, or " + std::string(kContent) + ", not '" +
+                        printable(crop, 60) + "'");
+  check_crop(*box, o.width, o.height);  // before all the work
+  return o;
+}
+
+void PictureArguments::check_frames(bool several) const {
+  if (several && crop == kContent)
+    throw ArgumentError("--crop of several pictures needs LEFT,TOP,WIDTH,HEIGHT, so that all have one size");
+}
+
+Image PictureArguments::part(const Image& image, const RenderOptions& made_with) const {
+  if (crop.empty()) return image;
+  const auto box = pixel_box_of(crop);
+  return cropped(image, box ? *box : picture_content(image, made_with, std::max(2, image.height / 60)));
+}
+
+Image PictureArguments::write(const std::string& file, const Image& image, const RenderOptions& made_with) const {
+  Image written = part(image, made_with);
+  write_image(file, written);
+  return written;
+}
+
+void set_background(RenderOptions& o, const std::string& word) {
+  using Background = RenderOptions::Background;
+  if (word == "transparent") o.background = Background::transparent;
+  if (word == "white" || word == "black") {
+    o.background = Background::solid;
+    o.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+  }
+}
+
+std::string frame_name(const std::string& output, int frame) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
+      .string();
+}
+
+void add_background_option(CommandLine& c, std::string& word, const std::string& usual) {
+  c.add_option("--background", word, "gradient, white, black or transparent [" + usual + "]")
+      .one_of({"gradient", "white", "black", "transparent"})
+      .type_name("NAME")
+      .group("Picture");
+}
+
+void add_picture_options(CommandLine& c, PictureArguments& a) {
+  const char* const group = "Picture";
+  RenderOptions& o = a.options;
+  c.add_option("--width", o.width, "Pixels, 1..16384 [1280]").type_name("PIXELS").group(group);
+  c.add_option("--height", o.height, "Pixels, 1..16384 [960]").type_name("PIXELS").group(group);
+  c.add_option("--view", a.view, "front, back, left, right, top, bottom or iso")
+      .one_of({"front", "back", "left", "right", "top", "bottom", "iso"})
+      .type_name("NAME")
+      .group(group);
+  c.add_option("--azimuth", a.azimuth, "Degrees around the up axis; 0: the front [35]")
+      .type_name("DEGREES")
+      .group(group);
+  c.add_option("--elevation", a.elevation, "Degrees above the horizon [20]").type_name("DEGREES").group(group);
+  c.add_flag("--z-up", a.z_up, "The z axis points up, not y").group(group);
+  c.add_option("--field-of-view", o.field_of_view, "Angle over the shorter side, 1..120 [30]")
+      .type_name("DEGREES")
+      .group(group);
+  c.add_flag("--orthographic", o.orthographic, "Parallel rays: no perspective").group(group);
+  c.add_option_function(
+       "--scale-bar", [&o](const std::string& unit) { o.scale_bar = unit; },
+       "With --orthographic: a bar of a round length, and the unit's name, as --scale-bar=mm")
+      .type_name("UNIT")
+      .without_value("")
+      .group(group);
+  c.add_option_function(
+       "--focus,--look-at",
+       [&o](const std::vector<double>& x) {
+         o.look_at = Vec3{x[0], x[1], x[2]};
+       },
+       "Place in the middle of the picture [that of what is seen]")
+      .numbers(3)
+      .type_name("X,Y,Z")
+      .group(group);
+  c.add_option("--zoom", o.zoom, "So many times as large as what shows everything [1]")
+      .type_name("FACTOR")
+      .group(group);
+  c.add_option("--look-radius", o.look_radius, "With --look-at, for --zoom: what is so far around fills the picture")
+      .type_name("LENGTH")
+      .group(group);
+  c.add_option_function(
+       "--clip-box",
+       [&o](const std::vector<double>& v) {
+         o.clip_box = Box3{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+       },
+       "Show only what lies in this box, XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX")
+      .numbers(6)
+      .type_name("BOX")
+      .group(group);
+  c.add_option("--crop", a.crop,
+               "Part of the picture, LEFT,TOP,WIDTH,HEIGHT in pixels [no value: what is not background]")
+      .type_name("PART")
+      .without_value(kContent)
+      .group(group);
+}
+
+void add_wireframe_options(CommandLine& c, RenderOptions& o) {
+  using Wireframe = RenderOptions::Wireframe;
+  const char* const group = "Picture";
+  c.add_option_function(
+       "--wireframe",
+       [&o](const std::string& word) { o.wireframe = word == "only" ? Wireframe::only : Wireframe::over; },
+       "Edges of triangles: over the surface, or only these without hidden ones, as --wireframe=only [no value: over]")
+      .one_of({"over", "only"})
+      .type_name("HOW")
+      .without_value("over")
+      .group(group);
+  c.add_option("--wire-width", o.wire_width, "Of their lines, 0.1..50 [1]").type_name("PIXELS").group(group);
+  c.add_option_function(
+       "--wire-color",
+       [&o](const std::string& word) {
+         const auto color = color_of_word(word);
+         if (!color) throw ValueError("must be '#rrggbb' or a name such as blue, not " + word);
+         o.wire_color = *color;
+       },
+       "Of their lines, '#rrggbb' or a name [almost black]")
+      .type_name("COLOR")
+      .group(group);
+}
+
+void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
+  c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
+}
+
+}  // namespace sansmesh::cli

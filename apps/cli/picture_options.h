@@ -1,0 +1,52 @@
+// Options of all commands that make pictures.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command_line.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/render/render_options.h"
+
+namespace sansmesh::cli {
+
+/// A picture, by the options that all commands that draw one share.
+struct PictureArguments {
+  RenderOptions options;
+  std::string view, crop;
+  std::optional<double> azimuth, elevation;
+  bool z_up = false;
+
+  bool has_view() const { return !view.empty() || azimuth || elevation; }
+  /// Whether anything was chosen that only means something where there is a picture.
+  bool any() const;
+  /// Throws ArgumentError for a view that is not known, and for a part of the picture that is none.
+  RenderOptions chosen() const;
+  /// Throws ArgumentError where frames would differ in size.
+  void check_frames(bool several) const;
+  /// Of a picture that was made with these options the part that was asked for. Throws ArgumentError where that does
+  /// not lie in the picture.
+  Image part(const Image& image, const RenderOptions& made_with) const;
+  /// Writes that part and returns it. Throws FileError as well.
+  Image write(const std::string& file, const Image& image, const RenderOptions& made_with) const;
+};
+/// sRGB 0..1 of "#rrggbb" or a name (red, orange, …); nothing of any other text.
+std::optional<Vec3f> color_of_word(const std::string& word);
+/// The names, with commas between them.
+std::string color_words();
+/// gradient, white, black or transparent, as --background has it.
+void set_background(RenderOptions& options, const std::string& word);
+/// --background
+void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
+/// Of a turntable: NAME.png becomes NAME_007.png.
+std::string frame_name(const std::string& output, int frame);
+/// --width, --height, --view, --azimuth, --elevation, --z-up, --field-of-view, --orthographic, --scale-bar, --look-at,
+/// --zoom, --look-radius, --clip-box, --crop
+void add_picture_options(CommandLine& command, PictureArguments& arguments);
+/// --wireframe, --wire-width, --wire-color
+void add_wireframe_options(CommandLine& command, RenderOptions& options);
+/// --preview FILE: also draws `what`.
+void add_preview_option(CommandLine& command, std::string& file, const std::string& what);
+
+}  // namespace sansmesh::cli

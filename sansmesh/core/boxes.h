@@ -1,0 +1,88 @@
+// Several boxes at once.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/union_find.h"
+
+namespace sansmesh {
+
+/// Whether two boxes have a point in common.
+template <class T>
+bool touch(const BoxT<T>& a, const BoxT<T>& b) {
+  for (int k = 0; k < 3; ++k)
+    if (!(a.lower[k] <= b.upper[k] && b.lower[k] <= a.upper[k])) return false;
+  return true;
+}
+
+template <class T>
+BoxT<T> widened(const BoxT<T>& box, T by) {
+  const VecT<T> d{by, by, by};
+  return {box.lower - d, box.upper + d};
+}
+
+template <class T>
+BoxT<T> bounds_of(const std::vector<BoxT<T>>& boxes) {
+  BoxT<T> all;
+  for (const BoxT<T>& b : boxes) all.extend(b);
+  return all;
+}
+
+/// Which of them holds the point: its index, or how many there are.
+template <class T>
+std::size_t which_contains(const std::vector<BoxT<T>>& boxes, const VecT<T>& p) {
+  const auto found = std::find_if(boxes.begin(), boxes.end(), [&](const BoxT<T>& b) { return b.contains(p); });
+  return static_cast<std::size_t>(found - boxes.begin());
+}
+
+template <class T>
+bool any_contains(const std::vector<BoxT<T>>& boxes, const VecT<T>& p) {
+  return which_contains(boxes, p) < boxes.size();
+}
+
+template <class T>
+bool any_touches(const std::vector<BoxT<T>>& boxes, const BoxT<T>& box) {
+  return std::any_of(boxes.begin(), boxes.end(), [&](const BoxT<T>& b) { return touch(b, box); });
+}
+
+template <class T>
+T volume_of(const BoxT<T>& box) {
+  const VecT<T> s = box.size();
+  return box.empty() ? T(0) : s.x * s.y * s.z;
+}
+
+/// Puts one box in the place of two that touch where it is at most `growth` times as large as the two together, until
+/// there are none such, and drops empty ones. Work with the cube of their number at worst.
+template <class T>
+void unite(std::vector<BoxT<T>>& boxes, T growth) {
+  std::erase_if(boxes, [](const BoxT<T>& b) { return b.empty(); });
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t j = i + 1; j < boxes.size();) {
+      BoxT<T> both = boxes[i];
+      both.extend(boxes[j]);
+      if (!touch(boxes[i], boxes[j]) || volume_of(both) > growth * (volume_of(boxes[i]) + volume_of(boxes[j]))) {
+        ++j;
+        continue;
+      }
+      boxes[i] = both;
+      boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(j));
+      // What has grown may suit those before it, too: from the start.
+      i = 0, j = 1;
+    }
+}
+
+/// How many separate sets there are of boxes that touch.
+template <class T>
+std::size_t separate_sets(const std::vector<BoxT<T>>& boxes) {
+  UnionFind sets(boxes.size());
+  std::size_t count = boxes.size();
+  for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    for (std::uint32_t j = i + 1; j < boxes.size(); ++j) count -= touch(boxes[i], boxes[j]) && sets.join(i, j);
+  return count;
+}
+
+}  // namespace sansmesh

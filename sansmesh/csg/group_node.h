@@ -1,0 +1,62 @@
+// Unions and intersections of many solids at once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/csg/solid_node.h"
+
+namespace sansmesh {
+
+/// The smallest (sign 1, a union) or largest (sign −1, an intersection) value of its members, all with slopes of 1 at
+/// most, without blends. What a chain of pairs is, and numbered as that, but each batch of points asks only members
+/// that the ball around the batch does not keep out: of a thousand parts next to each other a few count anywhere.
+class GroupNode final : public SolidNode {
+ public:
+  GroupNode(std::vector<NodePtr> members, double sign);
+
+  const std::vector<NodePtr>& members() const { return members_; }
+  double sign() const { return sign_; }
+
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
+                std::span<std::uint32_t> active) const override;
+  void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                      std::span<Vec3> gradients) const override;
+  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
+              std::span<Surroundings> around, std::span<ValueRange> ranges) const override;
+  double least(double sign, const Vec3& x, double radius) const override;
+  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override;
+  double support(const Vec3& n) const override;
+  double hollow_support(const Vec3& n) const override;
+
+ private:
+  /// Neighbours, and the box of all of them.
+  struct Cluster {
+    Extents extents;
+    double rise;
+    std::uint32_t first, last;  ///< in order_
+  };
+  static Traits traits_of(std::span<const NodePtr> members);
+  double support_of(const Vec3& n, double sign, bool largest) const;
+  const Extents& extents_of(std::uint32_t member) const;
+  void build_clusters();
+  /// All members, in ascending order, but those whose value is above the smallest one by more than `room` in the whole
+  /// ball around these points.
+  std::vector<std::uint32_t> candidates(std::span<const Vec3> x, double room) const;
+  /// Of these, for points closer together: by their values.
+  void narrow(std::span<const std::uint32_t> candidates, std::span<const Vec3> x, double room,
+              std::vector<std::uint32_t>& found) const;
+
+  std::vector<NodePtr> members_;
+  double sign_;
+  std::vector<std::uint32_t> first_piece_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Cluster> clusters_;
+};
+
+/// The union (sign 1) or intersection (−1) of two nodes as a group, whose members are those of groups of the same kind.
+/// Both must be lipschitz().
+NodePtr group_of(const NodePtr& a, const NodePtr& b, double sign);
+
+}  // namespace sansmesh

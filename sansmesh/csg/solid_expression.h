@@ -1,0 +1,62 @@
+// Solids as minima and maxima of smooth functions.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/csg/solid_node.h"
+#include "sansmesh/field/piece_expression.h"
+#include "sansmesh/field/similarity.h"
+
+namespace sansmesh {
+
+/// How the values of a node enter the whole: sign · (those of the node moved by `map`) + shift.
+struct ExpressionFrame {
+  Similarity map;
+  double sign = 1;
+  double shift = 0;
+};
+
+/// What nodes are put into one after the other: the functions, and the nodes over them.
+class ExpressionBuilder {
+ public:
+  using Node = PieceExpression::Node;
+  /// A smooth function: a piece of a node in a frame, or the blend of two functions.
+  struct Function {
+    const SolidNode* node = nullptr;  ///< none: a blend
+    std::uint32_t piece = 0;
+    ExpressionFrame frame;
+    std::uint32_t a = 0, b = 0;  ///< of a blend: functions that stand before it
+    double radius = 0;
+    double sign = 1;  ///< of a blend: 1 of a union, −1 of an intersection
+  };
+
+  explicit ExpressionBuilder(double tie) : tie_(tie) {}
+
+  std::uint32_t piece(const SolidNode& node, std::uint32_t number, const ExpressionFrame& frame);
+  std::uint32_t combine(Node::Kind kind, std::uint32_t a, std::uint32_t b);
+  /// The largest of the first `count` pieces of a node; of 0, the node as one function.
+  std::uint32_t pieces(const SolidNode& node, std::uint32_t count, const ExpressionFrame& frame);
+  /// Two children of a union (sign 1) or intersection (−1), blended within `radius`.
+  std::optional<std::uint32_t> combine(const SolidNode& a, const SolidNode& b, double sign, double radius,
+                                       const ExpressionFrame& frame);
+
+  /// Any number of them, without blends.
+  std::optional<std::uint32_t> combine(const std::vector<NodePtr>& members, double sign, const ExpressionFrame& frame);
+
+  std::vector<Function> functions;
+  std::vector<Node> nodes;
+
+ private:
+  std::uint32_t add(const Node& node);
+  /// That of the parts of a union (side 1) or intersection (−1).
+  ExpressionFrame frame_of_parts(const ExpressionFrame& frame, double side) const;
+  double tie_;
+};
+
+/// Nothing where a part of the tree is no such thing.
+std::shared_ptr<const PieceExpression> expression_of(std::shared_ptr<const SolidNode> root, double tie);
+
+}  // namespace sansmesh

@@ -1,0 +1,88 @@
+#include "sansmesh/function/crease_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/polygonize/editable_surface.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kMostRounds = 6;
+/// Edges bridge a crease if the triangles beside them differ by more than 15 degrees from each other, and their middles
+/// are off the surface by more than this share of their lengths; others are that much closer.
+constexpr double kBridgeCosine = 0.966, kOffSurfaceShare = 0.02, kCloser = 0.5;
+/// 4√3 area / Σ edges² of the new triangles, and the cosine between their normals and those of the old ones.
+constexpr double kLeastQuality = 0.05, kLeastAgreement = 0.2;
+
+double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double edges = squared_norm(b - a) + squared_norm(c - b) + squared_norm(a - c);
+  return edges > 0 ? 2 * std::sqrt(3.0) * norm(cross(b - a, c - a)) / edges : 0;
+}
+
+struct Bridge {
+  std::uint32_t half_edge;
+  double gain;
+};
+
+}  // namespace
+
+std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field) {
+  std::vector<Vec3> x(mesh.vertices.size());
+  for (std::size_t v = 0; v < x.size(); ++v) x[v] = mesh.origin + Vec3(mesh.vertices[v]);
+  EditableSurface surface(std::move(mesh.triangles), x.size());
+  const auto normal_of = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    return normalized(cross(x[b] - x[a], x[c] - x[a]));
+  };
+  std::size_t turned = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    std::vector<std::uint32_t> asked;
+    std::vector<Vec3> middles;
+    for (std::uint32_t h = 0; h < 3 * surface.triangles(); ++h) {
+      const std::uint32_t g = surface.twin(h);
+      if (g == EditableSurface::kNone || g < h) continue;
+      const std::uint32_t a = surface.from(h), b = surface.to(h), c = surface.apex(h), d = surface.apex(g);
+      const Vec3 left = normal_of(a, b, c), right = normal_of(b, a, d);
+      const Vec3 new_left = normal_of(a, d, c), new_right = normal_of(d, b, c);
+      // A bridge turns a crease of two triangles by a quarter: one of both pairs of normals differs.
+      if (dot(left, right) > kBridgeCosine && dot(new_left, new_right) > kBridgeCosine) continue;
+      const Vec3 mean = left + right;
+      if (dot(new_left, mean) < kLeastAgreement || dot(new_right, mean) < kLeastAgreement) continue;
+      if (std::min(triangle_quality(x[a], x[d], x[c]), triangle_quality(x[d], x[b], x[c])) < kLeastQuality) continue;
+      asked.push_back(h);
+      middles.push_back((x[a] + x[b]) / 2);
+      middles.push_back((x[c] + x[d]) / 2);
+    }
+    std::vector<double> off(middles.size());
+    field.evaluate(middles, off);
+    std::vector<Bridge> bridges;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const double before = std::abs(off[2 * i]), after = std::abs(off[2 * i + 1]);
+      const double length = norm(x[surface.to(asked[i])] - x[surface.from(asked[i])]);
+      if (before > kOffSurfaceShare * length && after < kCloser * before) bridges.push_back({asked[i], before - after});
+    }
+    std::sort(bridges.begin(), bridges.end(), [](const Bridge& p, const Bridge& q) {
+      return p.gain != q.gain ? p.gain > q.gain : p.half_edge < q.half_edge;
+    });
+    // The worst first; what is beside one that has turned waits for the next round.
+    std::vector<std::uint8_t> touched(surface.triangles(), 0);
+    std::size_t now = 0;
+    for (const Bridge& bridge : bridges) {
+      const std::uint32_t t = bridge.half_edge / 3, u = surface.twin(bridge.half_edge) / 3;
+      if (touched[t] || touched[u] || !surface.can_flip(bridge.half_edge)) continue;
+      touched[t] = touched[u] = 1;
+      surface.flip(bridge.half_edge);
+      ++now;
+    }
+    turned += now;
+    if (now == 0) break;
+  }
+  mesh.triangles.clear();
+  for (std::size_t t = 0; t < surface.triangles(); ++t)
+    if (surface.alive(t)) mesh.triangles.push_back(surface[t]);
+  return turned;
+}
+
+}  // namespace sansmesh

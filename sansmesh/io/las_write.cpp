@@ -1,0 +1,251 @@
+// LAS output: version 1.2 where its point formats hold everything, else 1.4; what has no place of its own in a record
+// becomes "extra bytes", which the header describes.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/io/output.h"
+
+namespace sansmesh::io {
+namespace {
+
+/// The attributes that have a place of their own in a record; null where there are none, or where they do not fit.
+struct LasFields {
+  const Attribute *intensity, *return_number, *returns, *classification, *synthetic, *overlap, *scan_angle, *source,
+      *user_data, *time, *infrared;
+
+  std::array<const Attribute*, 11> all() const {
+    return {intensity,  return_number, returns,   classification, synthetic, overlap,
+            scan_angle, source,        user_data, time,           infrared};
+  }
+};
+
+/// The attribute of that name if it is whole numbers of 0..most.
+const Attribute* whole_attribute(const AttributeTable& table, const char* name, double most) {
+  const Attribute* const a = table.find(name);
+  if (!a || a->components != 1 || is_real(a->type())) return nullptr;
+  for (std::size_t i = 0; i < a->size(); ++i)
+    if (!(a->number(i) >= 0 && a->number(i) <= most)) return nullptr;
+  return a;
+}
+
+constexpr double kAngleStep = 0.006;  // degrees, of the formats from 6 on
+
+/// Angles come back as they are: whole degrees in the older formats, multiples of the step in the others.
+const Attribute* angle_attribute(const AttributeTable& table, bool wide) {
+  const Attribute* const a = table.find("scan_angle");
+  if (!a || a->components != 1) return nullptr;
+  for (std::size_t i = 0; i < a->size(); ++i) {
+    const double v = a->number(i), steps = std::round(v / kAngleStep);
+    const bool fits = wide ? std::abs(steps) <= 30000 && static_cast<float>(kAngleStep * steps) == static_cast<float>(v)
+                           : v == std::round(v) && v >= -128 && v <= 127;
+    if (!fits) return nullptr;
+  }
+  return a;
+}
+
+LasFields las_fields(const AttributeTable& table, bool wide) {
+  const auto whole = [&](const char* name, double most) { return whole_attribute(table, name, most); };
+  const Attribute* const time = table.find("gps_time");
+  return {.intensity = whole("intensity", 65535),
+          .return_number = whole("return_number", wide ? 15 : 7),
+          .returns = whole("number_of_returns", wide ? 15 : 7),
+          .classification = whole("classification", wide ? 255 : 31),
+          .synthetic = whole("synthetic", 1),
+          .overlap = wide ? whole("overlap", 1) : nullptr,
+          .scan_angle = angle_attribute(table, wide),
+          .source = whole("point_source_id", 65535),
+          .user_data = whole("user_data", 255),
+          .time = time && time->components == 1 && time->type() == NumberType::f64 ? time : nullptr,
+          .infrared = wide ? whole("near_infrared", 65535) : nullptr};
+}
+
+/// Whether the older point formats have a place for whatever the newer ones have one for.
+bool older_do(const AttributeTable& table) {
+  const auto older = las_fields(table, false).all(), newer = las_fields(table, true).all();
+  for (std::size_t k = 0; k < older.size(); ++k)
+    if (newer[k] && !older[k]) return false;
+  return true;
+}
+
+/// One number, or up to three, after those of the point format.
+struct ExtraBytes {
+  const Attribute* attribute;
+  std::size_t first, components;
+  std::string name;
+};
+
+std::vector<ExtraBytes> extra_bytes(const AttributeTable& table, const LasFields& fields) {
+  std::vector<ExtraBytes> extras;
+  const auto placed = fields.all();
+  for (const Attribute& a : table) {
+    if (std::find(placed.begin(), placed.end(), &a) != placed.end()) continue;
+    if (a.components <= 3) {
+      extras.push_back({&a, 0, a.components, a.name});
+      continue;
+    }
+    for (std::size_t c = 0; c < a.components; ++c) extras.push_back({&a, c, 1, a.name + "_" + std::to_string(c)});
+  }
+  return extras;
+}
+
+/// 10 to a whole power.
+double power_of_ten(int power) {
+  const std::string text = "1e" + std::to_string(power);
+  double value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+/// What the 32 bits of a coordinate count.
+struct LasScale {
+  Vec3 offset;
+  double step = 0.001;
+  Box3 box;  ///< of what is written
+};
+
+/// A decimal step that no float of the cloud can tell from nothing: less than a quarter of what separates those at its
+/// edge. 2^31 steps then reach far beyond the cloud.
+LasScale las_scale(const PointSet& points) {
+  LasScale s;
+  for (const Vec3f& p : points.positions) {
+    if (!is_finite(p)) throw ArgumentError("LAS has no place for positions that are not finite");
+    s.box.extend(points.origin + Vec3(p));
+  }
+  if (s.box.empty()) return s;
+  double extent = 0, farthest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    extent = std::max(extent, s.box.upper[k] - s.box.lower[k]);
+    farthest = std::max({farthest, std::abs(s.box.upper[k]), std::abs(s.box.lower[k])});
+  }
+  extent = std::max(extent, farthest * 1e-9);
+  if (extent > 0) s.step = power_of_ten(static_cast<int>(std::floor(std::log10(extent * 0x1p-26))));
+  const double coarse = s.step * 1e7;
+  for (std::size_t k = 0; k < 3; ++k) s.offset[k] = std::round(s.box.center()[k] / coarse) * coarse;
+  return s;
+}
+
+template <class T>
+void put_at(std::string& bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+template <class T>
+T value_of(const Attribute* a, std::size_t i) {
+  return a ? static_cast<T>(a->number(i)) : T{};
+}
+
+constexpr std::size_t kDescribed = 192, kRecordHead = 54, kMostDescribed = 340;
+
+/// The header's records that describe the extra bytes.
+std::string describe_extras(const std::vector<ExtraBytes>& extras) {
+  constexpr std::uint8_t codes[] = {2, 1, 4, 3, 6, 5, 8, 7, 9, 10};  // in the order of NumberType
+  std::string all;
+  for (std::size_t first = 0; first < extras.size(); first += kMostDescribed) {
+    const std::size_t count = std::min(kMostDescribed, extras.size() - first);
+    std::string record(kRecordHead + count * kDescribed, '\0');
+    record.replace(2, 9, "LASF_Spec");
+    put_at(record, 18, std::uint16_t{4});
+    put_at(record, 20, static_cast<std::uint16_t>(count * kDescribed));
+    for (std::size_t k = 0; k < count; ++k) {
+      const ExtraBytes& e = extras[first + k];
+      const std::size_t at = kRecordHead + k * kDescribed;
+      record[at + 2] =
+          static_cast<char>(codes[static_cast<std::size_t>(e.attribute->type())] + 10 * (e.components - 1));
+      record.replace(at + 4, std::min<std::size_t>(32, e.name.size()), e.name, 0, 32);
+    }
+    all += record;
+  }
+  return all;
+}
+
+constexpr std::size_t kBytesOfFormat[] = {20, 28, 26, 34, 57, 63, 30, 36, 38};
+
+}  // namespace
+
+std::vector<std::string> points_to_las(const PointSet& points, const WriteOptions&) {
+  const std::size_t n = points.size();
+  const bool wide = !older_do(points.attributes), colors = points.has_colors();
+  const LasFields f = las_fields(points.attributes, wide);
+  const std::vector<ExtraBytes> extras = extra_bytes(points.attributes, f);
+  const unsigned format = wide ? (f.infrared ? 8 : colors ? 7 : 6) : (f.time ? 1u : 0u) + (colors ? 2u : 0u);
+  std::size_t record = kBytesOfFormat[format];
+  for (const ExtraBytes& e : extras) record += e.components * size_of(e.attribute->type());
+  if (record > 0xffff)
+    throw ArgumentError("LAS holds at most 65,535 bytes of a point, not " + grouped(record) + "; write a PLY file");
+  const LasScale scale = las_scale(points);
+
+  std::string header(wide ? 375 : 227, '\0');
+  const std::string described = describe_extras(extras);
+  header.replace(0, 4, "LASF");
+  header[24] = 1, header[25] = wide ? 4 : 2;
+  header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");
+  // Times outside of a week are not of the week: adjusted ones, which are negative before September 2011.
+  bool beyond = false;
+  for (std::size_t i = 0; f.time && i < n; ++i) beyond |= !(f.time->number(i) >= 0 && f.time->number(i) <= 7 * 86400);
+  put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (wide ? 16 : 0)));
+  put_at(header, 94, static_cast<std::uint16_t>(header.size()));
+  put_at(header, 96, static_cast<std::uint32_t>(header.size() + described.size()));
+  put_at(header, 100, static_cast<std::uint32_t>((extras.size() + kMostDescribed - 1) / kMostDescribed));
+  header[104] = static_cast<char>(format);
+  put_at(header, 105, static_cast<std::uint16_t>(record));
+  std::array<std::uint64_t, 16> of_return{};
+  for (std::size_t i = 0; i < n; ++i) ++of_return[value_of<std::size_t>(f.return_number, i) & 15];
+  if (wide)
+    put_at(header, 247, std::uint64_t{n});
+  else
+    put_at(header, 107, static_cast<std::uint32_t>(n));
+  for (std::size_t k = 1; k <= (wide ? 15u : 5u); ++k) {
+    if (wide)
+      put_at(header, 255 + 8 * (k - 1), of_return[k]);
+    else
+      put_at(header, 111 + 4 * (k - 1), static_cast<std::uint32_t>(of_return[k]));
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    // Of what the records say, which is rounded: no point may lie outside.
+    const auto recorded = [&](double x) {
+      return static_cast<double>(std::llround((x - scale.offset[k]) / scale.step)) * scale.step + scale.offset[k];
+    };
+    put_at(header, 131 + 8 * k, scale.step), put_at(header, 155 + 8 * k, scale.offset[k]);
+    put_at(header, 179 + 16 * k, n > 0 ? recorded(scale.box.upper[k]) : 0);
+    put_at(header, 187 + 16 * k, n > 0 ? recorded(scale.box.lower[k]) : 0);
+  }
+
+  std::vector<std::string> parts{header + described};
+  append_rows(parts, n, record, [&](std::size_t i, char* p) {
+    const Vec3 x = points.origin + Vec3(points.positions[i]);
+    for (std::size_t k = 0; k < 3; ++k)
+      p = put_bytes(p, static_cast<std::int32_t>(std::llround((x[k] - scale.offset[k]) / scale.step)));
+    p = put_bytes(p, value_of<std::uint16_t>(f.intensity, i));
+    const auto number = value_of<unsigned>(f.return_number, i), returns = value_of<unsigned>(f.returns, i);
+    const auto flags = value_of<unsigned>(f.synthetic, i);
+    const auto category = value_of<unsigned>(f.classification, i);
+    const auto byte = [&](unsigned value) { p = put_bytes(p, static_cast<std::uint8_t>(value)); };
+    if (wide) {
+      byte(number | returns << 4), byte(flags | value_of<unsigned>(f.overlap, i) << 3), byte(category);
+      byte(value_of<unsigned>(f.user_data, i));
+      p = put_bytes(p, static_cast<std::int16_t>(std::lround(value_of<double>(f.scan_angle, i) / kAngleStep)));
+    } else {
+      byte(number | returns << 3), byte(category | flags << 5);
+      p = put_bytes(p, static_cast<std::int8_t>(value_of<double>(f.scan_angle, i)));
+      byte(value_of<unsigned>(f.user_data, i));
+    }
+    p = put_bytes(p, value_of<std::uint16_t>(f.source, i));
+    if (wide || f.time) p = put_bytes(p, value_of<double>(f.time, i));
+    for (std::size_t k = 0; format != 6 && (colors || wide) && k < 3; ++k)
+      p = put_bytes(p, static_cast<std::uint16_t>(colors ? 257 * points.colors[i][k] : 0));
+    if (f.infrared) p = put_bytes(p, value_of<std::uint16_t>(f.infrared, i));
+    for (const ExtraBytes& e : extras)
+      std::visit(
+          [&](const auto& values) {
+            for (std::size_t c = 0; c < e.components; ++c)
+              p = put_bytes(p, values[i * e.attribute->components + e.first + c]);
+          },
+          e.attribute->values);
+    return p;
+  });
+  return parts;
+}
+
+}  // namespace sansmesh::io

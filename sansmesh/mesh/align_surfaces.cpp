@@ -1,0 +1,217 @@
+#include "sansmesh/mesh/align_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
+#include "sansmesh/mesh/align_fit.h"
+#include "sansmesh/mesh/align_search.h"
+#include "sansmesh/mesh/align_side.h"
+
+namespace sansmesh {
+namespace {
+
+using detail::AlignSide;
+using detail::FitOptions;
+using detail::FitResult;
+using detail::FoundPose;
+using detail::OrientedPoints;
+using detail::Pose;
+using detail::SearchSamples;
+
+/// Both surfaces lie on each other to this share: no need to look elsewhere.
+constexpr double kSurelyThere = 0.8;
+/// Poses that fit as well as the best, to this share of its score, and differ by so much: radians, and of the size.
+constexpr double kAsGood = 0.98, kOtherAngle = 0.2, kOtherPlace = 0.1;
+constexpr std::size_t kComparedPoses = 6, kOnTheWay = 3000, kOfComparison = 1500;
+/// Poses with less than this part of the best score are not looked at closely.
+constexpr double kWorthALook = 0.85;
+/// Distances that count at last: so many standard deviations, and at least this part of the size.
+constexpr double kReachOverDeviation = 4, kDeviationOfMedian = 1.4826, kLeastReach = 0.002;
+constexpr double kStepOverMedian = 0.005;
+constexpr double kLeastOverlap = 0.2;
+/// With distances that count up to more than this part of the size, everything lies on everything.
+constexpr double kWidestReach = 0.15;
+
+std::vector<std::uint32_t> chosen_of(std::size_t n, std::size_t most) {
+  const std::size_t count = std::min(n, most);
+  std::vector<std::uint32_t> chosen(count);
+  for (std::size_t k = 0; k < count; ++k) chosen[k] = static_cast<std::uint32_t>(k * n / count);
+  return chosen;
+}
+
+OrientedPoints samples_of(const AlignSide& side, std::size_t most) {
+  const OrientedPoints& all =
+      side.is_mesh || side.all.size() <= side.dense.size() || most <= side.dense.size() ? side.dense : side.all;
+  OrientedPoints some;
+  for (const std::uint32_t i : chosen_of(all.size(), most)) some.x.push_back(all.x[i]), some.n.push_back(all.n[i]);
+  return some;
+}
+
+/// What is left between samples and the surface, as far as they lie on it.
+std::vector<double> left_between(const OrientedPoints& samples, const detail::WholeSurface& fixed, const Pose& pose,
+                                 double reach, bool signs) {
+  std::vector<double> left;
+  for (const auto& d : detail::distances_to(samples, fixed, pose, reach, signs, false))
+    if (d && *d <= reach) left.push_back(*d);
+  return left;
+}
+
+/// To the surface itself, first with few samples, then with all.
+FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, const detail::WholeSurface& fixed,
+                      const Pose& start, double reach, const SurfaceAlignmentOptions& options, bool signs) {
+  FitOptions fit;
+  fit.iterations = options.iterations;
+  fit.reach = reach;
+  fit.least_reach = kLeastReach;
+  fit.scale = options.scale;
+  fit.signs = signs;
+  fit.last_step = 1e-4;
+  FitResult rough = detail::fit_pose(few, fixed, start, fit);
+  std::vector<double> left = left_between(few, fixed, rough.pose, rough.reach, signs);
+  fit.reach = fit.least_reach = std::max(kLeastReach, kReachOverDeviation * kDeviationOfMedian * median(left));
+  // Smaller steps than the noise of the samples tells are none.
+  fit.last_step = std::max(1e-7, kStepOverMedian * median(left));
+  FitResult close = detail::fit_pose(many, fixed, rough.pose, fit);
+  close.iterations += rough.iterations;
+  return close;
+}
+
+}  // namespace
+
+double SimilarityMotion::angle() const {
+  const Vec3 w{y.z - z.y, z.x - x.z, x.y - y.x};
+  return std::atan2(norm(w), x.x + y.y + z.z - 1) * 180 / std::numbers::pi;
+}
+
+Vec3 SimilarityMotion::axis() const {
+  const Vec3 w{y.z - z.y, z.x - x.z, x.y - y.x};
+  if (norm(w) > 1e-9) return normalized(w);
+  // Half a turn, or none: the column of R + 1 that is longest.
+  const Vec3 columns[] = {x + Vec3{1, 0, 0}, y + Vec3{0, 1, 0}, z + Vec3{0, 0, 1}};
+  return normalized(*std::max_element(std::begin(columns), std::end(columns),
+                                      [](const Vec3& a, const Vec3& b) { return squared_norm(a) < squared_norm(b); }));
+}
+
+void SurfaceAlignmentOptions::validate() const {
+  if (samples < 100 || samples > 10000000) throw ArgumentError("`samples` must lie in 100..10000000");
+  if (iterations < 1 || iterations > 1000) throw ArgumentError("`iterations` must lie in 1..1000");
+}
+
+SurfaceAlignment align_surfaces(const TriangleMesh& moving_mesh, const TriangleMesh& fixed_mesh,
+                                const SurfaceAlignmentOptions& options, Progress& progress) {
+  options.validate();
+  progress.begin("prepare");
+  Vec3 moving_origin, fixed_origin;
+  double moving_size = 0, fixed_size = 0;
+  detail::measure_side(moving_mesh, "moving", moving_origin, moving_size);
+  detail::measure_side(fixed_mesh, "fixed", fixed_origin, fixed_size);
+  // Of very different sizes: the scale is part of the units, so that both are about 1 large.
+  const double moving_unit = options.scale ? moving_size : fixed_size;
+  const AlignSide moving = detail::prepare_side(moving_mesh, moving_origin, moving_unit, "moving", progress);
+  const AlignSide fixed = detail::prepare_side(fixed_mesh, fixed_origin, fixed_size, "fixed", progress);
+  const bool signs = moving.has_sides && fixed.has_sides;
+  const SearchSamples coarse = detail::search_samples(moving, fixed);
+  const detail::WholeSurface surface(fixed.mesh, fixed.all, coarse.spacing);
+  const detail::WholeSurface back(moving.mesh, moving.dense, coarse.spacing);
+  const OrientedPoints few = samples_of(moving, std::min(options.samples, kOnTheWay)),
+                       many = samples_of(moving, options.samples);
+
+  Pose start;
+  start.scale = moving_unit / fixed_size;
+  start.shift = (moving_origin - fixed_origin) / fixed_size;
+  const double fine = coarse.spacing;
+  const OrientedPoints few_fixed = samples_of(fixed, kOnTheWay);
+  const auto score = [&](const Pose& pose) {
+    return (detail::share_on(few, surface, pose, fine, signs) +
+            detail::share_back(few_fixed, back, pose, fine, signs)) /
+           2;
+  };
+
+  SurfaceAlignment result;
+  std::optional<FitResult> best;
+  double best_score = -1;
+  if (options.start != AlignStart::anywhere) {
+    progress.begin("fit");
+    best = fit_closely(few, many, surface, start, 0, options, signs);
+    best_score = score(best->pose);
+  }
+  if (options.start == AlignStart::anywhere || (options.start == AlignStart::automatic && best_score < kSurelyThere)) {
+    result.searched = true;
+    const std::vector<FoundPose> poses = detail::search_poses(moving, fixed, coarse, options.scale, progress);
+    progress.begin("fit", kComparedPoses);
+    std::vector<std::pair<FitResult, double>> tried;
+    FitOptions fit;
+    fit.iterations = std::min(options.iterations, 30);
+    fit.reach = 2 * coarse.spacing;
+    fit.least_reach = kLeastReach;
+    fit.scale = options.scale;
+    fit.signs = signs;
+    fit.last_step = 1e-4;
+    const OrientedPoints fewer = samples_of(moving, std::min(options.samples, kOfComparison));
+    for (std::size_t k = 0; k < std::min(poses.size(), kComparedPoses); ++k) {
+      if (poses[k].score < kWorthALook * poses[0].score) break;
+      const FitResult f = detail::fit_pose(fewer, surface, poses[k].pose, fit);
+      tried.emplace_back(f, score(f.pose));
+      progress.advance();
+    }
+    std::stable_sort(tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    if (!tried.empty() && tried[0].second > best_score * (best ? 1.02 : 1)) {
+      best_score = tried[0].second;
+      best = fit_closely(few, many, surface, tried[0].first.pose, 2 * coarse.spacing, options, signs);
+      result.start = AlignStart::anywhere;
+    }
+    std::vector<Pose> others;
+    for (const auto& [f, s] : tried) {
+      if (!best || s < kAsGood * best_score ||
+          detail::nearly_same(f.pose, best->pose, moving, kOtherAngle, kOtherPlace))
+        continue;
+      if (std::any_of(others.begin(), others.end(),
+                      [&](const Pose& o) { return detail::nearly_same(o, f.pose, moving, kOtherAngle, kOtherPlace); }))
+        continue;
+      others.push_back(f.pose);
+      result.alternative_angles.push_back(detail::angle_between(f.pose, best->pose) * 180 / std::numbers::pi);
+    }
+    result.alternatives = others.size();
+  }
+  if (!best) best.emplace().pose = start;
+
+  progress.begin("residuals");
+  const Pose& pose = best->pose;
+  result.iterations = best->iterations;
+  result.samples = many.size();
+  result.reach = best->reach * fixed_size;
+  std::vector<double> left = left_between(many, surface, pose, best->reach, signs);
+  if (!left.empty()) {
+    double squares = 0;
+    for (const double d : left) squares += d * d;
+    std::sort(left.begin(), left.end());
+    result.rms = std::sqrt(squares / static_cast<double>(left.size())) * fixed_size;
+    result.median = left[left.size() / 2] * fixed_size;
+    result.p95 = left[left.size() * 95 / 100] * fixed_size;
+  }
+  result.overlap = static_cast<double>(left.size()) / static_cast<double>(std::max<std::size_t>(many.size(), 1));
+  std::vector<double> before;
+  for (const auto& d : detail::distances_to(few, surface, start, 0, signs, true))
+    if (d) before.push_back(*d);
+  result.median_before = median(before) * fixed_size;
+  double moved = 0;
+  for (const Vec3& p : few.x) moved += squared_norm(pose(p) - start(p));
+  result.moved = std::sqrt(moved / static_cast<double>(std::max<std::size_t>(few.size(), 1))) * fixed_size;
+  for (const double t : best->told) result.free_motions += t < detail::kToldShare;
+  result.found = result.overlap >= kLeastOverlap && best->reach <= kWidestReach;
+  result.size_ratio = moving_size / fixed_size;
+
+  SimilarityMotion& m = result.motion;
+  m.x = pose.x, m.y = pose.y, m.z = pose.z;
+  m.scale = options.scale ? pose.scale * fixed_size / moving_unit : 1;
+  m.from = moving_origin;
+  m.to = fixed_origin + pose.shift * fixed_size;
+  progress.finish();
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,133 @@
+#include "sansmesh/mesh/self_intersections.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kTrianglesOfLeaf = 4;
+
+/// Triangles along a curve that fills space, under a tree of boxes: node i has the children 2i and 2i + 1.
+struct BoxesOfTriangles {
+  std::vector<std::uint32_t> order;
+  std::vector<Box3f> box;
+  std::size_t leaves = 1;
+
+  BoxesOfTriangles(const TriangleMesh& mesh, const std::vector<Box3f>& of_triangle) {
+    const Box3f all = bounds(mesh);
+    const Vec3f size = all.size();
+    const float widest = std::max({size.x, size.y, size.z, 1e-30f});
+    std::vector<KeyIndex> keys(mesh.triangles.size());
+    parallel_for(0, keys.size(), 8192, [&](std::size_t t) {
+      const Vec3f middle = (of_triangle[t].lower + of_triangle[t].upper) * 0.5f - all.lower;
+      std::uint64_t key = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto cell = static_cast<std::uint64_t>(std::clamp(middle[k] / widest, 0.0f, 1.0f) * 1048575.0f);
+        for (std::size_t bit = 0; bit < 20; ++bit) key |= (cell >> bit & 1u) << (3 * bit + k);
+      }
+      keys[t] = {key, static_cast<unsigned>(t)};
+    });
+    parallel_sort(keys);
+    order.reserve(keys.size());
+    for (const KeyIndex& k : keys) order.push_back(k.index);
+    while (leaves * kTrianglesOfLeaf < order.size()) leaves *= 2;
+    box.resize(2 * leaves);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      Box3f& leaf = box[leaves + i / kTrianglesOfLeaf];
+      leaf.extend(of_triangle[order[i]].lower);
+      leaf.extend(of_triangle[order[i]].upper);
+    }
+    for (std::size_t i = leaves; i-- > 1;)
+      for (const std::size_t child : {2 * i, 2 * i + 1})
+        if (!box[child].empty()) {
+          box[i].extend(box[child].lower);
+          box[i].extend(box[child].upper);
+        }
+  }
+};
+
+bool overlap(const Box3f& a, const Box3f& b) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!(a.lower[k] <= b.upper[k] && b.lower[k] <= a.upper[k])) return false;
+  return true;
+}
+
+/// Whether the segment goes through the inside of the triangle.
+bool goes_through(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t, double tolerance) {
+  const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+  const double size = norm(normal);
+  if (!(size > 0)) return false;
+  const double above = dot(normal, p - t[0]), below = dot(normal, q - t[0]);
+  if ((above > 0) == (below > 0) || std::min(std::abs(above), std::abs(below)) <= tolerance * size) return false;
+  const Vec3 d = q - p;
+  int positive = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 a = t[k] - p, b = t[(k + 1) % 3] - p;
+    const double side = dot(d, cross(a, b));
+    if (std::abs(side) <= 1e-9 * norm(d) * (squared_norm(a) + squared_norm(b))) return false;
+    positive += side > 0;
+  }
+  return positive == 0 || positive == 3;
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh, double tolerance) {
+  const std::size_t n = mesh.triangles.size();
+  std::vector<std::array<std::uint32_t, 2>> all;
+  if (n < 2) return all;
+  std::vector<Box3f> box(n);
+  parallel_for(0, n, 8192, [&](std::size_t t) {
+    for (const std::uint32_t v : mesh.triangles[t]) box[t].extend(mesh.vertices[v]);
+  });
+  const BoxesOfTriangles tree(mesh, box);
+  const auto corners = [&](std::uint32_t t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    return std::array<Vec3, 3>{Vec3(mesh.vertices[a]), Vec3(mesh.vertices[b]), Vec3(mesh.vertices[c])};
+  };
+  const auto cut = [&](std::uint32_t s, std::uint32_t t) {
+    const Triangle &a = mesh.triangles[s], &b = mesh.triangles[t];
+    const auto has = [](const Triangle& x, std::uint32_t v) { return x[0] == v || x[1] == v || x[2] == v; };
+    if (has(b, a[0]) + has(b, a[1]) + has(b, a[2]) > 1) return false;
+    const std::array<Vec3, 3> p = corners(s), q = corners(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t l = (k + 1) % 3;
+      if (!has(b, a[k]) && !has(b, a[l]) && goes_through(p[k], p[l], q, tolerance)) return true;
+      if (!has(a, b[k]) && !has(a, b[l]) && goes_through(q[k], q[l], p, tolerance)) return true;
+    }
+    return false;
+  };
+  constexpr std::size_t kChunkOfTriangles = 1024;
+  const std::size_t chunks = (n + kChunkOfTriangles - 1) / kChunkOfTriangles;
+  std::vector<std::vector<std::array<std::uint32_t, 2>>> found(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    std::vector<std::size_t> open;
+    for (std::size_t i = c * kChunkOfTriangles; i < std::min(n, (c + 1) * kChunkOfTriangles); ++i) {
+      const std::uint32_t t = tree.order[i];
+      open.assign(1, 1);
+      while (!open.empty()) {
+        const std::size_t node = open.back();
+        open.pop_back();
+        if (!overlap(tree.box[node], box[t])) continue;
+        if (node < tree.leaves) {
+          open.push_back(2 * node);
+          open.push_back(2 * node + 1);
+          continue;
+        }
+        const std::size_t first = (node - tree.leaves) * kTrianglesOfLeaf;
+        for (std::size_t j = std::max(first, i + 1); j < std::min(n, first + kTrianglesOfLeaf); ++j) {
+          const std::uint32_t s = tree.order[j];
+          if (overlap(box[s], box[t]) && cut(s, t)) found[c].push_back({std::min(s, t), std::max(s, t)});
+        }
+      }
+    }
+  });
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,17 @@
+// Where a mesh cuts through itself.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/data/triangle_mesh.h"
+
+namespace sansmesh {
+
+/// Pairs of triangles (the lower number first, in ascending order) of which an edge of one goes through the other, with
+/// its ends farther than `tolerance` (length) from that one's plane. Triangles that share an edge are not looked at, of
+/// those that share a vertex only the edges opposite to it. Parallel; about n log n for meshes without too many.
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh, double tolerance);
+
+}  // namespace sansmesh

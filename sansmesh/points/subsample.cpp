@@ -1,0 +1,32 @@
+#include "sansmesh/points/subsample.h"
+
+#include <numeric>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/scramble.h"
+
+namespace sansmesh {
+
+std::vector<std::uint32_t> scattered_choice(std::size_t n, std::size_t count) {
+  std::vector<std::uint32_t> chosen;
+  if (count >= n) {
+    chosen.resize(n);
+    std::iota(chosen.begin(), chosen.end(), 0u);
+    return chosen;
+  }
+  // Each number is taken with the chance that is right for what is still wanted of what is left.
+  chosen.reserve(count);
+  for (std::size_t i = 0; i < n && chosen.size() < count; ++i)
+    if (scrambled(i) % (n - i) < count - chosen.size()) chosen.push_back(static_cast<std::uint32_t>(i));
+  return chosen;
+}
+
+std::vector<std::uint32_t> every_nth(std::size_t n, std::size_t step) {
+  if (step == 0) throw ArgumentError("every_nth: the step must be at least 1");
+  std::vector<std::uint32_t> chosen;
+  chosen.reserve(n / step + 1);
+  for (std::size_t i = 0; i < n; i += step) chosen.push_back(static_cast<std::uint32_t>(i));
+  return chosen;
+}
+
+}  // namespace sansmesh

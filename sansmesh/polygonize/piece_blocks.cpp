@@ -1,0 +1,255 @@
+#include "sansmesh/polygonize/piece_blocks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kLeastLevel = 3;
+/// A block's edge times the bend of a piece in it, at most: then the piece is one sheet in it.
+constexpr double kMostBend = 0.7;
+/// Edge of the smallest blocks, as a share of the root's: tips end here.
+constexpr double kSmallest = 3.2e-5;
+/// The triangles of a block with edge e are about e/2 wide; straddling a surface of curvature κ, they are κ(e/2)²/24
+/// off on average.
+constexpr double kErrorShare = 1.0 / 96;
+/// With more pieces than this a block is cut as long as that helps.
+/// Half its diagonal, and how far lattice vertices move (piece_cut.cpp), as shares of a block's edge.
+constexpr double kReachOfBlock = 0.8661 + 0.161;
+constexpr std::size_t kManyPieces = 16;
+/// Down to what blocks are cut for pieces that come close to each other: what remains is below a float's resolution.
+constexpr double kRoundingOfMesh = 1e-7;
+constexpr std::array<double, 3> kShift{0.3819, 0.2361, 0.4271};
+
+struct Chooser {
+  const PieceExpression& field;
+  const PieceBlockOptions& options;
+  double scale;
+
+  enum class Verdict : std::uint8_t { fine, cut, cut_if_allowed, too_small };
+
+  /// A node at the centre and the corners of a block.
+  struct Seen {
+    std::array<double, 9> value{};
+    Vec3 gradient;
+    bool bends = false;
+    std::vector<std::uint32_t> pieces;  ///< nodes that are pieces, of those below and itself
+  };
+
+  /// Whether two sheets with their backs to each other come closer than they are straight. (Those that face the same
+  /// way are one sheet wherever both count.) Each counts where it is the value of its side, about.
+  bool too_close(const Seen& a, const Seen& of_a, const Seen& b, const Seen& of_b, const std::array<Vec3, 9>& offset,
+                 double edge) const {
+    const double middle = a.value[0] + b.value[0];
+    const Vec3 slope = a.gradient + b.gradient;
+    double off = 0;
+    for (std::size_t k = 1; k < 9; ++k)
+      off = std::max(off, std::abs(a.value[k] + b.value[k] - middle - dot(slope, offset[k])));
+    const double steep = norm(slope);
+    if (off < kRoundingOfMesh * scale || std::abs(middle) > 0.87 * steep * edge + 2 * off || steep * edge > 4 * off)
+      return false;
+    for (std::size_t k = 0; k < 9; ++k)
+      if (std::abs(a.value[k] - of_a.value[k]) <= 2 * off && std::abs(b.value[k] - of_b.value[k]) <= 2 * off)
+        return true;
+    return false;
+  }
+
+  Verdict look(const Vec3& center, double edge, std::span<const PieceNode> nodes) const {
+    thread_local std::vector<Seen> seen;
+    const double radius = kReachOfBlock * edge;
+    bool curved = false, bent = false, tiny = false, coarse = false;
+    std::size_t count = 0;
+    for (const PieceNode& n : nodes) {
+      if (n.kind != PieceNode::Kind::piece) continue;
+      ++count;
+      const double bend = field.bend(n.a, center, radius);
+      curved = curved || bend > 0;
+      bent = bent || bend * edge > kMostBend;
+      tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has no end
+      coarse = coarse || bend * edge * edge * kErrorShare > options.mesh_error;
+    }
+    if (options.cell > 0) {
+      if (edge <= 1.0001 * options.cell) return tiny ? Verdict::too_small : Verdict::fine;
+      if (curved) return Verdict::cut;
+    }
+    if (edge < kSmallest * scale) return tiny ? Verdict::too_small : Verdict::fine;
+    if (bent || count > kManyPieces) return Verdict::cut_if_allowed;
+    if (coarse) return Verdict::cut;
+    if (!curved || count < 2) return Verdict::fine;
+    std::array<Vec3, 9> x, offset;
+    x[0] = center;
+    for (std::size_t k = 0; k < 8; ++k) {
+      offset[k + 1] = Vec3{k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0} * (edge / 2);
+      x[k + 1] = center + offset[k + 1];
+    }
+    seen.resize(std::max(seen.size(), nodes.size()));
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+      const PieceNode& n = nodes[i];
+      Seen& now = seen[i];
+      now.pieces.clear();
+      if (n.kind == PieceNode::Kind::piece) {
+        std::array<Vec3, 9> gradient;
+        field.evaluate_piece(n.a, x, now.value, gradient);
+        now.gradient = gradient[0];
+        now.bends = field.bend(n.a, center, radius) > 0;
+        now.pieces.push_back(i);
+        continue;
+      }
+      const Seen &a = seen[n.a], &b = seen[n.b];
+      const bool least = n.kind == PieceNode::Kind::least;
+      for (std::size_t k = 0; k < 9; ++k)
+        now.value[k] = least ? std::min(a.value[k], b.value[k]) : std::max(a.value[k], b.value[k]);
+      for (const std::uint32_t p : a.pieces)
+        for (const std::uint32_t q : b.pieces)
+          if ((seen[p].bends || seen[q].bends) && too_close(seen[p], a, seen[q], b, offset, edge))
+            return Verdict::cut_if_allowed;
+      now.pieces = a.pieces;
+      now.pieces.insert(now.pieces.end(), b.pieces.begin(), b.pieces.end());
+    }
+    return Verdict::fine;
+  }
+};
+
+/// Pruned by what the values in the middle say of the block; false if nothing is left.
+bool prune_block(const PieceExpression& field, const Vec3& center, double edge, std::span<const PieceNode> nodes,
+                 std::vector<PieceNode>& left) {
+  const double radius = kReachOfBlock * edge;
+  const auto sign = [&](std::uint32_t piece) {
+    double value = 0;
+    field.evaluate_piece(piece, {&center, 1}, {&value, 1}, {});
+    return value > radius ? KnownSign::outside : value < -radius ? KnownSign::inside : KnownSign::unknown;
+  };
+  const auto same = [&](std::uint32_t a, std::uint32_t b) {
+    return field.same_within(a, center, radius) == field.same_within(b, center, radius);
+  };
+  return prune(nodes, left, sign, same) == KnownSign::unknown;
+}
+
+struct OpenBlock {
+  std::uint32_t block;
+  std::uint32_t first, count;  ///< nodes of the block above, of the level before
+};
+
+constexpr std::size_t kChunkOfBlocks = 256;
+
+struct ChunkOfBlocks {
+  std::vector<PieceNode> nodes;
+  std::vector<PieceBlocks::Leaf> met;  ///< nodes counted from the chunk's first
+  std::vector<std::uint8_t> verdict;
+};
+
+/// One level of the tree: what is left in each block, and `see(center, edge, nodes)` of it.
+template <class See>
+std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree,
+                                         const std::vector<OpenBlock>& open, const std::vector<PieceNode>& above,
+                                         See&& see) {
+  const std::size_t chunks = (open.size() + kChunkOfBlocks - 1) / kChunkOfBlocks;
+  std::vector<ChunkOfBlocks> found(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    ChunkOfBlocks& chunk = found[c];
+    const std::size_t end = std::min(open.size(), (c + 1) * kChunkOfBlocks);
+    for (std::size_t i = c * kChunkOfBlocks; i < end; ++i) {
+      const OpenBlock& o = open[i];
+      const Vec3 center = tree.block_center(o.block);
+      const double edge = tree.block_edge(o.block);
+      const auto first = static_cast<std::uint32_t>(chunk.nodes.size());
+      if (!prune_block(field, center, edge, std::span(above).subspan(o.first, o.count), chunk.nodes)) continue;
+      const auto count = static_cast<std::uint32_t>(chunk.nodes.size() - first);
+      chunk.met.push_back({o.block, first, count});
+      chunk.verdict.push_back(see(center, edge, std::span<const PieceNode>(chunk.nodes).subspan(first, count)));
+    }
+  });
+  return found;
+}
+
+}  // namespace
+
+PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const PieceBlockOptions& options, double shift,
+                         Progress& progress) {
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  double edge = longest * 1.07;
+  if (options.cell > 0) {
+    edge = options.cell;
+    while (edge < longest * 1.001 + 2 * options.cell) edge *= 2;
+  }
+  const double room = edge - longest;
+  Vec3 lower = box.center() - Vec3{edge, edge, edge} * 0.5;
+  for (std::size_t k = 0; k < 3; ++k) lower[k] += (std::fmod(kShift[k] + shift, 1.0) - 0.5) * 0.9 * room;
+  PieceBlocks result{BlockTree(lower, edge), {}, {}, edge, 0, false};
+  BlockTree& tree = result.tree;
+  const Chooser chooser{field, options, edge};
+  progress.begin("blocks");
+  std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
+  std::vector<PieceNode> above(field.nodes());
+  for (int level = 0; !open.empty(); ++level) {
+    progress.check();
+    const std::vector<ChunkOfBlocks> found =
+        look_at_level(field, tree, open, above, [&](const Vec3& center, double e, std::span<const PieceNode> nodes) {
+          return static_cast<std::uint8_t>(level < kLeastLevel ? Chooser::Verdict::cut
+                                                               : chooser.look(center, e, nodes));
+        });
+    const double e = edge / static_cast<double>(1u << level);
+    const bool may_cut = level < BlockTree::kMaxLevel && (options.cell == 0 || e > 1.0001 * options.cell);
+    open.clear();
+    above.clear();
+    for (const ChunkOfBlocks& c : found) {
+      const auto offset = static_cast<std::uint32_t>(above.size());
+      bool any = false;
+      for (std::size_t i = 0; i < c.met.size(); ++i) {
+        const auto verdict = static_cast<Chooser::Verdict>(c.verdict[i]);
+        if (verdict == Chooser::Verdict::too_small) result.unresolved = e;
+        if (!may_cut || verdict == Chooser::Verdict::fine || verdict == Chooser::Verdict::too_small) continue;
+        any = true;
+        const auto child = static_cast<std::uint32_t>(tree.subdivide(c.met[i].block));
+        for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + c.met[i].first, c.met[i].count});
+      }
+      if (any) above.insert(above.end(), c.nodes.begin(), c.nodes.end());
+      if (tree.size() > options.most_blocks) {
+        result.too_many = true;
+        return result;
+      }
+    }
+  }
+  tree.balance();
+
+  // Again from the top, now that it is known which blocks are leaves.
+  std::vector<std::uint32_t> rank(tree.size(), 0);
+  {
+    const std::vector<std::uint32_t> leaves = tree.leaves();
+    for (std::size_t i = 0; i < leaves.size(); ++i) rank[leaves[i]] = static_cast<std::uint32_t>(i);
+  }
+  open = {{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
+  above = field.nodes();
+  while (!open.empty()) {
+    progress.check();
+    const std::vector<ChunkOfBlocks> found = look_at_level(
+        field, tree, open, above, [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
+    open.clear();
+    above.clear();
+    for (const ChunkOfBlocks& c : found) {
+      const auto offset = static_cast<std::uint32_t>(above.size());
+      above.insert(above.end(), c.nodes.begin(), c.nodes.end());
+      for (const PieceBlocks::Leaf& m : c.met) {
+        if (tree.is_leaf(m.block)) {
+          const auto first = static_cast<std::uint32_t>(result.nodes.size());
+          result.nodes.insert(result.nodes.end(), c.nodes.begin() + m.first, c.nodes.begin() + m.first + m.count);
+          result.leaves.push_back({m.block, first, m.count});
+          continue;
+        }
+        const auto child = static_cast<std::uint32_t>(tree[m.block].first_child);
+        for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + m.first, m.count});
+      }
+    }
+  }
+  std::sort(result.leaves.begin(), result.leaves.end(),
+            [&](const PieceBlocks::Leaf& a, const PieceBlocks::Leaf& b) { return rank[a.block] < rank[b.block]; });
+  progress.finish();
+  return result;
+}
+
+}  // namespace sansmesh

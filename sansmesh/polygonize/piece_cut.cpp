@@ -1,0 +1,673 @@
+#include "sansmesh/polygonize/piece_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/lattice.h"
+
+namespace sansmesh {
+namespace {
+
+using Wide = __int128;
+using NodeKind = PieceNode::Kind;
+
+constexpr std::uint32_t kNobody = CutPieces::kNone;
+constexpr std::size_t kMostInBlock = 63;  ///< pieces: bits of a mask
+constexpr std::size_t kChunkOfLeaves = 512;
+/// Least distance of lattice vertices from the surface, as a share of the smallest block's edge; they move by up to
+/// twice that.
+constexpr double kStandBack = 0.08;
+
+/// What a vertex is called in all simplices that have it: on an edge of the lattice the ends and the piece; in a face
+/// the corners and two pieces; within a simplex its number and what meets there.
+using Name = std::array<std::uint32_t, 6>;
+
+/// From names to numbers, in the order of their first use.
+class NameTable {
+ public:
+  std::uint32_t number(const Name& name) {
+    if (2 * names_.size() >= table_.size()) grow();
+    std::size_t at = scattered(name) & (table_.size() - 1);
+    while (table_[at] != kNobody && names_[table_[at]] != name) at = (at + 1) & (table_.size() - 1);
+    if (table_[at] == kNobody) {
+      table_[at] = static_cast<std::uint32_t>(names_.size());
+      names_.push_back(name);
+    }
+    return table_[at];
+  }
+  const std::vector<Name>& names() const { return names_; }
+
+ private:
+  static std::size_t scattered(const Name& name) {
+    std::uint64_t h = 0;
+    for (const std::uint32_t k : name) h = (h ^ h >> 29 ^ k) * 0x9e3779b97f4a7c15u;
+    return static_cast<std::size_t>(h ^ h >> 32);
+  }
+  void grow() {
+    table_.assign(std::max<std::size_t>(64, 2 * table_.size()), kNobody);
+    for (std::uint32_t i = 0; i < names_.size(); ++i) {
+      std::size_t at = scattered(names_[i]) & (table_.size() - 1);
+      while (table_[at] != kNobody) at = (at + 1) & (table_.size() - 1);
+      table_[at] = i;
+    }
+  }
+  std::vector<std::uint32_t> table_;
+  std::vector<Name> names_;
+};
+
+int sign_of(Wide v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
+
+/// The sign of Σ weight[i] value[i], with weights of up to 126 bits.
+int sign_of_sum(const std::array<Wide, 4>& weight, const std::array<std::int64_t, 4>& value) {
+  Wide high = 0, low = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    high += (weight[i] >> 64) * value[i];
+    low += static_cast<Wide>(static_cast<std::uint64_t>(weight[i])) * value[i];
+  }
+  high += low >> 64;
+  return high != 0 ? sign_of(high) : static_cast<std::uint64_t>(low) != 0 ? 1 : 0;
+}
+
+struct ChunkOfCuts {
+  NameTable names;
+  std::vector<Vec3> x;
+  std::vector<float> size;
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> piece;
+  bool crowded = false;
+};
+
+/// A polygon in the plane of a piece, as the planes along its edges; vertex i lies between edges i − 1 and i. Planes 0
+/// to 3 are the faces of the simplex opposite to its vertices, then come pieces.
+struct Cell {
+  std::vector<std::uint8_t> edge;
+  std::uint64_t negative = 0;  ///< pieces that are negative in it
+};
+
+constexpr std::array<std::array<std::uint8_t, 4>, 4> kLone{{{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}}};
+/// By the set of negative vertices, if these are two: they come first, in an even permutation.
+constexpr std::array<std::uint8_t, 4> two_and_two(unsigned negative) {
+  switch (negative) {
+    case 0b0011:
+      return {0, 1, 2, 3};
+    case 0b0101:
+      return {0, 2, 3, 1};
+    case 0b1001:
+      return {0, 3, 1, 2};
+    case 0b1100:
+      return {2, 3, 0, 1};
+    case 0b1010:
+      return {3, 1, 0, 2};
+    default:
+      return {1, 2, 0, 3};
+  }
+}
+
+/// One block at a time.
+class Cutter {
+ public:
+  Cutter(const PieceExpression& field, const PieceBlocks& blocks, double quantum, ChunkOfCuts& out)
+      : field_(field), blocks_(blocks), quantum_(quantum), out_(out) {}
+
+  void cut(std::size_t leaf, const BlockPattern& pattern, std::span<const std::uint32_t> numbers,
+           std::span<const Vec3> x) {
+    const PieceBlocks::Leaf& l = blocks_.leaves[leaf];
+    nodes_.assign(blocks_.nodes.begin() + l.first, blocks_.nodes.begin() + l.first + l.count);
+    pieces_.clear();
+    for (PieceNode& n : nodes_) {
+      if (n.kind != NodeKind::piece) continue;
+      const auto at = std::find(pieces_.begin(), pieces_.end(), n.a);
+      if (at == pieces_.end()) {
+        pieces_.push_back(n.a);
+        n.a = static_cast<std::uint32_t>(pieces_.size() - 1);
+      } else {
+        n.a = static_cast<std::uint32_t>(at - pieces_.begin());
+      }
+    }
+    if (pieces_.size() > kMostInBlock) {
+      out_.crowded = true;
+      return;
+    }
+    slots_ = pattern.slots.size();
+    values_.resize(pieces_.size() * slots_);
+    found_.resize(slots_);
+    negative_.assign(slots_, 0);
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      field_.evaluate_piece(pieces_[p], x, found_, {});
+      for (std::size_t s = 0; s < slots_; ++s) {
+        // Odd, so never 0.
+        const std::int64_t v = 2 * static_cast<std::int64_t>(std::floor(found_[s] / quantum_)) + 1;
+        values_[p * slots_ + s] = v;
+        if (v < 0) negative_[s] |= std::uint64_t{1} << p;
+      }
+    }
+    x_ = x, numbers_ = numbers;
+    size_ = static_cast<float>(blocks_.tree.block_edge(l.block));
+    for (std::size_t t = 0; t < pattern.tets.size(); ++t) {
+      tet_ = pattern.tets[t];
+      const std::uint64_t a = negative_[tet_[0]], b = negative_[tet_[1]], c = negative_[tet_[2]],
+                          d = negative_[tet_[3]];
+      const std::uint64_t all = a & b & c & d, any = a | b | c | d;
+      if (all == any) continue;
+      id_ = static_cast<std::uint32_t>(leaf * 256 + t);
+      cut_simplex(all, any);
+    }
+  }
+
+ private:
+  /// In place of a piece: 1 everywhere.
+  static constexpr std::size_t kOnes = kMostInBlock;
+  std::int64_t value(std::size_t piece, std::size_t corner) const {
+    return piece == kOnes ? 1 : values_[piece * slots_ + tet_[corner]];
+  }
+
+  void cut_simplex(std::uint64_t all, std::uint64_t any) {
+    if (nodes_.size() == 1) return single(0);
+    left_.clear();
+    const KnownSign known = prune(
+        nodes_, left_,
+        [&](std::uint32_t p) {
+          const std::uint64_t bit = std::uint64_t{1} << p;
+          return all & bit ? KnownSign::inside : any & bit ? KnownSign::unknown : KnownSign::outside;
+        },
+        [](std::uint32_t p, std::uint32_t q) { return p == q; });
+    if (known != KnownSign::unknown) return;
+    if (left_.size() == 1) return single(left_[0].a);
+    several();
+  }
+
+  // ---- One piece ------------------------------------------------------------------------------------------------
+
+  std::uint32_t on_edge(std::size_t piece, std::size_t i, std::size_t j) {
+    if (numbers_[tet_[i]] > numbers_[tet_[j]]) std::swap(i, j);
+    const std::array<Vec3, 2> ends{x_[tet_[i]], x_[tet_[j]]};
+    const std::uint32_t name = field_.same_at(pieces_[piece], ends);
+    const std::uint32_t n = out_.names.number({numbers_[tet_[i]], numbers_[tet_[j]], kNobody, name, kNobody, kNobody});
+    if (n < out_.x.size()) return smaller(n);
+    const auto f = static_cast<double>(value(piece, i)), g = static_cast<double>(value(piece, j));
+    const double t = f / (f - g);
+    return add(x_[tet_[i]] * (1 - t) + x_[tet_[j]] * t);
+  }
+
+  std::uint32_t add(const Vec3& x) {
+    out_.x.push_back(x);
+    out_.size.push_back(size_);
+    return static_cast<std::uint32_t>(out_.x.size() - 1);
+  }
+  std::uint32_t smaller(std::uint32_t n) {
+    out_.size[n] = std::min(out_.size[n], size_);
+    return n;
+  }
+
+  /// The edges of the lattice that the polygon's vertices lie on, in its order; its normal points to where the piece is
+  /// positive.
+  std::size_t polygon(std::size_t piece, std::array<std::array<std::uint8_t, 2>, 4>& ends) const {
+    unsigned negative = 0;
+    int count = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (value(piece, k) < 0) negative |= 1u << k, ++count;
+    if (count == 2) {
+      const auto [i, j, k, l] = two_and_two(negative);
+      ends = {{{i, k}, {i, l}, {j, l}, {j, k}}};
+      return 4;
+    }
+    std::size_t lone = 0;
+    while (((negative >> lone & 1u) != 0) != (count == 1)) ++lone;
+    const auto [i, j, k, l] = kLone[lone];
+    if (count == 1) {
+      ends = {{{i, j}, {i, k}, {i, l}, {}}};
+    } else {
+      ends = {{{i, l}, {i, k}, {i, j}, {}}};
+    }
+    return 3;
+  }
+
+  void single(std::size_t piece) {
+    std::array<std::array<std::uint8_t, 2>, 4> ends;
+    const std::size_t n = polygon(piece, ends);
+    corners_.clear();
+    for (std::size_t k = 0; k < n; ++k) corners_.push_back(on_edge(piece, ends[k][0], ends[k][1]));
+    emit(piece);
+  }
+
+  /// The corners as triangles. From a corner that depends on the lattice first, so that sheets beside each other are
+  /// divided in the same way.
+  void emit(std::size_t piece) {
+    const std::size_t n = corners_.size();
+    std::size_t first = 0;
+    if (n > 3)
+      for (std::size_t k = 1; k < n; ++k) {
+        const Name &a = out_.names.names()[corners_[k]], &b = out_.names.names()[corners_[first]];
+        if (std::pair(a[0], a[1]) < std::pair(b[0], b[1])) first = k;
+      }
+    for (std::size_t k = 1; k + 1 < n; ++k) {
+      out_.triangles.push_back({corners_[first], corners_[(first + k) % n], corners_[(first + k + 1) % n]});
+      out_.piece.push_back(pieces_[piece]);
+    }
+  }
+
+  // ---- Several pieces -------------------------------------------------------------------------------------------
+
+  struct Corner {
+    std::uint8_t a, b;  ///< two planes beside that of the piece, in ascending order
+  };
+  static Corner corner_of(const Cell& cell, std::size_t i) {
+    const std::uint8_t p = cell.edge[(i + cell.edge.size() - 1) % cell.edge.size()], q = cell.edge[i];
+    return {std::min(p, q), std::max(p, q)};
+  }
+
+  /// Weights (up to a common factor) of the simplex's vertices at a corner of piece h, without their sign.
+  std::array<Wide, 4> weights(std::size_t h, const Corner& c) const {
+    std::array<Wide, 4> w{};
+    if (c.b < 4) {
+      const std::array<std::size_t, 2> e = edge_without(c.a, c.b);
+      w[e[0]] = value(h, e[1]), w[e[1]] = -static_cast<Wide>(value(h, e[0]));
+      return w;
+    }
+    if (c.a < 4) {
+      const std::array<std::size_t, 3> f = face_without(c.a);
+      const std::size_t g = c.b - 4u;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t i = f[(k + 1) % 3], j = f[(k + 2) % 3];
+        w[f[k]] = minor(h, g, i, j);
+      }
+      return w;
+    }
+    const std::size_t g = c.a - 4u, k = c.b - 4u;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const std::array<std::size_t, 3> f = face_without(v);
+      const Wide d = minor(g, k, f[1], f[2]) * value(h, f[0]) - minor(g, k, f[0], f[2]) * value(h, f[1]) +
+                     minor(g, k, f[0], f[1]) * value(h, f[2]);
+      w[v] = v % 2 ? -d : d;
+    }
+    return w;
+  }
+  Wide minor(std::size_t g, std::size_t h, std::size_t i, std::size_t j) const {
+    return static_cast<Wide>(value(g, i)) * value(h, j) - static_cast<Wide>(value(g, j)) * value(h, i);
+  }
+  static std::array<std::size_t, 2> edge_without(std::size_t a, std::size_t b) {
+    std::array<std::size_t, 2> e{};
+    for (std::size_t k = 0, n = 0; k < 4; ++k)
+      if (k != a && k != b) e[n++] = k;
+    return e;
+  }
+  static std::array<std::size_t, 3> face_without(std::size_t a) {
+    std::array<std::size_t, 3> f{};
+    for (std::size_t k = 0, n = 0; k < 4; ++k)
+      if (k != a) f[n++] = k;
+    return f;
+  }
+
+  int weighted(std::size_t g, const std::array<Wide, 4>& w) const {
+    return sign_of_sum(w, {value(g, 0), value(g, 1), value(g, 2), value(g, 3)});
+  }
+
+  /// The sign of piece g at a corner of piece h. Where that is 0, all pieces are larger by something too small to be
+  /// written down, and much larger for those of higher numbers (Edelsbrunner & Mücke 1990, "Simulation of simplicity").
+  int sign_at(std::size_t g, std::size_t h, const Corner& c) const {
+    const std::array<Wide, 4> w = weights(h, c);
+    const int all = sign_of(w[0] + w[1] + w[2] + w[3]);
+    if (const int s = all * weighted(g, w); s != 0) return s;
+    struct Part {
+      std::uint32_t piece;
+      int sign;
+    };
+    std::array<Part, 4> part{};
+    std::size_t n = 0;
+    part[n++] = {pieces_[g], all};
+    part[n++] = {pieces_[h], weighted(g, weights(kOnes, c))};
+    constexpr auto kPlaneOfOnes = static_cast<std::uint8_t>(4 + kOnes);
+    if (c.b >= 4) part[n++] = {pieces_[c.b - 4u], weighted(g, weights(h, {c.a, kPlaneOfOnes}))};
+    if (c.a >= 4) part[n++] = {pieces_[c.a - 4u], weighted(g, weights(h, {kPlaneOfOnes, c.b}))};
+    std::sort(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(n),
+              [](const Part& a, const Part& b) { return a.piece > b.piece; });
+    for (std::size_t k = 0; k < n; ++k)
+      if (part[k].sign != 0) return all * part[k].sign;
+    return 1;
+  }
+
+  bool inside(std::uint64_t negative) {
+    state_.resize(left_.size());
+    for (std::size_t k = 0; k < left_.size(); ++k) {
+      const PieceNode& n = left_[k];
+      state_[k] = n.kind == NodeKind::piece   ? (negative >> n.a & 1u) != 0
+                  : n.kind == NodeKind::least ? state_[n.a] || state_[n.b]
+                                              : state_[n.a] && state_[n.b];
+    }
+    return state_.back();
+  }
+  /// Whether the piece is the surface where the others have these signs.
+  bool is_surface(std::size_t piece, std::uint64_t negative) {
+    const std::uint64_t bit = std::uint64_t{1} << piece;
+    return inside(negative | bit) && !inside(negative & ~bit);
+  }
+
+  std::uint32_t corner_number(std::size_t h, const Corner& c, bool shared) {
+    if (c.b < 4) {
+      const std::array<std::size_t, 2> e = edge_without(c.a, c.b);
+      return on_edge(h, e[0], e[1]);
+    }
+    Name name{kNobody, kNobody, kNobody, kNobody, kNobody, kNobody};
+    std::array<std::uint32_t, 3> p{pieces_[h], pieces_[c.b - 4u], c.a < 4 ? kNobody : pieces_[c.a - 4u]};
+    if (c.a < 4 && shared) {
+      const std::array<std::size_t, 3> f = face_without(c.a);
+      const std::array<Vec3, 3> corners{x_[tet_[f[0]]], x_[tet_[f[1]]], x_[tet_[f[2]]]};
+      for (std::size_t k = 0; k < 2; ++k) p[k] = field_.same_at(p[k], corners);
+    }
+    std::sort(p.begin(), p.end());
+    if (c.a < 4 && shared) {
+      const std::array<std::size_t, 3> f = face_without(c.a);
+      std::array<std::uint32_t, 3> v{numbers_[tet_[f[0]]], numbers_[tet_[f[1]]], numbers_[tet_[f[2]]]};
+      std::sort(v.begin(), v.end());
+      name = {v[0], v[1], v[2], p[0], p[1], kNobody};
+    } else if (c.a < 4) {
+      name = {kNobody, id_, c.a, p[0], p[1], pieces_[h]};  // one for each piece that it is on
+    } else {
+      name = {kNobody, id_, kNobody, p[0], p[1], p[2]};
+    }
+    const std::uint32_t n = out_.names.number(name);
+    if (n < out_.x.size()) return smaller(n);
+    const std::array<Wide, 4> w = weights(h, c);
+    double sum = 0;
+    Vec3 x;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double weight = std::abs(static_cast<double>(w[k]));
+      sum += weight;
+      x += x_[tet_[k]] * weight;
+    }
+    return add(x / sum);
+  }
+
+  void several() {
+    used_.clear();
+    for (const PieceNode& n : left_)
+      if (n.kind == NodeKind::piece && std::find(used_.begin(), used_.end(), n.a) == used_.end()) used_.push_back(n.a);
+    for (const std::size_t h : used_) {
+      cells_.clear();
+      cells_.push_back(first_cell(h));
+      for (const std::size_t g : used_)
+        if (g != h) divide(h, g);
+      std::erase_if(cells_, [&](const Cell& c) { return !is_surface(h, c.negative); });
+      surface(h);
+    }
+  }
+
+  Cell first_cell(std::size_t h) const {
+    std::array<std::array<std::uint8_t, 2>, 4> ends;
+    const std::size_t n = polygon(h, ends);
+    Cell cell;
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto &a = ends[k], &b = ends[(k + 1) % n];
+      std::uint8_t plane = 0;  // the face that both edges lie in: opposite to the vertex that neither has
+      while (plane == a[0] || plane == a[1] || plane == b[0] || plane == b[1]) ++plane;
+      cell.edge.push_back(plane);
+    }
+    return cell;
+  }
+
+  void divide(std::size_t h, std::size_t g) {
+    const auto plane = static_cast<std::uint8_t>(4 + g);
+    const std::uint64_t bit = std::uint64_t{1} << g;
+    for (std::size_t c = 0, count = cells_.size(); c < count; ++c) {
+      const std::size_t n = cells_[c].edge.size();
+      signs_.resize(n);
+      int negative = 0;
+      for (std::size_t i = 0; i < n; ++i) {
+        signs_[i] = sign_at(g, h, corner_of(cells_[c], i));
+        negative += signs_[i] < 0;
+      }
+      if (negative == 0) continue;
+      if (negative == static_cast<int>(n)) {
+        cells_[c].negative |= bit;
+        continue;
+      }
+      Cell below{{}, cells_[c].negative | bit}, above{{}, cells_[c].negative};
+      for (std::size_t i = 0; i < n; ++i) {
+        const int here = signs_[i], next = signs_[(i + 1) % n];
+        for (Cell* part : {&below, &above}) {
+          const int side = part == &below ? -1 : 1;
+          if (here == side || next == side) part->edge.push_back(cells_[c].edge[i]);
+          if (here == side && next != side) part->edge.push_back(plane);
+        }
+      }
+      cells_[c] = std::move(below);
+      cells_.push_back(std::move(above));
+    }
+  }
+
+  /// Whether a corner in a face of the simplex is a corner of the surface seen from both sides of the face: not where
+  /// a plane crosses that is no part of it there. `negative`: of a cell beside it.
+  bool shared_corner(std::size_t h, const Corner& c, std::uint64_t negative) {
+    return c.b < 4 || c.a >= 4 || !is_surface(h, negative ^ std::uint64_t{1} << (c.b - 4u));
+  }
+
+  /// The cells that are left, as triangles.
+  void surface(std::size_t h) {
+    struct Side {  // along a face
+      std::uint32_t from, to;
+      std::uint8_t face;
+      bool from_shared, to_shared;
+    };
+    std::vector<Side> sides;
+    bool odd = false;
+    for (const Cell& cell : cells_) {
+      const std::size_t n = cell.edge.size();
+      std::vector<std::uint32_t> number(n);
+      std::vector<std::uint8_t> shared(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Corner c = corner_of(cell, i);
+        shared[i] = shared_corner(h, c, cell.negative);
+        odd = odd || !shared[i];
+        number[i] = corner_number(h, c, shared[i] != 0);
+      }
+      corners_ = number;
+      emit(h);
+      for (std::size_t i = 0; i < n; ++i)
+        if (cell.edge[i] < 4)
+          sides.push_back({number[i], number[(i + 1) % n], cell.edge[i], shared[i] != 0, shared[(i + 1) % n] != 0});
+    }
+    if (!odd) return;
+    // Seen from the other side of a face, several sides may be one: what lies between is a polygon without area.
+    for (const Side& first : sides) {
+      if (!first.from_shared || first.to_shared) continue;
+      std::vector<std::uint32_t> chain{first.from, first.to};
+      for (bool end = false; !end && chain.size() < 100;) {
+        const auto next = std::find_if(sides.begin(), sides.end(),
+                                       [&](const Side& s) { return s.face == first.face && s.from == chain.back(); });
+        if (next == sides.end()) break;
+        chain.push_back(next->to);
+        end = next->to_shared;
+      }
+      // From its beginning straight to the end, and back along the sides.
+      for (std::size_t k = chain.size() - 1; k >= 2; --k) {
+        out_.triangles.push_back({chain[0], chain[k], chain[k - 1]});
+        out_.piece.push_back(pieces_[h]);
+      }
+    }
+  }
+
+  const PieceExpression& field_;
+  const PieceBlocks& blocks_;
+  double quantum_;
+  ChunkOfCuts& out_;
+  std::vector<PieceNode> nodes_, left_;  ///< of the block and of the simplex; pieces as numbers in `pieces_`
+  std::vector<std::uint32_t> pieces_;
+  std::vector<std::int64_t> values_;  ///< by piece and slot
+  std::vector<double> found_;
+  std::vector<std::uint64_t> negative_;  ///< pieces, by slot
+  std::size_t slots_ = 0;
+  std::span<const Vec3> x_;
+  std::span<const std::uint32_t> numbers_;
+  std::array<std::uint8_t, 4> tet_{};
+  std::uint32_t id_ = 0;
+  float size_ = 0;
+  std::vector<std::uint32_t> corners_;
+  std::vector<std::size_t> used_;
+  std::vector<Cell> cells_;
+  std::vector<int> signs_;
+  std::vector<std::uint8_t> state_;
+};
+
+/// Where a lattice vertex goes that would be closer to a sheet than `least`, or between two that are closer to each
+/// other than that: along the normal to where all of them are on one side.
+Vec3 stand_back(const PieceExpression& field, std::span<const PieceNode> nodes, const Vec3& x, double least) {
+  struct Sheet {
+    double value;
+    Vec3 gradient;
+  };
+  thread_local std::vector<Sheet> near;
+  near.clear();
+  for (const PieceNode& n : nodes) {
+    if (n.kind != NodeKind::piece) continue;
+    Sheet s{};
+    field.evaluate_piece(n.a, {&x, 1}, {&s.value, 1}, {&s.gradient, 1});
+    const double slope = norm(s.gradient);
+    if (!(slope > 0.1) || std::abs(s.value) > 2 * least * slope) continue;
+    near.push_back({s.value / slope, s.gradient / slope});
+  }
+  if (near.empty()) return x;
+  const auto nearest = std::min_element(
+      near.begin(), near.end(), [](const Sheet& a, const Sheet& b) { return std::abs(a.value) < std::abs(b.value); });
+  if (std::abs(nearest->value) >= least) return x;
+  const Vec3 normal = nearest->gradient;
+  double lowest = 0, highest = 0;
+  bool first = true;
+  for (const Sheet& s : near) {
+    const double along = dot(s.gradient, normal);
+    if (std::abs(along) < 0.9) continue;
+    const double height = along > 0 ? s.value : -s.value;
+    lowest = first ? height : std::min(lowest, height);
+    highest = first ? height : std::max(highest, height);
+    first = false;
+  }
+  const double up = least - lowest, down = least + highest;
+  const double by = up < down ? up : -down;
+  return std::abs(by) <= 2 * least ? x + normal * by : x;
+}
+
+/// Where the lattice vertices are: none so close to a sheet that it would cut off tiny corners, or so that the two
+/// sheets of a thin wall would lie on different sides of it and be divided in different ways.
+std::vector<Vec3> lattice_places(const PieceExpression& field, const PieceBlocks& blocks,
+                                 const std::vector<std::uint32_t>& numbers, const std::vector<std::size_t>& first,
+                                 const std::vector<LatticePoint>& points) {
+  const BlockTree& tree = blocks.tree;
+  std::vector<std::uint32_t> owner(points.size(), kNobody);
+  std::vector<float> edge(points.size(), std::numeric_limits<float>::max());
+  for (std::uint32_t i = 0; i < blocks.leaves.size(); ++i) {
+    const auto e = static_cast<float>(tree.block_edge(blocks.leaves[i].block));
+    for (std::size_t s = first[i]; s < first[i + 1]; ++s) {
+      if (owner[numbers[s]] == kNobody) owner[numbers[s]] = i;
+      edge[numbers[s]] = std::min(edge[numbers[s]], e);
+    }
+  }
+  const double unit = tree.edge() / static_cast<double>(2u << tree.depth());
+  std::vector<Vec3> place(points.size());
+  parallel_for(0, points.size(), 1024, [&](std::size_t v) {
+    const LatticePoint& p = points[v];
+    const Vec3 x =
+        tree.lower() + Vec3{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])} * unit;
+    const PieceBlocks::Leaf& leaf = blocks.leaves[owner[v]];
+    place[v] = stand_back(field, std::span(blocks.nodes).subspan(leaf.first, leaf.count), x,
+                          kStandBack * static_cast<double>(edge[v]));
+  });
+  return place;
+}
+
+/// Where another sheet crosses the same edge of the lattice.
+void find_room(CutPieces& cut, const std::vector<Name>& names) {
+  std::vector<KeyIndex> on_edges;
+  for (std::uint32_t v = 0; v < names.size(); ++v)
+    if (names[v][0] != kNobody && names[v][2] == kNobody)
+      on_edges.push_back({std::uint64_t{names[v][0]} << 32 | names[v][1], v});
+  parallel_sort(on_edges);
+  for (std::size_t i = 0, j; i < on_edges.size(); i = j) {
+    for (j = i + 1; j < on_edges.size() && on_edges[j].key == on_edges[i].key; ++j) {
+    }
+    for (std::size_t a = i; a < j; ++a)
+      for (std::size_t b = a + 1; b < j; ++b) {
+        CutPieces::Vertex &v = cut.vertices[on_edges[a].index], &w = cut.vertices[on_edges[b].index];
+        const auto distance = static_cast<float>(norm(v.x - w.x));
+        v.room = std::min(v.room, distance);
+        w.room = std::min(w.room, distance);
+      }
+  }
+}
+
+}  // namespace
+
+CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Progress& progress) {
+  const BlockTree& tree = blocks.tree;
+  const std::size_t n = blocks.leaves.size(), chunks = (n + kChunkOfLeaves - 1) / kChunkOfLeaves;
+  progress.begin("cut", chunks);
+  std::vector<BlockRefinement> refinement(n);
+  parallel_for(0, n, 1024, [&](std::size_t i) { refinement[i] = refinement_of(tree, blocks.leaves[i].block); });
+  PatternTable patterns;
+  LatticeNumbering numbering;
+  std::vector<const BlockPattern*> pattern(n);
+  std::vector<std::size_t> first(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    pattern[i] = &patterns.pattern(refinement[i]);
+    first[i + 1] = first[i] + pattern[i]->slots.size();
+  }
+  std::vector<std::uint32_t> numbers(first[n]);
+  for (std::size_t i = 0; i < n; ++i) {
+    const BlockTree::Block& b = tree[blocks.leaves[i].block];
+    const std::uint32_t edge = 2u << (tree.depth() - b.level);
+    for (std::size_t s = 0; s < pattern[i]->slots.size(); ++s) {
+      const std::uint32_t slot = pattern[i]->slots[s], q[3] = {slot % 5u, slot / 5u % 5u, slot / 25u};
+      numbers[first[i] + s] = numbering.number(
+          {b.cell[0] * edge + q[0] * edge / 4, b.cell[1] * edge + q[1] * edge / 4, b.cell[2] * edge + q[2] * edge / 4});
+    }
+  }
+  const std::vector<Vec3> place = lattice_places(field, blocks, numbers, first, numbering.points());
+  const double quantum = blocks.scale * 0x1p-40;
+  std::vector<ChunkOfCuts> found(chunks);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    Cutter cutter(field, blocks, quantum, found[c]);
+    std::vector<Vec3> x;
+    for (std::size_t i = c * kChunkOfLeaves; i < std::min(n, (c + 1) * kChunkOfLeaves); ++i) {
+      const std::span<const std::uint32_t> own(numbers.data() + first[i], first[i + 1] - first[i]);
+      x.clear();
+      for (const std::uint32_t v : own) x.push_back(place[v]);
+      cutter.cut(i, *pattern[i], own, x);
+    }
+  });
+
+  CutPieces cut;
+  NameTable names;
+  for (ChunkOfCuts& c : found) {
+    std::vector<std::uint32_t> number(c.x.size());
+    for (std::size_t v = 0; v < c.x.size(); ++v) {
+      const Name& name = c.names.names()[v];
+      number[v] = names.number(name);
+      if (number[v] < cut.vertices.size()) {
+        CutPieces::Vertex& old = cut.vertices[number[v]];
+        old.size = std::min(old.size, c.size[v]);
+        continue;
+      }
+      CutPieces::Vertex vertex;
+      vertex.x = c.x[v];
+      vertex.size = c.size[v];
+      // A corner within a face that belongs to one simplex alone lies on its piece only.
+      const bool alone = name[0] == kNobody && name[2] != kNobody;
+      vertex.piece = alone ? std::array{name[5], kNobody, kNobody} : std::array{name[3], name[4], name[5]};
+      cut.vertices.push_back(vertex);
+    }
+    for (std::size_t t = 0; t < c.triangles.size(); ++t) {
+      const Triangle& old = c.triangles[t];
+      cut.triangles.push_back({number[old[0]], number[old[1]], number[old[2]]});
+      cut.piece.push_back(c.piece[t]);
+    }
+    cut.crowded = cut.crowded || c.crowded;
+    c = {};
+    progress.advance();
+  }
+  find_room(cut, names.names());
+  progress.finish();
+  return cut;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,39 @@
+// The zero set of minima and maxima of functions that are linear in each simplex of a lattice.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/polygonize/piece_blocks.h"
+
+namespace sansmesh {
+
+/// Triangles on pieces, and on which pieces their vertices lie.
+struct CutPieces {
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  struct Vertex {
+    Vec3 x;
+    std::array<std::uint32_t, 3> piece{kNone, kNone, kNone};  ///< in ascending order; those that vanish here
+    float size = 0;                                           ///< edge of the smallest block around
+    /// Distance from another sheet across the lattice edge that this vertex lies on; infinity: none known.
+    float room = std::numeric_limits<float>::infinity();
+    std::uint32_t rank() const { return piece[1] == kNone ? 1 : piece[2] == kNone ? 2 : 3; }
+  };
+  std::vector<Vertex> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> piece;  ///< of each triangle
+  bool crowded = false;              ///< too many pieces in one block: not all of the surface is there
+};
+
+/// Between lattice vertices each piece is taken to be linear: a plane in each simplex, which these planes divide. What
+/// parts the inside from the outside there is the surface: closed whatever the pieces are, however thin the walls. All
+/// decisions are made in integers, on values rounded to 2⁻⁴⁰ of the root block; so neighbours agree, since what they
+/// share depends on the values at its own corners only. Vertices are not on the pieces yet but where the linear ones
+/// are.
+CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Progress& progress);
+
+}  // namespace sansmesh

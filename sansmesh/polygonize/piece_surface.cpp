@@ -1,0 +1,433 @@
+#include "sansmesh/polygonize/piece_surface.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/polygonize/piece_blocks.h"
+#include "sansmesh/polygonize/piece_cut.h"
+#include "sansmesh/polygonize/piece_merge.h"
+#include "sansmesh/polygonize/piece_mesh.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::uint32_t kNoPiece = CutPieces::kNone;
+constexpr std::array<double, 4> kTries{0, 0.137, 0.291, 0.613};
+constexpr int kNewtonSteps = 8;
+/// How far vertices may go to their pieces, as a share of the edge of the blocks: on one piece, and where several meet.
+constexpr double kReachOfOne = 0.3, kReachOfSeveral = 0.6;
+/// Squared sine between two pieces, and determinant of three, below which they have no crease or corner to go to.
+constexpr double kNoCrease = 1e-7, kNoCorner = 1e-5;
+/// Merges: up to so far, as a share of the blocks' edge; out of planes by so much of the error of simplification.
+constexpr double kNear = 0.22, kFlatShare = 0.1;
+constexpr double kNothing = 1e-7, kRounding = 1e-10;
+/// Sheets closer to each other than so many mesh errors keep their distance by having no more than a share of it as
+/// error.
+constexpr double kShareOfRoom = 0.2, kFlatShareOfRoom = 1e-3;
+constexpr double kRoomToBalance = 10;
+/// How far edges go through triangles for the mesh to count as going through itself, as a share of the box.
+constexpr double kCrossing = 1e-7;
+constexpr int kMostTakeBacks = 6;
+constexpr std::size_t kMostKept = 400;
+/// Error of simplification as a share of the radius of curvature, at most.
+constexpr double kShareOfRadius = 0.004;
+constexpr double kLeastShapeOfPieces = 0.25;
+
+using Crossings = std::vector<std::array<std::uint32_t, 2>>;
+using PieceTriple = std::array<std::uint32_t, 3>;
+
+/// Newton's method, with the shortest steps, from x to where all of the pieces vanish.
+bool go_to_pieces(const PieceExpression& field, const PieceTriple& piece, double reach, double precision, Vec3& x) {
+  std::size_t n = 0;
+  while (n < 3 && piece[n] != kNoPiece) ++n;
+  Vec3 p = x;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    std::array<double, 3> r{};
+    std::array<Vec3, 3> g;
+    for (std::size_t k = 0; k < n; ++k) {
+      field.evaluate_piece(piece[k], {&p, 1}, {&r[k], 1}, {&g[k], 1});
+      r[k] = -r[k];
+    }
+    Vec3 d;
+    if (n == 1) {
+      const double s = squared_norm(g[0]);
+      if (!(s > 1e-6)) return false;
+      d = g[0] * (r[0] / s);
+    } else if (n == 2) {
+      const double aa = squared_norm(g[0]), bb = squared_norm(g[1]), ab = dot(g[0], g[1]), det = aa * bb - ab * ab;
+      if (!(det > kNoCrease * aa * bb) || !(aa * bb > 1e-12)) return false;
+      d = g[0] * ((r[0] * bb - r[1] * ab) / det) + g[1] * ((r[1] * aa - r[0] * ab) / det);
+    } else {
+      const Matrix3 m{g[0], g[1], g[2]};
+      const double det = m.determinant();
+      if (!(std::abs(det) > kNoCorner)) return false;
+      d = m.solve_transposed({r[0], r[1], r[2]});
+    }
+    if (!is_finite(d)) return false;
+    p += d;
+    if (norm(p - x) > reach) return false;
+    if (norm(d) <= precision) {
+      x = p;
+      return true;
+    }
+  }
+  return false;
+}
+
+class PieceMesher {
+ public:
+  PieceMesher(const PieceExpression& field, const PieceSurfaceOptions& options, double scale)
+      : field_(field), options_(options), scale_(scale) {}
+
+  CutPieces mesh;
+
+  /// Triangles on blends that are one of their pieces there belong to that.
+  void name_pieces() {
+    bool any = false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto [a, b, c] = mesh.triangles[t];
+      const std::array<Vec3, 3> corners{mesh.vertices[a].x, mesh.vertices[b].x, mesh.vertices[c].x};
+      const std::uint32_t same = field_.same_at(mesh.piece[t], corners);
+      any = any || same != mesh.piece[t];
+      mesh.piece[t] = same;
+    }
+    if (any) recall();
+  }
+
+  /// Vertices of triangles that go through others back to where they were before they were placed.
+  void take_back(const CutPieces& linear, const Vec3& origin, double tolerance) {
+    for (int round = 0; round < kMostTakeBacks; ++round) {
+      const Crossings crossing = self_intersections(as_mesh(origin), tolerance);
+      if (crossing.empty()) return;
+      std::vector<std::uint8_t> back(mesh.vertices.size(), 0);
+      for (const auto& pair : crossing)
+        for (const std::uint32_t t : pair)
+          for (const std::uint32_t v : mesh.triangles[t]) back[v] = 1;
+      for (int ring = 0; ring < round; ++ring) {
+        std::vector<std::uint8_t> wider = back;
+        for (const Triangle& t : mesh.triangles)
+          if (back[t[0]] || back[t[1]] || back[t[2]]) wider[t[0]] = wider[t[1]] = wider[t[2]] = 1;
+        back = std::move(wider);
+      }
+      for (std::size_t v = 0; v < back.size(); ++v)
+        if (back[v]) mesh.vertices[v].x = linear.vertices[v].x;
+    }
+  }
+
+  /// No room for changes next to triangles of another mesh of the same surface.
+  void keep_around(const TriangleMesh& other, const Crossings& crossing) {
+    std::vector<std::pair<Vec3, double>> balls;
+    for (const auto& pair : crossing)
+      for (const std::uint32_t t : pair) {
+        const auto [a, b, c] = other.triangles[t];
+        const Vec3 p(other.vertices[a]), q(other.vertices[b]), r(other.vertices[c]), middle = (p + q + r) / 3;
+        balls.emplace_back(other.origin + middle,
+                           1.2 * std::max({norm(p - middle), norm(q - middle), norm(r - middle)}));
+        if (balls.size() >= kMostKept) break;
+      }
+    parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t v) {
+      for (const auto& [middle, radius] : balls)
+        if (norm(mesh.vertices[v].x - middle) <= radius) mesh.vertices[v].room = 0;
+    });
+  }
+
+  TriangleMesh as_mesh(const Vec3& origin) const {
+    TriangleMesh plain;
+    plain.origin = origin;
+    plain.triangles = mesh.triangles;
+    for (const CutPieces::Vertex& v : mesh.vertices) plain.vertices.emplace_back(v.x - origin);
+    return plain;
+  }
+
+  /// Fewer and better triangles.
+  void improve(const Vec3& origin, Progress& progress) {
+    progress.begin("merge");
+    std::vector<Vec3> facing = normals_of_triangles();
+    PieceMergeOptions merging;
+    merging.near = kNear;
+    merging.flat = kFlatShare * options_.simplify;
+    merging.nothing = kNothing * scale_;
+    merging.rounding = kRounding * scale_;
+    merging.straight.resize(mesh.vertices.size());
+    parallel_for(0, mesh.vertices.size(), 4096,
+                 [&](std::size_t v) { merging.straight[v] = bend_of(mesh.vertices[v]) == 0; });
+    merge_pieces(mesh, facing, merging);
+    if (options_.simplify <= 0) return;
+    progress.begin("simplify");
+    simplify(origin, progress);
+    progress.begin("place vertices again");
+    place_again();
+  }
+
+  /// Balanced where there is room.
+  TriangleMesh finished(const Vec3& origin, bool careful) {
+    PieceMesh pieces;
+    pieces.triangles = mesh.triangles;
+    pieces.piece = mesh.piece;
+    std::vector<std::uint8_t> rank;
+    for (const CutPieces::Vertex& v : mesh.vertices) {
+      pieces.x.push_back(v.x);
+      rank.push_back(static_cast<std::uint8_t>(v.rank()));
+      const bool narrow = careful || static_cast<double>(v.room) < kRoomToBalance * options_.mesh_error;
+      pieces.rank.push_back(narrow ? 2 : rank.back());
+    }
+    balance_pieces(field_, pieces);
+    pieces.rank = std::move(rank);
+    TriangleMesh result;
+    result.origin = origin;
+    result.normals = piece_normals(field_, pieces);
+    result.triangles = mesh.triangles;
+    for (std::size_t v = 0; v < pieces.x.size(); ++v) {
+      mesh.vertices[v].x = pieces.x[v];
+      result.vertices.emplace_back(pieces.x[v] - origin);
+    }
+    return result;
+  }
+
+  /// Each vertex onto its pieces.
+  void place() {
+    parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t i) {
+      CutPieces::Vertex& v = mesh.vertices[i];
+      const double size = static_cast<double>(v.size), precision = 1e-11 * scale_;
+      const bool several = v.rank() > 1;
+      if (go_to_pieces(field_, v.piece, (several ? kReachOfSeveral : kReachOfOne) * size, precision, v.x)) return;
+      // Where pieces are tangent there is no crease: on the first of them at least.
+      if (several) go_to_pieces(field_, {v.piece[0], kNoPiece, kNoPiece}, kReachOfOne * size, precision, v.x);
+    });
+  }
+
+  /// Where the piece of each triangle points in its middle; and how far from it that is, if asked for.
+  std::vector<Vec3> normals_of_triangles(std::vector<double>* distance = nullptr) const {
+    std::vector<Vec3> normal(mesh.triangles.size());
+    if (distance) distance->resize(normal.size());
+    parallel_for(0, normal.size(), 1024, [&](std::size_t t) {
+      const auto [a, b, c] = mesh.triangles[t];
+      const Vec3 x = (mesh.vertices[a].x + mesh.vertices[b].x + mesh.vertices[c].x) / 3;
+      double f = 0;
+      field_.evaluate_piece(mesh.piece[t], {&x, 1}, {&f, 1}, {&normal[t], 1});
+      normal[t] = normalized(normal[t]);
+      if (distance) (*distance)[t] = std::abs(f);
+    });
+    return normal;
+  }
+
+  /// Vertices know of sheets beside their neighbours, too.
+  void spread_room() {
+    for (int ring = 0; ring < 2; ++ring) {
+      std::vector<float> room(mesh.vertices.size(), std::numeric_limits<float>::infinity());
+      for (const Triangle& t : mesh.triangles) {
+        const float least = std::min({mesh.vertices[t[0]].room, mesh.vertices[t[1]].room, mesh.vertices[t[2]].room});
+        for (const std::uint32_t v : t) room[v] = std::min(room[v], least);
+      }
+      for (std::size_t v = 0; v < room.size(); ++v) mesh.vertices[v].room = room[v];
+    }
+  }
+
+  /// The pieces of vertices from those of the triangles around.
+  void recall() {
+    const VertexCorners corners(mesh.triangles, mesh.vertices.size());
+    parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t v) {
+      PieceSet set;
+      for (std::uint32_t i = corners.first[v]; i < corners.first[v + 1]; ++i)
+        set.add(mesh.piece[corners.corner[i] / 3]);
+      mesh.vertices[v].piece = {kNoPiece, kNoPiece, kNoPiece};
+      if (set.count <= 3) {
+        std::copy(set.begin(), set.end(), mesh.vertices[v].piece.begin());
+        return;
+      }
+      // Those that span the most.
+      std::array<Vec3, PieceSet::kMost> g;
+      for (std::size_t k = 0; k < set.count; ++k) {
+        double f = 0;
+        field_.evaluate_piece(set.piece[k], {&mesh.vertices[v].x, 1}, {&f, 1}, {&g[k], 1});
+      }
+      double most = -1;
+      for (std::size_t i = 0; i < set.count; ++i)
+        for (std::size_t j = i + 1; j < set.count; ++j)
+          for (std::size_t k = j + 1; k < set.count; ++k) {
+            const double span = std::abs(dot(cross(g[i], g[j]), g[k]));
+            if (span > most) most = span, mesh.vertices[v].piece = {set.piece[i], set.piece[j], set.piece[k]};
+          }
+    });
+  }
+
+  /// The largest of its pieces.
+  double bend_of(const CutPieces::Vertex& v) const {
+    double bend = 0;
+    for (std::uint32_t k = 0; k < v.rank(); ++k) bend = std::max(bend, field_.bend(v.piece[k], v.x, 0));
+    return bend;
+  }
+
+  void simplify(const Vec3& origin, Progress& progress) {
+    TriangleMesh plain;
+    plain.origin = origin;
+    plain.triangles = std::move(mesh.triangles);
+    plain.vertices.resize(mesh.vertices.size());
+    std::vector<float> limits(mesh.vertices.size());
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      plain.vertices[v] = Vec3f(mesh.vertices[v].x - origin);
+      limits[v] = static_cast<float>(kShareOfRoom) * mesh.vertices[v].room;
+      if (options_.triangles > 0) continue;
+      // What is thin keeps its shape, too, and what is flat besides nearly all of it, unless a number was asked for.
+      const double bend = bend_of(mesh.vertices[v]);
+      const double most =
+          bend > 0 ? kShareOfRadius / bend
+                   : std::min(options_.flat_error, kFlatShareOfRoom * static_cast<double>(mesh.vertices[v].room));
+      limits[v] = std::min(limits[v], static_cast<float>(most));
+    }
+    std::vector<float> room_of(plain.triangles.size());
+    for (std::size_t t = 0; t < room_of.size(); ++t) {
+      const auto [a, b, c] = plain.triangles[t];
+      room_of[t] = std::min({mesh.vertices[a].room, mesh.vertices[b].room, mesh.vertices[c].room});
+    }
+    SimplifyOptions simplify;
+    simplify.error = options_.simplify;
+    simplify.triangles = options_.triangles;
+    simplify.least_shape = kLeastShapeOfPieces;
+    simplify.limits = limits;
+    std::vector<std::uint32_t> from;
+    simplify_mesh(plain, simplify, progress, &from);
+    std::vector<std::uint32_t> piece(from.size());
+    std::vector<float> room(from.size());
+    for (std::size_t t = 0; t < from.size(); ++t) piece[t] = mesh.piece[from[t]], room[t] = room_of[from[t]];
+    mesh.piece = std::move(piece);
+    mesh.triangles = std::move(plain.triangles);
+    mesh.vertices.assign(plain.vertices.size(), {});
+    for (std::size_t v = 0; v < plain.vertices.size(); ++v) mesh.vertices[v].x = origin + Vec3(plain.vertices[v]);
+    for (std::size_t t = 0; t < room.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t]) mesh.vertices[v].room = std::min(mesh.vertices[v].room, room[t]);
+    recall();
+    // How far each may go back is less than its shortest edge, and than a share of its triangles' heights.
+    std::vector<float> shortest(mesh.vertices.size(), std::numeric_limits<float>::max());
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto l = static_cast<float>(norm(mesh.vertices[t[k]].x - mesh.vertices[t[(k + 1) % 3]].x));
+        for (const std::uint32_t v : {t[k], t[(k + 1) % 3]}) shortest[v] = std::min(shortest[v], l);
+      }
+    for (std::size_t v = 0; v < shortest.size(); ++v) mesh.vertices[v].size = shortest[v];
+  }
+
+  /// As place(), but vertices stay where a triangle would turn.
+  void place_again() {
+    std::vector<Vec3> before(mesh.vertices.size());
+    for (std::size_t v = 0; v < before.size(); ++v) before[v] = mesh.vertices[v].x;
+    place();
+    std::vector<std::uint8_t> back(before.size());
+    for (int round = 0; round < 3; ++round) {
+      std::fill(back.begin(), back.end(), std::uint8_t{0});
+      bool any = false;
+      for (const auto& [a, b, c] : mesh.triangles) {
+        const Vec3 old = cross(before[b] - before[a], before[c] - before[a]);
+        const Vec3 now = cross(mesh.vertices[b].x - mesh.vertices[a].x, mesh.vertices[c].x - mesh.vertices[a].x);
+        if (dot(old, now) < 0.5 * norm(old) * norm(now) || norm(now) < 0.3 * norm(old))
+          back[a] = back[b] = back[c] = 1, any = true;
+      }
+      if (!any) break;
+      for (std::size_t v = 0; v < before.size(); ++v)
+        if (back[v]) mesh.vertices[v].x = before[v];
+    }
+  }
+
+ private:
+  const PieceExpression& field_;
+  const PieceSurfaceOptions& options_;
+  double scale_;
+};
+
+template <class At>
+double enclosed(const std::vector<Triangle>& triangles, At&& at) {
+  double six = 0;
+  for (const auto& [a, b, c] : triangles) six += dot(at(a), cross(at(b), at(c)));
+  return six / 6;
+}
+
+bool closed(const CutPieces& cut) {
+  TriangleMesh mesh;
+  mesh.triangles = cut.triangles;
+  mesh.vertices.resize(cut.vertices.size());
+  parallel_for(0, cut.vertices.size(), 8192, [&](std::size_t v) { mesh.vertices[v] = Vec3f(cut.vertices[v].x); });
+  return cut.triangles.empty() || measure_topology(mesh).closed();
+}
+
+}  // namespace
+
+TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, const Vec3& origin,
+                               const PieceSurfaceOptions& options, Progress& progress, PieceSurfaceReport& report) {
+  const double scale = box.diagonal();
+  PieceMesher mesher(field, options, scale);
+  report = {};
+  for (std::size_t attempt = 0;; ++attempt) {
+    const PieceBlocks blocks =
+        piece_blocks(field, box, {options.mesh_error, options.cell, options.most_blocks}, kTries[attempt], progress);
+    if (blocks.too_many) {
+      report.too_many = true;
+      return {};
+    }
+    report.cell = blocks.tree.edge() / static_cast<double>(1u << blocks.tree.depth());
+    report.depth = blocks.tree.depth();
+    report.blocks = blocks.tree.leaves().size();
+    report.unresolved = blocks.unresolved;
+    mesher.mesh = cut_pieces(field, blocks, progress);
+    if (!mesher.mesh.crowded && closed(mesher.mesh)) break;
+    if (attempt + 1 == kTries.size())
+      throw DataError("the surface could not be closed: too many pieces meet in one place; move one of them a little");
+  }
+  TriangleMesh result;
+  CutPieces& mesh = mesher.mesh;
+  progress.begin("place vertices");
+  mesher.spread_room();
+  mesher.name_pieces();
+  const CutPieces linear = mesh;  // goes nowhere through itself
+  mesher.place();
+  CutPieces placed = mesh;
+  for (const int care : {0, 1, 2}) {
+    if (care < 2) mesher.improve(origin, progress);
+    result = mesher.finished(origin, care == 2);
+    progress.begin("look for intersections");
+    const Crossings crossing = self_intersections(result, kCrossing * scale);
+    if (crossing.empty()) break;
+    if (care == 2) {
+      const Vec3 at = origin + Vec3(result.vertices[result.triangles[crossing[0][0]][0]]);
+      throw DataError(fmt::format(
+          "the mesh would go through itself in {} places, such as ({:.4g}, {:.4g}, {:.4g}): give a smaller `cell` or "
+          "mesh error than {:.2g}",
+          crossing.size(), at.x, at.y, at.z, options.mesh_error));
+    }
+    // As it was before improvements, free of intersections, and left as it is near those that were found.
+    mesh = placed;
+    if (care == 0) {
+      mesher.take_back(linear, origin, kCrossing * scale);
+      mesher.keep_around(result, crossing);
+      placed = mesh;
+    }
+  }
+  std::vector<double> distance;
+  mesher.normals_of_triangles(&distance);
+  double area = 0, sum = 0;
+  for (std::size_t t = 0; t < distance.size(); ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    const double w = norm(cross(mesh.vertices[b].x - mesh.vertices[a].x, mesh.vertices[c].x - mesh.vertices[a].x));
+    area += w, sum += w * distance[t];
+    report.largest_error = std::max(report.largest_error, distance[t]);
+  }
+  report.mean_error = area > 0 ? sum / area : 0;
+  const double volume = enclosed(mesh.triangles, [&](std::uint32_t v) { return mesh.vertices[v].x - origin; });
+  const double rounded = enclosed(result.triangles, [&](std::uint32_t v) { return Vec3(result.vertices[v]); });
+  report.rounded_away = volume == rounded ? 0 : std::abs(rounded - volume) / std::max(volume, 0.0);
+  progress.finish();
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,24 @@
+// Pictures as large as what they show.
+#pragma once
+
+#include "sansmesh/data/image.h"
+#include "sansmesh/render/render_options.h"
+
+namespace sansmesh {
+
+/// Part of a picture in pixels, from its left and its top.
+struct PixelBox {
+  int left = 0, top = 0, width = 0, height = 0;
+  friend bool operator==(const PixelBox&, const PixelBox&) = default;
+};
+
+/// What of a picture is not background, as a picture made with these options has it, with a margin around it as far as
+/// the picture goes. What stands beside the picture (a bar of colours) counts. All of the picture where there is
+/// nothing else.
+PixelBox picture_content(const Image& image, const RenderOptions& options, int margin);
+/// Throws ArgumentError unless the part, of at least one pixel, lies in a picture of that size.
+void check_crop(const PixelBox& part, int width, int height);
+/// Throws ArgumentError unless the part, of at least one pixel, lies in the picture.
+Image cropped(const Image& image, const PixelBox& part);
+
+}  // namespace sansmesh

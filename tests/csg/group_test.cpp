@@ -1,0 +1,151 @@
+// Unions and intersections of many parts: the same as one after the other, and only near parts are asked.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <random>
+
+#include "csg/catalogue.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/csg/solid.h"
+#include "sansmesh/field/piecewise_field.h"
+#include "support/any_threads.h"
+
+namespace sansmesh {
+namespace {
+
+using namespace test;
+
+struct Parts {
+  std::vector<Solid> all;
+  Solid together;
+};
+
+/// Parts of all kinds, some turned, some without an end, as a union or as what is left between them.
+Parts many_parts(std::size_t count, bool intersection) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-2, 2), size(0.05, 0.3);
+  std::vector<Solid> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 c{place(random), place(random), place(random)}, axis{place(random), place(random), 0.5};
+    const double s = size(random);
+    Solid part = i % 4 == 0   ? csg::sphere(c, s)
+                 : i % 4 == 1 ? csg::rotate(csg::box(c - Vec3{s, s, s}, c + Vec3{s, 2 * s, s}), axis, 40 * s, c)
+                 : i % 4 == 2 ? csg::cone(c, axis, s, s / 3, 3 * s)
+                              : csg::torus(c, axis, s, s / 4);
+    if (i == 7) part = csg::cylinder(c, axis, 0.1);
+    all.push_back(intersection ? csg::complement(part) : part);
+  }
+  Solid together = all[0];
+  for (std::size_t i = 1; i < count; ++i)
+    together = intersection ? csg::intersect(together, all[i]) : csg::unite(together, all[i]);
+  return {std::move(all), together};
+}
+
+TEST(Group, IsWhatItsPartsSay) {
+  for (const bool intersection : {false, true}) {
+    const Parts parts = many_parts(150, intersection);
+    const std::vector<Vec3> x = random_points(3000, 2.5);
+    std::vector<double> expected(x.size(), intersection ? -1e300 : 1e300), value(x.size());
+    std::vector<std::uint32_t> expected_piece(x.size()), piece(x.size());
+    std::uint32_t first = 0;
+    for (const Solid& part : parts.all) {
+      const std::vector<double> own = values_of(part, x);
+      part.active(x, piece);
+      for (std::size_t i = 0; i < x.size(); ++i)
+        if (intersection ? own[i] > expected[i] : own[i] < expected[i])
+          expected[i] = own[i], expected_piece[i] = first + piece[i];
+      first += part.pieces();
+    }
+    EXPECT_EQ(parts.together.pieces(), first);
+    std::vector<Vec3> gradient(x.size()), of_piece(x.size());
+    parts.together.evaluate(x, value, gradient);
+    parts.together.active(x, piece);
+    EXPECT_EQ(value, expected);
+    EXPECT_EQ(piece, expected_piece);
+    for (std::size_t i = 0; i < 200; ++i) {
+      parts.together.evaluate_piece(piece[i], std::span(x).subspan(i, 1), std::span(value).first(1),
+                                    std::span(of_piece).first(1));
+      EXPECT_EQ(value[0], expected[i]);
+      EXPECT_EQ(of_piece[0], gradient[i]);
+    }
+  }
+}
+
+TEST(Group, SurveysTellHowFarAPieceIsAlone) {
+  const Parts parts = many_parts(60, false);
+  const std::vector<Vec3> x = random_points(400, 1.5);
+  std::vector<double> value(x.size());
+  std::vector<Surroundings> around(x.size());
+  parts.together.survey(x, {0.1, 0.3}, value, around);
+  EXPECT_EQ(value, values_of(parts.together, x));
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double radius = std::min(0.3, around[i].alone);
+    if (radius < 0.01) continue;
+    ++known;
+    std::vector<Vec3> near{x[i]};
+    for (int k = 0; k < 40; ++k)
+      near.push_back(x[i] + 0.999 * radius * normalized(Vec3{normal(random), normal(random), normal(random)}));
+    std::vector<std::uint32_t> piece(near.size());
+    parts.together.active(near, piece);
+    for (const std::uint32_t p : piece) EXPECT_EQ(p, piece[0]) << i;
+  }
+  EXPECT_GT(known, 200u);
+}
+
+/// A ball that counts how often it is asked.
+class CountedBall final : public ScalarField {
+ public:
+  CountedBall(const Vec3& center, double radius, std::atomic<std::size_t>& asked)
+      : center_(center), radius_(radius), asked_(asked) {}
+  Box3 bounds() const override {
+    const Vec3 r{radius_, radius_, radius_};
+    return {center_ - r, center_ + r};
+  }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
+    asked_ += x.size();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      values[i] = norm(x[i] - center_) - radius_;
+      if (!gradients.empty()) gradients[i] = normalized(x[i] - center_);
+    }
+  }
+
+ private:
+  Vec3 center_;
+  double radius_;
+  std::atomic<std::size_t>& asked_;
+};
+
+TEST(Group, FewOfAThousandPartsAreAsked) {
+  std::atomic<std::size_t> asked = 0;
+  Solid all = csg::sphere({-1, -1, -1}, 0.1);
+  for (int i = 0; i < 1000; ++i)
+    all = csg::unite(
+        all, csg::distance_leaf(std::make_shared<CountedBall>(
+                 Vec3{static_cast<double>(i % 10), static_cast<double>(i / 10 % 10), static_cast<double>(i / 100)}, 0.3,
+                 asked)));
+  std::vector<Vec3> x = random_points(50000, 5);
+  for (Vec3& p : x) p += Vec3{4.5, 4.5, 4.5};
+  asked = 0;
+  const std::vector<double> value = values_of(all, x);
+  EXPECT_LT(asked, 150 * x.size());
+  for (std::size_t i = 0; i < x.size(); i += 97) {
+    Vec3 nearest;
+    for (std::size_t k = 0; k < 3; ++k) nearest[k] = std::clamp(std::round(x[i][k]), 0.0, 9.0);
+    EXPECT_NEAR(value[i], norm(x[i] - nearest) - 0.3, 1e-12);
+  }
+}
+
+TEST(Group, AnyNumberOfThreads) {
+  const Parts parts = many_parts(150, false);
+  const std::vector<Vec3> x = random_points(5000);
+  const std::vector<double> once = values_of(parts.together, x);
+  const ThreadScope one(1);
+  EXPECT_EQ(values_of(parts.together, x), once);
+}
+
+}  // namespace
+}  // namespace sansmesh

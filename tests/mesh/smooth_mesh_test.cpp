@@ -1,0 +1,174 @@
+#include "sansmesh/mesh/smooth_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <tuple>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/mesh/refine_edges.h"
+#include "support/any_threads.h"
+#include "support/mesh_shapes.h"
+
+namespace sansmesh::test {
+namespace {
+
+TriangleMesh shaken(TriangleMesh mesh, double size) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0, static_cast<float>(size));
+  for (Vec3f& v : mesh.vertices) v += Vec3f{noise(random), noise(random), noise(random)};
+  return mesh;
+}
+
+double rms_off_sphere(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Vec3f& v : mesh.vertices) sum += std::pow(norm(Vec3(v)) - 1, 2);
+  return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
+}
+
+/// A cube of side 2 with small triangles.
+TriangleMesh fine_cube() {
+  TriangleMesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.vertices.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  refine_edges(mesh, 0.15);
+  return mesh;
+}
+
+double rms_off_cube(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Vec3f& v : mesh.vertices) sum += std::pow(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) - 1, 2);
+  return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
+}
+
+TEST(SmoothMesh, CoarseMeshesKeepTheirVolumeToo) {
+  // The filter takes two thirds of an octahedron's radius off: a single step back goes far beyond it.
+  for (const int levels : {0, 1}) {
+    TriangleMesh mesh = octasphere(levels);
+    Progress progress;
+    const SmoothReport report = smooth_mesh(mesh, {}, progress);
+    ASSERT_TRUE(report.volume_before && report.volume_after);
+    EXPECT_NEAR(*report.volume_after / *report.volume_before, 1, 1e-3) << levels;
+    EXPECT_LT(report.largest_move, 0.1) << levels;
+  }
+}
+
+TEST(SmoothMesh, TakesNoiseOffAndKeepsTheVolume) {
+  TriangleMesh mesh = shaken(octasphere(4), 0.01);
+  const double before = rms_off_sphere(mesh);
+  Progress progress;
+  const SmoothReport report = smooth_mesh(mesh, {}, progress);
+  EXPECT_LT(rms_off_sphere(mesh), 0.5 * before);
+  ASSERT_TRUE(report.volume_before && report.volume_after);
+  EXPECT_NEAR(*report.volume_after / *report.volume_before, 1, 0.003);
+  EXPECT_GT(report.rms_move, 0.005);
+  EXPECT_GE(report.largest_move, report.rms_move);
+  EXPECT_EQ(report.fixed, 0u);
+}
+
+TEST(SmoothMesh, LengthSaysWhichWavesGo) {
+  // Ripples around a torus: of short ones half must go, and of long ones next to nothing.
+  const auto torus = torus_mesh(120, 40);
+  for (const auto& [waves, least, most] : {std::tuple(30, 0.35, 0.7), std::tuple(8, 0.93, 1.1)}) {
+    TriangleMesh mesh = torus;
+    std::vector<double> phase;
+    for (Vec3f& v : mesh.vertices) {
+      phase.push_back(std::cos(waves * std::atan2(v.y, v.x)));
+      v.z += static_cast<float>(0.005 * phase.back());
+    }
+    Progress progress;
+    TriangleMesh plain = torus;
+    SmoothOptions options;
+    options.length = 2 * std::numbers::pi / 30;  // at the middle of the tube
+    smooth_mesh(mesh, options, progress);
+    smooth_mesh(plain, options, progress);
+    double left = 0, all = 0;
+    for (std::size_t v = 0; v < phase.size(); ++v) {
+      left += phase[v] * static_cast<double>(mesh.vertices[v].z - plain.vertices[v].z);
+      all += 0.005 * phase[v] * phase[v];
+    }
+    EXPECT_GT(left / all, least) << waves;
+    EXPECT_LT(left / all, most) << waves;
+  }
+}
+
+TEST(SmoothMesh, CreasesStayWhereAsked) {
+  const TriangleMesh noisy = shaken(fine_cube(), 0.01);
+  TriangleMesh round = noisy, sharp = noisy;
+  Progress progress;
+  smooth_mesh(round, {}, progress);
+  SmoothOptions options;
+  options.creases = true;
+  const SmoothReport report = smooth_mesh(sharp, options, progress);
+  EXPECT_GT(report.crease_angle, 0);
+  EXPECT_LT(rms_off_cube(sharp), 0.5 * rms_off_cube(noisy));
+  EXPECT_LT(rms_off_cube(sharp), 0.7 * rms_off_cube(round));
+}
+
+TEST(SmoothMesh, BordersStayAndSeamsDoNotOpen) {
+  TriangleMesh sheet;
+  for (int i = 0; i < 100; ++i) sheet.vertices.push_back({float(i % 10), float(i / 10), 0.1f * float(i * 7 % 5)});
+  for (std::uint32_t y = 0; y < 9; ++y)
+    for (std::uint32_t x = 0; x < 9; ++x) {
+      const std::uint32_t a = 10 * y + x;
+      sheet.triangles.push_back({a, a + 1, a + 11});
+      sheet.triangles.push_back({a, a + 11, a + 10});
+    }
+  TriangleMesh soup;  // every triangle with vertices of its own
+  for (const Triangle& t : sheet.triangles) {
+    const auto base = static_cast<std::uint32_t>(soup.vertices.size());
+    for (const std::uint32_t v : t) soup.vertices.push_back(sheet.vertices[v]);
+    soup.triangles.push_back({base, base + 1, base + 2});
+  }
+  const TriangleMesh before = sheet;
+  Progress progress;
+  const SmoothReport report = smooth_mesh(sheet, {}, progress);
+  EXPECT_EQ(report.fixed, 36u);
+  EXPECT_FALSE(report.volume_before);
+  for (std::size_t v = 0; v < 100; ++v) {
+    const bool border = v % 10 == 0 || v % 10 == 9 || v < 10 || v >= 90;
+    EXPECT_EQ(sheet.vertices[v] == before.vertices[v], border) << v;
+  }
+  smooth_mesh(soup, {}, progress);
+  for (std::size_t i = 0; i < sheet.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_LT(norm(soup.vertices[3 * i + k] - sheet.vertices[sheet.triangles[i][k]]), 1e-5f);
+  SmoothOptions along;
+  along.borders = true;
+  EXPECT_EQ(smooth_mesh(sheet, along, progress).fixed, 0u);
+}
+
+TEST(SmoothMesh, AnyThreads) {
+  expect_equal_for_any_threads([] {
+    TriangleMesh a = shaken(octasphere(3), 0.01), b = a;
+    Progress progress;
+    smooth_mesh(a, {}, progress);
+    SmoothOptions options;
+    options.creases = true;
+    smooth_mesh(b, options, progress);
+    return std::pair(a.vertices, b.vertices);
+  });
+}
+
+TEST(SmoothMesh, BadOptions) {
+  TriangleMesh mesh = octasphere(1);
+  Progress progress;
+  const auto fails = [&](auto change) {
+    SmoothOptions options;
+    change(options);
+    EXPECT_THROW(smooth_mesh(mesh, options, progress), ArgumentError);
+  };
+  fails([](SmoothOptions& o) { o.iterations = 0; });
+  fails([](SmoothOptions& o) { o.strength = 0.7; });
+  fails([](SmoothOptions& o) { o.length = -1; });
+  fails([](SmoothOptions& o) { o.length = 1, o.creases = true; });
+  fails([](SmoothOptions& o) { o.crease_angle = 20; });
+}
+
+}  // namespace
+}  // namespace sansmesh::test
