@@ -83,7 +83,7 @@ UsageError unknown_option(const CommandLine& at, const std::string& flag) {
   if (at.has("--" + flag.substr(bare))) hint = fmt::format(" (did you mean --{}?)", flag.substr(bare));
   if (hint.empty()) hint = did_you_mean(flag, known);
   std::vector<std::string> others;
-  if (hint.empty() || at.commands().size() > 0) add_commands_with(flag, at.root(), others);
+  if (hint.empty() || !at.commands().empty()) add_commands_with(flag, at.root(), others);
   if (!others.empty()) {
     if (others.size() > 4) others.resize(4), others.back() = "others";
     std::string list;

@@ -33,7 +33,8 @@ TEST_F(RepairCommands, Fill) {
   TriangleMesh tube;
   for (std::uint32_t v = 0; v < 16 * 41; ++v) {
     const double a = 2 * std::numbers::pi * (v % 16) / 16;
-    tube.vertices.push_back(Vec3f(Vec3{std::cos(a), std::sin(a), 0.5 * (v / 16)}));
+    const std::uint32_t ring = v / 16;
+    tube.vertices.push_back(Vec3f(Vec3{std::cos(a), std::sin(a), 0.5 * ring}));
     const std::uint32_t next = v - v % 16 + (v + 1) % 16;
     if (v >= 16 * 40) continue;
     tube.triangles.push_back({v, next, next + 16});
