@@ -3,10 +3,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 
+#include "advise_volume.h"
 #include "cloud_input.h"
 #include "commands.h"
 #include "flags.h"
@@ -15,7 +14,6 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/noise.h"
-#include "volume_input.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -43,25 +41,14 @@ Json to_json(const CloudTraits& t) {
           {"orientation", judge_normals(t.orientation).json}};
 }
 
-/// A file's name as a shell takes it for one word.
-std::string quoted(const std::string& name) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || c >= 0x80 || std::string("_-./+,:@%=").find(static_cast<char>(c)) != std::string::npos;
-  };
-  if (!name.empty() && std::all_of(name.begin(), name.end(), plain)) return name;
-  std::string text = "'";
-  for (const char c : name) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 /// The command that does what is recommended.
 std::string command_of(const Recommendation& r, const CloudInput& of) {
   using Aim = Recommendation::Aim;
   const std::string name = surface_method_info(r.surface).name;
   std::string input;
-  for (const std::string& file : of.files) input += (input.empty() ? "" : " ") + quoted(file);
-  if (!of.with.empty()) input += " --class " + quoted(of.with);
-  if (!of.without.empty()) input += " --without-class " + quoted(of.without);
+  for (const std::string& file : of.files) input += (input.empty() ? "" : " ") + shell_word(file);
+  if (!of.with.empty()) input += " --class " + shell_word(of.with);
+  if (!of.without.empty()) input += " --without-class " + shell_word(of.without);
   std::string command;
   switch (r.aim) {
     case Aim::mesh:
@@ -76,6 +63,11 @@ std::string command_of(const Recommendation& r, const CloudInput& of) {
     case Aim::points:
       command = "sansmesh project " + input + " -o smooth.ply --method " + name;
       break;
+    case Aim::solid:
+      command = "sansmesh fit " + input + " -o function.smf";
+      break;
+    case Aim::deformation:
+      return "sansmesh deform " + input + " --handles handles.json -o deformed.ply";
   }
   if (r.sharp) command += " --sharp";
   if (r.remove_outliers) command += " --remove-outliers";
@@ -114,77 +106,6 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
                                        {"surface", surface_method_info(r.surface).name},
                                        {"commands", std::vector{command_of(r, input)}},
                                        {"why", in_flags(r.why, recommended)}});
-  console.say_json(json);
-  console.print_timings();
-}
-
-/// What has to be said of a raw file again.
-std::string raw_words(const VolumeReadOptions& read) {
-  std::string words;
-  if (read.raw) {
-    const RawLayout& r = *read.raw;
-    words = fmt::format(" --dims {}x{}x{} --type {}", r.dims[0], r.dims[1], r.dims[2], name_of(r.type));
-    if (r.spacing != Vec3{1, 1, 1}) words += fmt::format(" --spacing {},{},{}", r.spacing.x, r.spacing.y, r.spacing.z);
-    if (r.big_endian) words += " --big-endian";
-  }
-  if (read.time_step > 0) words += fmt::format(" --step {}", read.time_step);
-  return words;
-}
-
-/// What suits a volume, and the commands.
-void run_volume_advise(const VolumeInput& input, Console& console) {
-  OpenVolume volume(input, console);
-  const VolumeTraits& t = volume.traits();
-  const ReconstructionChoice& suited = volume.suited();
-  const auto samples = volume.samples();
-  console.progress().finish();
-  const auto percent = [](double share) { return fmt::format("{:.2g} %", 100 * share); };
-  std::string files;
-  for (const std::string& file : input.files) files += (files.empty() ? "" : " ") + quoted(file);
-  files += raw_words(input.read);
-  // As it was given; of a vector its magnitude, which surfaces and pictures can be of.
-  const DatasetArray& of = volume.dataset().array(volume.choice().array);
-  const ArrayChoice& choice = volume.choice();
-  const bool vector = of.components > 1 && !choice.component;
-  const std::string array = " --array " + quoted(vector                ? of.name + ":magnitude"
-                                                 : input.array.empty() ? of.name
-                                                                       : input.array);
-  double middle = 0;
-  if (vector) {
-    for (std::size_t i = 0; i < samples->size(); ++i) middle += volume.sample_value(i);
-    middle /= static_cast<double>(samples->size());
-  } else {
-    const std::size_t c = choice.component.value_or(0);
-    middle = 0.5 * (of.least[c] + of.most[c]);
-  }
-
-  console.say(fmt::format("{}: {} of {} ({})", input.name(), counted(t.samples, "sample"), volume.array_name(),
-                          samples->facts.grid));
-  console.say(
-      fmt::format("  left out, a sample is missed by {} of the range by its neighbours' mean, {} by planes, {} by "
-                  "parabolas, {} by cubics",
-                  percent(t.left_out[0]), percent(t.left_out[1]), percent(t.left_out[2]), percent(t.left_out[3])));
-  console.say(
-      fmt::format("  noise at most {} of the range; steps at {} of the samples", percent(t.noise), percent(t.steps)));
-  console.say(fmt::format("{:<16}{}, since it is {}", "reconstruction", info_of(suited.method).name, suited.why));
-  const std::vector<std::pair<const char*, std::string>> commands{
-      {"values", fmt::format("sansmesh volume probe {}{} --points where.csv -o values.csv", files, array)},
-      {"grid", fmt::format("sansmesh volume resample {}{} -o resampled.vti", files, array)},
-      {"surface", fmt::format("sansmesh volume isosurface {}{} --value {:.4g} -o surface.ply", files, array, middle)},
-      {"picture", fmt::format("sansmesh volume render {}{} -o picture.png", files, array)}};
-  Json json = {{"input", volume.json()}, {"array", volume.choice().array}, {"samples", t.samples}};
-  json["left_out"] = t.left_out;
-  json["left_out_rms"] = t.left_out_rms;
-  json["noise"] = t.noise;
-  json["steps"] = t.steps;
-  json["resolved"] = t.resolved();
-  json["method"] = info_of(suited.method).name;
-  json["why"] = suited.why;
-  json["commands"] = Json::array();
-  for (const auto& [aim, command] : commands) {
-    console.say(fmt::format("{:<16}$ {}", aim, command));
-    json["commands"].push_back({{"aim", aim}, {"command", command}});
-  }
   console.say_json(json);
   console.print_timings();
 }

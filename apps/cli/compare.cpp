@@ -220,7 +220,7 @@ std::optional<SurfaceAlignment> align(const CompareArguments& a, SurfaceInput& p
   if (part.field() && a.on == "reference")
     throw ArgumentError("--align moves meshes and points: with --on reference, the part may not be a function");
   TriangleMesh& mesh = part.mesh();
-  const SurfaceAlignment r = align_or_name(mesh, part.file(), reference.mesh(), reference.file(), a.alignment, console);
+  SurfaceAlignment r = align_or_name(mesh, part.file(), reference.mesh(), reference.file(), a.alignment, console);
   transform(mesh, map_of(r.motion));
   return r;
 }

@@ -212,7 +212,8 @@ std::string fish_lines(const std::string& name, const CommandLine& command) {
   for (const auto& c : command.commands())
     text += fmt::format("{} -a {} -d {}\n", begin, c->name(), in_single_quotes(c->what(), "\\'"));
   for (const OptionEntry* option : places_of(command))
-    if (const std::string words = fish_words(*option); !words.empty()) text += begin + " " + words + "\n";
+    if (const std::string words = fish_words(*option); !words.empty())
+      text.append(begin).append(" ").append(words).append("\n");
   for (const OptionEntry* option : typed_options(command)) {
     text += begin;
     for (const std::string& n : option->names)
@@ -244,7 +245,7 @@ std::string bash_completion(const CommandLine& root) {
           values[bash_action(*option)].push_back("'" + name + " " + flag + "'");
   text += "  case \"$command $previous\" in\n";
   for (const auto& [action, patterns] : values)
-    text += "    " + joined(patterns, "|") + ")\n      " + (action.empty() ? "" : action + "; ") + "return ;;\n";
+    text += fmt::format("    {})\n      {}return ;;\n", joined(patterns, "|"), action.empty() ? "" : action + "; ");
   text += "  esac\n  if [[ $current == -* ]]; then\n    case $command in\n";
   for (const auto& [name, command] : commands) {
     std::vector<std::string> flags;

@@ -15,7 +15,7 @@ namespace sansmesh::cli {
 namespace {
 
 /// Of the diagonal: more is not noise.
-constexpr double kMuch = 0.01;
+constexpr double kFar = 0.01;
 
 struct SmoothArguments {
   std::string input;
@@ -37,7 +37,7 @@ void run_smooth(const SmoothArguments& a, Console& console) {
                                    length(*a.options.length), grouped(static_cast<std::size_t>(r.iterations)),
                                    length(r.mean_edge)));
   const double diagonal = bounds(mesh).diagonal();
-  if (diagonal > 0 && r.rms_move > kMuch * diagonal)
+  if (diagonal > 0 && r.rms_move > kFar * diagonal)
     warnings.push_back(fmt::format(
         "moved by {:.1f} % of the diagonal, at most by {:.1f} %: edges of {} are too long to smooth away no shape{}",
         100 * r.rms_move / diagonal, 100 * r.largest_move / diagonal, length(r.mean_edge),

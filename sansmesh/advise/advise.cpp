@@ -148,6 +148,23 @@ Recommendation points(const Judgement& j) {
               "all"};
 }
 
+Recommendation solid(const Judgement& j) {
+  return {.aim = Aim::solid,
+          .surface = SurfaceMethod::partition,
+          .remove_outliers = j.stray && !j.open,
+          .why = j.all_open
+                     ? "a function to edit block by block; it bounds no solid, so that sums and cuts with others "
+                       "mean little"
+                     : "a function that knows inside from outside: edited block by block, joined with or cut by "
+                       "others"};
+}
+
+Recommendation deformation() {
+  return {.aim = Aim::deformation,
+          .surface = SurfaceMethod::partition,
+          .why = "the samples themselves are pulled at handles, by moving least squares: no mesh is needed"};
+}
+
 }  // namespace
 
 const char* aim_word(Aim aim) {
@@ -160,6 +177,10 @@ const char* aim_word(Aim aim) {
       return "curvature";
     case Aim::points:
       return "points";
+    case Aim::solid:
+      return "solid";
+    case Aim::deformation:
+      return "deform";
   }
   return "";
 }
@@ -173,6 +194,8 @@ Advice advise(const CloudTraits& traits) {
   advice.recommendations.push_back(picture(j));
   if (j.noisy) advice.recommendations.push_back(points(j));
   advice.recommendations.push_back(curvature(j));
+  advice.recommendations.push_back(solid(j));
+  advice.recommendations.push_back(deformation());
   return advice;
 }
 

@@ -12,7 +12,7 @@
 namespace sansmesh {
 
 struct Recommendation {
-  enum class Aim { mesh, picture, curvature, points } aim;
+  enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
   SurfaceMethod surface;
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
@@ -23,7 +23,8 @@ struct Advice {
   CloudTraits traits;
   /// What was seen, one line each, in the order of importance.
   std::vector<std::string> findings;
-  /// What to do, the first choice first; one entry at least for a mesh, a picture and curvatures each.
+  /// What to do, the first choice first; one entry at least for a mesh, a picture, curvatures, solids (editing, CSG)
+  /// and deformation each.
   std::vector<Recommendation> recommendations;
   std::vector<std::string> warnings;  ///< of cleaning
 };

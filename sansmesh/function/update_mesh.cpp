@@ -117,6 +117,7 @@ class Updating {
     for (const Box3& c : changed) pending.push_back({c, largest_block(cut_, c), kMargin});
     while (!pending.empty()) {
       std::vector<Box3> regions;
+      regions.reserve(pending.size());
       for (const Pending& p : pending) regions.push_back(p.region());
       unite(regions, kGrowth);
       if (update_.regions == 0) update_.regions = separate_sets(regions);
@@ -136,6 +137,7 @@ class Updating {
   /// Of the surface, 0..1.
   double share_of(const std::vector<Pending>& pending) const {
     std::vector<Box3> regions;
+    regions.reserve(pending.size());
     for (const Pending& p : pending) regions.push_back(p.region());
     const auto& seeds = cut_.meshing.seeds;
     const auto in = std::count_if(seeds.begin(), seeds.end(), [&](const Vec3& x) { return any_contains(regions, x); });

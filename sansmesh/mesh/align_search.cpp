@@ -58,8 +58,7 @@ Pose spiral_rotation(std::size_t k, std::size_t count) {
 /// The four rotations that bring one side's principal axes onto the other's.
 std::vector<Pose> principal_rotations(const OrientedPoints& moving, const OrientedPoints& fixed) {
   const auto axes_of = [](const OrientedPoints& p) {
-    std::vector<Vec3f> x;
-    for (const Vec3& one : p.x) x.emplace_back(one);
+    const std::vector<Vec3f> x(p.x.begin(), p.x.end());
     return principal_axes(moments(x).covariance);
   };
   const PrincipalAxes a = axes_of(moving), b = axes_of(fixed);

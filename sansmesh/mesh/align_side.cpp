@@ -217,10 +217,12 @@ void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, doub
   Vec3 middle;
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<double> c;
+    c.reserve(places.size());
     for (const Vec3& p : places) c.push_back(p[k]);
     middle[k] = median(c);
   }
   std::vector<double> far;
+  far.reserve(places.size());
   for (const Vec3& p : places) far.push_back(norm(p - middle));
   origin = mesh.origin + middle;
   const auto at = far.begin() + static_cast<std::ptrdiff_t>(far.size() * 3 / 4);

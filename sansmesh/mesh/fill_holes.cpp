@@ -262,8 +262,7 @@ void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling&
   const Vec3 base(mesh.vertices[loop.vertices[0]]);
   number = loop.vertices;
   if (fresh == 0) return;
-  std::vector<Vec3f> rim;
-  for (std::size_t i = 0; i < n; ++i) rim.emplace_back(filling.x[i]);
+  const std::vector<Vec3f> rim(filling.x.begin(), filling.x.begin() + static_cast<std::ptrdiff_t>(n));
   const KdTree tree(rim);
   std::vector<std::uint32_t> rows;
   std::vector<double> weights;

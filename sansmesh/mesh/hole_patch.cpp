@@ -84,6 +84,7 @@ std::vector<PatchTriangle> triangulate_whole(const HoleRim& rim) {
 std::vector<PatchTriangle> triangulate_some(const HoleRim& rim, const std::vector<std::uint32_t>& some,
                                             const std::vector<Vec3>& beside, bool closing_is_free) {
   std::vector<Vec3> x;
+  x.reserve(some.size());
   for (const std::uint32_t v : some) x.push_back(rim.x[v]);
   const std::size_t n = rim.x.size();
   const auto joined = [&](std::uint32_t i, std::uint32_t k) {

@@ -67,6 +67,7 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
   }
   if (box.empty()) throw ArgumentError("`clip_box` holds nothing of what is drawn");
   std::vector<Vec3f> corners;
+  corners.reserve(8);
   for (int c = 0; c < 8; ++c)
     corners.push_back(
         {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});

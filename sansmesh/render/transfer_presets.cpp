@@ -77,7 +77,7 @@ std::optional<Materials> materials_of(const ValueHistogram& h) {
     if (!(s[b] >= s[b - 1] && s[b] > s[b + 1]) || valley > kValley * s[b]) continue;
     double mass = 0;
     for (std::size_t k = b; k < s.size() && s[k] > 0.2 * s[b]; ++k) mass += s[k];
-    for (std::size_t k = b; k-- > air && s[k] > 0.2 * s[b] && s[k] <= s[b];) mass += s[k];
+    for (std::size_t k = b; k > air && s[k - 1] > 0.2 * s[b] && s[k - 1] <= s[b]; --k) mass += s[k - 1];
     if (mass >= kBodyShare && s[b] > best) best = s[b], body = b;
   }
   if (body == 0) return std::nullopt;

@@ -27,6 +27,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
   if (!(upper > lower)) lower -= 0.5, upper = lower + 1;
   lower_ = lower, scale_ = kBins / (upper - lower);
   std::vector<double> breaks;
+  breaks.reserve(function.colors.size() + function.opacities.size() + kBins + 1);
   for (const ColorPoint& p : function.colors) breaks.push_back(place(p.value));
   if (!colors_only)
     for (const OpacityPoint& p : function.opacities) breaks.push_back(place(p.value));

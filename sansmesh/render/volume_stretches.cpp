@@ -92,6 +92,7 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
   }
   if (doubts.empty()) return;
   std::vector<Vec3> middles;
+  middles.reserve(doubts.size());
   std::vector<std::uint8_t> inside(doubts.size());
   for (const Doubt& d : doubts) middles.push_back(to_world(frame_, rays[d.ray], 0.5 * (d.piece.begin + d.piece.end)));
   field_.evaluate(middles, {{}, {}, inside, {}});

@@ -21,6 +21,7 @@ TEST_F(AdviseCommand, CommandsItPrintsRun) {
     cloud.normals.push_back({0, 0, 1});
   }
   write_points(path("in.ply"), cloud);
+  write("handles.json", R"({"handles": [{"p": [0, 0, 0], "q": [0, 0, 0]}, {"p": [1, 0, 0], "q": [1, 0.2, 0]}]})");
   const auto before = listing();
   const Outcome outcome = run({"advise", "in.ply", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

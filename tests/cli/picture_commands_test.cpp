@@ -17,7 +17,7 @@ class PictureCommands : public ToolTest {
     ball.origin = at;
     write_mesh(path(name), ball);
   }
-  PngPicture drawn(std::vector<std::string> arguments, const std::string& file = "out.png") const {
+  PngPicture drawn(const std::vector<std::string>& arguments, const std::string& file = "out.png") const {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return outcome.code == 0 ? read_png(path(file)) : PngPicture{};

@@ -1,9 +1,13 @@
 // The commands of volumes, on a ball in a small raw file and on points.
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "ball_volume.h"
 #include "run_tool.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -40,7 +44,66 @@ TEST_F(VolumeTool, AdviseNamesAReconstructionAndWhy) {
   const auto json = json_of({"advise", ball_});
   EXPECT_FALSE(json["method"].get<std::string>().empty());
   EXPECT_FALSE(json["why"].get<std::string>().empty());
-  EXPECT_EQ(json["commands"].size(), 4u);
+}
+
+/// Words of a command as a shell splits them, without "sansmesh".
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words(1);
+  bool quoted = false;
+  for (const char c : command)
+    if (c == '\'')
+      quoted = !quoted;
+    else if (c == ' ' && !quoted)
+      words.emplace_back();
+    else
+      words.back() += c;
+  words.erase(words.begin());
+  return words;
+}
+
+TEST_F(VolumeTool, AdviseHasNothingToSayOfBareLattices) {
+  write("bare.p3d", "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n");
+  const Outcome outcome = run({"advise", "data", "bare.p3d"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("sansmesh: bare.p3d: holds no arrays"), std::string::npos) << outcome.err;
+}
+
+TEST_F(VolumeTool, EveryCommandThatAdviseNamesRuns) {
+  SANSMESH_NOT_SANITIZED("draws pictures and moves bodies; the tests of each command do so sanitized");
+  // What else the commands read.
+  write("where.csv", "x,y,z\n8,8,4\n");
+  write("handles.json", R"({"handles": [{"p": [1, 1, 1], "q": [1, 1, 1]}, {"p": [12, 1, 1], "q": [12, 2, 1]},
+      {"p": [1, 12, 1], "q": [1, 12, 1]}, {"p": [1, 1, 12], "q": [1, 1, 12]}]})");
+  std::string flow =
+      "# vtk DataFile Version 3.0\nturn\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 5 5 5\n"
+      "ORIGIN -1 -1 -1\nSPACING 0.5 0.5 0.5\nPOINT_DATA 125\nVECTORS v float\n";
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 5; ++j)
+      for (int i = 0; i < 5; ++i) flow += std::to_string(1 - 0.5 * j) + " " + std::to_string(0.5 * i - 1) + " 0.3\n";
+  write("turn.vtk", flow);
+  write("body.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
+  write("body.ele", "1 4 0\n1 1 2 3 4\n");
+  const std::vector<std::pair<std::string, std::vector<std::string>>> aims{
+      {ball_, {"surface", "picture", "values", "grid", "deformation"}},
+      {path("turn.vtk"),
+       {"flow picture", "flow surface", "lines", "surface", "picture", "values", "grid", "deformation"}},
+      {path("body.node"), {"forces"}}};
+  for (const auto& [file, expected] : aims) {
+    const auto json = json_of({"advise", file});
+    std::vector<std::string> found;
+    for (const auto& r : json["commands"]) {
+      if (r["aim"] != "border") found.push_back(r["aim"]);
+      EXPECT_GT(r["why"].get<std::string>().size(), 10u);
+      std::vector<std::string> words = words_of(r["command"]);
+      // Small pictures and few frames: what is tested is that they are made at all.
+      if (words.back().ends_with(".png") && words[0] != "simulate" && words[1] != "lines")
+        words.insert(words.end(), {"--width", "64", "--height", "48"});
+      if (words[0] == "simulate") words.insert(words.end(), {"--frames", "2", "--time", "0.1"});
+      const Outcome outcome = run(words);
+      EXPECT_EQ(outcome.code, 0) << r["command"] << "\n" << outcome.err;
+    }
+    EXPECT_EQ(found, expected) << file;
+  }
 }
 
 TEST_F(VolumeTool, ProbeAnswersEveryRowInOrder) {
@@ -124,7 +187,6 @@ TEST_F(VolumeTool, SaysInOneLineWhatIsWrong) {
       {{"volume", "isosurface", bare, "--value", "1", "-o", path("never.ply")}, 1, {"bare.p3d", "no arrays"}},
       {{"volume", "render", bare, "-o", path("never.png")}, 1, {"bare.p3d", "no arrays"}},
       {{"volume", "fit", bare, "-o", path("never.smv")}, 1, {"bare.p3d", "no arrays"}},
-      {{"advise", "data", bare}, 1, {"bare.p3d", "no arrays"}},
       {{"info", ball_, "--step", "1"}, 2, {"--step", "no steps but one"}},
       {{"info", bare, "--step", "7"}, 2, {"--step", "no steps but one"}},
       {{"volume", "probe", path("few.csv"), "--step", "1", "--at", "0,0,0"}, 2, {"--step"}},

@@ -32,8 +32,10 @@ class VolumeFit : public ToolTest {
     std::vector<float> values;
     for (auto& axis : block.axes)
       for (int i = 0; i < 12; ++i) axis.push_back(i);
-    for (int i = 0; i < 12 * 12 * 12; ++i)
-      values.push_back(static_cast<float>(std::sin(0.4 * (i % 12)) * std::cos(0.3 * (i / 144)) + 0.1 * (i / 12 % 12)));
+    for (int z = 0; z < 12; ++z)
+      for (int y = 0; y < 12; ++y)
+        for (int x = 0; x < 12; ++x)
+          values.push_back(static_cast<float>(std::sin(0.4 * x) * std::cos(0.3 * z) + 0.1 * y));
     block.point_arrays.set("value", std::move(values));
     write_volume(path("cube.mha"), block);
   }

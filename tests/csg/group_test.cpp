@@ -122,11 +122,11 @@ class CountedBall final : public ScalarField {
 TEST(Group, FewOfAThousandPartsAreAsked) {
   std::atomic<std::size_t> asked = 0;
   Solid all = csg::sphere({-1, -1, -1}, 0.1);
-  for (int i = 0; i < 1000; ++i)
-    all = csg::unite(
-        all, csg::distance_leaf(std::make_shared<CountedBall>(
-                 Vec3{static_cast<double>(i % 10), static_cast<double>(i / 10 % 10), static_cast<double>(i / 100)}, 0.3,
-                 asked)));
+  for (int x = 0; x < 10; ++x)
+    for (int y = 0; y < 10; ++y)
+      for (int z = 0; z < 10; ++z)
+        all = csg::unite(all,
+                         csg::distance_leaf(std::make_shared<CountedBall>(Vec3{1. * x, 1. * y, 1. * z}, 0.3, asked)));
   std::vector<Vec3> x = random_points(50000, 5);
   for (Vec3& p : x) p += Vec3{4.5, 4.5, 4.5};
   asked = 0;

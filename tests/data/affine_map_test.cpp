@@ -1,5 +1,7 @@
 #include "sansmesh/data/affine_map.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 

@@ -198,7 +198,8 @@ TEST(EditScript, DamagedTextEndsInAnErrorOrAScript) {
     }
     try {
       edit_script(parse_edit_script(text));
-    } catch (const ArgumentError&) {
+    } catch (const ArgumentError& e) {
+      EXPECT_STRNE(e.what(), "");
     }
   }
 }

@@ -8,6 +8,12 @@
 namespace sansmesh {
 namespace {
 
+/// Of entry i of the lattice of 5 × 4 × 3 that `counting(60)` fills.
+Vec3 place_of(std::size_t i) {
+  const std::size_t y = i / 5 % 4, z = i / 20;
+  return {static_cast<double>(i % 5), static_cast<double>(y), static_cast<double>(z)};
+}
+
 using namespace test;
 
 std::vector<double> counting(std::size_t n) {
@@ -89,7 +95,7 @@ TEST(MetaImage, PointsLieWhereSpacingOffsetAndMatrixSay) {
   const GridBlock& b = data.blocks[0];
   ASSERT_EQ(b.kind, GridKind::lattice);
   for (std::size_t i = 0; i < 60; ++i) {
-    const double x = static_cast<double>(i % 5), y = static_cast<double>(i / 5 % 4), z = static_cast<double>(i / 20);
+    const auto [x, y, z] = place_of(i);
     EXPECT_LT(norm(place(b, i) - Vec3{10 - 2 * y, 20 + 0.5 * x, 30 - 3 * z}), 1e-12);
   }
 }
@@ -167,7 +173,7 @@ TEST(Nrrd, DirectionsShearedOnesToo) {
     const GridBlock& block = data.blocks[0];
     EXPECT_EQ(block.kind, kind);
     for (std::size_t i = 0; i < 60; ++i) {
-      const double x = static_cast<double>(i % 5), y = static_cast<double>(i / 5 % 4), z = static_cast<double>(i / 20);
+      const auto [x, y, z] = place_of(i);
       EXPECT_LT(norm(place(block, i) - (Vec3{1, 2, 3} + a * x + b * y + c * z)), 1e-12);
     }
   };

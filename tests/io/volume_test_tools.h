@@ -54,7 +54,8 @@ inline bool volume_readable(const std::string& file) {
     return true;
   } catch (const FileError& e) {
     EXPECT_TRUE(is_clean(e.what())) << e.what();
-  } catch (const ArgumentError&) {
+  } catch (const ArgumentError& e) {
+    EXPECT_STRNE(e.what(), "");
   } catch (const std::exception& e) {
     ADD_FAILURE() << file << ": another exception: " << e.what();
   }

@@ -106,7 +106,7 @@ TEST(SectionText, FarPlacesAreDrawnRelativeToOneNearby) {
   const Section section[] = {section_mesh(box, axis_plane(2, 0.5))};
   const std::string svg = section_svg(section);
   EXPECT_NE(svg.find("data-origin=\"512350 4054320\""), std::string::npos) << svg.substr(0, 600);
-  EXPECT_NE(svg.find("M"), std::string::npos);
+  EXPECT_NE(svg.find('M'), std::string::npos);
   const std::string empty = section_svg({});
   EXPECT_NE(empty.find("</svg>"), std::string::npos);
 }

@@ -127,8 +127,8 @@ TEST(SmallestBox, OfRandomPointsIsAsSmallAsBruteForceFinds) {
 
 TEST(SmallestBox, OfAFlatSheetIsItsRectangle) {
   std::vector<Vec3f> sheet;
-  for (int i = 0; i < 100; ++i)
-    sheet.push_back({0.3f * static_cast<float>(i % 10), 0.1f * static_cast<float>(i / 10), 0});
+  for (int y = 0; y < 10; ++y)
+    for (int x = 0; x < 10; ++x) sheet.push_back({0.3f * static_cast<float>(x), 0.1f * static_cast<float>(y), 0});
   const OrientedBox box = smallest_box(turned(sheet, {3, 1, 2}, 0.8));
   EXPECT_NEAR(box.sizes[0], 2.7, 1e-5);
   EXPECT_NEAR(box.sizes[1], 0.9, 1e-5);

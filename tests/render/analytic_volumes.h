@@ -78,7 +78,9 @@ struct TwoSpecks {
   std::vector<Vec3> places() const {
     std::vector<Vec3> x;
     for (const Vec3& c : centers)
-      for (int i = 0; i < 27; ++i) x.push_back(c + Vec3{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0} * (0.5 * radius));
+      for (int k = -1; k <= 1; ++k)
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i) x.push_back(c + Vec3{1. * i, 1. * j, 1. * k} * (0.5 * radius));
     return x;
   }
 };

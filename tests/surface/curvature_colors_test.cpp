@@ -69,10 +69,11 @@ TEST(CurvatureColors, FollowTheGivenRange) {
 TEST(CurvatureColors, OfPlanesAreWhiteAndOfNothingGrey) {
   Progress progress;
   PointSet plane;
-  for (int i = 0; i < 900; ++i) {
-    plane.positions.push_back({static_cast<float>(i % 30), static_cast<float>(i / 30), 0});
-    plane.normals.push_back({0, 0, 1});
-  }
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) {
+      plane.positions.push_back({static_cast<float>(x), static_cast<float>(y), 0});
+      plane.normals.push_back({0, 0, 1});
+    }
   const std::vector<Vec3> x{{3, 4, 0}};
   std::vector<Vec3f> found(1);
   CurvatureColors(plane, {}, progress).evaluate(x, found);

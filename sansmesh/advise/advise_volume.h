@@ -1,0 +1,36 @@
+// What can be made of a volume, and by which method: METHODS §8, figure 7.2 of [tejada2008].
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sansmesh/dataset/choose_reconstruction.h"
+#include "sansmesh/volume/volume_traits.h"
+
+namespace sansmesh {
+
+/// What there is to work with.
+struct VolumeOffer {
+  bool values = true;           ///< an array at all; bare meshes have none
+  bool vectors = false;         ///< the array, or another one, has two or three components: a flow
+  std::size_t steps = 1;        ///< in time
+  bool lattice = false;         ///< the samples lie on one
+  bool body = false;            ///< the cells may be a body that moves
+  VolumeTraits traits;          ///< of the array; not looked at without values
+  ReconstructionChoice suited;  ///< likewise
+};
+
+struct VolumeRecommendation {
+  enum class Aim { values, grid, surface, border, picture, lines, flow_surface, flow_picture, deformation, forces } aim;
+  std::string why;          ///< one sentence without an end
+  bool by_samples = false;  ///< of a surface: from the samples by moving least squares, not from the reconstruction
+};
+
+/// What is asked for most first; never empty where there are values or a body.
+std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
+
+/// values, grid, surface, border, …
+const char* aim_word(VolumeRecommendation::Aim aim);
+
+}  // namespace sansmesh
