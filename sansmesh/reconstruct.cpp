@@ -86,6 +86,10 @@ void ReconstructOptions::validate() const {
         throw ArgumentError("`" + std::string(field) + "` belongs to the partition, not to the surface " +
                             surface_method_info(surface->method).name);
     };
+    unset(!is_paper(), "fit = paper");
+    unset(mesher != Mesher::walk, "mesher = walk");
+    unset(!threshold, "threshold");
+    unset(!coverage, "coverage");
     unset(!max_depth, "max_depth");
     unset(!error, "error");
     unset(!support, "support");
@@ -94,6 +98,10 @@ void ReconstructOptions::validate() const {
   }
   FitOptions::validate();
   MeshOptions::validate();
+  const bool walks = mesher == Mesher::walk || (mesher == Mesher::automatic && is_paper());
+  if (walks) validate_walk();
+  if (!walks && enhance && displacement > 0)
+    throw ArgumentError("`displacement` needs `enhance = false`: clustering undoes it");
 }
 
 TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
@@ -111,6 +119,8 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   r.noise = function.place.to_input(f.noise);
   r.fits = f.functions;
   r.fit_depth = f.depth;
+  r.fits_of_degree = f.functions_of_degree;
+  r.paper = function.paper;
   r.open_share = f.area > 0 ? f.open_area / f.area : 0;
   r.behind = f.behind;
   if (r.most_lost && !r.warnings.empty())

@@ -36,6 +36,8 @@ struct ReconstructReport : MeshReport {
   /// Of the function: local approximations, and the deepest level of their tree. 0 for other surfaces.
   std::size_t fits = 0;
   int fit_depth = 0;
+  FitsOfDegree fits_of_degree{};
+  std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be
   /// Of the function: share of the surface that bounds no solid, and the mean winding number behind the samples from
   /// which that was decided (PartitionReport). 0 and 1 for other surfaces.
   double open_share = 0, behind = 1;

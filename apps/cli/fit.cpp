@@ -49,6 +49,8 @@ void run_fit(const FitArguments& a, Console& console) {
     if (!alignment.empty()) console.say(alignment);
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
+    if (function.paper)
+      for (const std::string& line : paper_words(*function.paper, r.functions_of_degree)) console.say(line);
     Json json = {{"input", a.input.json(read, given)},
                  {"spacing", place.to_input(r.spacing)},
                  {"noise", place.to_input(r.noise)},
@@ -59,6 +61,7 @@ void run_fit(const FitArguments& a, Console& console) {
                  {"fits_of_degree", r.functions_of_degree},
                  {"creased", r.creased},
                  {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
+    if (function.paper) json["paper"] = paper_json(*function.paper);
     if (a.cloud.align) json["alignment"] = alignment;
     console.say_json(json);
   } catch (const DataError& error) {

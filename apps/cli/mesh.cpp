@@ -42,8 +42,9 @@ void run_mesh(MeshArguments& a, Console& console) {
   console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(topology.components, "component"),
                           topology.closed() ? ", closed" : ", with borders"));
+  if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
   if (a.options.measure_quality) say_aspect_ratios(report, console);
-  const Json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
+  Json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
                      {"blocks", report.blocks},
                      {"depth", report.block_depth},
                      {"output",
@@ -53,6 +54,7 @@ void run_mesh(MeshArguments& a, Console& console) {
                        {"components", topology.components},
                        {"closed", topology.closed()},
                        {"mesh_error", report.mesh_error}}}};
+  if (report.simplices > 0) json["simplices"] = report.simplices;
   console.say_json(json);
   console.print_timings();
 }

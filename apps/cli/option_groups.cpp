@@ -190,8 +190,58 @@ void add_box_option(CommandLine& c, std::optional<Box3>& box, const std::string&
 
 std::string depth_range() { return std::to_string(kLeastDepth) + ".." + std::to_string(kMostDepth); }
 
+PaperCoverage parse_coverage(const std::string& text) {
+  if (text == "thesis") return kThesisCoverage;
+  if (text == "paper") return kPaperCoverage;
+  if (text == "none") return kNoCoverage;
+  PaperCoverage coverage{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (std::size_t d = 0; d < coverage.size(); ++d) {
+    const auto [next, error] = std::from_chars(at, end, coverage[d]);
+    const bool last = d + 1 == coverage.size();
+    if (error != std::errc() || (last ? next != end : next == end || *next != ','))
+      throw ValueError("must be thesis, paper, none or three numbers with commas between them, not " + text);
+    at = next + 1;
+  }
+  return coverage;
+}
+
+std::vector<std::string> paper_words(const PaperReport& r, const FitsOfDegree& fits) {
+  return {fmt::format("{} planes, {} of degree 2, {} of degree 3, {} of degree 4, {} constants; {} planes are borrowed "
+                      "from the nearest samples",
+                      grouped(fits[1]), grouped(fits[2]), grouped(fits[3]), grouped(fits[4]), grouped(fits[0]),
+                      grouped(r.borrowed)),
+          fmt::format("{}: {} subdivided for two sheets, {} for too many samples; of those with few samples {} "
+                      "subdivided, {} not, since their children are worse; {} above the threshold; {} by balance alone",
+                      counted(r.blocks, "block"), grouped(r.two_sheets), grouped(r.too_many), grouped(r.not_worse),
+                      grouped(r.kept), grouped(r.above), grouped(r.balanced))};
+}
+
+Json paper_json(const PaperReport& r) {
+  return {{"blocks", r.blocks},         {"fitted", r.fitted},     {"borrowed", r.borrowed},
+          {"two_sheets", r.two_sheets}, {"too_many", r.too_many}, {"not_worse", r.not_worse},
+          {"kept", r.kept},             {"above", r.above},       {"balanced", r.balanced}};
+}
+
 void add_fit_options(CommandLine& c, FitOptions& o) {
-  c.add_option("--depth", o.max_depth, "Deepest level of the tree of blocks, " + depth_range() + " [from data]")
+  c.add_choice<FitMethod>(
+       "--fit", o.fit, {{"partition", FitMethod::partition}, {"paper", FitMethod::paper}},
+       "Our own partition of unity, or that of the paper and the thesis, as they describe it [partition]")
+      .type_name("CHOICE")
+      .group("Fit");
+  c.add_option("--threshold", o.threshold,
+               "With --fit paper: accepted rms error of a local fit over the diagonal of the samples [0.002]")
+      .type_name("RATIO")
+      .group("Fit");
+  c.add_option_function(
+       "--coverage", [&o](const std::string& text) { o.coverage = parse_coverage(text); },
+       "With --fit paper: share of a support that samples have to cover for degrees 2, 3 and 4: thesis (.4,.8,.85), "
+       "paper (.85,.9,.95), none or three numbers [thesis]")
+      .type_name("CHOICE")
+      .group("Fit");
+  c.add_option("--depth", o.max_depth,
+               "Deepest level of the tree of blocks, " + depth_range() + " [from data; 9 with --fit paper]")
       .type_name("LEVEL")
       .group("Fit");
   c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
@@ -235,6 +285,12 @@ void add_mesh_options(CommandLine& c, MeshOptions& o) {
   c.add_flag_callback(
       "--no-confidence", [&o] { o.confidence = false; }, "Do not write that");
   c.add_flag("--quality", o.measure_quality, "Print aspect ratios of the triangles before and after enhancement");
+  c.add_choice<Mesher>(
+       "--mesher", o.mesher, {{"auto", Mesher::automatic}, {"blocks", Mesher::blocks}, {"walk", Mesher::walk}},
+       "Whole blocks, enhanced; or the walk of the paper from simplex to simplex, as it is; auto: the walk after --fit "
+       "paper, else blocks [auto]")
+      .type_name("CHOICE")
+      .group("Mesh");
   c.add_option("--mesh-error", o.mesh_error,
                "Mean distance accepted between mesh and surface: larger is coarser [from data]")
       .type_name("LENGTH")
@@ -245,7 +301,7 @@ void add_mesh_options(CommandLine& c, MeshOptions& o) {
   c.add_flag_callback(
        "--no-enhance", [&o] { o.enhance = false; }, "No clustering, smoothing or simplification of triangles")
       .group("Mesh");
-  c.add_option("--displacement", o.displacement, "With --no-enhance: lattice steps back from the surface, 0..1 [0]")
+  c.add_option("--displacement", o.displacement, "With --no-enhance, or the walk: lattice steps back from the surface, 0..1 [0]")
       .type_name("RATIO")
       .group("Mesh");
   c.add_flag_callback(

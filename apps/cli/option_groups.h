@@ -74,7 +74,12 @@ Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_b
 void add_box_option(CommandLine& command, std::optional<Box3>& box, const std::string& what);
 /// "2..14"
 std::string depth_range();
-/// --depth, --error, --support, --degree, --smooth
+/// thesis, paper, none or three numbers. Throws ValueError.
+PaperCoverage parse_coverage(const std::string& text);
+/// What became of the blocks of `--fit paper`, in two lines.
+std::vector<std::string> paper_words(const PaperReport& report, const FitsOfDegree& fits);
+Json paper_json(const PaperReport& report);
+/// --fit, --depth, --error, --threshold, --coverage, --support, --degree, --smooth
 void add_fit_options(CommandLine& command, FitOptions& options);
 /// auto, all, largest or a number. Throws ValueError.
 ComponentChoice parse_components(const std::string& text);

@@ -46,9 +46,12 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
             : fmt::format("{} down to depth {}", counted(report.fits, "local fit"), report.fit_depth);
   console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(report.spacing),
                           length(report.noise), made, counted(report.blocks, "block"), report.block_depth));
+  if (report.paper)
+    for (const std::string& line : paper_words(*report.paper, report.fits_of_degree)) console.say(line);
+  if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
   console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
   if (!report.alignment.empty()) console.say(report.alignment);
-  if (!other) console.say(openness(report, arguments.options.open));
+  if (!other && !report.paper) console.say(openness(report, arguments.options.open));
   // A closed partition is closed by construction.
   const bool closed = (!other && !arguments.options.trim && !report.open) || measure_topology(mesh).closed();
   console.say(fmt::format("{}: {}, {} in {}{}", arguments.output.file, counted(mesh.triangles.size(), "triangle"),
@@ -91,6 +94,9 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     if (arguments.options.align) json["alignment"] = report.alignment;
     json["fits"] = report.fits;
     json["fit_depth"] = report.fit_depth;
+    if (!arguments.options.other_surface()) json["fits_of_degree"] = report.fits_of_degree;
+    if (report.paper) json["paper"] = paper_json(*report.paper);
+    if (report.simplices > 0) json["simplices"] = report.simplices;
     json["open_share"] = report.open_share;
     json["winding_number_behind"] = report.behind;
     json["lost_share"] = report.lost;

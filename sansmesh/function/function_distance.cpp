@@ -27,6 +27,7 @@ TriangleMesh whole_mesh(const SurfaceFunction& function, Progress& progress) {
   MeshOptions options;
   options.components.kind = ComponentChoice::Kind::all;
   options.carry_colors = false;
+  options.mesher = Mesher::blocks;
   options.mesh_error = kFinerMesh * function.place.to_input(default_mesh_error(function.field.report()));
   TriangleMesh mesh = mesh_function(function, options, progress);
   if (function.field.data().options.sharp) {

@@ -20,6 +20,8 @@ using ReadJson = nlohmann::json;
 using Color = std::array<std::uint8_t, 3>;
 
 constexpr const char* kKind = "partition of unity";
+/// Blended without the precautions of the other: readers that know nothing of it must not take it for one.
+constexpr const char* kPlainKind = "plain partition of unity";
 constexpr std::size_t kMostLevels = 22;
 /// Limits of the description: bytes, and arrays within arrays.
 constexpr std::size_t kMostText = std::size_t{16} << 20;
@@ -105,6 +107,24 @@ Json to_json(const PartitionReport& r) {
           {"functions", r.functions}, {"functions_of_degree", r.functions_of_degree},
           {"creased", r.creased},     {"open_area", r.open_area},
           {"behind", r.behind}};
+}
+
+Json to_json(const PaperOptions& o) {
+  return {{"threshold", o.threshold},
+          {"max_depth", o.max_depth},
+          {"max_degree", o.max_degree},
+          {"support", o.support},
+          {"coverage", o.coverage}};
+}
+
+PaperOptions paper_of(const ReadJson& json) {
+  PaperOptions o;
+  o.threshold = number(json.at("threshold"));
+  o.max_depth = whole<int>(json.at("max_depth"));
+  o.max_degree = whole<int>(json.at("max_degree"));
+  o.support = number(json.at("support"));
+  for (std::size_t d = 0; d < o.coverage.size(); ++d) o.coverage[d] = number(json.at("coverage").at(d));
+  return o;
 }
 
 PartitionReport report_of(const ReadJson& json) {
@@ -241,7 +261,7 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
   }
   Json levels = Json::array();
   for (const PartitionData::Flatness& f : data.flatness) levels.push_back(f.code.size());
-  Json json = {{"kind", kKind},
+  Json json = {{"kind", data.paper ? kPlainKind : kKind},
                {"origin", to_json(function.place.origin)},
                {"unit", function.place.unit},
                {"field_origin", to_json(data.origin)},
@@ -252,6 +272,7 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
                {"levels", levels},
                {"history", function.history}};
   if (function.samples->of_faces) json["of_faces"] = true;
+  if (data.paper) json["paper"] = to_json(*data.paper);
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   const auto code = joined<std::uint64_t>(
       data, [](const auto& f) -> const auto& { return f.code; });
@@ -280,9 +301,11 @@ SurfaceFunction read_function(const std::string& file) { return read_function(Se
 SurfaceFunction read_function(const SectionFile& file) {
   try {
     const ReadJson json = parsed(file.text("META"));
-    if (json.at("kind").get<std::string>() != kKind)
+    const auto kind = json.at("kind").get<std::string>();
+    if (kind != kKind && kind != kPlainKind)
       throw FileError(file.file(), fmt::format("holds another kind of function than a {}", kKind));
     PartitionData data;
+    if (kind == kPlainKind) data.paper = paper_of(json.at("paper"));
     data.origin = vector_of(json.at("field_origin"));
     const ReadJson& cube = json.at("cube");
     for (std::size_t k = 0; k < 3; ++k) data.lower[k] = single(cube.at("lower").at(k));
@@ -306,7 +329,7 @@ SurfaceFunction read_function(const SectionFile& file) {
         std::frexp(place.unit, &exponent) != 0.5)
       throw DataError("its place in the input makes no sense");
     std::vector<std::string> history = history_of(json.at("history"));
-    return {PartitionOfUnity(std::move(data)), place, std::move(samples), std::move(history), {}};
+    return {PartitionOfUnity(std::move(data)), place, std::move(samples), std::move(history), {}, {}};
   } catch (const nlohmann::json::exception&) {
     throw FileError(file.file(), "damaged: its description (section META) makes no sense");
   } catch (const ArgumentError& error) {

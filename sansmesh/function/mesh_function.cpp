@@ -10,8 +10,10 @@
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/clip_mesh.h"
+#include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/polygonize/walk_surface.h"
 
 namespace sansmesh {
 namespace {
@@ -30,11 +32,39 @@ Box3 with_seeds(const PartitionData& data, const Box3& box) {
   return all;
 }
 
+/// From the simplices at the samples, or where these were not kept at the feet of the supports, which stand for them.
+TriangleMesh walked(const SurfaceFunction& function, const MeshOptions& options, const BlockTree& blocks,
+                    Progress& progress, MeshReport& r) {
+  const PartitionOfUnity& field = function.field;
+  WalkOptions walk;
+  const PointSet& points = *function.samples;
+  if (points.size() > 0) {
+    walk.seeds.reserve(points.size());
+    for (const Vec3f& p : points.positions) walk.seeds.push_back(points.origin + Vec3(p));
+  } else {
+    walk.seeds = field.seeds();
+  }
+  if (options.measure_quality) {
+    const MeshQuality before = measure_quality(walk_surface(field, blocks, {}, walk, progress));
+    r.aspect_mean_before = before.aspect_mean;
+    r.aspect_deviation_before = before.aspect_deviation;
+  }
+  walk.displacement = options.displacement;
+  WalkReport report;
+  TriangleMesh mesh = walk_surface(field, blocks, {}, walk, progress, &report);
+  r.simplices = report.simplices;
+  return mesh;
+}
+
 }  // namespace
 
 TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report) {
   options.validate();
+  const bool walks = is_walked(function, options);
+  if (walks) options.validate_walk();
+  if (!walks && options.enhance && options.displacement > 0)
+    throw ArgumentError("`displacement` needs `enhance = false` or `mesher = walk`: clustering undoes it");
   MeshReport local;
   MeshReport& r = report ? *report : local;
   r = {};
@@ -65,7 +95,16 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
     cut.meshing.domain = &*domain;
   }
   r.open = f.open_area > 0;
-  TriangleMesh mesh = detail::cut_out(field, cut.blocks, options, cut.meshing, progress, r);
+  TriangleMesh mesh;
+  if (walks) {
+    if (r.open) throw DataError("parts of the surface end where their samples end, which a walk cannot do");
+    BlockTree blocks = std::move(cut.blocks);
+    blocks.balance();
+    r.blocks = blocks.leaves().size();
+    mesh = walked(function, options, blocks, progress, r);
+  } else {
+    mesh = detail::cut_out(field, cut.blocks, options, cut.meshing, progress, r);
+  }
 
   progress.begin("finish mesh");
   MeshOptions finish = options;
@@ -88,6 +127,11 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   move_to_input(mesh, place);
   progress.finish();
   return mesh;
+}
+
+bool is_walked(const SurfaceFunction& function, const MeshOptions& options) {
+  return options.mesher == Mesher::walk ||
+         (options.mesher == Mesher::automatic && function.field.data().paper.has_value());
 }
 
 double default_mesh_error(const PartitionReport& report) {

@@ -14,6 +14,9 @@ namespace sansmesh {
 TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report = nullptr);
 
+/// Whether that mesh is made by a walk (Mesher).
+bool is_walked(const SurfaceFunction& function, const MeshOptions& options);
+
 /// Distance between mesh and surface worth aiming at, given what fitting learned: two fifths of the surface's own
 /// error, but not so little that there are many more vertices than samples.
 double default_mesh_error(const PartitionReport& report);

@@ -1,5 +1,7 @@
 #include "sansmesh/function/surface_function.h"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -23,9 +25,34 @@ PartitionOptions partition_options(const FitOptions& options, const Placement& p
   return fit;
 }
 
+PaperOptions paper_options(const FitOptions& options) {
+  PaperOptions fit;
+  if (options.threshold) fit.threshold = *options.threshold;
+  if (options.max_depth) fit.max_depth = *options.max_depth;
+  if (options.support) fit.support = *options.support;
+  if (options.coverage) fit.coverage = *options.coverage;
+  fit.max_degree = options.max_degree;
+  return fit;
+}
+
 }  // namespace
 
-void FitOptions::validate() const { partition_options(*this, {}).validate(); }
+void FitOptions::validate() const {
+  const auto unset = [&](bool ok, const char* field) {
+    if (!ok)
+      throw ArgumentError(fmt::format("`{}` belongs to `fit = {}`", field, is_paper() ? "partition" : "paper"));
+  };
+  if (is_paper()) {
+    unset(!error, "error");
+    unset(sharp, "sharp = false");
+    unset(!open, open.value_or(false) ? "open = true" : "open = false");
+    paper_options(*this).validate();
+    return;
+  }
+  unset(!threshold, "threshold");
+  unset(!coverage, "coverage");
+  partition_options(*this, {}).validate();
+}
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
@@ -39,13 +66,22 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
   options.validate();
   cloud.points.attributes.clear();  // nor through the whole fit
   cloud.points.triangle_attributes.clear();
+  if (options.is_paper()) {
+    const bool faces = cloud.points.of_faces;
+    auto sorted = std::make_shared<PointSet>();
+    PaperReport report;
+    PartitionOfUnity paper =
+        fit_paper_partition(std::move(cloud.points), paper_options(options), progress, sorted.get(), &report);
+    sorted->of_faces = faces;
+    return {std::move(paper), cloud.place, std::move(sorted), {}, std::move(cloud.warnings), report};
+  }
   const PartitionOptions fit = partition_options(options, cloud.place);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   const bool of_faces = cloud.points.of_faces;
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
   samples->of_faces = of_faces;
-  return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings)};
+  return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings), {}};
 }
 
 }  // namespace sansmesh

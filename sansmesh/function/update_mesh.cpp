@@ -235,6 +235,7 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, std::s
 
 /// Why options or function ask for all of the mesh; empty: they do not.
 std::string why_whole(const SurfaceFunction& function, const MeshOptions& options) {
+  if (is_walked(function, options)) return "it is walked, from all samples";
   if (options.triangles) return "a number of triangles is one of the whole mesh";
   if (options.trim || options.box) return "what is cut off is cut off of the whole mesh";
   if (options.measure_quality || options.confidence.value_or(false))

@@ -17,7 +17,9 @@ void MeshOptions::validate() const {
   check(!triangles || (*triangles >= 4 && enhance),
         "`triangles` must be at least 4, and does not go with `enhance = false`");
   check(displacement >= 0 && displacement < 1, "`displacement` must lie in [0, 1)");
-  check(displacement == 0 || !enhance, "`displacement` needs `enhance = false`: clustering undoes it");
+  check(displacement == 0 || !enhance || mesher != Mesher::blocks,
+        "`displacement` needs `enhance = false`: clustering undoes it");
+  if (mesher == Mesher::walk) validate_walk();
   check(!fill_holes || (std::isfinite(*fill_holes) && *fill_holes >= 0), "`fill_holes` must be a length of at least 0");
   check(!trim || (std::isfinite(*trim) && *trim >= 0), "`trim` must be a length of at least 0");
   check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
@@ -26,6 +28,18 @@ void MeshOptions::validate() const {
         "`box` must be finite, and its lower corner below its upper one");
   check(!block_depth || (*block_depth >= kLeastDepth && *block_depth <= kMostDepth),
         fmt::format("`block_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
+}
+
+void MeshOptions::validate_walk() const {
+  const auto unset = [](bool ok, const char* field) {
+    if (!ok)
+      throw ArgumentError(fmt::format("`{}` means nothing to a walk; it goes with `mesher = blocks`", field));
+  };
+  unset(!mesh_error, "mesh_error");
+  unset(!triangles, "triangles");
+  unset(!fill_holes, "fill_holes");
+  unset(!trim, "trim");
+  unset(enhance, "enhance = false");
 }
 
 }  // namespace sansmesh

@@ -17,8 +17,16 @@ struct ComponentChoice {
   int count = 1;  ///< for Kind::count: this many of the largest
 };
 
+/// How the surface is cut out of the blocks.
+enum class Mesher {
+  automatic,  ///< a fit as the sources have it is walked; whole blocks for all else
+  blocks,     ///< whole blocks, clustered, smoothed and simplified
+  walk        ///< the sources' walk from simplex to simplex, which knows no enhancement but `displacement`
+};
+
 /// All optional lengths are in the unit of the input; where absent they are derived from the field.
 struct MeshOptions {
+  Mesher mesher = Mesher::automatic;  ///< of fitted functions; other surfaces are cut out of whole blocks
   std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
   /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
   std::optional<std::size_t> triangles;
@@ -32,8 +40,8 @@ struct MeshOptions {
   /// SampleConfidence); default: where some of the surface is open.
   std::optional<bool> confidence;
   bool enhance = true;  ///< few, well-shaped triangles: clustering, smoothing, simplification
-  /// Without `enhance`: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before it is cut out,
-  /// by up to α times a quarter of the local block edge.
+  /// Without `enhance`, or with a walk: α of METHODS 3.3, 0 ≤ α < 1: lattice vertices step back from the surface before
+  /// it is cut out, by up to α times a quarter of the local block edge.
   double displacement = 0;
   bool measure_quality = false;  ///< fill in the report's aspect ratios (costs a second, unenhanced extraction)
   std::optional<Box3> box;       ///< only what lies in this box (input coordinates), cut off straight and open there
@@ -42,9 +50,12 @@ struct MeshOptions {
 
   /// Throws ArgumentError naming the option.
   void validate() const;
+  /// The same for what is meshed by a walk: also where an option means nothing to it.
+  void validate_walk() const;
 };
 
 struct MeshReport {
+  std::size_t simplices = 0;                                   ///< that a walk went through; 0 without one
   std::size_t blocks = 0;                                      ///< leaf blocks
   int block_depth = 0;                                         ///< deepest level of the tree of blocks
   int components = 0;                                          ///< of the mesh written

@@ -164,6 +164,7 @@ void PartitionData::validate() const {
     if (!ok) throw DataError(what);
   };
   options.validate();
+  if (paper) paper->validate();
   check(edge >= kLeastEdge && edge <= kMostEdge && sensible(lower) && norm(origin) <= kHuge &&
             norm(Vec3(lower)) <= 1e3 * static_cast<double>(edge),
         "its cube makes no sense");

@@ -9,6 +9,7 @@
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/partition/local_function.h"
+#include "sansmesh/partition/paper_options.h"
 
 namespace sansmesh {
 
@@ -33,6 +34,9 @@ struct PartitionOptions {
   void validate() const;
 };
 
+/// Number of local functions of each degree.
+using FitsOfDegree = std::array<std::size_t, kMaxDegree + 1>;
+
 /// What fitting learned about the data.
 struct PartitionReport {
   double noise = 0;           ///< rms deviation of the samples from the surface (length)
@@ -42,7 +46,7 @@ struct PartitionReport {
   double spacing = 0;         ///< of the samples: √(area / count) (length)
   int depth = 0;              ///< deepest level used
   std::size_t functions = 0;  ///< supports
-  std::array<std::size_t, kMaxDegree + 1> functions_of_degree{};
+  FitsOfDegree functions_of_degree{};
   std::size_t creased = 0;  ///< supports with a crease or corner
   double open_area = 0;     ///< of sheets that bound no solid (length²)
   double behind = 1;        ///< mean winding number just behind the samples: 1 if the surface is closed, 1/2 of a plane
@@ -89,6 +93,9 @@ struct PartitionData {
   Vec3f lower;     ///< of the root cube, relative to origin
   float edge = 0;  ///< of the root cube
   PartitionOptions options;
+  /// Of a fit as the sources have it: its functions are blended without any of the default's precautions, and its tree
+  /// (`flatness`) is that of the blocks, inner ones with an infinite gap. `options` then says the same as far as it can.
+  std::optional<PaperOptions> paper;
   PartitionReport report;
   ScaleBasis basis;
   SharedArray<LocalFunction> functions;  ///< one per support, then further pieces of creased ones

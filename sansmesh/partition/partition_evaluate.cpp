@@ -198,7 +198,9 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* manner, co
         if (kGradient)
           fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
       }
-      if (!f->is_constant()) {
+      if ((manner[list[s]] & kPlain) != 0) {
+        // Σ θ f / Σ θ, and no more.
+      } else if (!f->is_constant()) {
         const bool close = (manner[list[s]] & kClose) != 0;
         Bound<kGradient>(d, close ? kTrustedClose : kTrusted, close ? kStraightClose : kStraight, f->radius, fv, fx, fy,
                          fz, theta, tx, ty, tz);
@@ -266,7 +268,14 @@ struct FarPoints {
   std::vector<float> values;
 };
 
-void hand_over(const FarField& field, FarPoints& far, const Output& out) {
+/// The share of the supports by their weight over that from which they are alone, and its derivative: a smooth step.
+struct Step {
+  float share, slope;
+  explicit Step(float t) : share(t * t * (3 - 2 * t)), slope(6 * t * (1 - t)) {}
+};
+
+/// `plain`: weight from which the supports of a plain blend are alone; 0 for the default's.
+void hand_over(const FarField& field, FarPoints& far, float plain, const Output& out) {
   const bool gradient = !out.gradients.empty();
   far.values.resize(far.x.size());
   far.gradients.resize(gradient ? far.x.size() : 0);
@@ -277,6 +286,14 @@ void hand_over(const FarField& field, FarPoints& far, const Output& out) {
     const Vec3f far_gradient = gradient ? far.gradients[j] : Vec3f{};
     if (near.weight <= 0) {
       out.put(near.at, far.values[j], far_gradient);
+      continue;
+    }
+    if (plain > 0) {
+      const Step step(near.weight / plain);
+      const float away = near.value - far.values[j];
+      out.put(near.at, far.values[j] + step.share * away,
+              far_gradient + (near.gradient - far_gradient) * step.share +
+                  near.weight_gradient * (step.slope / plain * away));
       continue;
     }
     const float root = std::sqrt(std::sqrt(near.weight)), outward = std::sqrt(1 - root), depth = 1 - outward;
@@ -323,7 +340,7 @@ void evaluate_tile(const PartitionState& s, std::span<const Vec3f> x, std::span<
         near.gradient = (Vec3f{tile.gx[i], tile.gy[i], tile.gz[i]} - near.weight_gradient * near.value) * inverse;
       }
     }
-    if (near.weight < kFadeWeight) {
+    if (near.weight < s.full) {
       far.x.push_back(x[i]);
       far.near.push_back(near);
     } else {
@@ -361,6 +378,7 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
   }
   const auto at = [&](std::size_t i) { return order.empty() ? i : order[i]; };
   const Output out{values, gradients};
+  const float plain = data.paper ? s.full : 0;
   parallel_ranges(0, (n + kTile - 1) / kTile, 16, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> list;
     EvaluationTile tile;
@@ -374,9 +392,9 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
         px[i] = local(places[i]);
       }
       evaluate_tile(s, {px, m}, {places, m}, out, list, tile, far);
-      if (far.x.size() >= FarPoints::kMany) hand_over(s.far, far, out);
+      if (far.x.size() >= FarPoints::kMany) hand_over(s.far, far, plain, out);
     }
-    hand_over(s.far, far, out);
+    hand_over(s.far, far, plain, out);
   });
 }
 

@@ -51,9 +51,17 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) {
   state->manner.resize(d.functions.size());
   parallel_for(0, state->manner.size(), 8192, [&](std::size_t i) {
     const LocalFunction& f = d.functions[i];
+    if (d.paper) {
+      state->manner[i] = kPlain;
+      return;
+    }
     const bool steep = is_steep(f), clean = d.report.noise < kClean * static_cast<double>(f.radius);
     state->manner[i] = static_cast<std::uint8_t>((steep ? kNormalised : 0) | (steep || clean ? kClose : 0));
   });
+  if (d.paper) {
+    const auto corner = static_cast<float>(1 - 1 / (d.paper->support * d.paper->support));
+    state->full = kPlainShare * corner * corner * corner * corner;
+  }
   // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
   // where no support reaches.
   std::vector<OrientedPatch> closed = support_patches(d), open;
@@ -86,8 +94,10 @@ void PartitionOfUnity::ranges(std::span<const Vec3> x, double radius, std::span<
 
 std::vector<Vec3> PartitionOfUnity::seeds() const {
   const PartitionData& d = state_->data;
-  std::vector<Vec3> result(d.supports.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = d.origin + Vec3(d.supports[i].foot);
+  std::vector<Vec3> result;
+  result.reserve(d.supports.size());
+  for (const Support& s : d.supports)
+    if (!d.paper || s.area > 0) result.push_back(d.origin + Vec3(s.foot));
   return result;
 }
 

@@ -105,7 +105,9 @@ struct NearSums {
       const auto slope = static_cast<double>(s.data.slopes[i]);
       theta_low /= slope * slope;
     }
-    if (!f.is_constant()) {
+    if ((manner & kPlain) != 0) {
+      // Values and weights as they are.
+    } else if (!f.is_constant()) {
       const bool close = (manner & kClose) != 0;
       const auto trusted = static_cast<double>(close ? kTrustedClose : kTrusted),
                  straight = static_cast<double>(close ? kStraightClose : kStraight);
@@ -148,7 +150,7 @@ NearRange near_range(const PartitionState& s, const Vec3& x, double radius, std:
   NearSums sums;
   for (const std::uint32_t i : list) sums.add(s, i, x, radius);
   // From a weight of kFadeWeight on, the far field has no share.
-  return {sums.mean(), sums.weight_low < 1.001 * static_cast<double>(kFadeWeight), sums.largest};
+  return {sums.mean(), sums.weight_low < 1.001 * static_cast<double>(s.full), sums.largest};
 }
 
 /// One batch of points after another, on one thread.

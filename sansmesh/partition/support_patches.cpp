@@ -14,7 +14,9 @@ std::vector<OrientedPatch> support_patches(const PartitionData& data) {
   std::vector<OrientedPatch> patches(data.supports.size());
   parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
     const float h = data.edge / static_cast<float>(1u << data.supports[i].level);
-    patches[i] = {data.supports[i].foot, data.functions[i].nu * data.supports[i].area, kLeastPatch * h * h};
+    // Planes that a paper's fit borrowed from elsewhere are no surface.
+    const float least = data.paper && data.report.area > 0 && data.supports[i].area == 0 ? 0 : kLeastPatch * h * h;
+    patches[i] = {data.supports[i].foot, data.functions[i].nu * data.supports[i].area, least};
   });
   return patches;
 }

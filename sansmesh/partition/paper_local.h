@@ -1,0 +1,85 @@
+// Local approximations as the sources make them: unweighted, by orthogonal polynomials of rising degree, with tests of
+// robustness; planes of the nearest samples where there are too few (tejada2008, section 4.4.3; polizelli, section
+// 3.2). Internal to partition/.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sansmesh/approximation/orthogonal_polynomials.h"
+#include "sansmesh/partition/local_function.h"
+#include "sansmesh/partition/paper_options.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/search/kd_tree.h"
+
+namespace sansmesh {
+
+/// Samples that a plane needs; a support with fewer borrows one from the nearest.
+constexpr std::size_t kEnoughForPlane = std::size_t{paper::kSamplesPerBasis} * kBasisSize[1];
+
+/// Whether a support of a paper's fit has too few samples of its own, so that its plane was borrowed.
+inline bool is_borrowed(const Support& support) {
+  return support.state == Support::fitted && support.samples < kEnoughForPlane;
+}
+
+/// A block of the tree with the samples in the ball of its support.
+struct PaperBlock {
+  int level = 0;
+  std::uint64_t code = 0;
+  std::vector<std::uint32_t> ids;  ///< ascending
+};
+
+/// The approximation of one support.
+struct PaperLocal {
+  LocalFunction function;
+  Support support;            ///< without its patch
+  double squares = 0;         ///< Σ of the squared distances of the samples in its ball (length²)
+  bool two_sheets = false;    ///< a normal is 90° or more off their mean (ohtake2003)
+  bool good = false;          ///< within the threshold, and one sheet
+};
+
+/// Highest degree that both tests of robustness allow: samples for each basis function, and coverage.
+int paper_degree(const PaperOptions& options, std::size_t samples, double coverage);
+
+/// Fits blocks of one cloud. The arrays must outlive it. For use by many threads: each has a workspace.
+class PaperFitter {
+ public:
+  /// `limit`: the threshold as a length.
+  PaperFitter(std::span<const Vec3f> positions, std::span<const Vec3f> normals, const Vec3f& lower, float edge,
+              const PaperOptions& options, double limit);
+
+  struct Workspace {
+    OrthogonalFit<2> fit;
+    std::vector<double> u, v, w;
+  };
+
+  float block_edge(int level) const { return edge_ / static_cast<float>(1u << level); }
+  Vec3f center(int level, std::uint64_t code) const;
+  float radius(int level) const { return static_cast<float>(options_.support * 0.8660254) * block_edge(level); }
+  const PaperOptions& options() const { return options_; }
+  double limit() const { return limit_; }
+
+  /// The samples of a block's child, which lie in the ball of the block's support, too.
+  PaperBlock child(const PaperBlock& block, unsigned number) const;
+  /// Samples in a ball, ascending.
+  std::vector<std::uint32_t> ball(const Vec3f& center, float radius) const;
+
+  /// Cases (i) and (ii): a polynomial where there are samples enough, else a borrowed plane. `exactly`: of this degree,
+  /// or of the highest below it that the samples determine, whatever the tests say; without it the degree rises until
+  /// the error is within the limit.
+  PaperLocal approximate(const PaperBlock& block, Workspace& ws, int exactly = -1) const;
+
+ private:
+  void fit_polynomial(const PaperBlock& block, const Vec3f& nu, Workspace& ws, int exactly, PaperLocal& local) const;
+  void borrow_plane(PaperLocal& local) const;
+
+  std::span<const Vec3f> positions_, normals_;
+  Vec3f lower_;
+  float edge_;
+  PaperOptions options_;
+  double limit_;
+  KdTree nearest_;
+};
+
+}  // namespace sansmesh
