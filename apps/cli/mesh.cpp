@@ -45,15 +45,15 @@ void run_mesh(MeshArguments& a, Console& console) {
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
   if (a.options.measure_quality) say_aspect_ratios(report, console);
   Json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
-                     {"blocks", report.blocks},
-                     {"depth", report.block_depth},
-                     {"output",
-                      {{"file", a.output.file},
-                       {"vertices", mesh.vertices.size()},
-                       {"triangles", mesh.triangles.size()},
-                       {"components", topology.components},
-                       {"closed", topology.closed()},
-                       {"mesh_error", report.mesh_error}}}};
+               {"blocks", report.blocks},
+               {"depth", report.block_depth},
+               {"output",
+                {{"file", a.output.file},
+                 {"vertices", mesh.vertices.size()},
+                 {"triangles", mesh.triangles.size()},
+                 {"components", topology.components},
+                 {"closed", topology.closed()},
+                 {"mesh_error", report.mesh_error}}}};
   if (report.simplices > 0) json["simplices"] = report.simplices;
   console.say_json(json);
   console.print_timings();

@@ -219,9 +219,9 @@ std::vector<std::string> paper_words(const PaperReport& r, const FitsOfDegree& f
 }
 
 Json paper_json(const PaperReport& r) {
-  return {{"blocks", r.blocks},         {"fitted", r.fitted},     {"borrowed", r.borrowed},
-          {"two_sheets", r.two_sheets}, {"too_many", r.too_many}, {"not_worse", r.not_worse},
-          {"kept", r.kept},             {"above", r.above},       {"balanced", r.balanced}};
+  return {{"blocks", r.blocks},     {"fitted", r.fitted},       {"borrowed", r.borrowed}, {"two_sheets", r.two_sheets},
+          {"too_many", r.too_many}, {"not_worse", r.not_worse}, {"kept", r.kept},         {"above", r.above},
+          {"balanced", r.balanced}};
 }
 
 void add_fit_options(CommandLine& c, FitOptions& o) {
@@ -301,7 +301,8 @@ void add_mesh_options(CommandLine& c, MeshOptions& o) {
   c.add_flag_callback(
        "--no-enhance", [&o] { o.enhance = false; }, "No clustering, smoothing or simplification of triangles")
       .group("Mesh");
-  c.add_option("--displacement", o.displacement, "With --no-enhance, or the walk: lattice steps back from the surface, 0..1 [0]")
+  c.add_option("--displacement", o.displacement,
+               "With --no-enhance, or the walk: lattice steps back from the surface, 0..1 [0]")
       .type_name("RATIO")
       .group("Mesh");
   c.add_flag_callback(

@@ -224,14 +224,20 @@ void find_extra_sheets(const SurfaceFunction& function, const TriangleMesh& mesh
   diagnosis.places.insert(diagnosis.places.end(), places.begin(), places.end());
 }
 
-/// What to try for a place. Planes are what few samples can carry; wide supports are what contradicting ones need.
-void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_above) {
+/// Constants are meant, and planes that a paper's fit borrowed for empty places have nothing to be judged by.
+bool is_looked_at(const PartitionData& data, const Support& s) {
+  return s.state == Support::fitted && !(data.paper && s.area == 0);
+}
+
+/// What to try for a place; `refits`: it can be fitted again in part. Planes are what few samples can carry; wide
+/// supports are what contradicting ones need.
+void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_above, bool refits) {
   Edit edit;
   edit.select.ball = {p.position, kBallMargin * p.radius};
   if (p.kind == Suspicion::low_coverage) {
     edit.select.coverage_below = options.coverage_below;
     edit.action = SetDegree{1};
-  } else if (p.kind == Suspicion::high_error) {
+  } else if (p.kind == Suspicion::high_error && refits) {
     edit.select.error_above = error_above;
     Refit refit;
     refit.support = 2;
@@ -365,7 +371,7 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   progress.begin("diagnose");
   std::vector<float> errors;
   for (const Support& s : data.supports)
-    if (s.state == Support::fitted) errors.push_back(s.error);
+    if (is_looked_at(data, s)) errors.push_back(s.error);
   const double error = options.error_above ? function.place.from_input(*options.error_above)
                                            : std::max(kErrorOverMedian * static_cast<double>(median(errors)),
                                                       kErrorOverSpacing * field.report().spacing);
@@ -376,7 +382,7 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   const auto of = [&](Suspicion kind) -> Flagged& { return flagged[static_cast<std::size_t>(kind)]; };
   for (std::size_t i = 0; i < n; ++i) {
     const Support& s = data.supports[i];
-    if (s.state != Support::fitted) continue;
+    if (!is_looked_at(data, s)) continue;
     diagnosis.largest_gradient = std::max(diagnosis.largest_gradient, steepest[i]);
     // Where samples end, a sheet that bounds no solid ends too: that is no defect.
     of(Suspicion::low_coverage).flag[i] = !s.open && static_cast<double>(s.coverage) < options.coverage_below;
@@ -400,7 +406,7 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   std::erase_if(diagnosis.places,
                 [&](const SuspiciousPlace& p) { return ++kept[static_cast<std::size_t>(p.kind)] > options.places; });
   if (function.samples->size() > 0)  // nothing can be fitted again without
-    for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above);
+    for (SuspiciousPlace& p : diagnosis.places) suggest(p, options, diagnosis.error_above, !data.paper);
   if (function.samples->size() > 0 && !diagnosis.edits().empty()) {
     MeshReport report;
     report.open = field.report().open_area > 0;

@@ -79,6 +79,7 @@ SupportQuery to_query(const SurfaceFunction& function, const EditSelection& s) {
   if (s.box) q.box = Box3f{local(s.box->lower), local(s.box->upper)};
   if (s.half_space) q.half_space = {local(s.half_space->point), Vec3f(normalized(s.half_space->normal))};
   if (s.coverage_below) q.coverage_below = static_cast<float>(*s.coverage_below);
+  q.coverage_fails = s.coverage_fails;
   if (s.error_above) q.error_above = static_cast<float>(function.place.from_input(*s.error_above));
   if (s.samples_below) q.samples_below = static_cast<std::uint32_t>(*s.samples_below);
   q.level_from = s.level_from, q.level_to = s.level_to;
@@ -116,6 +117,8 @@ void EditSelection::validate() const {
             (is_finite(half_space->point) && norm(half_space->normal) > 0 && std::isfinite(norm(half_space->normal))),
         "half_space: needs a finite point and a normal that is not zero");
   check(!coverage_below || (*coverage_below > 0 && *coverage_below <= 2), "coverage_below must lie in (0, 2]");
+  if (coverage_fails)
+    for (const double k : *coverage_fails) check(k >= 0 && k <= 2, "coverage must lie in 0..2 for each degree");
   check(!error_above || (*error_above >= 0 && std::isfinite(*error_above)), "error_above must be a length");
   check(!samples_below || *samples_below >= 0, "samples_below must be at least 0");
   check(!level_from || (*level_from >= 0 && *level_from <= 20), "level_from must lie in 0..20");
@@ -160,7 +163,9 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
   EditResult result = std::visit(
       Overloaded{[&](const SetDegree& a) {
                    EditResult r = set_degree(data, chosen, a.degree, samples, progress);
-                   report.what = fmt::format("degree {} in {}", a.degree, counted(r.changes - r.lower, "support"));
+                   const std::string which =
+                       a.degree == kAutomaticDegree ? "as the samples allow" : std::to_string(a.degree);
+                   report.what = fmt::format("degree {} in {}", which, counted(r.changes - r.lower, "support"));
                    if (r.lower > 0) report.what += fmt::format(", a lower one in {}", r.lower);
                    if (r.changes < chosen.size())
                      report.what += fmt::format(", {} left as they were", chosen.size() - r.changes);
@@ -174,6 +179,12 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
                    return r;
                  },
                  [&](const SetConstant& a) {
+                   if (a.automatic) {
+                     EditResult r = set_automatic_constant(data, chosen);
+                     report.what = counted(chosen.size(), "support") + " set to what the others make of " +
+                                   (chosen.size() == 1 ? "its centre" : "their centres");
+                     return r;
+                   }
                    report.what = fmt::format("{} set to {} ({:+g} radii)", counted(chosen.size(), "support"),
                                              a.value > 0 ? "outside" : "inside", a.value);
                    return set_constant(data, chosen, static_cast<float>(a.value));

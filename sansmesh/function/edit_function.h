@@ -9,6 +9,7 @@
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/partition/edit_result.h"
 
 namespace sansmesh {
 
@@ -25,6 +26,8 @@ struct EditSelection {
   std::optional<Box3> box;              ///< its block meets the box
   std::optional<HalfSpace> half_space;  ///< its block's centre lies on the side that the normal points to
   std::optional<double> coverage_below;
+  /// Its samples are too few for a plane, or cover less of it than this for its degree, 2, 3 or 4.
+  std::optional<PaperCoverage> coverage_fails;
   std::optional<double> error_above;  ///< rms distance of its samples (length)
   std::optional<int> samples_below;
   std::optional<int> level_from, level_to;
@@ -39,7 +42,7 @@ struct EditSelection {
 };
 
 struct SetDegree {
-  int degree;  ///< 0..4
+  int degree;  ///< 0..4, or kAutomaticDegree: of each support the highest that its samples allow
 };
 struct Refit {
   std::optional<int> max_degree, max_depth;
@@ -48,7 +51,8 @@ struct Refit {
   std::optional<bool> sharp;
 };
 struct SetConstant {
-  double value = 1;  ///< in radii of each support; positive: outside
+  double value = 1;        ///< in radii of each support; positive: outside
+  bool automatic = false;  ///< instead of the value: of each support, what all that are not selected make of its centre
 };
 struct RemoveSupports {};
 /// Takes back this many of the last edits.

@@ -121,8 +121,8 @@ class Fields {
 
 EditSelection selection_of(const Json& json, const std::string& where) {
   const Fields f(json, where,
-                 {"ball", "box", "half_space", "coverage_below", "error_above", "samples_below", "level_from",
-                  "level_to", "sheet_at", "sheets"});
+                 {"ball", "box", "half_space", "coverage", "coverage_below", "error_above", "samples_below",
+                  "level_from", "level_to", "sheet_at", "sheets"});
   EditSelection s;
   if (f.has("ball")) {
     const Fields b(f["ball"], where + ".ball", {"center", "radius"});
@@ -135,6 +135,13 @@ EditSelection selection_of(const Json& json, const std::string& where) {
   if (f.has("half_space")) {
     const Fields b(f["half_space"], where + ".half_space", {"point", "normal"});
     s.half_space = {b.vector("point"), b.vector("normal")};
+  }
+  if (f.has("coverage")) {
+    const Json& v = f["coverage"];
+    const bool numbers = v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
+    if (v != "fails" && !numbers) f.fail("'coverage' must be \"fails\" or three numbers");
+    s.coverage_fails = kThesisCoverage;
+    for (std::size_t d = 0; numbers && d < 3; ++d) (*s.coverage_fails)[d] = v[d].get<double>();
   }
   f.get("coverage_below", s.coverage_below, &Fields::number);
   f.get("error_above", s.error_above, &Fields::number);
@@ -181,8 +188,9 @@ Edit edit_of(const Json& json, const std::string& where) {
   int actions = 0;
   const auto is = [&](const char* key) { return f.has(key) && ++actions; };
   if (is("degree")) {
-    const int degree = f.integer("degree");
-    if (degree < 0 || degree > 4) f.fail("'degree' must lie in 0..4");
+    const bool automatic = f["degree"] == "auto";
+    const int degree = automatic ? kAutomaticDegree : f.integer("degree");
+    if (!automatic && (degree < 0 || degree > 4)) f.fail("'degree' must be \"auto\" or lie in 0..4");
     edit.action = SetDegree{degree};
   }
   if (is("refit")) edit.action = refit_of(f["refit"], where + ".refit");
@@ -192,10 +200,12 @@ Edit edit_of(const Json& json, const std::string& where) {
       edit.action = SetConstant{1};
     else if (v == "inside")
       edit.action = SetConstant{-1};
+    else if (v == "auto")
+      edit.action = SetConstant{1, true};
     else if (v.is_number())
       edit.action = SetConstant{v.get<double>()};
     else
-      f.fail("'constant' must be \"outside\", \"inside\" or a number (in radii of the supports)");
+      f.fail("'constant' must be \"outside\", \"inside\", \"auto\" or a number (in radii of the supports)");
     const double value = std::abs(std::get<SetConstant>(edit.action).value);
     if (!(value >= kLeastConstant && value <= kMostConstant))
       f.fail(fmt::format("'constant' must lie between {} and {} radii of a support, positive or negative",
@@ -231,6 +241,7 @@ Json to_json(const EditSelection& s) {
   if (s.box) json["box"] = {{"lower", to_json(s.box->lower)}, {"upper", to_json(s.box->upper)}};
   if (s.half_space)
     json["half_space"] = {{"point", to_json(s.half_space->point)}, {"normal", to_json(s.half_space->normal)}};
+  if (s.coverage_fails) json["coverage"] = *s.coverage_fails;
   put(json, "coverage_below", s.coverage_below);
   put(json, "error_above", s.error_above);
   put(json, "samples_below", s.samples_below);
@@ -284,9 +295,19 @@ std::string edit_script(const std::vector<Edit>& edits) {
   for (const Edit& edit : edits) {
     Json step = Json::object();
     if (!std::holds_alternative<Undo>(edit.action)) step["select"] = to_json(edit.select);
-    if (const auto* a = std::get_if<SetDegree>(&edit.action)) step["degree"] = a->degree;
+    if (const auto* a = std::get_if<SetDegree>(&edit.action)) {
+      if (a->degree == kAutomaticDegree)
+        step["degree"] = "auto";
+      else
+        step["degree"] = a->degree;
+    }
     if (const auto* a = std::get_if<Refit>(&edit.action)) step["refit"] = to_json(*a);
-    if (const auto* a = std::get_if<SetConstant>(&edit.action)) step["constant"] = a->value;
+    if (const auto* a = std::get_if<SetConstant>(&edit.action)) {
+      if (a->automatic)
+        step["constant"] = "auto";
+      else
+        step["constant"] = a->value;
+    }
     if (std::holds_alternative<RemoveSupports>(edit.action)) step["remove"] = true;
     if (const auto* a = std::get_if<Undo>(&edit.action)) step["undo"] = a->steps;
     steps.push_back(std::move(step));

@@ -39,8 +39,7 @@ PaperOptions paper_options(const FitOptions& options) {
 
 void FitOptions::validate() const {
   const auto unset = [&](bool ok, const char* field) {
-    if (!ok)
-      throw ArgumentError(fmt::format("`{}` belongs to `fit = {}`", field, is_paper() ? "partition" : "paper"));
+    if (!ok) throw ArgumentError(fmt::format("`{}` belongs to `fit = {}`", field, is_paper() ? "partition" : "paper"));
   };
   if (is_paper()) {
     unset(!error, "error");

@@ -32,8 +32,7 @@ void MeshOptions::validate() const {
 
 void MeshOptions::validate_walk() const {
   const auto unset = [](bool ok, const char* field) {
-    if (!ok)
-      throw ArgumentError(fmt::format("`{}` means nothing to a walk; it goes with `mesher = blocks`", field));
+    if (!ok) throw ArgumentError(fmt::format("`{}` means nothing to a walk; it goes with `mesher = blocks`", field));
   };
   unset(!mesh_error, "mesh_error");
   unset(!triangles, "triangles");

@@ -27,7 +27,7 @@ enum class Mesher {
 /// All optional lengths are in the unit of the input; where absent they are derived from the field.
 struct MeshOptions {
   Mesher mesher = Mesher::automatic;  ///< of fitted functions; other surfaces are cut out of whole blocks
-  std::optional<double> mesh_error;  ///< accepted mean distance between mesh and surface (length)
+  std::optional<double> mesh_error;   ///< accepted mean distance between mesh and surface (length)
   /// At most this many triangles, at least 4 (needs `enhance`); the mesh error then follows from it.
   std::optional<std::size_t> triangles;
   /// Where the surface ends with its samples (it bounds no solid): holes up to so wide are closed (length); default:

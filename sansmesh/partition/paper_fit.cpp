@@ -40,7 +40,7 @@ class PaperTree {
       std::vector<Decision> decisions(blocks.size());
       parallel_ranges(0, blocks.size(), 16, [&](std::size_t first, std::size_t last) {
         PaperFitter::Workspace ws;
-        for (std::size_t b = first; b < last; ++b) decisions[b] = decide(std::move(blocks[b]), ws);
+        for (std::size_t b = first; b < last; ++b) decisions[b] = decide(blocks[b], ws);
       });
       Level& here = levels_.emplace_back();
       std::vector<PaperBlock> next;
@@ -92,7 +92,7 @@ class PaperTree {
     return children;
   }
 
-  Decision decide(PaperBlock block, PaperFitter::Workspace& ws) const {
+  Decision decide(const PaperBlock& block, PaperFitter::Workspace& ws) const {
     const bool deepest = block.level >= fitter_.options().max_depth;
     Decision d;
     if (!deepest && block.ids.size() > paper::kMany) {
@@ -162,8 +162,10 @@ void report_on(PartitionData& data, std::size_t samples, double limit) {
   }
   data.report.error = limit;
   data.report.noise = data.report.accuracy = n > 0 ? std::sqrt(squares / n) : 0;
-  if (data.report.area == 0) throw DataError("partition of unity: no function comes near its samples");
-  data.report.spacing = std::sqrt(data.report.area / static_cast<double>(samples));
+  // Where no plane passes through its block, there is no area to share out.
+  const double area =
+      data.report.area > 0 ? data.report.area : limit / data.paper->threshold * limit / data.paper->threshold;
+  data.report.spacing = std::sqrt(area / static_cast<double>(samples));
   data.basis.variance = data.report.noise * data.report.noise;
   data.basis.accepted = limit;
 }

@@ -7,7 +7,8 @@
 //         subdivided (ohtake2003). Else the degree rises from 1 until the error is within the threshold, as far as the
 //         samples allow, by their number and by what they cover of the support. Is the error too large still, the
 //         block is subdivided; but with N < 100 only if its children would not be worse.
-//   (ii)  N < 6: the least-squares plane of the sample nearest to the centre and its neighbours, 20 in all; if it is more
+//   (ii)  N < 6: the least-squares plane of the sample nearest to the centre and its neighbours, 20 in all; if it is
+//   more
 //         than π/6 off their mean normal, the plane of that.
 //   (iii) N > 1000: subdivided without a fit.
 // On the deepest level every block takes the best that it has. Blocks that only balance subdivides keep their function.
@@ -25,15 +26,15 @@ namespace sansmesh {
 
 /// How the blocks came to be.
 struct PaperReport {
-  std::size_t blocks = 0;          ///< of the tree of fits, all levels
-  std::size_t fitted = 0;          ///< leaves with a polynomial of their own samples
-  std::size_t borrowed = 0;        ///< leaves with too few samples: a plane of the nearest ones
-  std::size_t two_sheets = 0;      ///< subdivided since normals spread
-  std::size_t too_many = 0;        ///< subdivided without a fit
-  std::size_t not_worse = 0;       ///< with fewer than 100 samples: subdivided since the children are not worse
-  std::size_t kept = 0;            ///< with fewer than 100 samples: not subdivided since the children are worse
-  std::size_t above = 0;           ///< leaves whose error is above the threshold, or with two sheets
-  std::size_t balanced = 0;        ///< leaves that only balance subdivides: the mesh's blocks have their function
+  std::size_t blocks = 0;      ///< of the tree of fits, all levels
+  std::size_t fitted = 0;      ///< leaves with a polynomial of their own samples
+  std::size_t borrowed = 0;    ///< leaves with too few samples: a plane of the nearest ones
+  std::size_t two_sheets = 0;  ///< subdivided since normals spread
+  std::size_t too_many = 0;    ///< subdivided without a fit
+  std::size_t not_worse = 0;   ///< with fewer than 100 samples: subdivided since the children are not worse
+  std::size_t kept = 0;        ///< with fewer than 100 samples: not subdivided since the children are worse
+  std::size_t above = 0;       ///< leaves whose error is above the threshold, or with two sheets
+  std::size_t balanced = 0;    ///< leaves that only balance subdivides: the mesh's blocks have their function
 };
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,

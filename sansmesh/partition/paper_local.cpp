@@ -4,9 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/points/local_frame.h"
 
@@ -24,8 +22,7 @@ Vec3 mean_of(std::span<const Vec3f> values, std::span<const std::uint32_t> ids) 
   return ids.empty() ? sum : sum / static_cast<double>(ids.size());
 }
 
-double squared_distances(const LocalFunction& f, std::span<const Vec3f> positions,
-                         std::span<const std::uint32_t> ids) {
+double squared_distances(const LocalFunction& f, std::span<const Vec3f> positions, std::span<const std::uint32_t> ids) {
   double sum = 0;
   for (const std::uint32_t i : ids) {
     const double r = local_value(f, positions[i]);
@@ -35,18 +32,6 @@ double squared_distances(const LocalFunction& f, std::span<const Vec3f> position
 }
 
 }  // namespace
-
-void PaperOptions::validate() const {
-  const auto check = [](bool ok, const std::string& what) {
-    if (!ok) throw ArgumentError(what);
-  };
-  check(std::isfinite(threshold) && threshold > 0, "`threshold` must be a positive share of the samples' diagonal");
-  check(max_depth >= kLeastDepth && max_depth <= kMostDepth,
-        "`max_depth` must lie in " + std::to_string(kLeastDepth) + ".." + std::to_string(kMostDepth));
-  check(max_degree >= 1 && max_degree <= kMaxDegree, "`max_degree` must lie in 1..4");
-  check(support >= 1.1 && support <= 2, "`support` must lie in 1.1..2");
-  for (const double k : coverage) check(k >= 0 && k <= 2, "`coverage` must lie in 0..2 for each degree");
-}
 
 int paper_degree(const PaperOptions& options, std::size_t samples, double coverage) {
   int degree = 1;

@@ -33,10 +33,10 @@ struct PaperBlock {
 /// The approximation of one support.
 struct PaperLocal {
   LocalFunction function;
-  Support support;            ///< without its patch
-  double squares = 0;         ///< Σ of the squared distances of the samples in its ball (length²)
-  bool two_sheets = false;    ///< a normal is 90° or more off their mean (ohtake2003)
-  bool good = false;          ///< within the threshold, and one sheet
+  Support support;          ///< without its patch
+  double squares = 0;       ///< Σ of the squared distances of the samples in its ball (length²)
+  bool two_sheets = false;  ///< a normal is 90° or more off their mean (ohtake2003)
+  bool good = false;        ///< within the threshold, and one sheet
 };
 
 /// Highest degree that both tests of robustness allow: samples for each basis function, and coverage.

@@ -94,7 +94,8 @@ struct PartitionData {
   float edge = 0;  ///< of the root cube
   PartitionOptions options;
   /// Of a fit as the sources have it: its functions are blended without any of the default's precautions, and its tree
-  /// (`flatness`) is that of the blocks, inner ones with an infinite gap. `options` then says the same as far as it can.
+  /// (`flatness`) is that of the blocks, inner ones with an infinite gap. `options` then says the same as far as it
+  /// can.
   std::optional<PaperOptions> paper;
   PartitionReport report;
   ScaleBasis basis;

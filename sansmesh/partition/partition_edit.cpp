@@ -7,14 +7,15 @@
 #include <atomic>
 #include <cmath>
 
-#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
-#include "sansmesh/partition/changed_regions.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
+#include "sansmesh/partition/paper_edit.h"
+#include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/partition/replace_supports.h"
 
 namespace sansmesh {
 namespace {
@@ -24,6 +25,8 @@ namespace {
 constexpr float kMargin = 6;
 /// Levels of the grid on which the neighbourhood of an edit is marked.
 constexpr int kGridLevel = 6;
+
+constexpr const char* kNoSamples = "its samples were not kept: it cannot be fitted again";
 
 struct Cube {
   Vec3f lower;
@@ -57,6 +60,7 @@ bool chosen_by(const SupportQuery& q, const PartitionData& data, std::size_t i) 
   const Support& s = data.supports[i];
   if (q.flags && !(*q.flags)[i]) return false;
   if (q.coverage_below && !(s.coverage < *q.coverage_below)) return false;
+  if (q.coverage_fails && !fails_coverage(data.functions[i], s, *q.coverage_fails)) return false;
   if (q.error_above && !(s.error > *q.error_above)) return false;
   if (q.samples_below && !(s.samples < *q.samples_below)) return false;
   if ((q.level_from && s.level < *q.level_from) || (q.level_to && s.level > *q.level_to)) return false;
@@ -69,41 +73,6 @@ bool chosen_by(const SupportQuery& q, const PartitionData& data, std::size_t i) 
     if (dot(center - q.half_space->point, q.half_space->normal) <= 0) return false;
   }
   return true;
-}
-
-Box3f ball_box(const LocalFunction& f) {
-  const Vec3f r{f.radius, f.radius, f.radius};
-  return {f.center - r, f.center + r};
-}
-
-/// Data with other leaves in place of the chosen supports.
-EditResult replaced(const PartitionData& data, const Selection& chosen, std::vector<FittedLeaf> leaves) {
-  EditResult result{data, {}, {}, chosen.size(), leaves.size()};
-  std::vector<Box3f> balls;
-  balls.reserve(chosen.size() + leaves.size());
-  for (const std::uint32_t i : chosen) balls.push_back(ball_box(data.functions[i]));
-  for (const FittedLeaf& leaf : leaves) balls.push_back(ball_box(leaf.function));
-  result.changed = bounds_of(balls);
-  result.regions = changed_regions(balls, {data.lower, data.lower + Vec3f{1, 1, 1} * data.edge});
-  const auto position = [](const Support& s) { return curve_position(s.level, s.code); };
-  std::stable_sort(leaves.begin(), leaves.end(),
-                   [&](const FittedLeaf& a, const FittedLeaf& b) { return position(a.support) < position(b.support); });
-  std::vector<LeafRef> all;
-  all.reserve(data.supports.size() + leaves.size());
-  std::size_t next = 0, gone = 0;
-  for (std::size_t i = 0; i < data.supports.size(); ++i) {
-    if (gone < chosen.size() && chosen[gone] == i) {
-      ++gone;
-      continue;
-    }
-    while (next < leaves.size() && position(leaves[next].support) < position(data.supports[i]))
-      all.push_back(ref_of(leaves[next++]));
-    all.push_back(ref_of(data, i));
-  }
-  while (next < leaves.size()) all.push_back(ref_of(leaves[next++]));
-  if (all.empty()) throw DataError("no supports would be left");
-  assemble(all, result.data);
-  return result;
 }
 
 /// Finest cells with samples over which there is no support: none was fitted there, or it was removed.
@@ -162,7 +131,7 @@ std::vector<BlockKey> filled_blocks(const PartitionData& data, const Selection& 
 
 /// The samples within kMargin edges of some blocks, as a tree with the cells of the whole cloud's.
 SampleTree tree_around(const PartitionData& data, std::span<const BlockKey> blocks, const EditSamples& samples) {
-  if (samples.positions.empty()) throw DataError("its samples were not kept: it cannot be fitted again");
+  if (samples.positions.empty()) throw DataError(kNoSamples);
   constexpr int kCells = 1 << kGridLevel;
   std::vector<std::uint8_t> marked(static_cast<std::size_t>(kCells) * kCells * kCells, 0);
   const float scale = static_cast<float>(kCells) / data.edge;
@@ -267,6 +236,25 @@ std::uint32_t nearest_of(const PartitionData& data, const Selection& chosen, con
   return place(data.supports[*next]) - at < at - place(data.supports[*std::prev(next)]) ? *next : *std::prev(next);
 }
 
+/// Constants in place of the chosen functions; value_of(i): of the i-th, in radii.
+template <class ValueOf>
+EditResult with_constants(const PartitionData& data, const Selection& chosen, const ValueOf& value_of) {
+  std::vector<FittedLeaf> leaves(chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const LocalFunction& old = data.functions[chosen[i]];
+    LocalFunction& f = leaves[i].function;
+    f.center = old.center;
+    f.radius = old.radius;
+    f.coefficient[0] = -value_of(i) * old.radius;
+    leaves[i].support = data.supports[chosen[i]];
+    leaves[i].support.state = Support::constant;
+    leaves[i].support.creased = 0;
+    leaves[i].support.foot = f.center;
+    leaves[i].support.area = 0;
+  }
+  return replace_supports(data, chosen, std::move(leaves));
+}
+
 }  // namespace
 
 Selection select_supports(const PartitionData& data, const SupportQuery& query) {
@@ -280,8 +268,13 @@ Selection select_supports(const PartitionData& data, const SupportQuery& query) 
 
 EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
                       Progress& progress) {
-  if (degree < 0 || degree > kMaxDegree) throw ArgumentError("the degree must lie in 0..4");
+  const bool automatic = degree == kAutomaticDegree;
+  if (!automatic && (degree < 0 || degree > kMaxDegree)) throw ArgumentError("the degree must lie in 0..4");
   if (chosen.empty()) return {data, {}, {}, 0, 0};
+  if (data.paper) {
+    if (samples.positions.empty()) throw DataError(kNoSamples);
+    return set_paper_degree(data, chosen, automatic ? std::nullopt : std::optional(degree), samples, progress);
+  }
   SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
   tree.build_levels(data.basis.finest);
   const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest,
@@ -310,12 +303,13 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
       FittedLeaf& leaf = leaves[i];
       leaf.support = s;
       if (reach > 0) {
-        const DegreeFits fits = fit_local(tree, center, reach * fitter.fit_radius(s.level), degree, ws, leaf.function);
+        const DegreeFits fits = fit_local(tree, center, reach * fitter.fit_radius(s.level),
+                                          automatic ? data.options.max_degree : degree, ws, leaf.function);
         if (fits.highest >= 0) {
           LocalFunction& f = leaf.function;
           f.radius = old.radius;
-          f.degree = std::min(degree, fits.highest);
-          lower += f.degree < degree;
+          f.degree = automatic ? highest_degree(data.options, fits, ws.samples) : std::min(degree, fits.highest);
+          lower += !automatic && f.degree < degree;
           f.coefficient = monomial_coefficients(fits, f.degree);
           leaf.support.state = Support::fitted;
           leaf.support.creased = 0;
@@ -335,7 +329,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
     }
     progress.advance(last - first);
   });
-  EditResult result = replaced(data, chosen, std::move(leaves));
+  EditResult result = replace_supports(data, chosen, std::move(leaves));
   result.changes -= kept;
   result.lower = lower;
   return result;
@@ -344,6 +338,9 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
 EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
                  const EditSamples& samples, Progress& progress) {
   options.validate();
+  if (data.paper)
+    throw DataError(
+        "it was fitted as the paper has it, from the top down, which cannot be done again for a part of it");
   if (chosen.empty()) return {data, {}, {}, 0, 0};
   const std::vector<BlockKey> roots = filled_blocks(data, chosen);
   SampleTree tree = tree_around(data, roots, samples);
@@ -365,7 +362,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   // Whether a sheet bounds a solid is not decided anew for a part of it.
   for (FittedLeaf& leaf : leaves) leaf.support.open = data.supports[nearest_of(data, chosen, leaf.support)].open;
   std::vector<PartitionData::Flatness> flatness = updated_flatness(data, fitter, choice, roots, leaves);
-  EditResult result = replaced(data, served, std::move(leaves));
+  EditResult result = replace_supports(data, served, std::move(leaves));
   result.data.flatness = std::move(flatness);
   return result;
 }
@@ -375,22 +372,25 @@ EditResult set_constant(const PartitionData& data, const Selection& chosen, floa
   if (!(size >= kLeastConstant && size <= kMostConstant))
     throw ArgumentError(fmt::format("a constant must lie between {} and {} radii of its support, positive or negative",
                                     kLeastConstant, kMostConstant));
-  std::vector<FittedLeaf> leaves(chosen.size());
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const LocalFunction& old = data.functions[chosen[i]];
-    LocalFunction& f = leaves[i].function;
-    f.center = old.center;
-    f.radius = old.radius;
-    f.coefficient[0] = -value * old.radius;
-    leaves[i].support = data.supports[chosen[i]];
-    leaves[i].support.state = Support::constant;
-    leaves[i].support.creased = 0;
-    leaves[i].support.foot = f.center;
-    leaves[i].support.area = 0;
-  }
-  return replaced(data, chosen, std::move(leaves));
+  return with_constants(data, chosen, [&](std::size_t) { return value; });
 }
 
-EditResult remove_supports(const PartitionData& data, const Selection& chosen) { return replaced(data, chosen, {}); }
+EditResult set_automatic_constant(const PartitionData& data, const Selection& chosen) {
+  if (chosen.empty()) return {data, {}, {}, 0, 0};
+  const PartitionOfUnity rest(remove_supports(data, chosen).data);
+  std::vector<Vec3> centers;
+  centers.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) centers.push_back(data.origin + Vec3(data.functions[i].center));
+  std::vector<double> values(centers.size());
+  rest.evaluate(centers, values);
+  return with_constants(data, chosen, [&](std::size_t i) {
+    const double value = values[i] / static_cast<double>(data.functions[chosen[i]].radius);
+    return static_cast<float>(std::copysign(std::clamp(std::abs(value), kLeastConstant, kMostConstant), value));
+  });
+}
+
+EditResult remove_supports(const PartitionData& data, const Selection& chosen) {
+  return replace_supports(data, chosen, {});
+}
 
 }  // namespace sansmesh

@@ -5,17 +5,14 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/progress.h"
+#include "sansmesh/partition/edit_result.h"
 #include "sansmesh/partition/partition_data.h"
 
 namespace sansmesh {
-
-/// Supports by their number, ascending.
-using Selection = std::vector<std::uint32_t>;
 
 /// What a support must be like to be chosen: all conditions that are given must hold.
 struct SupportQuery {
@@ -30,30 +27,18 @@ struct SupportQuery {
   std::optional<Box3f> box;             ///< its block meets the box
   std::optional<HalfSpace> half_space;  ///< its block's centre lies on the side that the normal points to
   std::optional<float> coverage_below;  ///< of the support by its samples (METHODS §3.1)
-  std::optional<float> error_above;     ///< rms distance of its samples from its zero set (length)
+  /// Its samples are too few for a plane, or do not cover as much of it as its degree needs: of degrees 2, 3 and 4.
+  std::optional<PaperCoverage> coverage_fails;
+  std::optional<float> error_above;  ///< rms distance of its samples from its zero set (length)
   std::optional<std::uint32_t> samples_below;
   std::optional<int> level_from, level_to;
   std::optional<std::vector<std::uint8_t>> flags;  ///< 1 where it may be chosen, of every support
 };
 Selection select_supports(const PartitionData& data, const SupportQuery& query);
 
-/// The samples of a function, along the Morton curve of its root cube, relative to its origin.
-struct EditSamples {
-  std::span<const Vec3f> positions, normals;
-};
-
-struct EditResult {
-  PartitionData data;
-  Box3f changed;  ///< holds all places where the function may have changed (but for its far field)
-  /// The same more closely: boxes, 64 at most, whose union holds them; they may overlap.
-  std::vector<Box3f> regions;
-  std::size_t changes = 0;   ///< of the chosen supports, those that are not as before
-  std::size_t supports = 0;  ///< that took the place of those chosen
-  std::size_t lower = 0;     ///< of the changed ones, supports of a lower degree than was asked for
-};
-
-/// Polynomials of this degree (0..4), or of the highest below it that the samples of a support determine. Creases in
-/// the supports go. A support without samples enough for any stays as it was. Throws DataError without samples.
+/// Polynomials of this degree (0..4 or kAutomaticDegree), or of the highest below it that the samples of a support
+/// determine. Creases in the supports go. A support without samples enough for any stays as it was. Throws DataError
+/// without samples.
 EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
                       Progress& progress);
 
@@ -68,6 +53,10 @@ constexpr double kLeastConstant = 1e-3, kMostConstant = 1e3;
 /// Constants in place of the functions, positive: outside (erases a sheet), negative: inside (fills); in units of each
 /// support's radius. Throws ArgumentError unless kLeastConstant ≤ |value| ≤ kMostConstant.
 EditResult set_constant(const PartitionData& data, const Selection& chosen, float value);
+
+/// Constants that are what all other functions make of the supports' centres, as if the chosen ones were not there;
+/// in size between kLeastConstant and kMostConstant radii. Throws DataError if all are chosen.
+EditResult set_automatic_constant(const PartitionData& data, const Selection& chosen);
 
 /// Takes the supports away: neighbours and the far field decide what is there.
 EditResult remove_supports(const PartitionData& data, const Selection& chosen);

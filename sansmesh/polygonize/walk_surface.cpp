@@ -89,15 +89,17 @@ class SurfaceWalk {
       }
     std::array<double, kDeepestBlockLevel + 2> most{};
     for (std::size_t v = 0; v < n; ++v)
-      if (level[v] >= 0) most[static_cast<std::size_t>(level[v])] =
-          std::max(most[static_cast<std::size_t>(level[v])], std::abs(values_[v]));
+      if (level[v] >= 0)
+        most[static_cast<std::size_t>(level[v])] =
+            std::max(most[static_cast<std::size_t>(level[v])], std::abs(values_[v]));
     std::vector<double> f(n);
     std::vector<Vec3> g(n), target = places_;
     field_.evaluate(places_, f, g);
     parallel_for(0, n, 4096, [&](std::size_t v) {
       const double slope = norm(g[v]);
       if (level[v] < 0 || !(slope > 0) || on_cube_face(points_[v])) return;
-      const double top = most[static_cast<std::size_t>(level[v])], edge = tree_.edge() / static_cast<double>(1u << level[v]);
+      const double top = most[static_cast<std::size_t>(level[v])],
+                   edge = tree_.edge() / static_cast<double>(1u << level[v]);
       if (!(top > 0)) return;
       const double step = (top - std::abs(values_[v])) / top * alpha * edge / 4;
       target[v] += g[v] * ((values_[v] < 0 ? -step : step) / slope);
@@ -124,8 +126,7 @@ class SurfaceWalk {
     std::unordered_map<std::uint64_t, std::uint32_t> vertex;
     std::vector<Vec3> x;
     const auto crossing = [&](std::uint32_t in, std::uint32_t out) {
-      const auto [it, fresh] =
-          vertex.try_emplace(std::uint64_t{in} << 32 | out, static_cast<std::uint32_t>(x.size()));
+      const auto [it, fresh] = vertex.try_emplace(std::uint64_t{in} << 32 | out, static_cast<std::uint32_t>(x.size()));
       if (fresh) {
         const double t = values_[in] / (values_[in] - values_[out]);
         x.push_back(places_[in] + (places_[out] - places_[in]) * t);

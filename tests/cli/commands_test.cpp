@@ -108,6 +108,53 @@ TEST_F(Commands, DisplacementImprovesTheTrianglesOfTheSources) {
   EXPECT_EQ(run({"reconstruct", "in.ply", "-o", "out.ply", "--displacement", "0.9"}).code, 2);
 }
 
+TEST_F(Commands, ThePapersFitIsWalkedAndSaysWhatItDid) {
+  write_sphere("in.ply", 3000);
+  const Outcome outcome = run({"reconstruct", "in.ply", "-o", "out.ply", "--fit", "paper", "--threshold", "0.0005",
+                               "--displacement", "0.9", "--quality", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_TRUE(json["output"]["closed"]);
+  EXPECT_GT(json["simplices"].get<int>(), 0);
+  EXPECT_EQ(json["paper"]["fitted"].get<int>() + json["paper"]["borrowed"].get<int>(), json["fits"].get<int>());
+  EXPECT_LT(json["aspect_ratio"]["mean"].get<double>(), 2);
+  EXPECT_GT(json["aspect_ratio"]["mean_before"].get<double>(), 2.5);
+  EXPECT_NE(run({"reconstruct", "in.ply", "-o", "out.ply", "--fit", "paper"}).out.find("walked through"),
+            std::string::npos);
+  ASSERT_EQ(run({"fit", "in.ply", "-o", "paper.smf", "--fit", "paper", "--coverage", "0.3,0.5,0.7"}).code, 0);
+  ASSERT_EQ(run({"mesh", "paper.smf", "-o", "out.ply"}).code, 0);
+  EXPECT_EQ(run({"mesh", "paper.smf", "-o", "few.ply", "--mesher", "blocks", "--triangles", "500"}).code, 0);
+  // The default's function can be walked, too.
+  ASSERT_EQ(run({"reconstruct", "in.ply", "-o", "out.ply", "--mesher", "walk"}).code, 0);
+}
+
+TEST_F(Commands, OptionsOfAnotherFitAreRefused) {
+  write_sphere("in.ply", 500);
+  const std::vector<std::vector<std::string>> wrong{{"--fit", "paper", "--error", "0.1"},
+                                                    {"--fit", "paper", "--smooth"},
+                                                    {"--fit", "paper", "--open"},
+                                                    {"--fit", "paper", "--closed"},
+                                                    {"--threshold", "0.01"},
+                                                    {"--coverage", "paper"},
+                                                    {"--fit", "paper", "--triangles", "100"},
+                                                    {"--fit", "paper", "--no-enhance"},
+                                                    {"--fit", "paper", "--trim"},
+                                                    {"--mesher", "walk", "--mesh-error", "0.1"},
+                                                    {"--fit", "paper", "--surface", "apss"},
+                                                    {"--mesher", "walk", "--surface", "apss"},
+                                                    {"--fit", "paper", "--coverage", "1,2"},
+                                                    {"--fit", "paper", "--coverage", "all"},
+                                                    {"--fit", "paper", "--threshold", "0"}};
+  for (const std::vector<std::string>& options : wrong) {
+    std::vector<std::string> words{"reconstruct", "in.ply", "-o", "out.ply"};
+    words.insert(words.end(), options.begin(), options.end());
+    const Outcome outcome = run(words);
+    EXPECT_NE(outcome.code, 0) << options.back();
+    EXPECT_NE(outcome.err.find(options[options[0] == "--fit" ? 2 : 0]), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find('`'), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(Commands, WritesEveryFormat) {
   write_sphere("in.ply", 2000);
   for (const char* ending : {"ply", "obj", "stl", "off", "ply.gz"}) {

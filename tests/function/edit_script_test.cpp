@@ -56,6 +56,20 @@ TEST(EditScript, EveryFieldThereAndBack) {
   EXPECT_EQ(std::get<Undo>(read[11].action).steps, 3);
   EXPECT_EQ(read[12].select.level_to, 20);
   EXPECT_EQ(read[12].select.samples_below, 0);
+  // What is chosen by itself.
+  edits.resize(0);
+  add(SetDegree{kAutomaticDegree}).coverage_fails = kThesisCoverage;
+  add(SetConstant{1, true}).coverage_fails = PaperCoverage{0.1, 0.2, 0.3};
+  const std::vector<Edit> automatic = parse_edit_script(edit_script(edits));
+  ASSERT_EQ(automatic.size(), 2u);
+  EXPECT_EQ(std::get<SetDegree>(automatic[0].action).degree, kAutomaticDegree);
+  EXPECT_TRUE(std::get<SetConstant>(automatic[1].action).automatic);
+  EXPECT_EQ(automatic[1].select.coverage_fails, edits[1].select.coverage_fails);
+  const std::vector<Edit> words = parse_edit_script(
+      R"({"version":1,"steps":[{"select":{"coverage":"fails"},"degree":"auto"},{"select":{},"constant":"auto"}]})");
+  EXPECT_EQ(words[0].select.coverage_fails, kThesisCoverage);
+  EXPECT_TRUE(std::get<SetConstant>(words[1].action).automatic);
+  edits.resize(1);
   // Spurious sheets are among those that are not the largest.
   edits.resize(1);
   edits[0].select.spurious_sheets = edits[0].select.all_but_largest = true;
@@ -117,6 +131,9 @@ TEST(EditScript, WhatIsWrongIsNamed) {
       {step(R"({"degree":1,"remove":true,"select":{}})"), "step 2", "needs one of"},
       {step(R"({"degree":1,"select":{},"colour":3})"), "step 2", "colour"},
       {step(R"({"degree":7,"select":{}})"), "step 2", "'degree'"},
+      {step(R"({"degree":1,"select":{"coverage":"low"}})"), "step 2.select", "'coverage'"},
+      {step(R"({"degree":1,"select":{"coverage":[1,2]}})"), "step 2.select", "'coverage'"},
+      {step(R"({"degree":1,"select":{"coverage":[1,2,3]}})"), "step 2.select", "coverage must lie in 0..2"},
       {step(R"({"degree":-1,"select":{}})"), "step 2", "'degree'"},
       {step(R"({"degree":1.0,"select":{}})"), "step 2", "'degree'"},
       {step(R"({"degree":"1","select":{}})"), "step 2", "'degree'"},

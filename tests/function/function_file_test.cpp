@@ -7,6 +7,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
@@ -105,6 +106,35 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
 }
 
 /// What was kept of a mesh stays kept when the function is read from its file: small solids of its faces.
+/// A fit as the sources have it: the same values, also beyond the cube, and the same walk through its blocks.
+TEST(FunctionFile, KeepsFitsOfThePaper) {
+  Progress progress;
+  FitOptions options;
+  options.fit = FitMethod::paper;
+  options.threshold = 5e-4;
+  options.coverage = kPaperCoverage;
+  const SurfaceFunction function = fit_surface_function(moved_far(torus(4000)), options, progress);
+  const Folder folder;
+  write_function(folder / "paper.smf", function);
+  const SurfaceFunction read = read_function(folder / "paper.smf");
+  expect_same_function(function, read);
+  ASSERT_TRUE(read.field.data().paper);
+  EXPECT_EQ(read.field.data().paper->threshold, 5e-4);
+  EXPECT_EQ(read.field.data().paper->coverage, kPaperCoverage);
+  MeshReport report;
+  const TriangleMesh mesh = mesh_function(function, {}, progress, &report);
+  EXPECT_GT(report.simplices, 0u);
+  EXPECT_TRUE(measure_topology(mesh).closed());
+  expect_same_mesh(mesh, mesh_function(read, {}, progress));
+  // Whole blocks can be had, too, and are enhanced.
+  MeshOptions blocks;
+  blocks.mesher = Mesher::blocks;
+  const TriangleMesh other = mesh_function(read, blocks, progress, &report);
+  EXPECT_EQ(report.simplices, 0u);
+  EXPECT_LT(other.triangles.size(), mesh.triangles.size());
+  EXPECT_TRUE(measure_topology(other).closed());
+}
+
 TEST(FunctionFile, RemembersThatItsSamplesAreOfFaces) {
   const Folder folder;
   const PointSet mesh = joined_meshes(ball_mesh(5), ball_mesh(2), 0.09f, {1.5f, 0.2f, 0});

@@ -1,0 +1,14 @@
+// The last step of every edit. Internal to partition/.
+#pragma once
+
+#include <vector>
+
+#include "sansmesh/partition/edit_result.h"
+#include "sansmesh/partition/leaf_fit.h"
+
+namespace sansmesh {
+
+/// Data with other leaves in place of the chosen supports. Throws DataError if none are left.
+EditResult replace_supports(const PartitionData& data, const Selection& chosen, std::vector<FittedLeaf> leaves);
+
+}  // namespace sansmesh
