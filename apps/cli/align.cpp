@@ -2,15 +2,18 @@
 #include <fmt/core.h>
 
 #include <utility>
+#include <vector>
 
 #include "align_report.h"
 #include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/affine_map.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/transform_file.h"
+#include "sansmesh/render/picture_surfaces.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {
@@ -18,10 +21,28 @@ namespace {
 
 struct AlignArguments {
   CloudInput moving, fixed;
-  std::string output, transform_output, start;
-  bool ascii = false;
+  MeshOutput output;  // or points
+  std::string transform_output, start;
   SurfaceAlignmentOptions options;
 };
+
+constexpr Vec3f kMovedColor{0.94f, 0.55f, 0.12f}, kFixedColor{0.72f, 0.74f, 0.77f};
+
+/// What has moved, in a colour, and what it was moved onto.
+void draw(const MeshOutput& output, const TriangleMesh& moved, const TriangleMesh& fixed, Progress& progress) {
+  RenderOptions look = output.picture.chosen();
+  look.use_colors = false;
+  std::vector<PictureSurface> surfaces;
+  std::vector<Vec3> places;
+  for (const TriangleMesh* const mesh : {&moved, &fixed}) {
+    look.surface_color = mesh == &moved ? kMovedColor : kFixedColor;
+    surfaces.push_back(surface_in_picture(*mesh, look));
+    for (const Vec3f& p : mesh->vertices)
+      if (is_finite(p)) places.push_back(mesh->origin + Vec3(p));
+  }
+  const Image image = render_surfaces(surfaces, places, false, false, look, progress);
+  output.picture.write(output.preview, image, look);
+}
 
 /// What moves, with all that belongs to it: of functions the mesh.
 PointSet as_cloud(TriangleMesh mesh) {
@@ -39,11 +60,13 @@ PointSet as_cloud(TriangleMesh mesh) {
 void run_align(AlignArguments& a, Console& console) {
   if (!a.start.empty()) read_transform(a.start);  // before all else: it may be no transform
   a.options.validate();
+  a.output.check_preview();
   Progress& progress = console.progress();
   SurfaceInput moving(a.moving, console), fixed(a.fixed, console);
   TriangleMesh& mesh = moving.mesh();
   const bool points = mesh.triangles.empty();
-  if (!a.output.empty()) check_writable(a.output, points ? "points" : "mesh");
+  const std::string& output = a.output.file;
+  if (!output.empty()) check_writable(output, points ? "points" : "mesh");
   if (!a.transform_output.empty()) check_writable(a.transform_output, "text");
   AffineMap before;
   if (!a.start.empty()) {
@@ -52,13 +75,17 @@ void run_align(AlignArguments& a, Console& console) {
   }
   const SurfaceAlignment r = align_or_name(mesh, moving.file(), fixed.mesh(), fixed.file(), a.options, console);
   const AffineMap motion = map_of(r.motion);
+  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
+  if (!output.empty() || !a.output.preview.empty()) transform(mesh, motion);
+  if (!a.output.preview.empty()) draw(a.output, mesh, fixed.mesh(), progress);
   progress.begin("write");
-  if (!a.output.empty()) {
-    transform(mesh, motion);
-    if (points)
-      write_points(a.output, as_cloud(std::move(mesh)), {.ascii = a.ascii});
-    else
-      write_mesh(a.output, mesh, {.ascii = a.ascii});
+  if (!output.empty() && points) {
+    const PointSet cloud = as_cloud(std::move(mesh));
+    console.warn(moving.file(), loss_words(moving.read(), output, cloud));
+    write_points(output, cloud, {.ascii = a.output.ascii});
+  } else if (!output.empty()) {
+    console.warn(moving.file(), loss_words(moving.read(), output, mesh));
+    write_mesh(output, mesh, {.ascii = a.output.ascii});
   }
   const AffineMap whole = motion.after(before);
   if (!a.transform_output.empty()) write_transform(a.transform_output, whole);
@@ -66,17 +93,19 @@ void run_align(AlignArguments& a, Console& console) {
 
   console.say(fmt::format("{} ({}) moved onto {} ({})", moving.file(), moving.kind(), fixed.file(), fixed.kind()));
   say_alignment(r, console);
-  if (a.output.empty() && a.transform_output.empty())
+  if (output.empty() && a.transform_output.empty())
     for (int row = 0; row < 3; ++row) {
       const auto k = static_cast<std::size_t>(row);
       console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", whole.x[k], whole.y[k], whole.z[k], whole.shift[k]));
     }
-  for (const std::string& file : {a.output, a.transform_output})
+  for (const std::string& file : {output, a.transform_output, a.output.preview})
     if (!file.empty()) console.say(file + ": written");
   Json json = {{"moving", moving.json()}, {"fixed", fixed.json()}};
   json["alignment"] = json_of_alignment(r);
   json["matrix"] = json_of_matrix(whole);
-  if (!a.output.empty()) json["output"] = {{"file", a.output}};
+  if (!output.empty()) json["output"] = {{"file", output}, {points ? "points" : "vertices", vertices}};
+  if (!output.empty() && !points) json["output"]["triangles"] = triangles;
+  if (!a.output.preview.empty()) json["preview"] = {{"file", a.output.preview}};
   if (!a.transform_output.empty()) json["transform_output"] = {{"file", a.transform_output}};
   console.say_json(json);
   console.print_timings();
@@ -95,13 +124,16 @@ Command add_align(CommandLine& app) {
       .type_name("FILE")
       .required();
   add_class_options(c, a->fixed, " of what it moves onto");
-  c.add_option("-o,--output", a->output, "What has moved, with all its attributes: formats of meshes or of points")
+  c.add_option("-o,--output", a->output.file, "What has moved, with all its attributes: formats of meshes or of points")
       .type_name("FILE");
   c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
       .type_name("FILE");
   add_align_options(c, a->options);
   c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").type_name("FILE");
-  add_ascii_flag(c, a->ascii);
+  add_preview_option(c, a->output.preview, "both, what has moved in orange,");
+  add_ascii_flag(c, a->output.ascii);
+  add_picture_options(c, a->output.picture);
+  add_wireframe_options(c, a->output.picture.options);
   c.footer(
       "Distances run from samples of what moves to the surface of what is fixed; what lies beyond its borders, or\n"
       "has no counterpart, does not count. Without an output the motion is printed.\n\n"

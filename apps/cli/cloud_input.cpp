@@ -28,6 +28,17 @@ std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share);
 
 }  // namespace
 
+CloudScale::CloudScale(const PointSet& points) : spacing(estimate_spacing(points)), noise(measure_noise(points)) {}
+
+std::string CloudScale::noise_words() const { return sansmesh::noise_words(noise, spacing); }
+
+void CloudScale::add_to(Json& json) const {
+  json["spacing"] = spacing;
+  json["noise"] = noise.deviation;
+  json["noise_known"] = noise.known;
+  json["most_noise"] = noise.most;
+}
+
 GivenNormals judge_normals(const OrientationReport& r) {
   GivenNormals given;
   given.oriented = r.check == OrientationCheck::oriented || r.check == OrientationCheck::inward;

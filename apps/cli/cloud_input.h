@@ -8,6 +8,7 @@
 #include "console.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/points/noise.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/point_classes.h"
 
@@ -39,6 +40,18 @@ struct CloudInput {
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
 /// The files, --class and --without-class. `what` describes the files.
 void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what);
+
+/// How fine and how noisy a cloud is, as it was read: the same by every command that says so of a file.
+struct CloudScale {
+  double spacing = 0;
+  NoiseEstimate noise;
+
+  explicit CloudScale(const PointSet& points);
+  /// "unknown: 0.02 at most, of shape or noise", "0.0039"
+  std::string noise_words() const;
+  /// Adds `spacing`, `noise`, `noise_known`, `most_noise`.
+  void add_to(Json& json) const;
+};
 
 /// What can be said of given normals, checked.
 struct GivenNormals {

@@ -1,6 +1,7 @@
 #include "command_line.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -130,8 +131,9 @@ Option Option::numbers(int count) const {
   entry_->several = false;
   return *this;
 }
-Option Option::without_value(const std::string& value) const {
+Option Option::without_value(const std::string& value, const std::vector<std::string>& next_words) const {
   entry_->implied = value;
+  entry_->next_words = next_words;
   return *this;
 }
 Option Option::repeated() const {
@@ -198,9 +200,29 @@ Option CommandLine::add_option_function(const std::string& names, std::function<
   entry.use = [use = std::move(use)](const std::vector<std::string>& words) {
     std::vector<double> numbers;
     Read<std::vector<double>>::from(numbers, words);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      if (std::isinf(numbers[i])) throw ValueError("must be finite, not " + words[i]);
     use(numbers);
   };
   return Option(entry);
+}
+Option CommandLine::add_number_function(const std::string& names, std::function<void(double)> use,
+                                        const std::string& what) {
+  return add_option_function(
+             names,
+             [use = std::move(use)](const std::vector<double>& numbers) {
+               for (const double one : numbers) use(one);
+             },
+             what)
+      .repeated();
+}
+Option CommandLine::add_number_function(const std::string& names, std::function<void(std::size_t)> use,
+                                        const std::string& what) {
+  const Option option = add_number_function(
+      names, std::function<void(double)>([use = std::move(use)](double one) { use(static_cast<std::size_t>(one)); }),
+      what);
+  options_.back()->kind = OptionEntry::Kind::whole;
+  return option;
 }
 Option CommandLine::add_flag(const std::string& names, bool& variable, const std::string& what) {
   return add_flag_callback(

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -28,9 +29,9 @@ class Option {
   Option positive() const;
   /// So many numbers in one word, with commas between them.
   Option numbers(int count) const;
-  /// Stands for this value where it is given without one. The next word is its value only if it is a
-  /// number, or one of the words that it takes.
-  Option without_value(const std::string& value) const;
+  /// Stands for this value where it is given without one. The next word is its value only if it is a number, one of the
+  /// words that it takes, or one of `next_words`; others can be given as --flag=value.
+  Option without_value(const std::string& value, const std::vector<std::string>& next_words = {}) const;
   /// Its function is called for each time that it was given, with the values of that time, after all other options have
   /// their values: those that are in order, in the order of the command line.
   Option in_order() const;
@@ -61,8 +62,15 @@ class CommandLine {
   /// `use` is called with the value once all is read; it may throw ValueError.
   Option add_option_function(const std::string& names, std::function<void(const std::string&)> use,
                              const std::string& what);
+  /// Of numbers all are finite.
   Option add_option_function(const std::string& names, std::function<void(const std::vector<double>&)> use,
                              const std::string& what);
+  /// Of a whole or real number, as the function takes one; called for each that was given.
+  template <class Use>
+  requires std::is_invocable_v<Use, double> Option add_option_function(const std::string& names, Use use,
+                                                                       const std::string& what) {
+    return add_number_function(names, std::function(std::move(use)), what);
+  }
   Option add_flag(const std::string& names, bool& variable, const std::string& what);
   Option add_flag_callback(const std::string& names, std::function<void()> use, const std::string& what);
   /// One of a few words that stand for values of `variable`, an enumeration or an optional one.
@@ -107,6 +115,8 @@ class CommandLine {
   const std::vector<std::unique_ptr<CommandLine>>& commands() const { return commands_; }
 
  private:
+  Option add_number_function(const std::string& names, std::function<void(double)> use, const std::string& what);
+  Option add_number_function(const std::string& names, std::function<void(std::size_t)> use, const std::string& what);
   OptionEntry& add(const std::string& names, OptionEntry::Kind kind, const std::string& what);
   Option add_words(const std::string& names, std::vector<std::string> words, std::function<void(std::size_t)> use,
                    const std::string& what);

@@ -6,37 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "cloud_or_mesh.h"
 #include "console.h"
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
 
 namespace sansmesh::cli {
 
 class CommandLine;
-
-/// A cloud, or a mesh.
-struct CloudOrMesh {
-  bool is_mesh = false;
-  PointSet points;    ///< unless it is a mesh
-  TriangleMesh mesh;  ///< if it is one
-  /// Attributes of three reals that were not turned with everything else: nobody knows whether they are directions.
-  std::vector<std::string> unturned;
-
-  /// As it was read: a mesh if it has triangles. Which file or scan each sample is of becomes an attribute, "source",
-  /// if there are several.
-  explicit CloudOrMesh(PointSet read);
-
-  std::size_t size() const { return is_mesh ? mesh.vertices.size() : points.size(); }
-  /// "1,234 points", or "1,234 vertices, 2,345 triangles".
-  std::string size_words() const;
-  const Vec3& origin() const { return is_mesh ? mesh.origin : points.origin; }
-  /// In the coordinates of the file.
-  Box3 bounds() const;
-  const AttributeTable& attributes() const { return is_mesh ? mesh.attributes : points.attributes; }
-  /// Its vertices alone.
-  void make_points();
-};
 
 /// One of them, with what it was told. `run` changes the data and returns what is to be said, if anything; it throws
 /// DataError.

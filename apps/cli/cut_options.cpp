@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
 #include <string_view>
 
 #include "command_line.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/mesh_occluder.h"
@@ -30,22 +30,10 @@ std::vector<std::string_view> parts_of(std::string_view text, char between) {
   }
 }
 
-std::string_view trimmed(std::string_view word) {
-  while (!word.empty() && word.front() == ' ') word.remove_prefix(1);
-  while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
-  return word;
-}
-
 Vec3 vector_of(const std::string& text, std::string_view words) {
-  const std::vector<std::string_view> numbers = parts_of(words, ',');
-  if (numbers.size() != 3) bad_cut(text, fmt::format("'{}' is not x,y,z", trimmed(words)));
-  Vec3 v;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::string_view word = trimmed(numbers[k]);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v[k]);
-    if (error != std::errc() || end != word.data() + word.size()) bad_cut(text, fmt::format("'{}' is no number", word));
-  }
-  return v;
+  const auto v = numbers_in(words, 3);
+  if (!v) bad_cut(text, fmt::format("'{}' is not x,y,z", without_blanks(words)));
+  return {(*v)[0], (*v)[1], (*v)[2]};
 }
 
 std::vector<Vec3> vectors_of(const std::string& text, std::string_view words) {
@@ -80,7 +68,7 @@ void add_cut_options(CommandLine& c, CutArguments& cuts) {
 }
 
 std::shared_ptr<const Occluder> cut_of(const std::string& text, const Box3& domain) {
-  const std::string_view all = trimmed(text);
+  const std::string_view all = without_blanks(text);
   const auto inner = [&](std::string_view name) -> std::optional<std::string_view> {
     if (!all.starts_with(name) || all.size() < name.size() + 2 || all[name.size()] != '(') return std::nullopt;
     if (all.back() != ')') bad_cut(text, "there is no ')' at its end");

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "command_line.h"
@@ -44,11 +44,9 @@ const char* kind_word(DeformationKind kind) {
 std::vector<std::uint32_t> vertices_of(const std::string& list) {
   std::vector<std::uint32_t> vertices;
   for (const std::string& word : between_commas(list)) {
-    std::uint32_t v = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
-    if (error != std::errc() || end != word.data() + word.size())
-      throw ArgumentError(fmt::format("--vertices: '{}' is no number of a vertex (they count from 0)", word));
-    vertices.push_back(v);
+    const auto v = whole_in(word, 0, std::numeric_limits<std::uint32_t>::max());
+    if (!v) throw ArgumentError(fmt::format("--vertices: '{}' is no number of a vertex (they count from 0)", word));
+    vertices.push_back(static_cast<std::uint32_t>(*v));
   }
   return vertices;
 }

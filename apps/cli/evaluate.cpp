@@ -34,7 +34,8 @@ Json to_json(const OneWayDistance& d) {
           {"signed_angle_deg", d.signed_angle}};
 }
 
-Json to_json(const MeshQuality& q) {
+/// Of what is open the volume depends on where it is measured from: null.
+Json to_json(const MeshQuality& q, bool closed) {
   return {{"aspect_mean", q.aspect_mean},
           {"aspect_deviation", q.aspect_deviation},
           {"aspect_max", q.aspect_max},
@@ -43,7 +44,7 @@ Json to_json(const MeshQuality& q) {
           {"below_10_deg", q.small_angle_share},
           {"edge_mean", q.edge_mean},
           {"area", q.area},
-          {"volume", q.volume}};
+          {"volume", closed ? Json(q.volume) : Json()}};
 }
 
 Json to_json(const FarPlaces& f) {
@@ -115,7 +116,7 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     console.say(
         fmt::format("{:<16}area {}{}", "size", length(q.area), t.encloses() ? ", volume " + length(q.volume) : ""));
     json["topology"] = topology_json(t);
-    json["quality"] = to_json(q);
+    json["quality"] = to_json(q, t.encloses());
   }
   if (!arguments.reference.files.empty()) {
     DistanceOptions options;

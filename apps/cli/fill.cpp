@@ -35,7 +35,7 @@ const char* outcome_word(FillReport::Outcome outcome) {
     case FillReport::Outcome::failed:
       return "no way across";
     case FillReport::Outcome::end:
-      return "an end, left open";
+      return "steep, left open";
   }
   return "";
 }
@@ -129,9 +129,9 @@ void run_fill(FillArguments& a, Console& console) {
     for (std::size_t i = 0; i < r.outcome.size(); ++i)
       if (r.outcome[i] == FillReport::Outcome::end) widest = std::max(widest, r.found.loops[i].diameter);
     warnings.push_back(
-        fmt::format("{} open: the surface runs steeply into {}, like a tube that is cut off; "
+        fmt::format("{} open: the surface runs into {} steeply, as at the end of a tube; "
                     "--largest {} closes {}, --all everything",
-                    r.ends == 1 ? "1 end stays" : grouped(r.ends) + " ends stay", r.ends == 1 ? "it" : "them",
+                    r.ends == 1 ? "1 opening stays" : grouped(r.ends) + " openings stay", r.ends == 1 ? "it" : "them",
                     length(widest * 1.01), r.ends == 1 ? "it" : "them"));
   }
   if (const std::size_t caps = wide_caps(r); caps > 0)
@@ -163,11 +163,7 @@ void run_fill(FillArguments& a, Console& console) {
   json["failed"] = r.failed;
   json["islands"] = r.islands;
   json["added"] = {{"vertices", r.vertices}, {"triangles", r.triangles}, {"area", r.area}};
-  json["output"] = {{"file", a.output.file},
-                    {"vertices", mesh.vertices.size()},
-                    {"triangles", mesh.triangles.size()},
-                    {"closed", t.encloses()},
-                    {"boundary_edges", t.boundary_edges}};
+  json["output"] = output_json(a.output.file, mesh, t);
   console.say_json(json);
   console.print_timings();
 }
@@ -179,11 +175,7 @@ Command add_fill(CommandLine& app) {
   auto a = std::make_shared<FillArguments>();
   FillOptions& o = a->options;
   c.add_option("input", a->input, "Mesh").type_name("FILE").required();
-  c.add_option("-o,--output", a->output.file, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE");
-  add_preview_option(c, a->output.preview, "the mesh");
-  add_ascii_flag(c, a->output.ascii);
-  add_picture_options(c, a->output.picture);
-  add_wireframe_options(c, a->output.picture.options);
+  add_mesh_output(c, a->output, false);
   c.add_flag("--list", a->list, "List the holes with their places and sizes, and write nothing");
   c.add_option(
        "--largest", o.largest,

@@ -30,6 +30,7 @@ void run_fit(const FitArguments& a, Console& console) {
   ReadReport read;
   PointSet points = a.input.read(console, read);
   const std::size_t given = points.size();
+  const CloudScale scale(points);
   try {
     PreparedCloud cloud = prepare_cloud(std::move(points), a.cloud, progress);
     const bool estimated = cloud.estimated_normals;
@@ -43,24 +44,24 @@ void run_fit(const FitArguments& a, Console& console) {
     const PartitionReport& r = function.field.report();
     const Placement& place = function.place;
     console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
-    console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(place.to_input(r.spacing)),
-                            length(place.to_input(r.noise)), length(place.to_input(r.accuracy))));
+    console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
+                            scale.noise_words(), length(place.to_input(r.accuracy))));
     console.say("normals " + normals_made(estimated, oriented_by));
     if (!alignment.empty()) console.say(alignment);
     console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
                             r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
     if (function.paper)
       for (const std::string& line : paper_words(*function.paper, r.functions_of_degree)) console.say(line);
-    Json json = {{"input", a.input.json(read, given)},
-                 {"spacing", place.to_input(r.spacing)},
-                 {"noise", place.to_input(r.noise)},
-                 {"normals", normals_made_json(estimated, oriented_by)},
-                 {"accuracy", place.to_input(r.accuracy)},
-                 {"depth", r.depth},
-                 {"fits", r.functions},
-                 {"fits_of_degree", r.functions_of_degree},
-                 {"creased", r.creased},
-                 {"output", {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}}}};
+    Json json = {{"input", a.input.json(read, given)}};
+    scale.add_to(json);
+    json["deviation"] = place.to_input(r.noise);
+    json["normals"] = normals_made_json(estimated, oriented_by);
+    json["accuracy"] = place.to_input(r.accuracy);
+    json["depth"] = r.depth;
+    json["fits"] = r.functions;
+    json["fits_of_degree"] = r.functions_of_degree;
+    json["creased"] = r.creased;
+    json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}};
     if (function.paper) json["paper"] = paper_json(*function.paper);
     if (a.cloud.align) json["alignment"] = alignment;
     console.say_json(json);

@@ -140,18 +140,9 @@ void add_flow_input(CommandLine& c, FlowInput& input) {
   c.add_option_function(
        "--times",
        [&input](const std::string& text) {
-         for (const std::string& word : between_commas(text)) {
-           std::size_t used = 0;
-           double t = 0;
-           try {
-             t = std::stod(word, &used);
-           } catch (const std::exception&) {
-             used = 0;
-           }
-           if (used == 0 || used != word.size() || !std::isfinite(t))
-             throw ValueError(fmt::format("must be numbers with commas between them, not {}", text));
-           input.times.push_back(t);
-         }
+         const auto times = numbers_in(text);
+         if (!times) throw must_be("numbers with commas between them", text);
+         input.times.insert(input.times.end(), times->begin(), times->end());
        },
        "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
       .type_name("TIMES");

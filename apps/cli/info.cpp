@@ -17,9 +17,7 @@
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/noise.h"
 #include "sansmesh/points/orientation.h"
-#include "sansmesh/points/spacing.h"
 #include "volume_info.h"
 
 namespace sansmesh::cli {
@@ -63,7 +61,8 @@ void run_function_info(const std::string& file, Console& console) {
   console.say(fmt::format("{:<12}from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "cube", lower.x,
                           lower.y, lower.z, upper.x, upper.y, upper.z));
   console.say(fmt::format("{:<12}{}", "spacing", length(place.to_input(r.spacing))));
-  console.say(fmt::format("{:<12}{}", "noise", length(place.to_input(r.noise))));
+  console.say(
+      fmt::format("{:<12}{} (of the samples from it, root mean square)", "deviation", length(place.to_input(r.noise))));
   console.say(fmt::format("{:<12}{} (expected error of the surface)", "accuracy", length(place.to_input(r.accuracy))));
   for (const std::string& line : function.history) console.say(fmt::format("{:<12}{}", "edited", line));
   const Json json = {{"file", file},
@@ -76,7 +75,7 @@ void run_function_info(const std::string& file, Console& console) {
                      {"depth", r.depth},
                      {"samples", samples.size()},
                      {"spacing", place.to_input(r.spacing)},
-                     {"noise", place.to_input(r.noise)},
+                     {"deviation", place.to_input(r.noise)},
                      {"accuracy", place.to_input(r.accuracy)},
                      {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
                      {"history", function.history}};
@@ -151,10 +150,9 @@ void run_info(const CloudInput& input, Console& console) {
   const auto [lower, upper] = Placement{points.origin}.to_input(box);
   const std::size_t duplicates = points.size() - count_unique(points);
   const CloudShape shape = classify_shape(points);
-  const double spacing = estimate_spacing(points);
-  const NoiseEstimate noise = measure_noise(points);
-  const GivenNormals normals = judge_normals(points, noise.deviation);
-  const OrientBy orient_by = first_known_orientation(points, noise.deviation);
+  const CloudScale scale(points);
+  const GivenNormals normals = judge_normals(points, scale.noise.deviation);
+  const OrientBy orient_by = first_known_orientation(points, scale.noise.deviation);
   const Vec3f size = box.size();
 
   console.say(fmt::format("{}: {}", input.name(), read.format));
@@ -164,8 +162,8 @@ void run_info(const CloudInput& input, Console& console) {
                           length(size[0]), length(size[1]), length(size[2]), lower[0], lower[1], lower[2], upper[0],
                           upper[1], upper[2]));
   console.say(fmt::format("{:<12}{}", "spans", shape_word(shape)));
-  console.say(fmt::format("{:<12}{}", "spacing", length(spacing)));
-  console.say(fmt::format("{:<12}{}", "noise", noise_words(noise, spacing)));
+  console.say(fmt::format("{:<12}{}", "spacing", length(scale.spacing)));
+  console.say(fmt::format("{:<12}{}", "noise", scale.noise_words()));
   console.say(fmt::format("{:<12}{}{}", "normals", normals.words,
                           normals.oriented ? "" : fmt::format("; signs {}", orientation_words(orient_by))));
   std::string attributes;
@@ -187,10 +185,7 @@ void run_info(const CloudInput& input, Console& console) {
   json["lower"] = {lower[0], lower[1], lower[2]};
   json["upper"] = {upper[0], upper[1], upper[2]};
   json["spans"] = shape_word(shape);
-  json["spacing"] = spacing;
-  json["noise"] = noise.deviation;
-  json["noise_known"] = noise.known;
-  json["most_noise"] = noise.most;
+  scale.add_to(json);
   json["normals"] = normals.words;
   json["orientation"] = normals.json;
   json["orient_by"] = orient_by_word(orient_by);

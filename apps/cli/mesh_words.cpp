@@ -15,6 +15,15 @@ std::string contradiction(const MeshTopology& t) {
   return counted(contradicting(t), "edge") + " whose faces contradict each other";
 }
 
+std::vector<std::string> words_of_losses(const ReadReport& read, const std::string& output,
+                                         const std::vector<std::string>& lost) {
+  std::vector<std::string> words;
+  if (!read.unread.empty())
+    words.push_back(fmt::format("not read, there is no place for it: {}", fmt::join(read.unread, ", ")));
+  if (!lost.empty()) words.push_back(fmt::format("{} has no room for {}: left out", output, fmt::join(lost, ", ")));
+  return words;
+}
+
 }  // namespace
 
 std::string topology_words(const MeshTopology& t) {
@@ -48,12 +57,11 @@ std::string border_words(const MeshTopology& t) {
 }
 
 std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const TriangleMesh& mesh) {
-  std::vector<std::string> words;
-  if (!read.unread.empty())
-    words.push_back(fmt::format("not read, there is no place for it: {}", fmt::join(read.unread, ", ")));
-  if (const std::vector<std::string> lost = left_out(output, mesh); !lost.empty())
-    words.push_back(fmt::format("{} has no room for {}: left out", output, fmt::join(lost, ", ")));
-  return words;
+  return words_of_losses(read, output, left_out(output, mesh));
+}
+
+std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const PointSet& points) {
+  return words_of_losses(read, output, left_out(output, points));
 }
 
 Json topology_json(const MeshTopology& t) {
@@ -63,7 +71,8 @@ Json topology_json(const MeshTopology& t) {
           {"degenerate_triangles", t.degenerate_triangles},
           {"closed", t.encloses()},
           {"manifold", t.manifold()},
-          {"oriented", t.oriented()},
+          // Faces that share no edge tell nothing of each other.
+          {"oriented", t.edges > t.boundary_edges + t.nonmanifold_edges ? Json(t.oriented()) : Json()},
           {"boundary_edges", t.boundary_edges},
           {"boundary_loops", t.boundary_loops},
           {"open_edges", t.open_edges},
@@ -73,6 +82,14 @@ Json topology_json(const MeshTopology& t) {
           {"largest_component", t.largest_component},
           {"euler", t.euler},
           {"genus", t.genus()}};
+}
+
+Json output_json(const std::string& file, const TriangleMesh& mesh, const MeshTopology& t) {
+  return {{"file", file},
+          {"vertices", mesh.vertices.size()},
+          {"triangles", mesh.triangles.size()},
+          {"closed", t.encloses()},
+          {"boundary_edges", t.boundary_edges}};
 }
 
 }  // namespace sansmesh::cli

@@ -17,8 +17,11 @@ std::string topology_words(const MeshTopology& topology);
 std::string open_words(const MeshTopology& topology);
 /// "closed", "closed, but 12 edges of three triangles or more", "223 border edges": after something was done to it.
 std::string border_words(const MeshTopology& topology);
-/// What a mesh loses on its way through: what was not read, and what the format of `output` has no room for.
+/// What a mesh or a cloud loses on its way through: what was not read, and what the format of `output` has no room for.
 std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const TriangleMesh& mesh);
+std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const PointSet& points);
 Json topology_json(const MeshTopology& topology);
+/// Of a mesh that was written: `file`, `vertices`, `triangles`, `closed`, `boundary_edges`.
+Json output_json(const std::string& file, const TriangleMesh& mesh, const MeshTopology& topology);
 
 }  // namespace sansmesh::cli

@@ -34,6 +34,8 @@ struct OptionEntry {
   bool positive = false;
   std::string excludes;                ///< an option that cannot be given as well
   std::optional<std::string> implied;  ///< stands for a value where none is given
+  /// With `implied`: what the next word must be, beside a number or one of `words`, to be the value.
+  std::vector<std::string> next_words;
   /// Takes the values of all times that it was given, one at least unless it is a flag. Throws ValueError.
   std::function<void(const std::vector<std::string>&)> use;
 

@@ -2,10 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
+#include <limits>
 #include <utility>
 #include <vector>
 
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/meshing/mesh_options.h"
@@ -18,11 +19,9 @@ ComponentChoice parse_components(const std::string& text) {
   if (text == "auto") return {};
   if (text == "all") return {.kind = Kind::all};
   if (text == "largest") return {.kind = Kind::count, .count = 1};
-  int count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (error != std::errc() || end != text.data() + text.size() || count < 1)
-    throw ValueError("must be auto, all, largest or a number of at least 1, not " + text);
-  return {.kind = Kind::count, .count = count};
+  const auto count = whole_in(text, 1, std::numeric_limits<int>::max());
+  if (!count) throw must_be("auto, all, largest or a number of at least 1", text);
+  return {.kind = Kind::count, .count = static_cast<int>(*count)};
 }
 
 void require(bool ok, const char* message) {
@@ -44,6 +43,10 @@ void add_ascii_flag(CommandLine& c, bool& ascii) {
 
 void MeshOutput::check() const {
   check_writable(file, "mesh");
+  check_preview();
+}
+
+void MeshOutput::check_preview() const {
   picture.chosen().validate();
   require(!preview.empty() || !picture.any(), "options of the picture need --preview");
   if (!preview.empty()) check_writable(preview, "image");
@@ -64,8 +67,10 @@ void say_aspect_ratios(const MeshReport& report, Console& console) {
                           report.aspect_deviation));
 }
 
-void add_mesh_output(CommandLine& c, MeshOutput& o) {
-  c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE").required();
+void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
+  const Option file =
+      c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE");
+  if (required) file.required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);
   add_picture_options(c, o.picture);

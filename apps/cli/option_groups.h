@@ -37,11 +37,13 @@ struct MeshOutput {
   /// Throws FileError early if they cannot be written, ArgumentError for bad options of the picture or such without
   /// one.
   void check() const;
+  /// The picture alone.
+  void check_preview() const;
   /// Throws FileError.
   void write(const TriangleMesh& mesh, Progress& progress) const;
 };
 /// --output, --preview, --ascii, and those of add_picture_options
-void add_mesh_output(CommandLine& command, MeshOutput& output);
+void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);
 using CurvatureQuantity = CurvatureColorOptions::Quantity;

@@ -13,13 +13,13 @@ namespace sansmesh::cli {
 namespace {
 
 /// Whether all of a word is a number, in any notation that C has but hexadecimal ones.
-bool reads_as_number(const std::string& word, double& value) {
+bool reads_as_number(std::string_view word, double& value) {
   const char *at = word.data(), *const end = at + word.size();
   if (at != end && *at == '+') ++at;
   if (at == end || (at != word.data() && *at == '-')) return false;
   const auto [next, error] = std::from_chars(at, end, value);
   if (error == std::errc::result_out_of_range) {  // 1e999, 1e-999: as far as numbers reach
-    value = word.find("e-") != std::string::npos || word.find("E-") != std::string::npos ? 0.0 : HUGE_VAL;
+    value = word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos ? 0.0 : HUGE_VAL;
     if (word[0] == '-') value = -value;
     return next == end;
   }
@@ -55,6 +55,48 @@ std::string joined_by_or(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i)
     text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
   return text;
+}
+
+std::string_view without_blanks(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  return text;
+}
+
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  if (!reads_as_number(without_blanks(text), value) || std::isinf(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<std::vector<double>> numbers_in(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::optional<double> one = number_in(text.substr(at, end - at));
+    if (!one) return std::nullopt;
+    numbers.push_back(*one);
+    at = end + 1;
+  }
+  return numbers;
+}
+
+std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
+  auto numbers = numbers_in(text);
+  if (numbers && numbers->size() != count) numbers.reset();
+  return numbers;
+}
+
+std::optional<long long> whole_in(std::string_view text, long long least, long long most) {
+  try {
+    return parse_whole(std::string(without_blanks(text)), least, most);
+  } catch (const ValueError&) {
+    return std::nullopt;
+  }
+}
+
+ValueError must_be(const std::string& form, const std::string& text) {
+  return ValueError(fmt::format("must be {}, not {}", form, in_quotes(text)));
 }
 
 double parse_real(const std::string& word) {

@@ -206,6 +206,7 @@ class LineReader {
     if (o.implied && !attached) {
       const auto fits = [&](const std::string& word) {
         if (!word.empty() && word == *o.implied) return true;
+        if (std::find(o.next_words.begin(), o.next_words.end(), word) != o.next_words.end()) return true;
         return o.words.empty() ? are_numbers(word) || begins_like_a_number(word)
                                : std::find(o.words.begin(), o.words.end(), word) != o.words.end();
       };

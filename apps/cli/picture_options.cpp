@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/render/color_space.h"
@@ -37,14 +38,15 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 13> kColorWo
 
 /// LEFT,TOP,WIDTH,HEIGHT
 std::optional<PixelBox> pixel_box_of(const std::string& text) {
+  const std::vector<std::string> words = between_commas(text);
+  if (words.size() != 4) return std::nullopt;
   PixelBox box;
-  const char *at = text.data(), *end = at + text.size();
-  for (int* value : {&box.left, &box.top, &box.width, &box.height}) {
-    const auto [next, error] = std::from_chars(at, end, *value);
-    if (error != std::errc() || (value == &box.height ? next != end : next == end || *next != ',')) return std::nullopt;
-    at = next + 1;
+  std::size_t k = 0;
+  for (int* const value : {&box.left, &box.top, &box.width, &box.height}) {
+    const auto number = whole_in(words[k], k < 2 ? 0 : 1, std::numeric_limits<int>::max());
+    if (!number) return std::nullopt;
+    *value = static_cast<int>(*number), ++k;
   }
-  if (box.left < 0 || box.top < 0 || box.width < 1 || box.height < 1) return std::nullopt;
   return box;
 }
 
@@ -149,9 +151,10 @@ void add_picture_options(CommandLine& c, PictureArguments& a) {
   c.add_flag("--orthographic", o.orthographic, "Parallel rays: no perspective").group(group);
   c.add_option_function(
        "--scale-bar", [&o](const std::string& unit) { o.scale_bar = unit; },
-       "With --orthographic: a bar of a round length, and the unit's name, as --scale-bar=mm")
+       "With --orthographic: a bar of a round length, and the unit's name, mm, m or in (others as --scale-bar=UNIT)")
       .type_name("UNIT")
-      .without_value("")
+      .without_value("",
+                     {"nm", "um", "µm", "mm", "cm", "dm", "m", "km", "in", "inch", "ft", "foot", "us-ft", "yd", "mi"})
       .group(group);
   c.add_option_function(
        "--focus,--look-at",

@@ -25,6 +25,7 @@ struct ReconstructArguments {
 struct InputSize {
   std::size_t points;
   Vec3f extent;
+  CloudScale scale;
 };
 
 /// What was decided on whether the surface bounds a solid, and why.
@@ -44,8 +45,8 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
   const std::string made =
       other ? surface_method_info(arguments.options.surface->method).name
             : fmt::format("{} down to depth {}", counted(report.fits, "local fit"), report.fit_depth);
-  console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(report.spacing),
-                          length(report.noise), made, counted(report.blocks, "block"), report.block_depth));
+  console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(input.scale.spacing),
+                          input.scale.noise_words(), made, counted(report.blocks, "block"), report.block_depth));
   if (report.paper)
     for (const std::string& line : paper_words(*report.paper, report.fits_of_degree)) console.say(line);
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
@@ -69,7 +70,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   progress.begin("read");
   ReadReport read;
   PointSet points = arguments.input.read(console, read);
-  const InputSize size{points.size(), bounds(points).size()};
+  const InputSize size{points.size(), bounds(points).size(), CloudScale(points)};
 
   ReconstructReport report;
   TriangleMesh mesh;
@@ -88,8 +89,8 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     const MeshTopology topology = measure_topology(mesh);
     Json json;
     json["input"] = arguments.input.json(read, size.points);
-    json["spacing"] = report.spacing;
-    json["noise"] = report.noise;
+    size.scale.add_to(json);
+    json["deviation"] = report.noise;
     json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
     if (arguments.options.align) json["alignment"] = report.alignment;
     json["fits"] = report.fits;

@@ -113,11 +113,7 @@ void run_simplify(const SimplifyArguments& a, Console& console) {
        {"to_original", json_of_distance(d.to_reference)},
        {"from_original", json_of_distance(d.from_reference)},
        {"diagonal", d.diagonal},
-       {"output",
-        {{"file", a.output.file},
-         {"vertices", mesh.vertices.size()},
-         {"triangles", mesh.triangles.size()},
-         {"closed", t.encloses()}}}});
+       {"output", output_json(a.output.file, mesh, t)}});
   console.print_timings();
 }
 

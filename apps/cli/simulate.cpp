@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -18,6 +17,7 @@
 #include "commands.h"
 #include "motion.h"
 #include "option_groups.h"
+#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/dynamics/scene_script.h"
@@ -445,10 +445,9 @@ Command add_simulate(CommandLine& app) {
        [&a](const std::string& text) {
          a.flags.unit = metres_of(text);
          if (a.flags.unit) return;
-         double metres = 0;
-         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
-         if (error != std::errc() || end != text.data() + text.size() || !(metres >= kLeastUnit && metres <= kMostUnit))
-           throw ValueError("must be mm, cm, dm, m, km, inch, foot, or its length in metres, 1e-9..1e9, not " + text);
+         const auto metres = number_in(text);
+         if (!metres || !(*metres >= kLeastUnit && *metres <= kMostUnit))
+           throw must_be("mm, cm, dm, m, km, inch, foot, or its length in metres, 1e-9..1e9", text);
          a.flags.unit = metres;
        },
        "Of lengths in TETS and the scene: mm, cm, dm, m, km, inch, foot or metres [m; where nobody says "

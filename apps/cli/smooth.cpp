@@ -9,6 +9,7 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/smooth_mesh.h"
 
 namespace sansmesh::cli {
@@ -60,12 +61,13 @@ void run_smooth(const SmoothArguments& a, Console& console) {
   console.say(fmt::format("{}: {}{}", a.output.file, counted(static_cast<std::size_t>(r.iterations), "round"),
                           a.options.creases ? fmt::format(", creases of more than {:.0f}° kept", r.crease_angle) : ""));
   Json json = {
-      {"input", {{"file", a.input}, {"vertices", r.vertices}, {"mean_edge", r.mean_edge}}},
+      {"input",
+       {{"file", a.input}, {"vertices", r.vertices}, {"triangles", mesh.triangles.size()}, {"mean_edge", r.mean_edge}}},
       {"iterations", r.iterations},
       {"moved", {{"rms", r.rms_move}, {"max", r.largest_move}, {"fixed", r.fixed}}},
       {"area", {{"before", r.area_before}, {"after", r.area_after}}},
       {"volume", {{"before", r.volume_before}, {"after", r.volume_after}}},
-      {"output", {{"file", a.output.file}, {"vertices", mesh.vertices.size()}, {"triangles", mesh.triangles.size()}}}};
+      {"output", output_json(a.output.file, mesh, measure_topology(mesh))}};
   if (a.options.creases) json["crease_angle_deg"] = r.crease_angle;
   console.say_json(json);
   console.print_timings();

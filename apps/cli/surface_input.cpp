@@ -26,8 +26,7 @@ SurfaceInput::SurfaceInput(CloudInput input, Console& console)
     placed_.emplace(function_->field, function_->place);
     return;
   }
-  ReadReport read;
-  mesh_ = to_mesh(input_.read(console, read));
+  mesh_ = to_mesh(input_.read(console, read_));
   made_ = true;
 }
 

@@ -35,6 +35,8 @@ class SurfaceInput {
   TriangleMesh& mesh();
   /// Around mesh, points or the samples of a function (its own box if it has none).
   Box3 bounds() const;
+  /// What the reader said; empty for functions and isosurfaces.
+  const ReadReport& read() const { return read_; }
   /// From now on the mesh must stay as it is.
   std::unique_ptr<SignedDistance> distance();
 
@@ -42,6 +44,7 @@ class SurfaceInput {
   CloudInput input_;
   std::string file_;
   Console& console_;
+  ReadReport read_;
   TriangleMesh mesh_;
   std::optional<SurfaceFunction> function_;
   std::optional<NamedIsosurface> isosurface_;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -47,13 +47,14 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
        "--dims",
        [raw](const std::string& text) {
          std::array<std::size_t, 3> dims{};
-         const char *at = text.data(), *const end = at + text.size();
+         std::string numbers = text;
+         std::replace(numbers.begin(), numbers.end(), 'x', ',');
+         const std::vector<std::string> words = between_commas(numbers);
          for (std::size_t k = 0; k < 3; ++k) {
-           const auto [next, error] = std::from_chars(at, end, dims[k]);
-           if (error != std::errc() || dims[k] == 0 ||
-               (k < 2 ? next == end || (*next != 'x' && *next != ',') : next != end))
-             throw ValueError(fmt::format("must be three numbers such as 256x256x128, not {}", text));
-           at = next + 1;
+           const auto n =
+               words.size() == 3 ? whole_in(words[k], 1, std::numeric_limits<long long>::max()) : std::nullopt;
+           if (!n) throw must_be("three numbers such as 256x256x128", text);
+           dims[k] = static_cast<std::size_t>(*n);
          }
          raw().dims = dims;
        },

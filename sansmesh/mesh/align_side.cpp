@@ -21,9 +21,8 @@ namespace sansmesh::detail {
 namespace {
 
 constexpr std::size_t kFewest = 20;
-constexpr std::size_t kDense = 60000;         // samples that describe a side
-constexpr std::size_t kMostOfCloud = 500000;  // of whose points normals are estimated
-constexpr std::size_t kMeanPlane = 5;         // of whose neighbours the tangent plane is the mean
+constexpr std::size_t kDense = 60000;  // samples that describe a side
+constexpr std::size_t kMeanPlane = 5;  // of whose neighbours the tangent plane is the mean
 /// A place farther aside than this from the nearest sample, in spacings, is beyond the border.
 constexpr double kAsideOverSpacing = 1.5;
 constexpr std::size_t kOfBlur = 16;
@@ -82,6 +81,13 @@ std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) 
   std::vector<Vec3> some;
   for (const std::uint32_t i : some_of(places.size(), most)) some.push_back(places[i]);
   return some;
+}
+
+void append(const PointSet& cloud, OrientedPoints& points) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    points.x.emplace_back(cloud.positions[i]);
+    points.n.push_back(normalized(Vec3(cloud.normals[i])));
+  }
 }
 
 /// Points that have hardly any others near belong to no surface.
@@ -231,7 +237,7 @@ void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, doub
   if (!(size > 0 && std::isfinite(size))) throw DataError(std::string("the ") + name + " surface has no extent");
 }
 
-AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, const char* name,
+AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, std::size_t most, const char* name,
                        Progress& progress) {
   AlignSide side;
   side.origin = origin, side.unit = unit;
@@ -255,26 +261,25 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
     std::vector<std::uint32_t> finite;
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
       if (is_finite(mesh.vertices[i])) finite.push_back(static_cast<std::uint32_t>(i));
-    for (const std::uint32_t k : some_of(finite.size(), mesh.normals.empty() ? kMostOfCloud : finite.size())) {
+    const bool given = !mesh.normals.empty();
+    for (const std::uint32_t k : some_of(finite.size(), given ? finite.size() : std::max(most, kDense))) {
       cloud.positions.push_back(Vec3f(own(mesh.vertices[finite[k]])));
-      if (!mesh.normals.empty()) cloud.normals.push_back(mesh.normals[finite[k]]);
+      if (given) cloud.normals.push_back(mesh.normals[finite[k]]);
     }
-    if (cloud.normals.empty()) {
-      try {
-        estimate_normals(cloud, {}, progress);
-        orient_normals(cloud, {}, progress);
-      } catch (const DataError&) {
-        throw DataError(std::string("the ") + name + " surface has no normals, and none can be estimated");
+    PointSet dense;
+    try {
+      if (!given) estimate_normals(cloud, {}, progress);
+      for (const std::uint32_t i : some_of(cloud.size(), kDense)) {
+        dense.positions.push_back(cloud.positions[i]);
+        dense.normals.push_back(cloud.normals[i]);
       }
+      // Only the search elsewhere asks for the sides of estimated normals, and of these samples.
+      if (!given) orient_normals(dense, {}, progress);
+    } catch (const DataError&) {
+      throw DataError(std::string("the ") + name + " surface has no normals, and none can be estimated");
     }
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      side.all.x.emplace_back(cloud.positions[i]);
-      side.all.n.push_back(normalized(Vec3(cloud.normals[i])));
-    }
-    for (const std::uint32_t i : some_of(side.all.size(), kDense)) {
-      side.dense.x.push_back(side.all.x[i]);
-      side.dense.n.push_back(side.all.n[i]);
-    }
+    append(cloud, side.all);
+    append(dense, side.dense);
     drop_strays(side.dense, 2 * kFirstSpacing);
     side.area =
         static_cast<double>(poisson_discs(side.dense.x, kFirstSpacing).size()) * kFirstSpacing * kFirstSpacing / 0.75;

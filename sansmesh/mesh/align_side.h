@@ -74,11 +74,11 @@ class WholeSurface {
 
 /// One side, in coordinates of its own: divided by a length, about a place of the world.
 struct AlignSide {
-  Vec3 origin;         ///< in the world
-  double unit = 1;     ///< length in the world of 1
-  TriangleMesh mesh;   ///< finite vertices, with triangles where it has any
-  OrientedPoints all;  ///< of clouds: every point that counts
-  OrientedPoints dense;
+  Vec3 origin;             ///< in the world
+  double unit = 1;         ///< length in the world of 1
+  TriangleMesh mesh;       ///< finite vertices, with triangles where it has any
+  OrientedPoints all;      ///< of clouds: every point that counts; estimated normals have any sign
+  OrientedPoints dense;    ///< fewer, and estimated normals look to one side
   double area = 0;         ///< as far as samples tell
   bool has_sides = false;  ///< whether normals point to one side
   bool is_mesh = false;
@@ -86,8 +86,10 @@ struct AlignSide {
   double radius = 0;  ///< root mean square distance from it
 };
 
-/// `unit`: of both sides. Throws DataError saying which side (`name`) cannot be aligned.
-AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, const char* name, Progress& progress);
+/// `unit`: of both sides. `most`: of so many points of a cloud without normals these are estimated, and the others left
+/// out. Throws DataError saying which side (`name`) cannot be aligned.
+AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, std::size_t most, const char* name,
+                       Progress& progress);
 
 /// The origin and size by which a side is best placed.
 void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, double& size);

@@ -33,6 +33,8 @@ constexpr double kWorthALook = 0.85;
 constexpr double kReachOverDeviation = 4, kDeviationOfMedian = 1.4826, kLeastReach = 0.002;
 constexpr double kStepOverMedian = 0.005;
 constexpr double kLeastOverlap = 0.2;
+/// Points of a fixed cloud that are enough: at least, and for each sample.
+constexpr std::size_t kFixedPoints = 150000, kFixedOfSample = 8;
 /// With distances that count up to more than this part of the size, everything lies on everything.
 constexpr double kWidestReach = 0.15;
 
@@ -111,8 +113,12 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving_mesh, const TriangleM
   detail::measure_side(fixed_mesh, "fixed", fixed_origin, fixed_size);
   // Of very different sizes: the scale is part of the units, so that both are about 1 large.
   const double moving_unit = options.scale ? moving_size : fixed_size;
-  const AlignSide moving = detail::prepare_side(moving_mesh, moving_origin, moving_unit, "moving", progress);
-  const AlignSide fixed = detail::prepare_side(fixed_mesh, fixed_origin, fixed_size, "fixed", progress);
+  // Of what moves no more points are compared; of the fixed side the tangent planes are means over some.
+  const AlignSide moving =
+      detail::prepare_side(moving_mesh, moving_origin, moving_unit, options.samples, "moving", progress);
+  const AlignSide fixed =
+      detail::prepare_side(fixed_mesh, fixed_origin, fixed_size,
+                           std::max(kFixedPoints, kFixedOfSample * options.samples), "fixed", progress);
   const bool signs = moving.has_sides && fixed.has_sides;
   const SearchSamples coarse = detail::search_samples(moving, fixed);
   const detail::WholeSurface surface(fixed.mesh, fixed.all, coarse.spacing);

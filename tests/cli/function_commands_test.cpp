@@ -171,5 +171,17 @@ TEST_F(FunctionCommands, ErrorsAreOneLineAndLeaveNothing) {
   });
 }
 
+// Whatever reads the same samples says the same of them.
+TEST_F(FunctionCommands, SpacingAndNoiseAreThoseOfTheFile) {
+  const Json info = json_of({"info", kOwl});
+  for (const Json& other : {json_of({"reconstruct", kOwl, "-o", "owl.ply", "--depth", "4"}),
+                            json_of({"fit", kOwl, "-o", "owl.smf", "--depth", "4"})}) {
+    for (const char* name : {"spacing", "noise", "noise_known", "most_noise"})
+      EXPECT_EQ(other[name], info[name]) << name;
+    EXPECT_GT(other["deviation"], 0);
+  }
+  EXPECT_GT(json_of({"info", "owl.smf"})["deviation"], 0);
+}
+
 }  // namespace
 }  // namespace sansmesh::test

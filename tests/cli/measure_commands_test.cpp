@@ -264,5 +264,29 @@ TEST_F(MeasureCommands, Functions) {
   EXPECT_NEAR(json_of({"measure", "ball.smf"})["whole"]["volume"].get<double>(), 4 * pi / 3, 0.02);
 }
 
+TEST_F(MeasureCommands, OpenMeshesHaveNoVolumeAndSoupsNoOrientation) {
+  TriangleMesh mesh = octasphere(3);
+  write_mesh(path("closed.ply"), mesh);
+  mesh.triangles.pop_back();
+  write_mesh(path("open.ply"), mesh);
+  for (const char* file : {"closed.ply", "open.ply"}) {
+    const Json measured = json_of({"measure", file})["whole"]["volume"];
+    const Json evaluated = json_of({"evaluate", file})["quality"]["volume"];
+    ASSERT_EQ(measured.is_null(), evaluated.is_null()) << file;
+    if (!measured.is_null()) EXPECT_NEAR(measured.get<double>(), evaluated.get<double>(), 1e-6);
+  }
+  EXPECT_TRUE(json_of({"evaluate", "open.ply"})["quality"]["volume"].is_null());
+  EXPECT_EQ(json_of({"evaluate", "open.ply"})["topology"]["oriented"], true);
+  // Faces that touch nowhere.
+  TriangleMesh soup;
+  for (std::uint32_t k = 0; k < 5; ++k) {
+    const float x = 3 * static_cast<float>(k);
+    for (const Vec3f& v : {Vec3f{x, 0, 0}, Vec3f{x + 1, 0, 0}, Vec3f{x, 1, 1}}) soup.vertices.push_back(v);
+    soup.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+  }
+  write_mesh(path("soup.ply"), soup);
+  EXPECT_TRUE(json_of({"evaluate", "soup.ply"})["topology"]["oriented"].is_null());
+}
+
 }  // namespace
 }  // namespace sansmesh::test

@@ -145,6 +145,10 @@ TEST_F(PictureCommands, EveryCommandWithPicturesHasTheSameViews) {
                                                                                        {"mesh"},
                                                                                        {"csg"},
                                                                                        {"compare"},
+                                                                                       {"align"},
+                                                                                       {"fill"},
+                                                                                       {"simplify"},
+                                                                                       {"smooth"},
                                                                                        {"diagnose"},
                                                                                        {"curvature"},
                                                                                        {"deform"},
@@ -160,6 +164,19 @@ TEST_F(PictureCommands, EveryCommandWithPicturesHasTheSameViews) {
                                "--look-at", "--zoom", "--look-radius", "--clip-box", "--crop"})
       EXPECT_NE(help.find(option), std::string::npos) << command.back() << " " << option;
   }
+}
+
+TEST_F(PictureCommands, TheUnitOfAScaleBarMayBeAWordOfItsOwn) {
+  write_mesh(path("ball.ply"), octasphere(2));
+  const std::vector<std::string> render = {"render", "ball.ply", "-o", "out.png", "--width", "200", "--orthographic"};
+  const auto picture = [&](const std::vector<std::string>& bar) {
+    EXPECT_EQ(run(with(render, bar)).code, 0);
+    return slurp(path("out.png"));
+  };
+  EXPECT_TRUE(picture({"--scale-bar", "mm"}) == picture({"--scale-bar=mm"}));
+  EXPECT_FALSE(picture({"--scale-bar", "mm"}) == picture({"--scale-bar"}));
+  // What is no unit is the next input.
+  EXPECT_EQ(run({"render", "-o", "out.png", "--width", "200", "--orthographic", "--scale-bar", "ball.ply"}).code, 0);
 }
 
 TEST_F(PictureCommands, PreviewsLookWhereTheyAreTold) {

@@ -107,6 +107,23 @@ TEST_F(RepairCommands, Smooth) {
   expect_failure({"smooth", "rough.ply", "-o", "x.ply", "--length", "1", "--iterations", "3"}, 2, "--iterations");
 }
 
+TEST_F(RepairCommands, WhatIsSaidOfTheOutputIsTheSame) {
+  TriangleMesh mesh = octasphere(4);
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return mesh.vertices[t[0]].z > 0.5f; });
+  write_mesh(path("cup.ply"), mesh);
+  for (const char* command : {"fill", "simplify", "smooth"}) {
+    const Json output = json_of({command, "cup.ply", "-o", "out.ply"})["output"];
+    const TriangleMesh written = read_mesh(path("out.ply"));
+    const MeshTopology t = measure_topology(written);
+    EXPECT_EQ(output, (Json{{"file", "out.ply"},
+                            {"vertices", written.vertices.size()},
+                            {"triangles", written.triangles.size()},
+                            {"closed", t.closed()},
+                            {"boundary_edges", t.boundary_edges}}))
+        << command;
+  }
+}
+
 TEST_F(RepairCommands, Align) {
   TriangleMesh mesh = octasphere(4);
   for (Vec3f& v : mesh.vertices) {
@@ -140,6 +157,19 @@ TEST_F(RepairCommands, Align) {
   EXPECT_LT(after["distance"]["rms"], 1e-3);
   EXPECT_NEAR(after["alignment"]["angle_deg"].get<double>(), 10, 0.01);
   expect_failure({"compare", "here.ply", "there.ply", "--from", "here"}, 2, "--align");
+
+  // A picture of both, and a word of what the format has no room for.
+  EXPECT_TRUE(json["warnings"].empty());
+  EXPECT_EQ(json["output"]["vertices"], mesh.vertices.size());
+  EXPECT_EQ(json["output"]["triangles"], mesh.triangles.size());
+  const Json bare = json_of({"align", "here.ply", "there.ply", "-o", "aligned.stl", "--preview", "both.png", "--width",
+                             "64", "--height", "48"});
+  ASSERT_EQ(bare["warnings"].size(), 1u);
+  EXPECT_NE(bare["warnings"][0].get<std::string>().find("aligned.stl has no room for colours"), std::string::npos)
+      << bare["warnings"];
+  EXPECT_EQ(bare["preview"]["file"], "both.png");
+  EXPECT_EQ(slurp(path("both.png")).substr(1, 3), "PNG");
+  expect_failure({"align", "here.ply", "there.ply", "--z-up"}, 2, "--preview");
 
   TriangleMesh far = mesh;
   transform(far, AffineMap::scaling({5, 5, 5}));

@@ -99,6 +99,23 @@ TEST(AlignSurfaces, NoisyPointsFromAnywhereOnAnyThreads) {
   });
 }
 
+/// More points than are looked at, of both sides.
+TEST(AlignSurfaces, ManyPointsWithoutNormals) {
+  const TriangleMesh own = noisy_points(potato(8), 0.005f);
+  ASSERT_GT(own.vertices.size(), 200000u);
+  TriangleMesh fixed = own, moving;
+  fixed.vertices.clear();
+  for (std::size_t v = 0; v < own.vertices.size(); ++v)
+    (v % 4 == 1 ? moving : fixed).vertices.push_back(own.vertices[v]);  // no point is on both sides
+  const TriangleMesh there = moving;
+  transform(moving, AffineMap::translation({0.05, -0.03, 0.08}).after(AffineMap::rotation({0, 1, 1}, 8)));
+  Progress progress;
+  const SurfaceAlignment found = align_surfaces(moving, fixed, {}, progress);
+  EXPECT_LT(largest_error(found, moving, there), 0.001);
+  EXPECT_EQ(found.start, AlignStart::as_it_lies);
+  EXPECT_EQ(found.samples, 20000u);
+}
+
 TEST(AlignSurfaces, PartsThatOverlapByHalf) {
   const TriangleMesh whole = potato();
   const TriangleMesh fixed = side_of(whole, {1, 0.2f, 0}, -0.25f), own = side_of(whole, {-1, -0.2f, 0}, -0.25f);

@@ -31,14 +31,14 @@ struct LasPoint {
 
 struct LasFile {
   unsigned minor = 4, format = 6;
-  Vec3 scale{0.001, 0.001, 0.001}, offset;
-  std::size_t extra = 0;                     ///< bytes after each record that belong to nobody
-  std::optional<std::uint32_t> short_count;  ///< of the header of LAS 1.4; as the format wants it if absent
-  std::optional<std::uint64_t> long_count;
-  std::string variable;  ///< records between header and points
+  Vec3 scale{0.001, 0.001, 0.001}, offset{};
+  std::size_t extra = 0;                          ///< bytes after each record that belong to nobody
+  std::optional<std::uint32_t> short_count = {};  ///< of the header of LAS 1.4; as the format wants it if absent
+  std::optional<std::uint64_t> long_count = {};
+  std::string variable = {};  ///< records between header and points
   std::uint32_t variable_count = 0;
   std::string (*own)(const LasPoint&) = nullptr;  ///< bytes after each record with a meaning, before the extra ones
-  std::vector<LasPoint> points;
+  std::vector<LasPoint> points = {};
 
   bool wide() const { return format >= 6; }
   bool has_time() const { return wide() || format == 1 || format >= 3; }
