@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -199,16 +201,10 @@ PaperCoverage parse_coverage(const std::string& text) {
   if (text == "thesis") return kThesisCoverage;
   if (text == "paper") return kPaperCoverage;
   if (text == "none") return kNoCoverage;
+  const auto shares = numbers_in(text, std::tuple_size_v<PaperCoverage>);
+  if (!shares) throw must_be("thesis, paper, none or three numbers with commas between them", text);
   PaperCoverage coverage{};
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (std::size_t d = 0; d < coverage.size(); ++d) {
-    const auto [next, error] = std::from_chars(at, end, coverage[d]);
-    const bool last = d + 1 == coverage.size();
-    if (error != std::errc() || (last ? next != end : next == end || *next != ','))
-      throw ValueError("must be thesis, paper, none or three numbers with commas between them, not " + text);
-    at = next + 1;
-  }
+  std::copy(shares->begin(), shares->end(), coverage.begin());
   return coverage;
 }
 
