@@ -2,13 +2,14 @@
 // times, numbers of functions, shapes of triangles with and without displacement, lengths of gradients, spurious
 // sheets.
 //
-//   benchmark_paper_partition [--data FOLDER] [--only TEXT] [--points N] [--meshes FOLDER]
+//   benchmark_paper_partition [--data FOLDER] [--only TEXT] [--points N] [--meshes FOLDER] [--threshold RATIO]
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -31,6 +32,7 @@ namespace {
 struct Arguments {
   std::string data = "../shared/data/points", only, meshes;
   std::size_t points = 1000000;
+  std::optional<double> threshold;
 };
 
 struct Variant {
@@ -38,12 +40,13 @@ struct Variant {
   FitOptions fit;
 };
 
-std::vector<Variant> variants(int depth) {
+std::vector<Variant> variants(int depth, std::optional<double> threshold) {
   Variant thesis{"paper", {}}, strict{"paper, its coverage", {}}, without{"paper, no coverage", {}},
       ours{"partition", {}};
   for (Variant* v : {&thesis, &strict, &without}) {
     v->fit.fit = FitMethod::paper;
     v->fit.max_depth = depth;
+    v->fit.threshold = threshold;
   }
   strict.fit.coverage = kPaperCoverage;
   without.fit.coverage = kNoCoverage;
@@ -72,7 +75,7 @@ class Clock {
 };
 
 void measure(const std::string& name, const PointSet& cloud, int depth, const Arguments& a) {
-  for (const Variant& v : variants(depth)) {
+  for (const Variant& v : variants(depth, a.threshold)) {
     Progress progress;
     const PreparedCloud prepared = prepare_cloud(cloud, {}, progress);
     const Clock fitting;
@@ -149,6 +152,8 @@ int main(int argc, char** argv) {
       a.only = next();
     else if (!std::strcmp(argv[i], "--points"))
       a.points = std::stoul(next());
+    else if (!std::strcmp(argv[i], "--threshold"))
+      a.threshold = std::stod(next());
     else if (!std::strcmp(argv[i], "--meshes"))
       a.meshes = next();
   }
