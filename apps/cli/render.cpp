@@ -30,15 +30,23 @@ RenderOptions picture_options(const RenderArguments& a) {
 void complete(RenderArguments& a) {
   static_cast<RenderOptions&>(a.options) = picture_options(a);
   a.surface = a.of_samples.chosen();
+  if (a.splats && a.options.plain) {
+    a.options.shadows = a.options.ground = false;
+    a.options.occlusion_rays = 0;
+    a.options.samples = 1;
+  }
   const SurfaceRenderOptions& s = a.options;
   const bool function = a.input.is_function();
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
-  a.objects.check(a.surface ? 1 : a.input.files.size());
-  a.separate = !a.surface && !a.objects.as_one &&
+  a.objects.check(a.surface || a.splats ? 1 : a.input.files.size());
+  a.separate = !a.surface && !a.splats && !a.objects.as_one &&
                (a.input.files.size() > 1 || a.objects.translucent() || (a.frames > 0 && !function) ||
                 (a.color_by.empty() && lines_of_file(a.input.files[0]).size() > 0));
   require(!a.surface || !a.objects.translucent(), "--opacity is for meshes, points and functions: not with --surface");
-  const bool meshless = a.surface || function;
+  require(!a.splats || (!a.objects.translucent() && s.reflection == 0 && s.transmission == 0 && !s.exact_shadows),
+          "--opacity, --reflection, --transmission and --exact-shadows mean nothing to --splats");
+  require(!a.splats || !function || a.input.files.size() == 1, "--splats of functions: one at a time");
+  const bool meshless = a.surface || function || a.splats;
   // Of meshes and points that is the name of an attribute as well.
   const bool by_confidence = a.color_by == kConfidence, by_curvature = meshless && is_curvature(a.color_by);
   require(!a.color_range || by_curvature, "--color-range is for curvatures");
@@ -87,7 +95,7 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
 void run_render(RenderArguments& a, Console& console) {
   complete(a);
   if (a.separate) return run_object_picture(a, console);
-  if (a.surface || a.input.is_function()) return run_surface_picture(a, console);
+  if (a.surface || a.splats || a.input.is_function()) return run_surface_picture(a, console);
   RenderOptions options = a.options;
   options.validate();
   check_writable(a.output, "image");
@@ -180,6 +188,20 @@ Command add_render(CommandLine& app) {
       .group("Surface");
   c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow").group("Surface");
   c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground").group("Surface");
+  c.add_option_function(
+       "--splats",
+       [&a](const std::string& word) {
+         const auto count = word.find_first_not_of("0123456789") == std::string::npos && word.size() < 10
+                                ? std::stoul(word)
+                                : throw ValueError("must be a number of points, not " + word);
+         a.splats = count;
+       },
+       "Points of the surface, evenly spread, as splats that blend, not rays: of --surface, or of what suits the "
+       "samples "
+       "[no value: as many as there are samples]")
+      .type_name("COUNT")
+      .without_value("0")
+      .group("Surface");
   c.add_option("--frames", a.frames, "So many pictures from all around, as NAME_000.png, NAME_001.png, …")
       .type_name("COUNT")
       .within(1, 100000)
@@ -191,6 +213,7 @@ Command add_render(CommandLine& app) {
            "  sansmesh render a.ply b.ply scan.smf -o all.png --color red --color '#4080ff' --opacity 1 --opacity 0.4\n"
            "  sansmesh render curved.ply -o k1.png --color-by k1 --look-at 1,0,2 --look-radius 0.5\n"
            "  sansmesh render scan.ply -o scan.png --surface apss\n"
+           "  sansmesh render scan.ply -o splats.png --splats\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
   return {&c, [shared](Console& console) { run_render(*shared, console); }};

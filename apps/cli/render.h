@@ -34,8 +34,9 @@ struct RenderArguments {
   std::string unit;                                      ///< of lengths, or of the attribute: at the bar of colours
   bool no_bar = false;
   ObjectLooks objects;
-  int frames = 0;         ///< of a turntable; 0: one picture
-  bool separate = false;  ///< once chosen: each file is an object of its own in the picture
+  std::optional<std::size_t> splats;  ///< so many points of the surface as splats that blend; 0: as many as suit it
+  int frames = 0;                     ///< of a turntable; 0: one picture
+  bool separate = false;              ///< once chosen: each file is an object of its own in the picture
 };
 
 /// A picture straight from samples or of a function. The arguments are complete.

@@ -9,10 +9,12 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/model/sample_surface.h"
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/surface/curvature_colors.h"
+#include "splat_points.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -38,6 +40,49 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
   return colors;
 }
 
+/// Draws the surface by rays, or by splats.
+class SurfacePainter {
+ public:
+  SurfacePainter(const RenderArguments& arguments, const SurfaceModel& model, const ColorField* colors,
+                 const SurfaceRenderOptions& options, Progress& progress)
+      : model_(model), colors_(colors) {
+    if (arguments.splats) {
+      const SplatPoints points = spread_splats(model, *arguments.splats, colors, progress);
+      splats_.emplace(points.points, points.stretches, options);
+      return;
+    }
+    SurfaceCastOptions cast;
+    cast.normals = model.normals();
+    cast.jump = model.jump();
+    if (model.projection())
+      caster_.emplace(*model.projection(), model.balls(), cast);
+    else
+      caster_.emplace(model.field(progress), model.balls(), cast);
+  }
+
+  Image paint(const SurfaceRenderOptions& options, Progress& progress) const {
+    if (splats_) return splats_->render(options, options.steady, progress);
+    const std::vector<Vec3f>& samples = model_.points().positions;
+    return render_surface(*caster_, samples.empty() ? model_.balls().centers : samples, colors_, options, progress);
+  }
+
+  void report(Json& json) const {
+    if (splats_) {
+      json["splats"] = splats_->size();
+      return;
+    }
+    const CastCounts counts = caster_->counts();
+    json["rays"] = {
+        {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
+  }
+
+ private:
+  const SurfaceModel& model_;
+  const ColorField* colors_;
+  std::optional<SplatPicture> splats_;
+  std::optional<SurfaceCaster> caster_;
+};
+
 /// The surface of a function file, or that of samples.
 SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Console& console) {
   Progress& progress = console.progress();
@@ -45,8 +90,9 @@ SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Cons
     read.format = "function";
     return make_surface_model(read_function(arguments.input.files[0]));
   }
-  return make_surface_model(prepare_cloud(arguments.input.read(console, read), arguments.cloud, progress),
-                            *arguments.surface, progress);
+  PreparedCloud cloud = prepare_cloud(arguments.input.read(console, read), arguments.cloud, progress);
+  return arguments.surface ? make_surface_model(std::move(cloud), *arguments.surface, progress)
+                           : make_suited_surface(std::move(cloud), progress);
 }
 
 }  // namespace
@@ -72,15 +118,9 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     if (arguments.no_bar) bar.reset();
     leave_room(options, bar);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
-    SurfaceCastOptions cast;
-    cast.normals = model.normals();
-    cast.jump = model.jump();
-    const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
-                                                    : SurfaceCaster(model.field(progress), model.balls(), cast);
-    const std::vector<Vec3f>& samples = model.points().positions;
-    const std::vector<Vec3f>& frame = samples.empty() ? model.balls().centers : samples;
+    const SurfacePainter painter(arguments, model, colors, options, progress);
     if (arguments.frames == 0) {
-      const Image image = beside_bar(render_surface(caster, frame, colors, options, progress), bar, options);
+      const Image image = beside_bar(painter.paint(options, progress), bar, options);
       written = arguments.picture.write(arguments.output, image, options);
       files.push_back(arguments.output);
     } else {
@@ -88,13 +128,12 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
       int number = 0;
       for (const ViewDirection& view : turntable(options.view, arguments.frames)) {
         options.view = view;
-        const Image image = beside_bar(render_surface(caster, frame, colors, options, progress), bar, options);
+        const Image image = beside_bar(painter.paint(options, progress), bar, options);
         files.push_back(frame_name(arguments.output, number++));
         written = arguments.picture.write(files.back(), image, options);
       }
     }
     const SurfaceReport& report = model.report();
-    const CastCounts counts = caster.counts();
     const SurfaceMethodInfo& method = surface_method_info(report.method);
     console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input.name(),
                             counted(report.samples, "sample"), method.name, length(report.spacing),
@@ -114,8 +153,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     json["input"]["samples"] = report.samples;
     json["surface"] = {{"method", method.name},         {"spacing", report.spacing}, {"noise", report.noise},
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
-    json["rays"] = {
-        {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
+    painter.report(json);
     json["output"] = {{"files", files}, {"width", written.width}, {"height", written.height}};
     for (const Progress::Timing& t : progress.timings())
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});

@@ -241,11 +241,13 @@ class Painter::Work {
     const int part = pattern_part(x, y);
     Pixel sum;
     int on = 0;
+    float cover = 0;
     const int asking = (n * n + 1) / 2;
     for (int s = 0; s < n * n; ++s) {
       if (points[s]) {
         add_surface(*points[s], eye.directions[first + static_cast<std::size_t>(s)], part * n * n + s, sum, blocked);
         ++on;
+        cover += points[s]->cover;
       } else if (s % 2 == 0) {  // smooth as it is, the shadow needs no more
         const std::size_t ray = first + static_cast<std::size_t>(s);
         sum.dark += ground_shadow(eye.origin(ray), eye.directions[ray], part * asking + s / 2, blocked);
@@ -258,7 +260,7 @@ class Painter::Work {
     for (Vec3f* v : {&sum.position, &sum.normal, &sum.color, &sum.ambient, &sum.beyond}) *v *= share;
     sum.lit = sum.lit_asked > 0 ? sum.lit / sum.lit_asked : 1;
     for (float* v : {&sum.open, &sum.facing, &sum.fill, &sum.shine, &sum.sheen}) *v *= share;
-    sum.cover = static_cast<float>(on) / static_cast<float>(n * n);
+    sum.cover = cover / static_cast<float>(n * n);
     return sum;
   }
 

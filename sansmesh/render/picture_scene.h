@@ -33,6 +33,7 @@ struct SurfacePoint {
   Vec3f beyond{};      ///< light that mirrors and clear bodies send, linear; comes on top
   float opacity = 1;   ///< share of the light from behind that is kept back; counts in layers() only
   Vec3f vector{};      ///< of a flow there; 0 where there is none
+  float cover = 1;     ///< of what the ray stands for, the share that the surface covers; counts in closest() only
 };
 
 /// Rays from the eye, neighbours in the picture in neighbouring slots. Sizes must agree.
