@@ -211,6 +211,34 @@ void add_wireframe_options(CommandLine& c, RenderOptions& o) {
       .group(group);
 }
 
+void add_line_options(CommandLine& c, RenderOptions& o) {
+  using Lines = RenderOptions::Lines;
+  const char* const group = "Picture";
+  c.add_option_function(
+       "--lines", [&o](const std::string& word) { o.lines = word == "over" ? Lines::over : Lines::only; },
+       "Draw silhouettes, borders, creases, ridges and valleys: only these, or over the lit surface, as --lines=over "
+       "[no value: only]")
+      .one_of({"only", "over"})
+      .type_name("HOW")
+      .without_value("only")
+      .group(group);
+  c.add_option("--line-width", o.line_width, "Of these lines, 0.1..50 [1.5]").type_name("PIXELS").group(group);
+  c.add_option("--line-strength", o.line_strength,
+               "Ridges and valleys from this curvature times the diagonal on: less is more of them [20]")
+      .type_name("RATIO")
+      .group(group);
+  c.add_option_function(
+       "--line-color",
+       [&o](const std::string& word) {
+         const auto color = color_of_word(word);
+         if (!color) throw ValueError("must be '#rrggbb' or a name such as blue, not " + word);
+         o.line_color = *color;
+       },
+       "Of these lines, '#rrggbb' or a name [almost black]")
+      .type_name("COLOR")
+      .group(group);
+}
+
 void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
   c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
 }

@@ -46,6 +46,8 @@ std::string frame_name(const std::string& output, int frame);
 void add_picture_options(CommandLine& command, PictureArguments& arguments);
 /// --wireframe, --wire-width, --wire-color
 void add_wireframe_options(CommandLine& command, RenderOptions& options);
+/// --lines, --line-width, --line-strength, --line-color
+void add_line_options(CommandLine& command, RenderOptions& options);
 /// --preview FILE: also draws `what`.
 void add_preview_option(CommandLine& command, std::string& file, const std::string& what);
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "color_bar.h"
 #include "commands.h"
+#include "picture_curvature.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
@@ -103,7 +105,11 @@ void run_render(RenderArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  TriangleMesh mesh = to_mesh(a.input.read(console, read));
+  PointSet points = a.input.read(console, read);
+  std::unique_ptr<CurvatureField> curvature;
+  if (wants_curvature(options)) curvature = curvature_of_samples(points, a.cloud, progress);
+  options.curvature = curvature.get();
+  TriangleMesh mesh = to_mesh(std::move(points));
   require(options.wireframe == RenderOptions::Wireframe::none || !mesh.triangles.empty(),
           "--wireframe is for meshes: there are no triangles");
   Image image;
@@ -158,6 +164,7 @@ Command add_render(CommandLine& app) {
   c.add_flag("--no-shadows", a.no_shadows, "No shadows").group("Picture");
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_wireframe_options(c, o);
+  add_line_options(c, o);
   add_object_options(c, a.objects);
   c.add_option(
        "--color-by", a.color_by,
@@ -214,6 +221,7 @@ Command add_render(CommandLine& app) {
            "  sansmesh render curved.ply -o k1.png --color-by k1 --look-at 1,0,2 --look-radius 0.5\n"
            "  sansmesh render scan.ply -o scan.png --surface apss\n"
            "  sansmesh render scan.ply -o splats.png --splats\n"
+           "  sansmesh render mesh.ply -o drawing.png --lines\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
   return {&c, [shared](Console& console) { run_render(*shared, console); }};

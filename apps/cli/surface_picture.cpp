@@ -2,9 +2,11 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "color_bar.h"
+#include "picture_curvature.h"
 #include "render.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
@@ -118,6 +120,9 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     if (arguments.no_bar) bar.reset();
     leave_room(options, bar);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
+    const std::unique_ptr<CurvatureField> bends =
+        wants_curvature(options) ? curvature_of_surface(model, progress) : nullptr;
+    options.curvature = bends.get();
     const SurfacePainter painter(arguments, model, colors, options, progress);
     if (arguments.frames == 0) {
       const Image image = beside_bar(painter.paint(options, progress), bar, options);

@@ -14,6 +14,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/render/lighting.h"
+#include "sansmesh/render/line_drawing.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/pixel.h"
 #include "sansmesh/render/sample_pattern.h"
@@ -74,6 +75,14 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
   return corners;
 }
 
+/// What lines alone are drawn on.
+Image paper(const RenderOptions& options) {
+  using Background = RenderOptions::Background;
+  if (options.background == Background::transparent) return Image(options.width, options.height, {0, 0, 0, 0});
+  const Vec3f c = options.background == Background::solid ? options.background_color : Vec3f{1, 1, 1};
+  return Image(options.width, options.height, {c.x, c.y, c.z, 1});
+}
+
 }  // namespace
 
 Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, bool steady,
@@ -113,9 +122,17 @@ Image paint_scene(const PictureScene& scene, const Camera& camera, const Picture
     points = corners;
   }
   const PictureScene& shown = part ? static_cast<const PictureScene&>(*part) : scene;
-  Painter painter(shown, camera, options, smooth_light);
-  if (options.ground) painter.add_ground(points, below);
-  Image image = painter.paint(progress);
+  using Lines = RenderOptions::Lines;
+  Image image;
+  if (options.lines == Lines::only) {
+    image = paper(options);
+  } else {
+    Painter painter(shown, camera, options, smooth_light);
+    if (options.ground) painter.add_ground(points, below);
+    image = painter.paint(progress);
+  }
+  if (options.lines != Lines::none)
+    draw_ink(image, line_ink(shown, camera, frame, options, progress), options.line_color);
   if (options.scale_bar) draw_scale_bar(image, frame, camera, options.input_length, *options.scale_bar);
   return image;
 }

@@ -39,6 +39,9 @@ void RenderOptions::validate() const {
   check_color("surface_color", surface_color);
   check_range("wire_width", wire_width, 0.1, 50);
   check_color("wire_color", wire_color);
+  check_range("line_width", line_width, 0.1, 50);
+  check_range("line_strength", line_strength, 0.1, 1e6);
+  check_color("line_color", line_color);
   check_range("samples", samples, 1, 8);
   check_range("occlusion_rays", occlusion_rays, 0, 64);
   if (point_radius && !(*point_radius > 0 && std::isfinite(*point_radius)))

@@ -8,6 +8,7 @@
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/placement.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/render/camera.h"
 
 namespace sansmesh {
@@ -39,11 +40,19 @@ struct RenderOptions {
   enum class Wireframe { none, over, only } wireframe = Wireframe::none;
   double wire_width = 1;                  ///< pixels, 0.1..50
   Vec3f wire_color{0.10f, 0.12f, 0.15f};  ///< sRGB 0..1
-  bool smooth = true;                     ///< interpolate normals over the triangles, except across creases
-  bool shadows = true;                    ///< of the key light, on the surface itself
-  bool ground = true;                     ///< let a shadow fall on the ground below
-  int samples = 3;                        ///< samples per pixel in each direction, 1..8
-  int occlusion_rays = 1;                 ///< rays towards the sky a sample, 0..64; 0: none is blocked
+  /// Silhouettes, borders, creases, ridges, valleys and suggestive contours (line_drawing.h), over the lit surface or
+  /// alone, on white unless the background is transparent.
+  enum class Lines { none, over, only } lines = Lines::none;
+  double line_width = 1.5;                ///< pixels, 0.1..50
+  double line_strength = 20;              ///< curvature times the diagonal from which on ridges are drawn, 0.1..1e6
+  Vec3f line_color{0.08f, 0.08f, 0.10f};  ///< sRGB 0..1
+  /// In the coordinates of what is drawn; null: no ridges and valleys. Must outlive the pictures.
+  const CurvatureField* curvature = nullptr;
+  bool smooth = true;      ///< interpolate normals over the triangles, except across creases
+  bool shadows = true;     ///< of the key light, on the surface itself
+  bool ground = true;      ///< let a shadow fall on the ground below
+  int samples = 3;         ///< samples per pixel in each direction, 1..8
+  int occlusion_rays = 1;  ///< rays towards the sky a sample, 0..64; 0: none is blocked
   /// Radius of points, in the unit of the cloud; default: from their spacing.
   std::optional<double> point_radius;
   /// Throws ArgumentError naming the field.

@@ -56,7 +56,7 @@ PointSet sphere_points(int count) {
   return cloud;
 }
 
-float covered(std::span<const SplatLayer> layers) {
+float cover_of(std::span<const SplatLayer> layers) {
   float sum = 0;
   for (const SplatLayer& layer : layers) sum += layer.share;
   return sum;
@@ -161,7 +161,7 @@ TEST(SplatLayers, ASphereCoversItsDiscAndHasItsNormals) {
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       const auto found = layers.at(x, y);
-      area += static_cast<double>(covered(found)) * pixel * pixel;
+      area += static_cast<double>(cover_of(found)) * pixel * pixel;
       const double px = (x + 0.5 - 0.5 * kSize) * pixel, py = (0.5 * kSize - y - 0.5) * pixel, r2 = px * px + py * py;
       if (r2 > 1.1) EXPECT_TRUE(found.empty());
       if (r2 > 0.97) continue;
@@ -192,7 +192,7 @@ TEST(SplatLayers, BordersBeforeAnotherSheetLeaveNoGap) {
   for (int y = 12; y < kSize - 12; ++y)
     for (int x = 12; x < kSize - 12; ++x) {
       const auto found = layers.at(x, y);
-      EXPECT_NEAR(covered(found), 1, 1e-5f) << x << ", " << y;
+      EXPECT_NEAR(cover_of(found), 1, 1e-5f) << x << ", " << y;
       mixed += found.size() == 2;
       for (const SplatLayer& layer : found) red += static_cast<double>(layer.share * layer.color.x);
     }

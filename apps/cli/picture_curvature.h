@@ -1,0 +1,25 @@
+// Curvature of what is drawn, for lines and accessibility.
+#pragma once
+
+#include <memory>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/field/curvature_field.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/render/render_options.h"
+
+namespace sansmesh::cli {
+
+/// Whether the picture has to know how its surface is bent.
+bool wants_curvature(const RenderOptions& options);
+
+/// Of a surface without a mesh, in its coordinates: from the samples, or where they were not kept, from how the normals
+/// of the function turn.
+std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress);
+
+/// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
+std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,67 @@
+#include "sansmesh/field/curvature_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kBendBatch = 4096;
+
+}  // namespace
+
+SurfaceBend principal_bend(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis) {
+  const float mean = 0.5f * (xx + yy), half = 0.5f * (xx - yy), spread = std::hypot(half, xy);
+  const float angle = 0.5f * std::atan2(xy, half), c = std::cos(angle), s = std::sin(angle);
+  return {mean + spread, mean - spread, c * x_axis + s * y_axis, c * y_axis - s * x_axis, true};
+}
+
+FieldCurvature::FieldCurvature(const ScalarField& field, double step) : field_(field), step_(step) {
+  if (!(step > 0) || !std::isfinite(step)) throw ArgumentError("curvature: the step must be a positive length");
+}
+
+void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                              std::span<SurfaceBend> bends) const {
+  if (x.size() != normals.size() || x.size() != bends.size())
+    throw ArgumentError("FieldCurvature::evaluate: as many normals and results as points are needed");
+  parallel_ranges(0, x.size(), kBendBatch, [&](std::size_t first, std::size_t last) {
+    const std::size_t n = last - first;
+    std::vector<Vec3> at(4 * n), gradients(4 * n);
+    std::vector<double> values(4 * n);
+    std::vector<std::uint8_t> inside(4 * n);
+    std::vector<std::array<Vec3, 2>> axes(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      tangent_frame(Vec3(normals[first + i]), axes[i][0], axes[i][1]);
+      for (std::size_t k = 0; k < 2; ++k) {
+        at[4 * i + 2 * k] = x[first + i] + axes[i][k] * step_;
+        at[4 * i + 2 * k + 1] = x[first + i] - axes[i][k] * step_;
+      }
+    }
+    field_.evaluate_in_domain(at, values, gradients, inside);
+    for (std::size_t i = 0; i < n; ++i) {
+      bends[first + i] = {};
+      std::array<Vec3, 4> unit;
+      bool known = true;
+      for (std::size_t k = 0; k < 4; ++k) {
+        unit[k] = normalized(gradients[4 * i + k]);
+        known = known && inside[4 * i + k] != 0 && squared_norm(unit[k]) > 0;
+      }
+      if (!known) continue;
+      const Vec3 sum = unit[0] + unit[1] + unit[2] + unit[3];
+      const double side = dot(sum, Vec3(normals[first + i])) < 0 ? -0.5 / step_ : 0.5 / step_;
+      const Vec3 along = (unit[0] - unit[1]) * side, across = (unit[2] - unit[3]) * side;
+      bends[first + i] =
+          principal_bend(static_cast<float>(dot(along, axes[i][0])),
+                         static_cast<float>(0.5 * (dot(along, axes[i][1]) + dot(across, axes[i][0]))),
+                         static_cast<float>(dot(across, axes[i][1])), Vec3f(axes[i][0]), Vec3f(axes[i][1]));
+    }
+  });
+}
+
+}  // namespace sansmesh
