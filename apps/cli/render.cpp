@@ -10,6 +10,7 @@
 
 #include "color_bar.h"
 #include "commands.h"
+#include "option_values.h"
 #include "picture_curvature.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
@@ -197,12 +198,7 @@ Command add_render(CommandLine& app) {
   c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground").group("Surface");
   c.add_option_function(
        "--splats",
-       [&a](const std::string& word) {
-         const auto count = word.find_first_not_of("0123456789") == std::string::npos && word.size() < 10
-                                ? std::stoul(word)
-                                : throw ValueError("must be a number of points, not " + word);
-         a.splats = count;
-       },
+       [&a](const std::string& word) { a.splats = static_cast<std::size_t>(parse_whole(word, 0, 100000000)); },
        "Points of the surface, evenly spread, as splats that blend, not rays: of --surface, or of what suits the "
        "samples "
        "[no value: as many as there are samples]")
