@@ -1,4 +1,4 @@
-// A block tree as the J₁ᴬ triangulation sees it.
+// Block trees as the J₁ᴬ triangulation sees them.
 #pragma once
 
 #include "sansmesh/triangulation/block_tree.h"
@@ -6,19 +6,34 @@
 
 namespace sansmesh {
 
-/// Refers to a balanced tree, which must outlive it and may change.
-class BlockTreeView final : public BlockView<3> {
+/// Such a tree as the triangulation sees it. Refers to the tree, which must be balanced when it is asked, must outlive
+/// this and may change.
+template <int N>
+class BlockTreeNView : public BlockView<N> {
  public:
-  explicit BlockTreeView(const BlockTree& tree) : tree_(&tree) {}
+  explicit BlockTreeNView(const BlockTreeN<N>& tree) : tree_(&tree) {}
 
-  bool is_leaf(int level, const BlockCell<3>& cell) const override {
-    const std::int64_t b = tree_->find(level, cell[0], cell[1], cell[2]);
+  bool is_leaf(int level, const BlockCell<N>& cell) const override {
+    const std::int64_t b = tree_->find(level, wide(cell));
     return b >= 0 && (*tree_)[static_cast<std::size_t>(b)].level == level &&
            tree_->is_leaf(static_cast<std::size_t>(b));
   }
-  bool subdivided(int level, const BlockCell<3>& cell) const override {
-    return tree_->subdivided(level, cell[0], cell[1], cell[2]);
+  bool subdivided(int level, const BlockCell<N>& cell) const override { return tree_->subdivided(level, wide(cell)); }
+
+ private:
+  static typename BlockTreeN<N>::Cell wide(const BlockCell<N>& cell) {
+    typename BlockTreeN<N>::Cell result;
+    for (std::size_t k = 0; k < N; ++k) result[k] = cell[k];
+    return result;
   }
+
+  const BlockTreeN<N>* tree_;
+};
+
+/// A tree in space.
+class BlockTreeView final : public BlockTreeNView<3> {
+ public:
+  explicit BlockTreeView(const BlockTree& tree) : BlockTreeNView<3>(tree), tree_(&tree) {}
 
   /// Where a vertex lies, in the unit of the tree.
   Vec3 position(const LatticeVertex<3>& v) const {

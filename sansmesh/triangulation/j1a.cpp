@@ -143,7 +143,7 @@ class Neighbourhood final : public BlockView<N> {
   }
 
  private:
-  static constexpr int kCells = N == 2 ? 9 : 27;
+  static constexpr int kCells = N == 2 ? 9 : N == 3 ? 27 : 81;
   BlockCell<N> cell_;
   std::array<bool, kCells> subdivided_{};
 };
@@ -156,7 +156,7 @@ std::uint64_t mixed(std::uint64_t h, std::uint64_t v) {
 template <int N>
 struct SimplexHash {
   std::size_t operator()(const Simplex<N>& s) const {
-    std::uint64_t shape = static_cast<std::uint64_t>(s.level) << 2 | s.steps;
+    std::uint64_t shape = static_cast<std::uint64_t>(s.level) << 3 | s.steps;
     for (std::size_t k = 0; k < N; ++k)
       shape = shape << 6 | static_cast<std::uint64_t>(s.axis[k] << 4 | (s.sign[k] + 1) << 2 | (s.extra[k] + 1));
     std::uint64_t h = mixed(0, shape);
@@ -225,7 +225,7 @@ std::vector<Simplex<N>> simplices_of(const BlockView<N>& tree, int level, const 
   if (level < 0 || level > kDeepestBlockLevel || !tree.is_leaf(level, cell))
     throw ArgumentError("J1A triangulation: only leaves of the tree have simplices");
   std::vector<Simplex<N>> result;
-  result.reserve(N == 2 ? 16 : 192);
+  result.reserve(N == 2 ? 16 : N == 3 ? 192 : 384);
   Simplex<N> path;
   path.cell = cell;
   path.level = static_cast<std::uint8_t>(level);
@@ -414,6 +414,7 @@ std::vector<Simplex<N>> walk_crossing(const BlockView<N>& tree, std::span<const 
                                                     const InsideTest<N>&);
 SANSMESH_INSTANTIATE(2)
 SANSMESH_INSTANTIATE(3)
+SANSMESH_INSTANTIATE(4)
 #undef SANSMESH_INSTANTIATE
 
 }  // namespace sansmesh

@@ -1,4 +1,4 @@
-// The J₁ᴬ triangulation in two and three dimensions: the simplices of a 2:1 balanced tree of cubic blocks as
+// The J₁ᴬ triangulation in two, three and four dimensions: the simplices of a 2:1 balanced tree of cubic blocks as
 // six-tuples, with closed rules for their vertices and neighbours and no stored topology (castelo2006; METHODS §3.2).
 //
 // In a block [−1, 1]ᴺ a simplex is a path from the centre v_0 of the block over the centre of a face to those of ever

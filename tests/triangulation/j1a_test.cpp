@@ -26,18 +26,30 @@ std::int64_t factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 template <int N>
 using Corners = std::array<LatticeVertex<N>, N + 1>;
 
-// N! times the signed volume.
+// N! times the signed volume, along the first column of the matrix.
+template <std::size_t M>
+std::int64_t determinant_of(const std::array<std::array<std::int64_t, M>, M>& m) {
+  if constexpr (M == 1) {
+    return m[0][0];
+  } else {
+    std::int64_t sum = 0;
+    for (std::size_t row = 0; row < M; ++row) {
+      if (m[row][0] == 0) continue;
+      std::array<std::array<std::int64_t, M - 1>, M - 1> minor;
+      for (std::size_t i = 0; i + 1 < M; ++i)
+        for (std::size_t k = 0; k + 1 < M; ++k) minor[i][k] = m[i < row ? i : i + 1][k + 1];
+      sum += (row % 2 == 0 ? 1 : -1) * m[row][0] * determinant_of<M - 1>(minor);
+    }
+    return sum;
+  }
+}
+
 template <int N>
 std::int64_t determinant(const Corners<N>& v) {
-  std::int64_t m[N][N];
+  std::array<std::array<std::int64_t, N>, N> m;
   for (std::size_t i = 0; i < N; ++i)
     for (std::size_t k = 0; k < N; ++k) m[i][k] = v[i + 1][k] - v[0][k];
-  if constexpr (N == 2) {
-    return m[0][0] * m[1][1] - m[0][1] * m[1][0];
-  } else {
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-  }
+  return determinant_of<N>(m);
 }
 
 // Divided by a unit that all of them are multiples of, so that products fit.
@@ -180,6 +192,18 @@ TEST(J1a, TilesRandomTreesInSpace) {
   for (const std::size_t n : seen) EXPECT_GT(n, 3000u);
 }
 
+TEST(J1a, TilesRandomTreesInSpaceAndTime) {
+  std::array<std::size_t, 4> seen{};
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    const BlockCell<4> roots = seed == 3 ? BlockCell<4>{1, 1, 2, 1} : one_root<4>();
+    const auto tree = BalancedTree<4>::random(seed, roots, 3, 1 + static_cast<int>(seed % 2));
+    const auto kinds = check_tree<4>(tree, tree.leaves(), roots);
+    for (std::size_t h = 0; h < 4; ++h) seen[h] += kinds[h + 1];
+  }
+  for (const std::size_t n : seen) EXPECT_GT(n, 1000u);
+}
+
 // Sets of refined faces and edges: each of the 26 neighbours subdivided alone, then random ones, few and many.
 TEST(J1a, TilesTransitionBlocks) {
   std::mt19937 random(5);
@@ -204,6 +228,121 @@ TEST(J1a, TilesTransitionBlocks) {
     }
     EXPECT_EQ(volume, 6 * 64);
   }
+}
+
+// In four dimensions: each of the 64 neighbours that share more than a corner subdivided alone, then random sets.
+TEST(J1a, TilesTransitionBlocksOfFourDimensions) {
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 81 + 20; ++trial) {
+    BalancedTree<4> tree({3, 3, 3, 3});
+    for (int n = 0; n < 81; ++n) {
+      if (n == 40 || (trial < 81 ? n != trial : random() % (trial % 2 == 0 ? 2 : 8) != 0)) continue;
+      tree.subdivide(0, {n % 3, n / 3 % 3, n / 9 % 3, n / 27});
+    }
+    const std::vector<Simplex<4>> simplices = simplices_of<4>(tree, 0, {1, 1, 1, 1});
+    std::int64_t volume = 0;
+    for (const Simplex<4>& s : simplices) {
+      volume += std::abs(determinant<4>(coarser<4>(vertices(s), kLatticeEdge / 4)));
+      for (int i = 0; i <= 4; ++i) {
+        const auto other = pivot<4>(tree, s, i);
+        ASSERT_TRUE(other.has_value());
+        ASSERT_EQ(pivot(tree, *other, i), s);
+        const auto v = vertices(s), w = vertices(*other);
+        for (std::size_t k = 0; k <= 4; ++k) ASSERT_EQ(v[k] == w[k], static_cast<int>(k) != i);
+      }
+    }
+    EXPECT_EQ(volume, 24 * 256);
+  }
+}
+
+// The tree of the library, in any number of dimensions: deep towards random corners, then balanced.
+template <int N>
+void check_own_tree(unsigned seed, int depth) {
+  std::mt19937 random(seed);
+  BlockTreeN<N> blocks;
+  std::size_t at = 0;
+  for (int level = 0; level < depth; ++level) at = blocks.subdivide(at) + random() % BlockTreeN<N>::kChildren;
+  blocks.balance();
+  const BlockTreeNView<N> tree(blocks);
+  std::vector<std::pair<int, BlockCell<N>>> leaves;
+  double volume = 0;
+  for (const std::uint32_t b : blocks.leaves()) {
+    BlockCell<N> cell;
+    for (std::size_t k = 0; k < N; ++k) cell[k] = static_cast<std::int32_t>(blocks[b].cell[k]);
+    leaves.push_back({blocks[b].level, cell});
+    volume += std::ldexp(1.0, -N * blocks[b].level);
+    // Points of the leaf are located in it.
+    std::array<double, N> x;
+    for (std::size_t k = 0; k < N; ++k)
+      x[k] = std::ldexp(cell[k] + static_cast<double>(random()) / 4294967296.0, -static_cast<int>(blocks[b].level));
+    const auto found = locate<N>(tree, x);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->cell, cell);
+    EXPECT_EQ(found->level, blocks[b].level);
+    // Neighbours differ by one level at most.
+    int size = 1;
+    for (int k = 0; k < N; ++k) size *= 3;
+    for (int index = 0, rest = 0; index < size; ++index) {
+      typename BlockTreeN<N>::Cell other;
+      rest = index;
+      for (std::size_t k = 0; k < N; ++k, rest /= 3) other[k] = cell[k] + rest % 3 - 1;
+      const std::int64_t n = blocks.find(blocks[b].level, other);
+      if (n >= 0) {
+        EXPECT_GE(blocks[static_cast<std::size_t>(n)].level + 1, blocks[b].level);
+      }
+    }
+  }
+  EXPECT_EQ(volume, 1);
+  check_tree<N>(tree, leaves, one_root<N>());
+}
+
+TEST(J1a, TilesTheTreesOfTheLibraryInAllDimensions) {
+  check_own_tree<2>(1, 7);
+  check_own_tree<3>(2, 4);
+  check_own_tree<4>(3, 2);
+}
+
+// Exactly one simplex contains a point inside: all of a leaf are tried.
+template <int N>
+void check_covering(unsigned seed) {
+  const auto tree = BalancedTree<N>::random(seed, one_root<N>(), 3, 2);
+  std::mt19937 random(seed);
+  constexpr std::int64_t kUnit = kLatticeEdge >> 13;
+  for (const auto& [level, cell] : tree.leaves()) {
+    if (random() % 4 != 0) continue;
+    const std::int64_t edge = (kLatticeEdge >> level) / kUnit;
+    LatticeVertex<N> p;
+    std::array<double, N> x;
+    for (std::size_t k = 0; k < N; ++k) {
+      p[k] = cell[k] * edge + 1 + static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(edge - 1));
+      x[k] = std::ldexp(static_cast<double>(p[k]), -13);
+    }
+    std::size_t closed = 0, open = 0;
+    for (const Simplex<N>& s : simplices_of<N>(tree, level, cell)) {
+      const Corners<N> v = coarser<N>(vertices(s), kUnit);
+      if (!contains<N>(v, p)) continue;
+      ++closed;
+      bool within = true;
+      for (std::size_t i = 0; i <= N; ++i) {
+        Corners<N> part = v;
+        part[i] = p;
+        within = within && determinant<N>(part) != 0;
+      }
+      open += within;
+      if (within) {
+        EXPECT_EQ(locate<N>(tree, x), s);
+      }
+    }
+    EXPECT_GE(closed, 1u);
+    EXPECT_LE(open, 1u);
+    EXPECT_EQ(open == 1, closed == 1);
+  }
+}
+
+TEST(J1a, EveryPointLiesInOneSimplex) {
+  check_covering<2>(1);
+  check_covering<3>(2);
+  check_covering<4>(3);
 }
 
 TEST(J1a, TilesTheLibrarysOwnTree) {
@@ -269,13 +408,13 @@ TEST(J1a, ValidTuplesAreThoseListed) {
 
 template <int N>
 void check_locate(unsigned seed, const BlockCell<N>& roots) {
-  const auto tree = BalancedTree<N>::random(seed, roots, 5, 3);
+  const auto tree = BalancedTree<N>::random(seed, roots, N < 4 ? 5 : 3, 3);
   std::mt19937 random(seed);
   // Points on grids of different coarseness: many on faces, edges, vertices and walls.
-  constexpr int kBits = 15;
+  constexpr int kBits = N < 4 ? 15 : 12;  // products of N coordinates fit
   constexpr std::int64_t kUnit = kLatticeEdge >> kBits;
   for (int trial = 0; trial < 3000; ++trial) {
-    const int coarse = trial % 13;
+    const int coarse = trial % (kBits - 2);
     std::array<double, N> x;
     LatticeVertex<N> p;
     for (std::size_t k = 0; k < N; ++k) {
@@ -294,6 +433,7 @@ TEST(J1a, LocatesTheSimplexThatContainsAPoint) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     check_locate<2>(seed, {1, 2});
     check_locate<3>(seed, {1, 1, 1});
+    if (seed <= 2) check_locate<4>(seed, {1, 1, 1, 2});
   }
   const auto tree = BalancedTree<2>::random(1, {2, 1}, 4, 2);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
@@ -348,6 +488,7 @@ TEST(J1a, WalkReachesAllOfAConnectedLevelSet) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     check_walk<2>(seed, 5);
     check_walk<3>(seed, 4);
+    if (seed == 1) check_walk<4>(seed, 2);
   }
 }
 
