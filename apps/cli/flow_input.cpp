@@ -133,19 +133,35 @@ class StepReader {
 
 }  // namespace
 
+void add_times_option(CommandLine& c, std::vector<double>& times, const char* group) {
+  const Option option = c.add_option_function(
+                             "--times",
+                             [&times](const std::string& text) {
+                               const auto read = numbers_in(text);
+                               if (!read) throw must_be("numbers with commas between them", text);
+                               times.insert(times.end(), read->begin(), read->end());
+                             },
+                             "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
+                            .type_name("TIMES");
+  if (group != nullptr) option.group(group);
+}
+
+std::vector<double> times_of_files(const std::vector<double>& given, std::size_t files) {
+  if (given.size() == files) return given;
+  if (!given.empty() && given.size() != 2)
+    throw ArgumentError(
+        fmt::format("--times has {} numbers for {} files: as many, or the first and the step", given.size(), files));
+  const double from = given.empty() ? 0 : given[0], step = given.empty() ? 1 : given[1];
+  std::vector<double> times(files);
+  for (std::size_t i = 0; i < files; ++i) times[i] = from + step * static_cast<double>(i);
+  return times;
+}
+
 void add_flow_input(CommandLine& c, FlowInput& input) {
   add_volume_input(c, input.volume);
   c.add_flag("--unsteady", input.unsteady,
              "The flow changes: all steps of the file in time, or several files one after the other");
-  c.add_option_function(
-       "--times",
-       [&input](const std::string& text) {
-         const auto times = numbers_in(text);
-         if (!times) throw must_be("numbers with commas between them", text);
-         input.times.insert(input.times.end(), times->begin(), times->end());
-       },
-       "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
-      .type_name("TIMES");
+  add_times_option(c, input.times);
   c.add_choice<TimeInterpolation>("--time-interpolation", input.interpolation,
                                   {{"constant", TimeInterpolation::constant},
                                    {"linear", TimeInterpolation::linear},
@@ -215,7 +231,7 @@ void OpenFlow::open_series(Console& console) {
     if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
   OpenVolume volume(first, console);
   choice_ = vectors_of(volume, first);
-  std::vector<double> times = files ? times_of_files() : volume.dataset().times();
+  std::vector<double> times = files ? times_of_files(input_.times, given.files.size()) : volume.dataset().times();
   if (times.size() < 2) throw FileError(given.name(), "holds one step in time: nothing changes (leave out --unsteady)");
   FlowStep step{volume.field(choice_), 0};
   step.bytes = volume.report().bytes;
@@ -231,18 +247,6 @@ void OpenFlow::open_series(Console& console) {
   } catch (const ArgumentError& error) {
     throw FileError(given.name(), error.what());
   }
-}
-
-std::vector<double> OpenFlow::times_of_files() const {
-  const std::size_t n = input_.volume.files.size();
-  if (input_.times.size() == n) return input_.times;
-  if (!input_.times.empty() && input_.times.size() != 2)
-    throw ArgumentError(
-        fmt::format("--times has {} numbers for {} files: as many, or the first and the step", input_.times.size(), n));
-  const double from = input_.times.empty() ? 0 : input_.times[0], step = input_.times.empty() ? 1 : input_.times[1];
-  std::vector<double> times(n);
-  for (std::size_t i = 0; i < n; ++i) times[i] = from + step * static_cast<double>(i);
-  return times;
 }
 
 Seeds OpenFlow::seeds(std::size_t count, Console& console) const {

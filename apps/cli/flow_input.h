@@ -26,6 +26,12 @@ struct FlowInput {
 /// DATA, --array and --method, --unsteady, --times, --time-interpolation, --memory and --seeds.
 void add_flow_input(CommandLine& command, FlowInput& input);
 
+/// --times
+void add_times_option(CommandLine& command, std::vector<double>& times, const char* group = nullptr);
+/// When so many files are, as --times says: of each, or the first and the step; 0, 1, 2, … if nothing was given. Throws
+/// ArgumentError for other numbers of times.
+std::vector<double> times_of_files(const std::vector<double>& given, std::size_t files);
+
 /// --integrator, --tolerance, --step-length
 void add_trace_options(CommandLine& command, TraceOptions& trace);
 /// What the footers of these commands say of DATA.
@@ -53,8 +59,6 @@ class OpenFlow {
 
  private:
   void open_series(Console& console);
-  /// As --times says; 0, 1, 2, … without.
-  std::vector<double> times_of_files() const;
 
   const FlowInput& input_;
   std::unique_ptr<OpenVolume> volume_;

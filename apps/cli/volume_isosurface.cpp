@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "isosurface_frames.h"
 #include "option_groups.h"
 #include "option_values.h"
 #include "sansmesh/core/error.h"
@@ -18,16 +19,18 @@ namespace {
 struct IsosurfaceArguments {
   VolumeInput input;
   std::optional<double> value;
-  std::string carry = "all";
+  std::optional<std::string> carry;
   MeshOutput output;
   IsosurfaceOptions options;
+  IsosurfaceFrames frames;
 };
 
 /// The arrays of --carry. Throws ArgumentError for names of none.
 std::vector<std::string> carried(const IsosurfaceArguments& a, OpenVolume& volume) {
-  if (a.carry == "none") return {};
+  const std::string carry = a.carry.value_or("all");
+  if (carry == "none") return {};
   std::vector<std::string> wanted;
-  if (a.carry != "all") wanted = between_commas(a.carry);
+  if (carry != "all") wanted = between_commas(carry);
   const Association of = volume.dataset().array(volume.choice().array).of;
   if (wanted.empty())
     for (const DatasetArray& array : volume.dataset().arrays())
@@ -53,6 +56,12 @@ void carry_arrays(const std::vector<std::string>& wanted, OpenVolume& volume, Tr
 }
 
 void run_isosurface(IsosurfaceArguments& a, Console& console) {
+  a.frames.check();
+  if (a.frames.unsteady) {
+    require(!a.carry && !a.options.closed && a.options.components.kind == ComponentChoice::Kind::all,
+            "--carry, --closed and --components are not for --unsteady: its meshes are closed, without other arrays");
+    return write_isosurface_frames(a.input, a.value, a.options, a.frames, a.output, console);
+  }
   a.options.validate();
   a.output.check();
   OpenVolume volume(a.input, console);
@@ -124,10 +133,12 @@ Command add_volume_isosurface(CommandLine& volume) {
        "Parts to keep: auto, all, largest or a number [all]")
       .type_name("CHOICE")
       .group("Mesh");
+  add_isosurface_frames(c, a->frames);
   c.footer(std::string(kReadableVolumes) +
            "\n\nOther commands take such a surface as DATA[NAME=VALUE]: csg, section, compare, measure.\n\nExamples:\n"
            "  sansmesh volume isosurface engine.mhd --value 80 -o engine.ply --preview engine.png\n"
            "  sansmesh volume isosurface disk_out_ref.vtu --array Temp --value 600 -o hot.vtp\n"
+           "  sansmesh volume isosurface flame_*.vti --unsteady --value 900 --frames 100 -o flame.ply\n"
            "  sansmesh section 'disk_out_ref.vtu[Temp=600]' --axis z -o cut.svg");
   return {&c, [a](Console& console) { run_isosurface(*a, console); }};
 }

@@ -1,5 +1,7 @@
 // The commands of volumes, on a ball in a small raw file and on points.
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -142,6 +144,76 @@ TEST_F(VolumeTool, IsosurfacesAreMeshesSolidsAndSections) {
   const auto half =
       json_of({"csg", "'" + ball_ + "[value=2]' & plane(z, offset=8)", "-o", path("half.ply"), "--cell", "0.7"});
   EXPECT_NEAR(half["volume"].get<double>(), volume / 2, 0.02 * volume);
+}
+
+/// Values of two balls at ±d from the middle: 4 less the distance from the nearer one, for every sample.
+std::string two_balls(double d) {
+  std::vector<float> values;
+  for (int k = 0; k < 17; ++k)
+    for (int j = 0; j < 17; ++j)
+      for (int i = 0; i < 17; ++i)
+        values.push_back(static_cast<float>(
+            4 - std::min(std::hypot(i - 8 - d, j - 8.1, k - 7.9), std::hypot(i - 8 + d, j - 8.1, k - 7.9))));
+  std::string bytes(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+TEST_F(VolumeTool, SeriesInTimeBecomeMeshesAtAnyMoment) {
+  std::vector<std::string> series{"volume", "isosurface"};
+  const std::vector<double> places{4, 3, 2, 1, 0};  // they touch at 2.5, as the balls have radius 2.5
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const std::string name = "s" + std::to_string(i) + "_17x17x17_float32.raw";
+    write(name, two_balls(places[i]));
+    series.push_back(path(name));
+  }
+  for (const std::string word : {"--unsteady", "--value", "1.5", "--method", "linear", "-o"}) series.push_back(word);
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), series.begin(), series.end());
+    return more;
+  };
+  const auto json = json_of(with({path("b.ply"), "--frames", "9", "--times", "10,2"}));
+  ASSERT_EQ(json["frames"].size(), 9u);
+  const double ball = 4.0 / 3 * std::numbers::pi * std::pow(2.5, 3);
+  for (std::size_t k = 0; k < 9; ++k) {
+    SCOPED_TRACE(k);
+    const auto& frame = json["frames"][k];
+    EXPECT_EQ(frame["file"].get<std::string>(), path("b_000" + std::to_string(k) + ".ply"));
+    EXPECT_NEAR(frame["time"].get<double>(), 10 + static_cast<double>(k), 1e-12);
+    EXPECT_EQ(frame["closed"], true);
+    if (k != 3) {
+      EXPECT_EQ(frame["components"], k < 3 ? 2 : 1);
+    }
+    const auto read = json_of({"info", frame["file"].get<std::string>()});
+    EXPECT_EQ(read["triangles"], frame["triangles"]);
+    if (k == 0 || k == 2 || k == 8) {
+      const double both = k == 8 ? ball : 2 * ball;
+      // Linear interpolation of distances on so coarse a grid makes balls smaller.
+      EXPECT_NEAR(frame["volume"].get<double>(), 0.92 * both, 0.05 * both);
+    }
+  }
+  // Finer in time and space, and simplified.
+  const auto fine = json_of(with({path("f.ply"), "--frames", "2", "--cell", "0.5", "--time-cell", "0.25"}));
+  EXPECT_NEAR(fine["cell"].get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(fine["time_cell"].get<double>(), 0.25, 1e-12);
+  EXPECT_NEAR(fine["frames"][0]["volume"].get<double>(), 0.92 * 2 * ball, 0.05 * 2 * ball);
+  const auto all = json_of(with({path("g.ply"), "--frames", "2", "--mesh-error", "1e-9"}));
+  EXPECT_GT(all["frames"][0]["triangles"].get<int>(), 2 * json["frames"][0]["triangles"].get<int>());
+
+  const std::string out = path("never.ply");
+  const std::vector<Failing> cases = {
+      {with({out, "--carry", "none"}), 2, {"--carry", "--unsteady"}},
+      {with({out, "--closed"}), 2, {"--closed", "--unsteady"}},
+      {with({out, "--frames", "1"}), 2, {"--frames"}},
+      {with({out, "--times", "0,1,2"}), 2, {"--times has 3 numbers for 5 files"}},
+      {with({out, "--time-cell", "0"}), 2, {"--time-cell"}},
+      {with({out, "--time-cell", "1e-9"}), 2, {"--time-cell"}},
+      {with({out, "--preview", path("never.png")}), 2, {"--preview"}},
+      {{"volume", "isosurface", ball_, "-o", out, "--frames", "3"}, 2, {"--frames", "--unsteady"}},
+      {{"volume", "isosurface", ball_, "-o", out, "--unsteady"}, 1, {kBallFile, "one step in time"}},
+      {{"volume", "isosurface", ball_, path("missing.mhd"), "-o", out, "--unsteady"}, 1, {"missing.mhd"}},
+      {{"volume", "isosurface", ball_, ball_, "-o", out, "--unsteady", "--value", "70"}, 1, {"70", "between"}}};
+  expect_failures(cases);
 }
 
 TEST_F(VolumeTool, ResamplesOntoOtherGridsAndReadsThemBack) {
