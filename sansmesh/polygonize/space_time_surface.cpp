@@ -412,6 +412,7 @@ TriangleMesh SpaceTimeSurface::slice(double t, const Vec3& origin) const {
   blocks = s.holding(std::move(blocks));
   SpaceTimePatterns table;
   std::vector<const SpaceTimePattern*> patterns;
+  patterns.reserve(blocks.size());
   for (const std::uint32_t b : blocks) patterns.push_back(&table.of(s.tree, b));
   const SpaceTimeValues lattice = s.values_of(blocks, patterns);
 
@@ -500,6 +501,7 @@ SpaceTimeMesh SpaceTimeSurface::mesh() const {
   SpaceTimePatterns table;
   const std::vector<std::uint32_t> blocks = s.holding(s.tree.leaves());
   std::vector<const SpaceTimePattern*> patterns;
+  patterns.reserve(blocks.size());
   for (const std::uint32_t b : blocks) patterns.push_back(&table.of(s.tree, b));
   const SpaceTimeValues lattice = s.values_of(blocks, patterns);
   SpaceTimeMesh mesh;
