@@ -259,6 +259,11 @@ TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, doubl
   if (mesh.triangles.empty())
     throw DataError(chosen ? fmt::format("the solid is empty, or thinner than the cells of {:.3g}", pieces.cell)
                            : "the solid is empty");
+  if (found.unsimplified && pieces.simplify > 0)
+    r.warnings.push_back(fmt::format(
+        "the mesh has all {} triangles that were cut out: with fewer it would go through itself; a smaller mesh error "
+        "than {:.2g} may help",
+        grouped(mesh.triangles.size()), pieces.mesh_error));
   if (found.rounded_away > kMostRoundedAway)
     throw DataError(
         fmt::format("some walls are thinner than the coordinates of meshes (floats) can hold in a box of "

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/polygonize/cell_polygons.h"
 #include "sansmesh/polygonize/lattice.h"
 
 namespace sansmesh {
@@ -20,6 +22,11 @@ constexpr std::size_t kChunkOfLeaves = 512;
 /// Least distance of lattice vertices from the surface, as a share of the smallest block's edge; they move by up to
 /// twice that.
 constexpr double kStandBack = 0.08;
+/// Sheets so close to each other, as a share of the block's edge, are two sides of something thin, if the sum of their
+/// values changes by no more than a share within a cell: at right angles it changes by 0.7 of that edge at least.
+constexpr double kOtherSide = 0.6, kOtherSideTurns = 0.5;
+/// Cosine between two sheets up to which they are back to back, or face to face.
+constexpr double kFacing = -0.8;
 
 /// What a vertex is called in all simplices that have it: on an edge of the lattice the ends and the piece; in a face
 /// the corners and two pieces; within a simplex its number and what meets there.
@@ -74,7 +81,7 @@ int sign_of_sum(const std::array<Wide, 4>& weight, const std::array<std::int64_t
 struct ChunkOfCuts {
   NameTable names;
   std::vector<Vec3> x;
-  std::vector<float> size;
+  std::vector<float> size, room;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> piece;
   bool crowded = false;
@@ -106,14 +113,95 @@ constexpr std::array<std::uint8_t, 4> two_and_two(unsigned negative) {
   }
 }
 
+/// What the surface is in a cell, an eighth of a block: nothing, one piece, or more.
+enum class CellState : std::uint8_t { empty, single, several };
+/// Of all cells of a block, two bits each.
+using CellStates = std::uint16_t;
+constexpr CellStates kAllSeveral = 0xaaaa;
+CellState state_of(CellStates all, std::size_t cell) { return static_cast<CellState>(all >> (2 * cell) & 3u); }
+
+/// Blocks without finer ones beside them: slots by position on the grid of half edges, and the cell of each simplex.
+struct PlainPattern {
+  static constexpr std::size_t kSlots = 27;
+  const BlockPattern* pattern;
+  std::array<std::uint8_t, kSlots> slot{};
+  std::vector<std::uint8_t> cell_of_tet;
+
+  explicit PlainPattern(const BlockPattern& plain) : pattern(&plain) {
+    for (std::size_t i = 0; i < plain.slots.size(); ++i) {
+      const std::size_t s = plain.slots[i];
+      slot[s % 5 / 2 + 3 * (s / 5 % 5 / 2) + 9 * (s / 50)] = static_cast<std::uint8_t>(i);
+    }
+    for (const auto& tet : plain.tets) {
+      std::size_t low[3] = {2, 2, 2}, high[3] = {2, 2, 2};
+      for (const std::uint8_t i : tet) {
+        const std::size_t s = plain.slots[i], q[3] = {s % 5, s / 5 % 5, s / 25};
+        for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], q[k]), high[k] = std::max(high[k], q[k]);
+      }
+      unsigned cell = 0;
+      for (std::size_t k = 0; k < 3; ++k) cell |= high[k] == 4 ? 1u << k : 0u;
+      cell_of_tet.push_back(static_cast<std::uint8_t>(cell));
+    }
+  }
+  /// Of corner c of a cell.
+  std::size_t corner(std::size_t cell, std::size_t c) const {
+    std::size_t at = 0, step = 1;
+    for (std::size_t k = 0; k < 3; ++k, step *= 3) at += ((cell >> k & 1u) + (c >> k & 1u)) * step;
+    return slot[at];
+  }
+};
+
 /// One block at a time.
 class Cutter {
  public:
-  Cutter(const PieceExpression& field, const PieceBlocks& blocks, double quantum, ChunkOfCuts& out)
-      : field_(field), blocks_(blocks), quantum_(quantum), out_(out) {}
+  Cutter(const PieceExpression& field, const PieceBlocks& blocks, double quantum, const PlainPattern& plain,
+         ChunkOfCuts& out)
+      : field_(field), blocks_(blocks), quantum_(quantum), plain_(plain), out_(out) {}
 
+  /// What is in the cells of a block.
+  CellStates look(std::size_t leaf, const BlockPattern& pattern, std::span<const Vec3> x) {
+    if (&pattern != plain_.pattern) return kAllSeveral;
+    if (!load(leaf, pattern, x)) return kAllSeveral;
+    CellStates states = 0;
+    std::size_t piece = 0;
+    const double edge = blocks_.tree.block_edge(blocks_.leaves[leaf].block);
+    for (std::size_t cell = 0; cell < 8; ++cell) {
+      CellState state = look_at(cell, piece);
+      if (state == CellState::single && has_other_side(cell, piece, edge)) state = CellState::several;
+      states |= static_cast<CellStates>(static_cast<unsigned>(state) << (2 * cell));
+    }
+    return states;
+  }
+
+  /// `beside`: the cells of the blocks that share a face (2·axis + side).
   void cut(std::size_t leaf, const BlockPattern& pattern, std::span<const std::uint32_t> numbers,
-           std::span<const Vec3> x) {
+           std::span<const Vec3> x, CellStates own, const std::array<CellStates, 6>& beside) {
+    if (own == 0) return;
+    if (!load(leaf, pattern, x)) {
+      out_.crowded = true;
+      return;
+    }
+    x_ = x, numbers_ = numbers;
+    size_ = static_cast<float>(blocks_.tree.block_edge(blocks_.leaves[leaf].block));
+    const bool plain = &pattern == plain_.pattern;
+    if (plain)
+      for (std::size_t cell = 0; cell < 8; ++cell)
+        if (state_of(own, cell) == CellState::single) cut_cell(cell, own, beside);
+    for (std::size_t t = 0; t < pattern.tets.size(); ++t) {
+      if (plain && state_of(own, plain_.cell_of_tet[t]) != CellState::several) continue;
+      tet_ = pattern.tets[t];
+      const std::uint64_t a = negative_[tet_[0]], b = negative_[tet_[1]], c = negative_[tet_[2]],
+                          d = negative_[tet_[3]];
+      const std::uint64_t all = a & b & c & d, any = a | b | c | d;
+      if (all == any) continue;
+      id_ = static_cast<std::uint32_t>(leaf * 256 + t);
+      cut_simplex(all, any);
+    }
+  }
+
+ private:
+  /// Nodes, pieces and values of a block; false if these are too many pieces.
+  bool load(std::size_t leaf, const BlockPattern& pattern, std::span<const Vec3> x) {
     const PieceBlocks::Leaf& l = blocks_.leaves[leaf];
     nodes_.assign(blocks_.nodes.begin() + l.first, blocks_.nodes.begin() + l.first + l.count);
     pieces_.clear();
@@ -127,10 +215,7 @@ class Cutter {
         n.a = static_cast<std::uint32_t>(at - pieces_.begin());
       }
     }
-    if (pieces_.size() > kMostInBlock) {
-      out_.crowded = true;
-      return;
-    }
+    if (pieces_.size() > kMostInBlock) return false;
     slots_ = pattern.slots.size();
     values_.resize(pieces_.size() * slots_);
     found_.resize(slots_);
@@ -144,20 +229,84 @@ class Cutter {
         if (v < 0) negative_[s] |= std::uint64_t{1} << p;
       }
     }
-    x_ = x, numbers_ = numbers;
-    size_ = static_cast<float>(blocks_.tree.block_edge(l.block));
-    for (std::size_t t = 0; t < pattern.tets.size(); ++t) {
-      tet_ = pattern.tets[t];
-      const std::uint64_t a = negative_[tet_[0]], b = negative_[tet_[1]], c = negative_[tet_[2]],
-                          d = negative_[tet_[3]];
-      const std::uint64_t all = a & b & c & d, any = a | b | c | d;
-      if (all == any) continue;
-      id_ = static_cast<std::uint32_t>(leaf * 256 + t);
-      cut_simplex(all, any);
+    return true;
+  }
+
+  /// What is left of the expression where pieces are negative at all or any corners.
+  KnownSign reduce(std::uint64_t all, std::uint64_t any) {
+    left_.clear();
+    return prune(
+        nodes_, left_,
+        [&](std::uint32_t p) {
+          const std::uint64_t bit = std::uint64_t{1} << p;
+          return all & bit ? KnownSign::inside : any & bit ? KnownSign::unknown : KnownSign::outside;
+        },
+        [](std::uint32_t p, std::uint32_t q) { return p == q; });
+  }
+
+  CellState look_at(std::size_t cell, std::size_t& piece) {
+    std::uint64_t all = ~std::uint64_t{0}, any = 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const std::uint64_t here = negative_[plain_.corner(cell, c)];
+      all &= here, any |= here;
+    }
+    if (nodes_.size() == 1) {
+      piece = 0;
+      return all == any ? CellState::empty : CellState::single;
+    }
+    if (reduce(all, any) != KnownSign::unknown) return CellState::empty;
+    if (left_.size() > 1) return CellState::several;
+    piece = left_[0].a;
+    return CellState::single;
+  }
+
+  /// Whether a sheet faces the piece's, or is back to back with it, close by: simplices divide both in the same way, so
+  /// that what lies between keeps its thickness.
+  bool has_other_side(std::size_t cell, std::size_t piece, double edge) const {
+    for (std::size_t q = 0; q < pieces_.size(); ++q) {
+      if (q == piece) continue;
+      double least = std::numeric_limits<double>::infinity(), most = -least;
+      for (std::size_t c = 0; c < 8; ++c) {
+        const std::size_t s = plain_.corner(cell, c);
+        const double sum = quantum_ / 2 * static_cast<double>(values_[piece * slots_ + s] + values_[q * slots_ + s]);
+        least = std::min(least, sum), most = std::max(most, sum);
+      }
+      if (most - least <= kOtherSideTurns * edge && std::max(-least, most) <= kOtherSide * edge) return true;
+    }
+    return false;
+  }
+
+  /// A cell with one piece: no simplices are needed, except where it meets cells that need them.
+  void cut_cell(std::size_t cell, CellStates own, const std::array<CellStates, 6>& beside) {
+    std::size_t piece = 0;
+    look_at(cell, piece);
+    unsigned negative = 0, split = 0;
+    for (std::size_t c = 0; c < 8; ++c)
+      if (negative_[plain_.corner(cell, c)] >> piece & 1u) negative |= 1u << c;
+    for (std::size_t face = 0; face < 6; ++face) {
+      const std::size_t axis = face / 2, side = face % 2, other = cell ^ std::size_t{1} << axis;
+      const CellStates there = side == (cell >> axis & 1u) ? beside[face] : own;
+      if (state_of(there, other) == CellState::several) split |= 1u << face;
+    }
+    trace_cell(negative, cell, split, polygons_);
+    std::size_t first = 0;
+    for (const std::size_t end : polygons_.ends) {
+      corners_.clear();
+      around_.clear();
+      for (std::size_t k = first; k < end; ++k) {
+        const auto [a, b] = polygons_.points[k];
+        corners_.push_back(between(piece, plain_.corner(cell, a), plain_.corner(cell, b)));
+        around_.push_back(out_.x[corners_.back()]);
+      }
+      first = end;
+      best_triangles(around_, parts_);
+      for (const auto& [a, b, c] : parts_) {
+        out_.triangles.push_back({corners_[a], corners_[b], corners_[c]});
+        out_.piece.push_back(pieces_[piece]);
+      }
     }
   }
 
- private:
   /// In place of a piece: 1 everywhere.
   static constexpr std::size_t kOnes = kMostInBlock;
   std::int64_t value(std::size_t piece, std::size_t corner) const {
@@ -166,35 +315,53 @@ class Cutter {
 
   void cut_simplex(std::uint64_t all, std::uint64_t any) {
     if (nodes_.size() == 1) return single(0);
-    left_.clear();
-    const KnownSign known = prune(
-        nodes_, left_,
-        [&](std::uint32_t p) {
-          const std::uint64_t bit = std::uint64_t{1} << p;
-          return all & bit ? KnownSign::inside : any & bit ? KnownSign::unknown : KnownSign::outside;
-        },
-        [](std::uint32_t p, std::uint32_t q) { return p == q; });
-    if (known != KnownSign::unknown) return;
+    if (reduce(all, any) != KnownSign::unknown) return;
     if (left_.size() == 1) return single(left_[0].a);
     several();
   }
 
   // ---- One piece ------------------------------------------------------------------------------------------------
 
-  std::uint32_t on_edge(std::size_t piece, std::size_t i, std::size_t j) {
-    if (numbers_[tet_[i]] > numbers_[tet_[j]]) std::swap(i, j);
-    const std::array<Vec3, 2> ends{x_[tet_[i]], x_[tet_[j]]};
+  std::uint32_t on_edge(std::size_t piece, std::size_t i, std::size_t j) { return between(piece, tet_[i], tet_[j]); }
+
+  /// Where the piece vanishes between two slots.
+  std::uint32_t between(std::size_t piece, std::size_t i, std::size_t j) {
+    if (numbers_[i] > numbers_[j]) std::swap(i, j);
+    const std::array<Vec3, 2> ends{x_[i], x_[j]};
     const std::uint32_t name = field_.same_at(pieces_[piece], ends);
-    const std::uint32_t n = out_.names.number({numbers_[tet_[i]], numbers_[tet_[j]], kNobody, name, kNobody, kNobody});
+    const std::uint32_t n = out_.names.number({numbers_[i], numbers_[j], kNobody, name, kNobody, kNobody});
     if (n < out_.x.size()) return smaller(n);
-    const auto f = static_cast<double>(value(piece, i)), g = static_cast<double>(value(piece, j));
+    const auto f = static_cast<double>(values_[piece * slots_ + i]),
+               g = static_cast<double>(values_[piece * slots_ + j]);
     const double t = f / (f - g);
-    return add(x_[tet_[i]] * (1 - t) + x_[tet_[j]] * t);
+    const std::uint32_t added = add(x_[i] * (1 - t) + x_[j] * t);
+    out_.room[added] = room_beside(piece, out_.x[added]);
+    return added;
+  }
+
+  /// Distance of a point of a piece from sheets back to back with it, or face to face.
+  float room_beside(std::size_t piece, const Vec3& x) const {
+    double room = std::numeric_limits<double>::infinity();
+    if (pieces_.size() < 2) return static_cast<float>(room);
+    double own = 0, value = 0;
+    Vec3 normal, other;
+    field_.evaluate_piece(pieces_[piece], {&x, 1}, {&own, 1}, {&normal, 1});
+    for (std::size_t q = 0; q < pieces_.size(); ++q) {
+      if (q == piece) continue;
+      field_.evaluate_piece(pieces_[q], {&x, 1}, {&value, 1}, {&other, 1});
+      // The point is not on its piece yet: what is thin is as wide as the sum says. Two flat ones stay apart however
+      // few triangles they have.
+      const double gap = std::abs(own + value);
+      if (gap >= room || dot(normal, other) > kFacing * norm(normal) * norm(other)) continue;
+      if (field_.bend(pieces_[piece], x, 0) > 0 || field_.bend(pieces_[q], x, 0) > 0) room = gap;
+    }
+    return static_cast<float>(room);
   }
 
   std::uint32_t add(const Vec3& x) {
     out_.x.push_back(x);
     out_.size.push_back(size_);
+    out_.room.push_back(std::numeric_limits<float>::infinity());
     return static_cast<std::uint32_t>(out_.x.size() - 1);
   }
   std::uint32_t smaller(std::uint32_t n) {
@@ -492,6 +659,7 @@ class Cutter {
   const PieceExpression& field_;
   const PieceBlocks& blocks_;
   double quantum_;
+  const PlainPattern& plain_;
   ChunkOfCuts& out_;
   std::vector<PieceNode> nodes_, left_;  ///< of the block and of the simplex; pieces as numbers in `pieces_`
   std::vector<std::uint32_t> pieces_;
@@ -505,6 +673,9 @@ class Cutter {
   std::uint32_t id_ = 0;
   float size_ = 0;
   std::vector<std::uint32_t> corners_;
+  CellPolygons polygons_;
+  std::vector<Vec3> around_;
+  std::vector<std::array<std::uint32_t, 3>> parts_;
   std::vector<std::size_t> used_;
   std::vector<Cell> cells_;
   std::vector<int> signs_;
@@ -624,16 +795,45 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   }
   const std::vector<Vec3> place = lattice_places(field, blocks, numbers, first, numbering.points());
   const double quantum = blocks.scale * 0x1p-40;
+  const PlainPattern plain(patterns.pattern({}));
   std::vector<ChunkOfCuts> found(chunks);
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    Cutter cutter(field, blocks, quantum, found[c]);
+  /// For the leaves of a chunk, with their numbers and places.
+  const auto for_leaves = [&](std::size_t c, auto&& leaf) {
+    Cutter cutter(field, blocks, quantum, plain, found[c]);
     std::vector<Vec3> x;
     for (std::size_t i = c * kChunkOfLeaves; i < std::min(n, (c + 1) * kChunkOfLeaves); ++i) {
+      progress.check();
       const std::span<const std::uint32_t> own(numbers.data() + first[i], first[i + 1] - first[i]);
       x.clear();
       for (const std::uint32_t v : own) x.push_back(place[v]);
-      cutter.cut(i, *pattern[i], own, x);
+      leaf(cutter, i, own, x);
     }
+  };
+  std::vector<CellStates> cells(n);
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    for_leaves(c, [&](Cutter& cutter, std::size_t i, std::span<const std::uint32_t>, std::span<const Vec3> x) {
+      cells[i] = cutter.look(i, *pattern[i], x);
+    });
+  });
+  std::vector<std::uint32_t> leaf_of(tree.size(), kNobody);
+  for (std::uint32_t i = 0; i < n; ++i) leaf_of[blocks.leaves[i].block] = i;
+  /// Of the block beside it: none where there is no surface, all where it has another size.
+  const auto cells_beside = [&](std::size_t i, std::size_t face) -> CellStates {
+    const BlockTree::Block& b = tree[blocks.leaves[i].block];
+    std::array<std::int64_t, 3> at{b.cell[0], b.cell[1], b.cell[2]};
+    at[face / 2] += face % 2 ? 1 : -1;
+    const std::int64_t other = tree.find(b.level, at[0], at[1], at[2]);
+    if (other < 0 || leaf_of[static_cast<std::size_t>(other)] == kNobody) return 0;
+    return tree[static_cast<std::size_t>(other)].level == b.level ? cells[leaf_of[static_cast<std::size_t>(other)]]
+                                                                  : kAllSeveral;
+  };
+  parallel_for(0, chunks, 1, [&](std::size_t c) {
+    for_leaves(c, [&](Cutter& cutter, std::size_t i, std::span<const std::uint32_t> own, std::span<const Vec3> x) {
+      std::array<CellStates, 6> beside{};
+      if (pattern[i] == plain.pattern)
+        for (std::size_t face = 0; face < 6; ++face) beside[face] = cells_beside(i, face);
+      cutter.cut(i, *pattern[i], own, x, cells[i], beside);
+    });
   });
 
   CutPieces cut;
@@ -646,11 +846,13 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
       if (number[v] < cut.vertices.size()) {
         CutPieces::Vertex& old = cut.vertices[number[v]];
         old.size = std::min(old.size, c.size[v]);
+        old.room = std::min(old.room, c.room[v]);
         continue;
       }
       CutPieces::Vertex vertex;
       vertex.x = c.x[v];
       vertex.size = c.size[v];
+      vertex.room = c.room[v];
       // A corner within a face that belongs to one simplex alone lies on its piece only.
       const bool alone = name[0] == kNobody && name[2] != kNobody;
       vertex.piece = alone ? std::array{name[5], kNobody, kNobody} : std::array{name[3], name[4], name[5]};

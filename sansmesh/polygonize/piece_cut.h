@@ -19,7 +19,8 @@ struct CutPieces {
     Vec3 x;
     std::array<std::uint32_t, 3> piece{kNone, kNone, kNone};  ///< in ascending order; those that vanish here
     float size = 0;                                           ///< edge of the smallest block around
-    /// Distance from another sheet across the lattice edge that this vertex lies on; infinity: none known.
+    /// Distance from another sheet across the lattice edge that this vertex lies on, and from those that are back to
+    /// back with its own or face to face; infinity: none known.
     float room = std::numeric_limits<float>::infinity();
     std::uint32_t rank() const { return piece[1] == kNone ? 1 : piece[2] == kNone ? 2 : 3; }
   };

@@ -10,7 +10,9 @@
 namespace sansmesh {
 namespace {
 
-constexpr double kMergeLeastShape = 0.3;
+/// The least shape of triangles, and where they lie in planes: regular grids of vertices offer nothing better on the
+/// way to a few large ones.
+constexpr double kMergeLeastShape = 0.3, kMergeLeastShapeOfFlat = 0.1;
 constexpr double kMostTurn = 0.5;  ///< least cosine between a triangle and its piece
 constexpr double kRoomShare = 0.25;
 constexpr std::size_t kMostSpokes = 48;
@@ -97,7 +99,7 @@ struct Merger {
     const CutPieces::Vertex& vertex = mesh.vertices[v];
     const double room = kRoomShare * static_cast<double>(vertex.room);
     const double near = options.near * static_cast<double>(vertex.size);
-    double least = kMergeLeastShape, best = -2;
+    double least = options.straight[v] ? kMergeLeastShapeOfFlat : kMergeLeastShape, best = -2;
     for (std::size_t t = 0; t < n; ++t) least = std::min(least, before[t]);
     std::size_t chosen = n;
     for (std::size_t k = 0; k < n; ++k) {

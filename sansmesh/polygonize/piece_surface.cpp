@@ -40,7 +40,11 @@ constexpr double kRoomToBalance = 10;
 /// How far edges go through triangles for the mesh to count as going through itself, as a share of the box.
 constexpr double kCrossing = 1e-7;
 constexpr int kMostTakeBacks = 6;
-constexpr std::size_t kMostKept = 400;
+/// So often the mesh is simplified, with more left as it was cut out where it went through itself; then not at all.
+constexpr int kMostSimplifications = 4;
+/// What is left as it was: around crossing triangles, so many of their radii the first time, and more each time.
+constexpr float kNarrow = 0.2f;
+constexpr double kKeptRadius = 1.2, kKeptMore = 0.8;
 /// Error of simplification as a share of the radius of curvature, at most.
 constexpr double kShareOfRadius = 0.004;
 constexpr double kLeastShapeOfPieces = 0.25;
@@ -106,47 +110,71 @@ class PieceMesher {
     if (any) recall();
   }
 
-  /// Vertices of triangles that go through others back to where they were before they were placed.
-  void take_back(const CutPieces& linear, const Vec3& origin, double tolerance) {
+  /// Vertices of triangles that go through others back to where they were before they were placed: of those triangles
+  /// that `near` says, or of all.
+  void take_back(const CutPieces& linear, const Vec3& origin, double tolerance, const std::vector<std::uint8_t>* near) {
     for (int round = 0; round < kMostTakeBacks; ++round) {
-      const Crossings crossing = self_intersections(as_mesh(origin), tolerance);
+      const TriangleMesh part = as_mesh(origin, near);
+      const Crossings crossing = self_intersections(part, tolerance);
       if (crossing.empty()) return;
       std::vector<std::uint8_t> back(mesh.vertices.size(), 0);
       for (const auto& pair : crossing)
         for (const std::uint32_t t : pair)
-          for (const std::uint32_t v : mesh.triangles[t]) back[v] = 1;
+          for (const std::uint32_t v : part.triangles[t]) back[v] = 1;
       for (int ring = 0; ring < round; ++ring) {
         std::vector<std::uint8_t> wider = back;
-        for (const Triangle& t : mesh.triangles)
+        for (const Triangle& t : part.triangles)
           if (back[t[0]] || back[t[1]] || back[t[2]]) wider[t[0]] = wider[t[1]] = wider[t[2]] = 1;
         back = std::move(wider);
       }
       for (std::size_t v = 0; v < back.size(); ++v)
-        if (back[v]) mesh.vertices[v].x = linear.vertices[v].x;
+        if (back[v]) mesh.vertices[v].x = linear.vertices[v].x, mesh.vertices[v].room = 0;
     }
   }
 
-  /// No room for changes next to triangles of another mesh of the same surface.
-  void keep_around(const TriangleMesh& other, const Crossings& crossing) {
-    std::vector<std::pair<Vec3, double>> balls;
+  /// Vertices with another sheet beside them: there vertices on their pieces may be beyond it.
+  std::vector<std::uint8_t> narrow() const {
+    std::vector<std::uint8_t> all(mesh.vertices.size());
+    for (std::size_t v = 0; v < all.size(); ++v) all[v] = mesh.vertices[v].room < kNarrow * mesh.vertices[v].size;
+    return all;
+  }
+
+  /// No room for changes next to triangles of another mesh of the same surface that go through each other; which
+  /// vertices these are.
+  std::vector<std::uint8_t> keep_around(const TriangleMesh& other, const Crossings& crossing, double factor) {
+    struct Ball {
+      Vec3 middle;
+      double radius;
+    };
+    std::vector<Ball> balls;
+    double largest = 0;
     for (const auto& pair : crossing)
       for (const std::uint32_t t : pair) {
         const auto [a, b, c] = other.triangles[t];
         const Vec3 p(other.vertices[a]), q(other.vertices[b]), r(other.vertices[c]), middle = (p + q + r) / 3;
-        balls.emplace_back(other.origin + middle,
-                           1.2 * std::max({norm(p - middle), norm(q - middle), norm(r - middle)}));
-        if (balls.size() >= kMostKept) break;
+        const double radius = factor * std::max({norm(p - middle), norm(q - middle), norm(r - middle)});
+        balls.push_back({other.origin + middle, radius});
+        largest = std::max(largest, radius);
       }
+    std::sort(balls.begin(), balls.end(), [](const Ball& a, const Ball& b) { return a.middle.x < b.middle.x; });
+    std::vector<std::uint8_t> kept(mesh.vertices.size(), 0);
     parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t v) {
-      for (const auto& [middle, radius] : balls)
-        if (norm(mesh.vertices[v].x - middle) <= radius) mesh.vertices[v].room = 0;
+      const Vec3& x = mesh.vertices[v].x;
+      for (auto b = std::lower_bound(balls.begin(), balls.end(), x.x - largest,
+                                     [](const Ball&ball, double at) { return ball.middle.x < at; });
+           b != balls.end() && b->middle.x <= x.x + largest; ++b)
+        if (norm(x - b->middle) <= b->radius) kept[v] = 1;
+      if (kept[v]) mesh.vertices[v].room = 0;
     });
+    return kept;
   }
 
-  TriangleMesh as_mesh(const Vec3& origin) const {
+  /// With the triangles that have one of the vertices `near`, or all.
+  TriangleMesh as_mesh(const Vec3& origin, const std::vector<std::uint8_t>* near) const {
     TriangleMesh plain;
     plain.origin = origin;
-    plain.triangles = mesh.triangles;
+    for (const Triangle& t : mesh.triangles)
+      if (!near || (*near)[t[0]] || (*near)[t[1]] || (*near)[t[2]]) plain.triangles.push_back(t);
     for (const CutPieces::Vertex& v : mesh.vertices) plain.vertices.emplace_back(v.x - origin);
     return plain;
   }
@@ -324,6 +352,9 @@ class PieceMesher {
     std::vector<Vec3> before(mesh.vertices.size());
     for (std::size_t v = 0; v < before.size(); ++v) before[v] = mesh.vertices[v].x;
     place();
+    // What was left as it was has been taken back from its pieces where it went through itself.
+    for (std::size_t v = 0; v < before.size(); ++v)
+      if (mesh.vertices[v].room == 0) mesh.vertices[v].x = before[v];
     std::vector<std::uint8_t> back(before.size());
     for (int round = 0; round < 3; ++round) {
       std::fill(back.begin(), back.end(), std::uint8_t{0});
@@ -391,14 +422,20 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
   mesher.name_pieces();
   const CutPieces linear = mesh;  // goes nowhere through itself
   mesher.place();
+  {
+    const std::vector<std::uint8_t> narrow = mesher.narrow();
+    mesher.take_back(linear, origin, kCrossing * scale, &narrow);
+  }
   CutPieces placed = mesh;
-  for (const int care : {0, 1, 2}) {
-    if (care < 2) mesher.improve(origin, progress);
-    result = mesher.finished(origin, care == 2);
+  for (int attempt = 0;; ++attempt) {
+    const bool simplified = attempt < kMostSimplifications;
+    if (simplified) mesher.improve(origin, progress);
+    result = mesher.finished(origin, !simplified);
     progress.begin("look for intersections");
     const Crossings crossing = self_intersections(result, kCrossing * scale);
+    report.unsimplified = !simplified;
     if (crossing.empty()) break;
-    if (care == 2) {
+    if (!simplified) {
       const Vec3 at = origin + Vec3(result.vertices[result.triangles[crossing[0][0]][0]]);
       throw DataError(fmt::format(
           "the mesh would go through itself in {} places, such as ({:.4g}, {:.4g}, {:.4g}): give a smaller `cell` or "
@@ -407,11 +444,9 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     }
     // As it was before improvements, free of intersections, and left as it is near those that were found.
     mesh = placed;
-    if (care == 0) {
-      mesher.take_back(linear, origin, kCrossing * scale);
-      mesher.keep_around(result, crossing);
-      placed = mesh;
-    }
+    const std::vector<std::uint8_t> kept = mesher.keep_around(result, crossing, kKeptRadius + kKeptMore * attempt);
+    mesher.take_back(linear, origin, kCrossing * scale, attempt + 1 < kMostSimplifications ? &kept : nullptr);
+    placed = mesh;
   }
   std::vector<double> distance;
   mesher.normals_of_triangles(&distance);

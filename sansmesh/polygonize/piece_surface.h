@@ -29,6 +29,7 @@ struct PieceSurfaceReport {
   int depth = 0;
   std::size_t blocks = 0;                    ///< leaves of the tree
   double unresolved = 0;                     ///< as in PieceBlocks
+  bool unsimplified = false;                 ///< simplified, it would have gone through itself
   bool too_many = false;                     ///< it would have taken more than `most_blocks`: nothing was made
   double mean_error = 0, largest_error = 0;  ///< distance of triangles' middles from the surface (length)
   double rounded_away = 0;                   ///< by how much floats change the volume, as a share of it

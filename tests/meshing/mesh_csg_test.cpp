@@ -5,11 +5,15 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <string>
+#include <vector>
 
 #include "csg/catalogue.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/self_intersections.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"
@@ -402,6 +406,52 @@ TEST(MeshCsg, TipsAndDimples) {
   meshed(parsed("offset(torus(R=1, r=0.5), 0.7)"), {}, report);
   EXPECT_EQ(report.components, 1u);
   EXPECT_TRUE(report.closed);
+}
+
+/// Where balls touch, nearly touch or cross at small angles, simplified sheets come to cross: what is left alone there
+/// is little, and the rest has as few triangles as elsewhere.
+TEST(MeshCsg, BallsThatNearlyTouchAreSimplified) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> radius(0.1, 0.2), digits(-5, -2), direction(-1, 1);
+  std::vector<Solid> balls;
+  double volume = 0, area = 0;
+  std::size_t components = 0;
+  constexpr int kSide = 3;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const double r = radius(random), s = radius(random), gap = std::pow(10, digits(random)) * (i % 2 ? 1 : -1);
+    const double d = r + s + gap;
+    const Vec3 center = Vec3{i % kSide * 0.9, i / kSide % kSide * 0.9, i / (kSide * kSide) * 0.9};
+    const Vec3 to = normalized(Vec3{direction(random), direction(random), direction(random)});
+    balls.push_back(sphere(center, r));
+    balls.push_back(sphere(center + to * d, s));
+    volume += 4 * kPi / 3 * (r * r * r + s * s * s), area += 4 * kPi * (r * r + s * s);
+    components += gap > 0 ? 2 : 1;
+    if (gap > 0) continue;
+    const double of_r = r - (d * d + r * r - s * s) / (2 * d), of_s = s - (d * d + s * s - r * r) / (2 * d);
+    volume -= kPi * (of_r * of_r * (r - of_r / 3) + of_s * of_s * (s - of_s / 3));
+    area -= 2 * kPi * (r * of_r + s * of_s);
+  }
+  Solid all = balls[0];
+  for (std::size_t k = 1; k < balls.size(); ++k) all = unite(all, balls[k]);
+  CsgMeshReport report;
+  const TriangleMesh mesh = meshed(all, {}, report);
+  EXPECT_TRUE(report.closed);
+  EXPECT_EQ(report.components, components);
+  EXPECT_EQ(report.warnings, std::vector<std::string>());
+  EXPECT_NEAR(report.volume / volume, 1, 1e-3);
+  EXPECT_NEAR(report.area / area, 1, 1e-3);
+  EXPECT_TRUE(self_intersections(mesh, 1e-7 * report.box.diagonal()).empty());
+  EXPECT_LT(mesh.triangles.size(), 6000 * balls.size());
+}
+
+/// Cells that hold one piece have a polygon, not those of all their simplices.
+TEST(MeshCsg, SmoothPartsHaveAPolygonInEachCell) {
+  CsgMeshOptions options;
+  options.cell = 0.1, options.simplify = 0;
+  CsgMeshReport report;
+  const TriangleMesh mesh = meshed(parsed("sphere(1)"), options, report);
+  EXPECT_TRUE(report.closed);
+  EXPECT_LT(static_cast<double>(mesh.triangles.size()), 3 * 4 * kPi / (0.05 * 0.05));
 }
 
 TEST(MeshCsg, WallsThatFloatsCannotHoldAreAnError) {
