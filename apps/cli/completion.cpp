@@ -242,7 +242,7 @@ std::string bash_completion(const CommandLine& root) {
     for (const OptionEntry* option : typed_options(*command))
       for (const std::string& flag : option->names)
         if (option->kind != OptionEntry::Kind::flag && !option->implied)
-          values[bash_action(*option)].push_back("'" + name + " " + flag + "'");
+          values[bash_action(*option)].push_back(fmt::format("'{} {}'", name, flag));
   text += "  case \"$command $previous\" in\n";
   for (const auto& [action, patterns] : values)
     text += fmt::format("    {})\n      {}return ;;\n", joined(patterns, "|"), action.empty() ? "" : action + "; ");

@@ -40,6 +40,7 @@ class PaperTree {
       std::vector<Decision> decisions(blocks.size());
       parallel_ranges(0, blocks.size(), 16, [&](std::size_t first, std::size_t last) {
         PaperFitter::Workspace ws;
+        progress.check();
         for (std::size_t b = first; b < last; ++b) decisions[b] = decide(blocks[b], ws);
       });
       Level& here = levels_.emplace_back();

@@ -49,13 +49,14 @@ class SurfaceWalk {
   }
 
   /// Finds the crossing simplices, and their vertices with the values there.
-  void walk(const std::vector<Vec3>& seeds, WalkReport& r) {
+  void walk(const std::vector<Vec3>& seeds, Progress& progress, WalkReport& r) {
     std::vector<Tuple> starts;
     starts.reserve(seeds.size());
     for (const Vec3& x : seeds)
       if (const auto s = locate<3>(view_, view_.to_lattice(x))) starts.push_back(*s);
     std::unordered_map<LatticeVertex<3>, std::uint32_t, LatticeVertexHash> number;
     const auto inside = [&](std::span<const LatticeVertex<3>> asked, std::span<std::uint8_t> answers) {
+      progress.check();
       const std::size_t before = points_.size();
       points_.insert(points_.end(), asked.begin(), asked.end());
       evaluate_from(before);
@@ -248,7 +249,7 @@ TriangleMesh walk_surface(const ScalarField& field, BlockTree blocks, const Vec3
   r = {};
   progress.begin("walk");
   SurfaceWalk walk(field, std::move(blocks), origin);
-  walk.walk(options.seeds, r);
+  walk.walk(options.seeds, progress, r);
   if (options.displacement > 0) {
     progress.begin("displace");
     walk.displace(options.displacement, r);
