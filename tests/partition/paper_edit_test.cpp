@@ -58,7 +58,8 @@ double edited_value(const PartitionData& data, const Vec3& x) {
 PointSet sphere_with_dome(float at) {
   PointSet cloud = test::sphere(6000);
   for (int i = 0; i < 40; ++i) {
-    const float u = 0.02f * static_cast<float>(i % 8 - 4), v = 0.02f * static_cast<float>(i / 8 - 2);
+    const int row = i / 8;
+    const float u = 0.02f * static_cast<float>(i % 8 - 4), v = 0.02f * static_cast<float>(row - 2);
     cloud.positions.push_back({u, v, at});
     cloud.normals.push_back({0, 0, 1});
   }
