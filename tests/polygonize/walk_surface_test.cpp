@@ -71,8 +71,9 @@ BlockTree uneven_blocks(unsigned seed, int most) {
 /// Places all over the cube: every sheet that is not tiny has some in its simplices.
 std::vector<Vec3> many_seeds() {
   std::vector<Vec3> seeds;
-  for (int i = 0; i < 27000; ++i)
-    seeds.push_back(Vec3{i % 30 + 0.5, i / 30 % 30 + 0.5, i / 900 + 0.5} / 15.0 - Vec3{1, 1, 1});
+  for (int z = 0; z < 30; ++z)
+    for (int y = 0; y < 30; ++y)
+      for (int x = 0; x < 30; ++x) seeds.push_back(Vec3{x + 0.5, y + 0.5, z + 0.5} / 15.0 - Vec3{1, 1, 1});
   return seeds;
 }
 
