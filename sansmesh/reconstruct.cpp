@@ -27,11 +27,21 @@ PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, 
   return cloud;
 }
 
+/// The surface asked for, with those options of the fit that it heeds.
+SurfaceOptions surface_options(const ReconstructOptions& options) {
+  SurfaceOptions o = *options.surface;
+  const SurfaceMethodInfo& info = surface_method_info(o.method);
+  if (options.error && info.heeds(SurfaceOption::error)) o.error = options.error;
+  if (options.max_depth && info.heeds(SurfaceOption::max_depth)) o.max_depth = options.max_depth;
+  if (!options.sharp && info.heeds(SurfaceOption::smooth)) o.smooth = true;
+  return o;
+}
+
 /// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples where it bends, and cut off
 /// where these end.
 TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
                                  ReconstructReport& r) {
-  const SurfaceOptions& choice = *options.surface;
+  const SurfaceOptions choice = surface_options(options);
   const SurfaceModel model = make_surface_model(prepare(std::move(points), options, progress, r), choice, progress);
   r.warnings = model.warnings();
   r.spacing = model.report().spacing;
@@ -42,11 +52,11 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
                                 ? place.from_input(*options.mesh_error)
                                 : std::max(kErrorOverSpacing * spacing, place.from_input(kErrorOverNoise * r.noise));
   r.mesh_error = place.to_input(mesh_error);
-  PolygonizeOptions meshing = meshing_options(options, mesh_error, choice.sharp);
+  PolygonizeOptions meshing = meshing_options(options, mesh_error, model.creases());
   const ScalarField& field = model.field(progress);
   meshing.placement = model.placement(progress);
   meshing.seeds = model.seeds();
-  const PointSet feet = model.feet(progress);
+  PointSet feet = model.feet(progress);
   progress.begin("choose blocks");
   BlockTree blocks = model.blocks_for(feet, mesh_error);
   progress.begin("find borders");
@@ -56,9 +66,12 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
     trim = *options.trim > 0 ? place.from_input(*options.trim) : std::max(4 * spacing, 6 * place.from_input(r.noise));
   std::optional<bool> solid;
   if (options.open) solid = !*options.open;
-  const SurfaceDomain domain(field, feet, spacing, fill, trim, solid);
+  // Beyond those of the samples they are of what closes holes.
+  feet.positions.resize(std::min(feet.size(), model.points().size()));
+  feet.normals.resize(feet.size());
+  const SurfaceDomain domain(field, feet, spacing, fill, trim, solid, model.closes_holes());
   domain.refine(blocks, options.block_depth.value_or(BlockTree::kMaxLevel));
-  meshing.domain = &domain;
+  if (trim || !domain.solid() || !model.closes_holes()) meshing.domain = &domain;
   r.open = domain.ends();
   r.block_depth = blocks.depth();
   TriangleMesh mesh = cut_out(field, blocks, options, meshing, progress, r);
@@ -81,20 +94,20 @@ void ReconstructOptions::validate() const {
   if (surface) surface->validate();
   if (other_surface()) {
     const FitOptions none;
-    const auto unset = [&](bool ok, const char* field) {
-      if (!ok)
-        throw ArgumentError("`" + std::string(field) + "` belongs to the partition, not to the surface " +
-                            surface_method_info(surface->method).name);
+    const SurfaceMethodInfo& info = surface_method_info(surface->method);
+    const auto unset = [&](bool ok, const char* field, std::optional<SurfaceOption> heeded = {}) {
+      if (!ok && !(heeded && info.heeds(*heeded)))
+        throw ArgumentError("`" + std::string(field) + "` belongs to the partition, not to the surface " + info.name);
     };
     unset(!is_paper(), "fit = paper");
     unset(mesher != Mesher::walk, "mesher = walk");
     unset(!threshold, "threshold");
     unset(!coverage, "coverage");
-    unset(!max_depth, "max_depth");
-    unset(!error, "error");
+    unset(!max_depth, "max_depth", SurfaceOption::max_depth);
+    unset(!error, "error", SurfaceOption::error);
     unset(!support, "support");
     unset(max_degree == none.max_degree, "max_degree");
-    unset(sharp == none.sharp, "sharp = false");
+    unset(sharp == none.sharp, "sharp = false", SurfaceOption::smooth);
   }
   FitOptions::validate();
   MeshOptions::validate();

@@ -245,7 +245,8 @@ void add_fit_options(CommandLine& c, FitOptions& o) {
                "Deepest level of the tree of blocks, " + depth_range() + " [from data; 9 with --fit paper]")
       .type_name("LEVEL")
       .group("Fit");
-  c.add_option("--error", o.error, "Accepted rms error of a local fit [a tenth of the noise]")
+  c.add_option("--error", o.error,
+               "Accepted rms error of a local fit (mpu: largest distance of a sample) [from the noise]")
       .type_name("LENGTH")
       .group("Fit");
   c.add_option("--support", o.support,

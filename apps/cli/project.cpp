@@ -59,6 +59,9 @@ void check_options_fit(const ProjectArguments& a) {
     check(!s.iterations, "--iterations", what);
     check(s.diffusion == plain.diffusion, "--diffusion", what);
     check(s.separate_sheets, "--no-sheets", what);
+    check(!s.error, "--error", what);
+    check(!s.max_depth, "--depth", what);
+    check(!s.smooth, "--smooth", what);
     check(!a.cloud.remove_outliers, "--remove-outliers", "outliers hardly draw its points");
     check(a.steps == none.steps, "--steps", what);
     check(a.tolerance == none.tolerance, "--tolerance", what);

@@ -11,14 +11,19 @@
 namespace sansmesh::cli {
 namespace {
 
-/// Of all options of surfaces, what the tool calls them.
-std::string flags() {
+const char* flag_of(SurfaceOption option) {
+  static constexpr const char* kFlags[kSurfaceOptions] = {"--smoothing", "--bandwidth", "--order", "--iterations",
+                                                          "--diffusion", "--no-sheets", "--sharp", "--error",
+                                                          "--depth",     "--smooth"};
+  return kFlags[static_cast<std::size_t>(option)];
+}
+
+/// Of all options of surfaces that are given by flags of surfaces, what the tool calls them.
+std::string flags(const SurfaceOptions& given) {
   std::string text;
   for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
     const auto option = static_cast<SurfaceOption>(i);
-    const std::string flag =
-        option == SurfaceOption::separate_sheets ? "--no-sheets" : std::string("--") + field_name(option);
-    text += (i == 0 ? "" : i + 1 == kSurfaceOptions ? " and " : ", ") + flag;
+    if (given.is_set(option)) text += (text.empty() ? "" : ", ") + std::string(flag_of(option));
   }
   return text;
 }
@@ -27,8 +32,8 @@ std::string flags() {
 
 std::optional<SurfaceOptions> SurfaceArguments::chosen() const {
   if (!method) {
-    for (std::size_t i = 0; i < kSurfaceOptions; ++i)
-      if (options.is_set(static_cast<SurfaceOption>(i))) throw ArgumentError(flags() + " need --surface NAME");
+    if (const std::string given = flags(options); !given.empty())
+      throw ArgumentError(given + (given.find(',') == std::string::npos ? " needs" : " need") + " --surface NAME");
     return std::nullopt;
   }
   SurfaceOptions o = options;
@@ -63,6 +68,18 @@ void add_surface_details(CommandLine& c, SurfaceArguments& a, CloudUse& cloud) {
   c.add_flag_callback(
        "--no-sheets", [&o] { o.separate_sheets = false; }, "Samples on the other side of a thin part count too")
       .group("Surface");
+  // reconstruct has them for the partition as well.
+  if (!c.has("--depth")) {
+    c.add_option("--error", o.error,
+                 of(SurfaceOption::error) + "accepted distance of samples from the shape of their cell [from data]")
+        .type_name("LENGTH")
+        .group("Surface");
+    c.add_option("--depth", o.max_depth,
+                 of(SurfaceOption::max_depth) + "deepest level of the octree, " + depth_range() + " [14]")
+        .type_name("LEVEL")
+        .group("Surface");
+    c.add_flag("--smooth", o.smooth, of(SurfaceOption::smooth) + "do not look for edges and corners").group("Surface");
+  }
   c.add_flag("--remove-outliers", cloud.remove_outliers, "Leave out samples that belong to no surface, such as strays")
       .group("Surface");
 }

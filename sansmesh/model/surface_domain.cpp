@@ -28,6 +28,8 @@ constexpr std::size_t kPlaces = 4096;
 constexpr std::array<double, 3> kDepths{1, 2, 4};
 /// Mean winding number behind a surface from which on it bounds a solid.
 constexpr double kSolid = 0.75;
+/// The same where it will be closed whatever holes there are: it is 0.87 behind half a sphere.
+constexpr double kWholeSolid = 0.9;
 /// Diagonal of the widest hole of a solid that is closed, in spacings.
 constexpr double kHole = 12;
 /// Elsewhere it ends so many spacings from all samples.
@@ -43,7 +45,7 @@ std::vector<Vec3f> positions_of(const std::vector<Coverage::Border>& borders) {
 
 /// Whether they bound a solid: the winding number behind them is about 1, behind open sheets ½ or less. At some places
 /// only, and at the depth where it is largest, for thin walls.
-bool bounds_solid(const PointSet& feet, double spacing) {
+bool bounds_solid(const PointSet& feet, double spacing, double least) {
   std::vector<OrientedPatch> patches;
   std::vector<Vec3f> behind, before;
   const std::size_t stride = 1 + feet.size() / kPlaces;
@@ -68,7 +70,7 @@ bool bounds_solid(const PointSet& feet, double spacing) {
       if (w[k] > w[most]) most = k;
     sum += static_cast<double>(w[most]), jump += static_cast<double>(w[most] - outside[most]);
   }
-  return jump > 0 && sum >= kSolid * jump;
+  return jump > 0 && sum >= least * jump;
 }
 
 /// Leaves out what is too short. `hole`: the widest hole that is not left open.
@@ -126,11 +128,16 @@ std::vector<Coverage::Border> at_ends(const ScalarField& field, const Coverage& 
 }  // namespace
 
 SurfaceDomain::SurfaceDomain(const ScalarField& field, const PointSet& feet, double spacing, std::optional<double> fill,
-                             std::optional<double> trim, std::optional<bool> solid)
+                             std::optional<double> trim, std::optional<bool> solid, bool whole)
     : coverage_(feet.positions, spacing, fill), samples_(feet.positions), borders_(coverage_.borders()), trim_(trim) {
   if (solid == false) return;
   std::vector<Coverage::Border> ends = long_borders(at_ends(field, coverage_, samples_, feet, borders_), 0);
-  if (!solid && !ends.empty() && !bounds_solid(feet, spacing)) return;
+  if (!solid && !ends.empty() && !bounds_solid(feet, spacing, whole ? kWholeSolid : kSolid)) return;
+  if (whole) {
+    far_ = std::numeric_limits<double>::infinity();
+    borders_.clear();
+    return;
+  }
   far_ = kFar * spacing;
   borders_ = long_borders(std::move(ends), kHole * spacing);
   border_samples_ = KdTree(positions_of(borders_));

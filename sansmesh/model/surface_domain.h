@@ -23,12 +23,15 @@ class SurfaceDomain : public ScalarField {
   /// Of points on the surface, the zero set of a field, with their normals; they stand for the samples. Lengths in the
   /// unit of the field; coordinates are about 1 large. `spacing`: of all of them. `fill`: holes up to so wide are
   /// closed (Coverage). `trim`: no surface farther than this from any sample. `solid`: whether it bounds one, where
-  /// that is known; else the winding number behind the samples tells.
+  /// that is known; else the winding number behind the samples tells. `whole`: that of a solid ends nowhere but where
+  /// it is trimmed.
   SurfaceDomain(const ScalarField& field, const PointSet& feet, double spacing, std::optional<double> fill,
-                std::optional<double> trim, std::optional<bool> solid = {});
+                std::optional<double> trim, std::optional<bool> solid = {}, bool whole = false);
 
   /// Whether the samples end anywhere, so that the surface is open.
   bool ends() const { return !borders_.empty(); }
+  /// Whether it bounds a solid.
+  bool solid() const { return far_ > 0; }
 
   Box3 bounds() const override { return coverage_.bounds(); }
   /// No gradients: asked for, they are zero.

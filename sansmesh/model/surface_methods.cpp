@@ -17,6 +17,8 @@ constexpr Option kOfIterations[] = {Option::smoothing,  Option::bandwidth,      
 constexpr Option kOfCurvatures[] = {Option::smoothing, Option::bandwidth, Option::diffusion, Option::separate_sheets,
                                     Option::sharp};
 
+constexpr Option kOfOctrees[] = {Option::error, Option::max_depth, Option::smooth};
+
 constexpr SurfaceMethodInfo kMethods[] = {
     {SurfaceMethod::partition,
      "partition",
@@ -45,6 +47,9 @@ constexpr SurfaceMethodInfo kMethods[] = {
      "polynomials over planes that are found in one step (projection)", kOfWeights, "projections.md"},
     {SurfaceMethod::curvature, "curvature", ProjectionMethod::curvature,
      "principal curvatures over mean planes (projection)", kOfCurvatures, "projections.md"},
+    {SurfaceMethod::mpu, "mpu", MpuFormula{},
+     "quadrics on an octree, with edges and corners, blended (MPU): closed; for clean parts", kOfOctrees, "mpu.md",
+     "its balls follow the data, and its edges are those of its pieces"},
 };
 
 constexpr bool in_order() {
@@ -58,7 +63,8 @@ static_assert(in_order(), "the table is indexed by the method");
 
 const char* field_name(SurfaceOption option) {
   static constexpr const char* kNames[kSurfaceOptions] = {"smoothing", "bandwidth",       "order", "iterations",
-                                                          "diffusion", "separate_sheets", "sharp"};
+                                                          "diffusion", "separate_sheets", "sharp", "error",
+                                                          "max_depth", "smooth"};
   return kNames[static_cast<std::size_t>(option)];
 }
 

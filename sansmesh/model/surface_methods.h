@@ -12,18 +12,46 @@
 
 namespace sansmesh {
 
-enum class SurfaceMethod { partition, hoppe, adamson, kolluri, dey, extremal, apss, amls, levin, alexa, curvature };
+enum class SurfaceMethod {
+  partition,
+  hoppe,
+  adamson,
+  kolluri,
+  dey,
+  extremal,
+  apss,
+  amls,
+  levin,
+  alexa,
+  curvature,
+  mpu
+};
 
 /// In the order of the alternatives of SurfaceMethodInfo::formula.
 enum class SurfaceFamily {
-  partition,  ///< fitted: local functions, blended
-  implicit,   ///< a function from weighted means of the samples
-  projection  ///< an operator that moves points onto the surface
+  partition,   ///< fitted: local functions, blended
+  implicit,    ///< a function from weighted means of the samples
+  projection,  ///< an operator that moves points onto the surface
+  mpu          ///< fitted on an octree: a function that is defined in a whole cube
 };
 
+/// The formula of the family mpu, which has one.
+struct MpuFormula {};
+
 /// Fields of SurfaceOptions that mean something to some methods only.
-enum class SurfaceOption { smoothing, bandwidth, order, iterations, diffusion, separate_sheets, sharp };
-inline constexpr std::size_t kSurfaceOptions = 7;
+enum class SurfaceOption {
+  smoothing,
+  bandwidth,
+  order,
+  iterations,
+  diffusion,
+  separate_sheets,
+  sharp,
+  error,
+  max_depth,
+  smooth
+};
+inline constexpr std::size_t kSurfaceOptions = 10;
 
 /// The field's name.
 const char* field_name(SurfaceOption option);
@@ -32,7 +60,7 @@ struct SurfaceMethodInfo {
   SurfaceMethod method;
   const char* name;  ///< as users write it
   /// Which formula of its family makes it; that of the partition is its own.
-  std::variant<std::monostate, ImplicitMethod, ProjectionMethod> formula;
+  std::variant<std::monostate, ImplicitMethod, ProjectionMethod, MpuFormula> formula;
   const char* summary;                     ///< one line
   std::span<const SurfaceOption> options;  ///< that mean something to it
   const char* page;                        ///< file in docs/methods/

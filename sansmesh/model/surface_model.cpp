@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/mpu/mpu_surface.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/sample_colors.h"
@@ -25,6 +26,9 @@ constexpr double kBlockReach = 0.4;
 /// are wider: a surface has no finer features.
 constexpr double kBlockEdge = 1.4, kThinBlockEdge = 1.2;
 constexpr int kDeepest = 13;
+/// Of what closes holes, where nothing tells how the surface bends: the radius of a ball over what stands for the
+/// spacing.
+constexpr float kGapBlocks = 2;
 /// Newton steps from a sample to the surface.
 constexpr int kFootSteps = 2;
 /// Around a block whose flatness is asked for it has to reach so far beyond, in edges.
@@ -101,6 +105,7 @@ struct SurfaceModel::State {
   std::optional<ImplicitSurface> implicit;
   std::optional<ProjectionSurface> projection;
   std::optional<ProjectionField> projection_field;
+  std::optional<MpuSurface> mpu;
   const ScalarField* field = nullptr;  // of a projection: made when it is first asked for, which pictures never do
   std::once_flag field_made;
   std::optional<BilateralNormals> normals;
@@ -111,6 +116,7 @@ struct SurfaceModel::State {
 
   void make_field(Progress& progress);
   void use_partition();
+  void use_mpu(const SurfaceSamples& samples, const SurfaceOptions& options, Progress& progress);
   BlockTree blocks(double coarseness, const std::optional<Flatness>& flat) const;
   Box3 bounds() const { return projection ? projection->bounds() : field->bounds(); }
 };
@@ -138,6 +144,28 @@ void SurfaceModel::State::use_partition() {
   report.noise = cloud.place.to_input(partition->report().noise);
 }
 
+/// Balls around the samples, as of the other surfaces, and those of cells without enough of them: what closes holes.
+void SurfaceModel::State::use_mpu(const SurfaceSamples& samples, const SurfaceOptions& options, Progress& progress) {
+  PointSet points;
+  points.positions = samples.positions, points.normals = samples.normals;
+  MpuOptions o;
+  if (options.error) o.error = cloud.place.from_input(*options.error);
+  o.max_depth = options.max_depth, o.sharp = !options.smooth;
+  o.spacing = samples.median_spacing;
+  mpu = make_mpu_surface(points, o, progress);
+  field = &*mpu;
+  balls.centers = samples.positions, spacing = samples.spacing;
+  const auto reach = static_cast<float>(default_reach(samples));
+  for (const float s : spacing) balls.radii.push_back(reach * s);
+  const BallUnion gaps = mpu->gap_balls();
+  for (std::size_t i = 0; i < gaps.centers.size(); ++i) {
+    const auto near = samples.tree.nearest(gaps.centers[i]);
+    if (!near || std::sqrt(near->squared_distance) <= reach * samples.spacing[near->index]) continue;
+    balls.centers.push_back(gaps.centers[i]), balls.radii.push_back(gaps.radii[i]);
+    spacing.push_back(std::max(gaps.radii[i] / kGapBlocks, samples.spacing[near->index]));
+  }
+}
+
 bool SurfaceOptions::is_set(SurfaceOption option) const {
   switch (option) {
     case SurfaceOption::smoothing:
@@ -154,6 +182,12 @@ bool SurfaceOptions::is_set(SurfaceOption option) const {
       return !separate_sheets;
     case SurfaceOption::sharp:
       return sharp;
+    case SurfaceOption::error:
+      return error.has_value();
+    case SurfaceOption::max_depth:
+      return max_depth.has_value();
+    case SurfaceOption::smooth:
+      return smooth;
   }
   throw ArgumentError("surfaces have no such option");
 }
@@ -172,6 +206,9 @@ void SurfaceOptions::validate() const {
   implicit.smoothing = smoothing, implicit.bandwidth = bandwidth;
   implicit.order = order, implicit.iterations = iterations;
   implicit.validate();
+  MpuOptions mpu;
+  mpu.error = error, mpu.max_depth = max_depth;
+  mpu.validate();
 }
 
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress) {
@@ -189,13 +226,15 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   report.method = options.method;
   report.samples = cloud.size();
   // Estimates blur edges; normals that came with the samples may be exact, and are only worse for it.
-  if (options.sharp && state->cloud.estimated_normals) {
+  const bool mpu = options.method == SurfaceMethod::mpu;
+  if ((options.sharp || (mpu && !options.smooth)) && state->cloud.estimated_normals) {
     progress.begin("denoise normals");
     denoise_normals(cloud, {.spacing = state->cloud.spacing, .noise = state->cloud.noise}, progress);
   }
   const auto bandwidth = options.bandwidth ? std::optional<double>(place.from_input(*options.bandwidth)) : std::nullopt;
 
   const SurfaceSamples* samples = nullptr;
+  SurfaceSamples of_mpu;
   const SurfaceMethodInfo& info = surface_method_info(options.method);
   switch (info.family()) {
     case SurfaceFamily::partition:
@@ -228,9 +267,14 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
       report.smoothing = state->projection->smoothing();
       break;
     }
+    case SurfaceFamily::mpu:
+      of_mpu = prepare_samples(cloud, progress, state->cloud.noise);
+      state->use_mpu(of_mpu, options, progress);
+      samples = &of_mpu;
+      break;
   }
   if (samples) {
-    state->spacing = samples->spacing;
+    if (!mpu) state->spacing = samples->spacing;
     report.spacing = place.to_input(samples->median_spacing);
     report.noise = place.to_input(samples->noise);
     if (options.sharp) {
@@ -265,6 +309,10 @@ const ScalarField& SurfaceModel::field(Progress& progress) const {
   return *state_->field;
 }
 const NormalField* SurfaceModel::normals() const { return state_->normals ? &*state_->normals : nullptr; }
+bool SurfaceModel::creases() const {
+  return state_->normals || (state_->mpu && state_->mpu->report().edges + state_->mpu->report().corners > 0);
+}
+bool SurfaceModel::closes_holes() const { return state_->partition || state_->mpu; }
 const ScalarField* SurfaceModel::placement(Progress& progress) const {
   field(progress);
   return state_->placement ? &*state_->placement : nullptr;

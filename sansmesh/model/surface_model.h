@@ -35,6 +35,9 @@ struct SurfaceOptions {
   Diffusion diffusion = Diffusion::none;  ///< whether samples off the surface count less
   bool separate_sheets = true;            ///< samples that look the other way than those nearby do not count
   bool sharp = false;                     ///< normals turn sharply at edges and corners (bilateral normals)
+  std::optional<double> error = {};       ///< accepted distance of samples from the shape of their cell (length)
+  std::optional<int> max_depth = {};      ///< deepest level of the octree, 2..14
+  bool smooth = false;                    ///< no edges and corners
 
   /// Whether an option is other than it is by itself.
   bool is_set(SurfaceOption option) const;
@@ -64,11 +67,15 @@ class SurfaceModel {
   const ScalarField& field(Progress& progress) const;
   /// Better normals than those of the field; null unless sharp ones were asked for.
   const NormalField* normals() const;
+  /// Whether the field has creases that a mesh should follow.
+  bool creases() const;
+  /// Whether the surface goes on where there are no samples: it is closed there, unless it bounds no solid.
+  bool closes_holes() const;
   /// For placing the vertices of a mesh, where another field than field() is better; else null. Makes field().
   const ScalarField* placement(Progress& progress) const;
   /// Null unless the surface is defined by a projection.
   const Projection* projection() const;
-  /// Where the surface can be.
+  /// Where the surface can be: first a ball for each of the samples, then what closes holes (not of the partition).
   const BallUnion& balls() const;
   /// How far from zero the field may be on either side of a jump that is part of the surface, over the radius of the
   /// ball there: patches of planes that do not meet (hoppe), or nearly nothing.

@@ -264,10 +264,10 @@ TEST_F(CommandLineTool, OptionsOfTheToolStandAnywhere) {
   const Outcome nested = run({"volume", "--threads=1", "probe", "absent.vti", "--at", "0,0,0"});
   EXPECT_NE(nested.err.find("absent.vti"), std::string::npos) << nested.err;
   expect_line({"--threads", "none", "info", "scan.ply"}, "--threads: 'none' is not a number (see sansmesh help)");
-  expect_line(
-      {"--depth", "4", "reconstruct", "scan.ply", "-o", "x.ply"},
-      "unknown option --depth here: options of a command come after it (it is one of reconstruct, fit and mesh) "
-      "(see sansmesh help)");
+  expect_line({"--depth", "4", "reconstruct", "scan.ply", "-o", "x.ply"},
+              "unknown option --depth here: options of a command come after it (it is one of reconstruct, render, "
+              "project and others) "
+              "(see sansmesh help)");
 }
 
 // A command that is new needs its line here.

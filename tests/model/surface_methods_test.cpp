@@ -67,6 +67,15 @@ SurfaceOptions with(SurfaceMethod method, SurfaceOption option) {
     case SurfaceOption::sharp:
       o.sharp = true;
       break;
+    case SurfaceOption::error:
+      o.error = 0.01;
+      break;
+    case SurfaceOption::max_depth:
+      o.max_depth = 5;
+      break;
+    case SurfaceOption::smooth:
+      o.smooth = true;
+      break;
   }
   return o;
 }

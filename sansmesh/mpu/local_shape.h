@@ -1,0 +1,98 @@
+// What multi-level partition of unity implicits are made of: quadrics, alone or combined at an edge or a corner.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/field/scalar_field.h"
+
+namespace sansmesh {
+
+/// q(x) = xᵀ A x + b·x + c, x relative to a centre of its own; A is symmetric.
+struct QuadricPiece {
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  Vec3 b;
+  double c = 0;
+
+  /// A x
+  Vec3 times(const Vec3& x) const {
+    return {xx * x.x + xy * x.y + xz * x.z, xy * x.x + yy * x.y + yz * x.z, xz * x.x + yz * x.y + zz * x.z};
+  }
+  double value(const Vec3& x) const { return dot(x, times(x) + b) + c; }
+  Vec3 gradient(const Vec3& x) const { return times(x) * 2.0 + b; }
+
+  /// A += s u uᵀ
+  void add_square(const Vec3& u, double s) {
+    xx += s * u.x * u.x, xy += s * u.x * u.y, xz += s * u.x * u.z;
+    yy += s * u.y * u.y, yz += s * u.y * u.z, zz += s * u.z * u.z;
+  }
+  /// A += s (u vᵀ + v uᵀ)
+  void add_product(const Vec3& u, const Vec3& v, double s) {
+    xx += 2 * s * u.x * v.x, yy += 2 * s * u.y * v.y, zz += 2 * s * u.z * v.z;
+    xy += s * (u.x * v.y + v.x * u.y), xz += s * (u.x * v.z + v.x * u.z), yz += s * (u.y * v.z + v.y * u.z);
+  }
+  /// The same function of places that are relative to another centre: x + by there is x here.
+  QuadricPiece seen_from(const Vec3& by) const {
+    QuadricPiece q = *this;
+    q.b = gradient(by), q.c = value(by);
+    return q;
+  }
+  /// ‖A‖ as a vector of nine entries: no less than its largest eigenvalue.
+  double bend() const { return std::sqrt(xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)); }
+};
+
+/// At an edge or a corner at most so many quadrics meet.
+inline constexpr std::size_t kMostPieces = 4;
+
+/// How the pieces of a shape become one function, by maxima (what is common to two solids) and minima.
+struct PieceCombination {
+  std::uint8_t pieces = 1;    ///< 1..kMostPieces
+  std::uint8_t maxima = 0;    ///< bit k: step k takes the larger one
+  std::uint8_t in_pairs = 0;  ///< 1: of four pieces, step 0 joins 0 and 1, step 1 joins 2 and 3, step 2 both of these;
+                              ///< else step k joins what there is with piece k + 1
+
+  bool larger(unsigned step) const { return (maxima >> step & 1) != 0; }
+
+  /// `join(step is a maximum, a, b)` of the values of the pieces.
+  template <class T, class Join>
+  T combine(const std::array<T, kMostPieces>& v, Join&& join) const {
+    if (in_pairs != 0) return join(larger(2), join(larger(0), v[0], v[1]), join(larger(1), v[2], v[3]));
+    T all = v[0];
+    for (unsigned k = 1; k < pieces; ++k) all = join(larger(k - 1), all, v[k]);
+    return all;
+  }
+};
+
+/// A local approximation, in coordinates relative to the centre of its ball.
+struct LocalShape {
+  std::array<QuadricPiece, kMostPieces> pieces;
+  PieceCombination combination;
+};
+
+/// The value of a combination at x, and which piece it is.
+struct ShapeValue {
+  double value;
+  std::uint32_t piece;
+};
+
+inline ShapeValue shape_value(const QuadricPiece* pieces, PieceCombination how, const Vec3& x) {
+  if (how.pieces == 1) return {pieces[0].value(x), 0};
+  std::array<ShapeValue, kMostPieces> v{};
+  for (std::uint32_t k = 0; k < how.pieces; ++k) v[k] = {pieces[k].value(x), k};
+  return how.combine(v, [](bool larger, const ShapeValue& a, const ShapeValue& b) {
+    return (larger ? b.value > a.value : b.value < a.value) ? b : a;
+  });
+}
+
+/// What the values within `radius` of x lie between.
+ValueRange shape_range(const QuadricPiece* pieces, PieceCombination how, const Vec3& x, double radius);
+
+/// The largest |Q| / ‖∇Q‖ at places relative to the centre ([ohtake2003], section 4): how far they are off its zero
+/// set, to first order.
+double shape_error(const LocalShape& shape, std::span<const Vec3> x);
+
+}  // namespace sansmesh
