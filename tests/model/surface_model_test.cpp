@@ -222,6 +222,49 @@ TEST(SurfaceModel, TakesNoiseAway) {
   }
 }
 
+TEST(SurfaceModel, MpuClosesWideHolesUnlessItIsTrimmed) {
+  const PointSet ball = test::sphere(4000);
+  PointSet cut;
+  for (std::size_t i = 0; i < ball.size(); ++i) {
+    if (ball.positions[i].z > 0.8f) continue;
+    cut.positions.push_back(ball.positions[i]);
+    cut.normals.push_back(ball.normals[i]);
+  }
+  ReconstructOptions options;
+  options.surface = named("mpu");
+  options.open = false;
+  Progress progress;
+  const TriangleMesh closed = reconstruct(cut, options, progress);
+  EXPECT_TRUE(measure_topology(closed).closed());
+  EXPECT_EQ(measure_topology(closed).euler, 2);
+  options.trim = 0.2;
+  const MeshTopology trimmed = measure_topology(reconstruct(cut, options, progress));
+  EXPECT_EQ(trimmed.boundary_loops, 1u);
+  EXPECT_EQ(trimmed.components, 1u);
+}
+
+TEST(SurfaceModel, MpuHeedsOptionsOfTheFit) {
+  const PointSet cloud = test::cube(4000);
+  const auto mesh_with = [&](auto change) {
+    ReconstructOptions options;
+    options.surface = named("mpu");
+    change(options);
+    Progress progress;
+    return reconstruct(cloud, options, progress);
+  };
+  const auto same = [](const TriangleMesh& a, const TriangleMesh& b) { return a.vertices == b.vertices; };
+  const TriangleMesh plain = mesh_with([](ReconstructOptions&) {});
+  const TriangleMesh coarse = mesh_with([](ReconstructOptions& o) { o.error = 0.05; });
+  const TriangleMesh smooth = mesh_with([](ReconstructOptions& o) { o.sharp = false; });
+  const TriangleMesh shallow = mesh_with([](ReconstructOptions& o) { o.max_depth = 2; });
+  for (const TriangleMesh* m : {&coarse, &smooth, &shallow}) EXPECT_FALSE(same(plain, *m));
+  EXPECT_TRUE(same(coarse, mesh_with([](ReconstructOptions& o) { o.surface->error = 0.05; })));
+  EXPECT_TRUE(same(smooth, mesh_with([](ReconstructOptions& o) { o.surface->smooth = true; })));
+  EXPECT_TRUE(same(shallow, mesh_with([](ReconstructOptions& o) { o.surface->max_depth = 2; })));
+  EXPECT_THROW(mesh_with([](ReconstructOptions& o) { o.max_degree = 2; }), ArgumentError);
+  EXPECT_THROW(mesh_with([](ReconstructOptions& o) { o.surface->error = -1; }), ArgumentError);
+}
+
 TEST(SurfaceModel, HasTheColoursOfTheSamples) {
   PointSet cloud = test::sphere(3000);
   for (const Vec3f& p : cloud.positions)
