@@ -40,7 +40,6 @@ bool of_curvature(const SurfaceOptions& s) {
 
 /// Throws ArgumentError for options that the method would not heed.
 void check_options_fit(const ProjectArguments& a) {
-  const SurfaceOptions plain;
   const ProjectArguments none;
   const bool chosen = a.method == "auto";
   const auto check = [&](bool ok, const char* option, const char* what) {
@@ -51,17 +50,10 @@ void check_options_fit(const ProjectArguments& a) {
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
     check(a.onto.files.empty(), "--onto", what);
-    const SurfaceOptions& s = a.surface.options;
-    check(!s.sharp, "--sharp", what);
-    check(!s.smoothing, "--smoothing", what);
-    check(!s.bandwidth, "--bandwidth", what);
-    check(!s.order, "--order", what);
-    check(!s.iterations, "--iterations", what);
-    check(s.diffusion == plain.diffusion, "--diffusion", what);
-    check(s.separate_sheets, "--no-sheets", what);
-    check(!s.error, "--error", what);
-    check(!s.max_depth, "--depth", what);
-    check(!s.smooth, "--smooth", what);
+    for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
+      const auto option = static_cast<SurfaceOption>(i);
+      check(!a.surface.options.is_set(option), flag_of(option).c_str(), what);
+    }
     check(!a.cloud.remove_outliers, "--remove-outliers", "outliers hardly draw its points");
     check(a.steps == none.steps, "--steps", what);
     check(a.tolerance == none.tolerance, "--tolerance", what);

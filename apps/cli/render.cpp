@@ -49,6 +49,9 @@ void complete(RenderArguments& a) {
   require(!a.splats || (!a.objects.translucent() && s.reflection == 0 && s.transmission == 0 && !s.exact_shadows),
           "--opacity, --reflection, --transmission and --exact-shadows mean nothing to --splats");
   require(!a.splats || !function || a.input.files.size() == 1, "--splats of functions: one at a time");
+  require(!a.stored_rays ||
+              (a.surface && !a.splats && surface_method_info(a.surface->method).family() == SurfaceFamily::projection),
+          "--rays stored needs --surface levin, alexa or curvature, and no --splats");
   const bool meshless = a.surface || function || a.splats;
   // Of meshes and points that is the name of an attribute as well.
   const bool by_confidence = a.color_by == kConfidence, by_curvature = meshless && is_curvature(a.color_by);
@@ -193,6 +196,11 @@ Command add_render(CommandLine& app) {
       .group("Surface");
   c.add_option("--refraction-index", s.refraction_index, "Refraction index of the body: 1.33 water, 1.5 glass [1.5]")
       .type_name("RATIO")
+      .group("Surface");
+  c.add_choice<bool>("--rays", a.stored_rays, {{"march", false}, {"stored", true}},
+                     "levin, alexa, curvature: march through the balls around the samples, or start from polynomials "
+                     "stored with them [march]")
+      .type_name("CHOICE")
       .group("Surface");
   c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow").group("Surface");
   c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground").group("Surface");

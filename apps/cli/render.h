@@ -34,6 +34,7 @@ struct RenderArguments {
   std::string unit;                                      ///< of lengths, or of the attribute: at the bar of colours
   bool no_bar = false;
   ObjectLooks objects;
+  bool stored_rays = false;           ///< of a projection: rays start from polynomials stored with the samples
   std::optional<std::size_t> splats;  ///< so many points of the surface as splats that blend; 0: as many as suit it
   int frames = 0;                     ///< of a turntable; 0: one picture
   bool separate = false;              ///< once chosen: each file is an object of its own in the picture

@@ -9,21 +9,21 @@
 #include "sansmesh/core/error.h"
 
 namespace sansmesh::cli {
-namespace {
 
-const char* flag_of(SurfaceOption option) {
-  static constexpr const char* kFlags[kSurfaceOptions] = {"--smoothing", "--bandwidth", "--order", "--iterations",
-                                                          "--diffusion", "--no-sheets", "--sharp", "--error",
-                                                          "--depth",     "--smooth"};
-  return kFlags[static_cast<std::size_t>(option)];
+std::string flag_of(SurfaceOption option) {
+  if (option == SurfaceOption::separate_sheets) return "--no-sheets";
+  if (option == SurfaceOption::max_depth) return "--depth";
+  return std::string("--") + field_name(option);
 }
+
+namespace {
 
 /// Of all options of surfaces that are given by flags of surfaces, what the tool calls them.
 std::string flags(const SurfaceOptions& given) {
   std::string text;
   for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
     const auto option = static_cast<SurfaceOption>(i);
-    if (given.is_set(option)) text += (text.empty() ? "" : ", ") + std::string(flag_of(option));
+    if (given.is_set(option)) text += (text.empty() ? "" : ", ") + flag_of(option);
   }
   return text;
 }
@@ -44,14 +44,34 @@ std::optional<SurfaceOptions> SurfaceArguments::chosen() const {
 
 void add_surface_details(CommandLine& c, SurfaceArguments& a, CloudUse& cloud) {
   using Diffusion = SurfaceOptions::Diffusion;
+  using Flow = SurfaceOptions::Flow;
+  using Normal = SurfaceOptions::Normal;
+  using Plane = SurfaceOptions::Plane;
+  using Polynomial = SurfaceOptions::Polynomial;
+  using SharpFormula = SurfaceOptions::SharpFormula;
   SurfaceOptions& o = a.options;
   const auto of = [](SurfaceOption option) { return heeded_by(option) + ": "; };
-  c.add_flag("--sharp", o.sharp, "Edges and corners: normals that turn sharply (bilateral)").group("Surface");
+  c.add_option_function(
+       "--sharp",
+       [&o](const std::string& weights) {
+         o.sharp = true;
+         o.sharp_formula = weights == "laguerre" ? SharpFormula::laguerre : SharpFormula::bilateral;
+       },
+       "Edges and corners: normals that turn sharply, with bilateral or laguerre weights [without a word: bilateral]")
+      .one_of({"bilateral", "laguerre"})
+      .without_value("bilateral")
+      .type_name("WEIGHTS")
+      .group("Surface");
   c.add_option("--smoothing", o.smoothing, "Width of the weights over the spacing of the samples, 0.5..20 [from data]")
       .type_name("RATIO")
       .group("Surface");
   c.add_option("--bandwidth", o.bandwidth, "Width of the weights as one length, in place of --smoothing")
       .type_name("LENGTH")
+      .group("Surface");
+  c.add_choice<SurfaceWeights>(
+       "--weights", o.weights, {{"compact", SurfaceWeights::compact}, {"gaussian", SurfaceWeights::gaussian}},
+       "compact: as wide as the spacing asks for; gaussian: exp(-d^2/h^2) with one h for the cloud [compact]")
+      .type_name("CHOICE")
       .group("Surface");
   c.add_option("--order", o.order, of(SurfaceOption::order) + "order of the approximation, 2, 4 or 6 [from data]")
       .type_name("ORDER")
@@ -60,10 +80,46 @@ void add_surface_details(CommandLine& c, SurfaceArguments& a, CloudUse& cloud) {
                of(SurfaceOption::iterations) + "0 smooths most, many interpolate [from data]")
       .type_name("COUNT")
       .group("Surface");
+  c.add_option("--epsilon", o.epsilon, of(SurfaceOption::epsilon) + "shape parameter beside the width, 0.05..20 [1]")
+      .type_name("NUMBER")
+      .group("Surface");
+  c.add_choice<Normal>("--normal", o.normal, {{"covariance", Normal::covariance}, {"iterated", Normal::iterated}},
+                       "adamson: covariance, the direction of least weighted covariance [mean normal]; amls: iterated, "
+                       "the normals approximated as the values are [gradient]")
+      .type_name("CHOICE")
+      .group("Surface");
+  c.add_choice<Plane>("--plane", o.plane, {{"iterated", Plane::iterated}, {"nonlinear", Plane::nonlinear}},
+                      of(SurfaceOption::plane) +
+                          "the plane by weights about its own foot, six times, or by nonlinear "
+                          "minimisation [iterated]")
+      .type_name("CHOICE")
+      .group("Surface");
+  c.add_choice<Polynomial>("--polynomial", o.polynomial,
+                           {{"1", Polynomial::linear},
+                            {"2", Polynomial::quadratic},
+                            {"3", Polynomial::cubic},
+                            {"4", Polynomial::quartic},
+                            {"incomplete", Polynomial::incomplete}},
+                           of(SurfaceOption::polynomial) + "degree over the plane, or incomplete: x^2, y^2, xy, 1 [2]")
+      .type_name("DEGREE")
+      .group("Surface");
+  c.add_choice<Flow>("--flow", o.flow, {{"fit", Flow::fit}, {"normal", Flow::normal}, {"free", Flow::free}},
+                     of(SurfaceOption::flow) +
+                         "onto the surface by the fit, or by diffusion to its fixed point, along "
+                         "the normal or free [fit]")
+      .type_name("CHOICE")
+      .group("Surface");
   c.add_choice<Diffusion>(
        "--diffusion", o.diffusion, {{"none", Diffusion::none}, {"soft", Diffusion::soft}, {"hard", Diffusion::hard}},
        of(SurfaceOption::diffusion) + "how much less samples far off count: none, soft or hard [none]")
       .type_name("CHOICE")
+      .group("Surface");
+  c.add_option("--threshold", o.threshold,
+               of(SurfaceOption::threshold) + "curvature from which --diffusion acts, over that of the width [1]")
+      .type_name("NUMBER")
+      .group("Surface");
+  c.add_option("--tau", o.tau, of(SurfaceOption::tau) + "exponent of the M-like weights, 1..3 [2]")
+      .type_name("EXPONENT")
       .group("Surface");
   c.add_flag_callback(
        "--no-sheets", [&o] { o.separate_sheets = false; }, "Samples on the other side of a thin part count too")

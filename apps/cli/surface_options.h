@@ -19,6 +19,8 @@ struct SurfaceArguments {
   std::optional<SurfaceOptions> chosen() const;
 };
 
+/// "--no-sheets"
+std::string flag_of(SurfaceOption option);
 /// --sharp, --smoothing, --bandwidth, …, --remove-outliers
 void add_surface_details(CommandLine& command, SurfaceArguments& arguments, CloudUse& cloud);
 /// --surface, and these. `what` says what is done with it.

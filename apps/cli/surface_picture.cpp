@@ -56,6 +56,7 @@ class SurfacePainter {
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     cast.jump = model.jump();
+    cast.stored = arguments.stored_rays;
     if (model.projection())
       caster_.emplace(*model.projection(), model.balls(), cast);
     else

@@ -10,12 +10,21 @@ namespace {
 
 using Option = SurfaceOption;
 
-constexpr Option kOfWeights[] = {Option::smoothing, Option::bandwidth, Option::separate_sheets, Option::sharp};
+constexpr Option kOfWeights[] = {Option::smoothing, Option::bandwidth, Option::weights, Option::separate_sheets,
+                                 Option::sharp};
 constexpr Option kOfNearest[] = {Option::smoothing, Option::bandwidth, Option::sharp};
-constexpr Option kOfIterations[] = {Option::smoothing,  Option::bandwidth,       Option::order,
-                                    Option::iterations, Option::separate_sheets, Option::sharp};
-constexpr Option kOfCurvatures[] = {Option::smoothing, Option::bandwidth, Option::diffusion, Option::separate_sheets,
-                                    Option::sharp};
+constexpr Option kOfMeanPlanes[] = {Option::smoothing, Option::bandwidth,       Option::weights,
+                                    Option::normal,    Option::separate_sheets, Option::sharp};
+constexpr Option kOfIterations[] = {Option::smoothing, Option::bandwidth,       Option::weights,
+                                    Option::order,     Option::iterations,      Option::epsilon,
+                                    Option::normal,    Option::separate_sheets, Option::sharp};
+constexpr Option kOfPolynomials[] = {Option::smoothing,  Option::bandwidth,       Option::weights,
+                                     Option::polynomial, Option::separate_sheets, Option::sharp};
+constexpr Option kOfLeastPlanes[] = {Option::smoothing,  Option::bandwidth,       Option::weights, Option::plane,
+                                     Option::polynomial, Option::separate_sheets, Option::sharp};
+constexpr Option kOfCurvatures[] = {Option::smoothing, Option::bandwidth,       Option::weights,
+                                    Option::flow,      Option::diffusion,       Option::threshold,
+                                    Option::tau,       Option::separate_sheets, Option::sharp};
 
 constexpr Option kOfOctrees[] = {Option::error, Option::max_depth, Option::smooth};
 
@@ -30,7 +39,7 @@ constexpr SurfaceMethodInfo kMethods[] = {
     {SurfaceMethod::hoppe, "hoppe", ImplicitMethod::hoppe, "tangent plane of the nearest sample: to compare with",
      kOfNearest, "implicit-surfaces.md"},
     {SurfaceMethod::adamson, "adamson", ImplicitMethod::adamson, "mean plane of the samples: to compare with",
-     kOfWeights, "implicit-surfaces.md"},
+     kOfMeanPlanes, "implicit-surfaces.md"},
     {SurfaceMethod::kolluri, "kolluri", ImplicitMethod::kolluri, "mean of the tangent planes", kOfWeights,
      "implicit-surfaces.md"},
     {SurfaceMethod::dey, "dey", ImplicitMethod::dey, "mean of the tangent planes, weights wider where the shape allows",
@@ -42,9 +51,9 @@ constexpr SurfaceMethodInfo kMethods[] = {
     {SurfaceMethod::amls, "amls", ImplicitMethod::amls, "iterated approximate moving least squares of order 2, 4 or 6",
      kOfIterations, "implicit-surfaces.md"},
     {SurfaceMethod::levin, "levin", ProjectionMethod::levin,
-     "polynomials over planes that are found by iteration (projection)", kOfWeights, "projections.md"},
+     "polynomials over planes that are found by iteration (projection)", kOfLeastPlanes, "projections.md"},
     {SurfaceMethod::alexa, "alexa", ProjectionMethod::alexa,
-     "polynomials over planes that are found in one step (projection)", kOfWeights, "projections.md"},
+     "polynomials over planes that are found in one step (projection)", kOfPolynomials, "projections.md"},
     {SurfaceMethod::curvature, "curvature", ProjectionMethod::curvature,
      "principal curvatures over mean planes (projection)", kOfCurvatures, "projections.md"},
     {SurfaceMethod::mpu, "mpu", MpuFormula{},
@@ -62,9 +71,9 @@ static_assert(in_order(), "the table is indexed by the method");
 }  // namespace
 
 const char* field_name(SurfaceOption option) {
-  static constexpr const char* kNames[kSurfaceOptions] = {"smoothing", "bandwidth",       "order", "iterations",
-                                                          "diffusion", "separate_sheets", "sharp", "error",
-                                                          "max_depth", "smooth"};
+  static constexpr const char* kNames[kSurfaceOptions] = {
+      "smoothing", "bandwidth", "weights",   "order", "iterations",      "epsilon", "normal", "plane",     "polynomial",
+      "flow",      "diffusion", "threshold", "tau",   "separate_sheets", "sharp",   "error",  "max_depth", "smooth"};
   return kNames[static_cast<std::size_t>(option)];
 }
 

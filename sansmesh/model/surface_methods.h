@@ -42,16 +42,24 @@ struct MpuFormula {};
 enum class SurfaceOption {
   smoothing,
   bandwidth,
+  weights,
   order,
   iterations,
+  epsilon,
+  normal,
+  plane,
+  polynomial,
+  flow,
   diffusion,
+  threshold,
+  tau,
   separate_sheets,
   sharp,
   error,
   max_depth,
   smooth
 };
-inline constexpr std::size_t kSurfaceOptions = 10;
+inline constexpr std::size_t kSurfaceOptions = 18;
 
 /// The field's name.
 const char* field_name(SurfaceOption option);

@@ -98,6 +98,23 @@ struct Flatness {
 
 }  // namespace
 
+namespace {
+
+/// Iterated normals, from which the sharp ones start.
+class SharpenedNormals : public NormalField {
+ public:
+  SharpenedNormals(const NormalField& first, const NormalField& then) : first_(first), then_(then) {}
+  void refine(std::span<const Vec3> x, std::span<Vec3> normals) const override {
+    first_.refine(x, normals);
+    then_.refine(x, normals);
+  }
+
+ private:
+  const NormalField &first_, &then_;
+};
+
+}  // namespace
+
 struct SurfaceModel::State {
   PreparedCloud cloud;
   SurfaceReport report;
@@ -109,6 +126,8 @@ struct SurfaceModel::State {
   const ScalarField* field = nullptr;  // of a projection: made when it is first asked for, which pictures never do
   std::once_flag field_made;
   std::optional<BilateralNormals> normals;
+  std::optional<IteratedNormals> iterated;
+  std::unique_ptr<NormalField> sharpened;  // null unless both
   std::optional<FaceField> placement;
   std::optional<SampleColors> colors;
   BallUnion balls;
@@ -144,13 +163,44 @@ void SurfaceModel::State::use_partition() {
   report.noise = cloud.place.to_input(partition->report().noise);
 }
 
+namespace {
+
+ImplicitOptions implicit_options(const SurfaceOptions& options, const std::optional<double>& bandwidth) {
+  ImplicitOptions o;
+  o.method = std::get<ImplicitMethod>(surface_method_info(options.method).formula);
+  o.smoothing = options.smoothing, o.bandwidth = bandwidth, o.weights = options.weights;
+  o.order = options.order, o.iterations = options.iterations, o.epsilon = options.epsilon;
+  o.normal = options.normal;
+  o.separate_sheets = options.separate_sheets;
+  return o;
+}
+
+ProjectionOptions projection_options(const SurfaceOptions& options, const std::optional<double>& bandwidth) {
+  ProjectionOptions o;
+  o.method = std::get<ProjectionMethod>(surface_method_info(options.method).formula);
+  o.smoothing = options.smoothing, o.bandwidth = bandwidth, o.weights = options.weights;
+  o.plane = options.plane, o.polynomial = options.polynomial;
+  o.flow = options.flow, o.diffusion = options.diffusion;
+  o.threshold = options.threshold.value_or(o.threshold), o.tau = options.tau.value_or(o.tau);
+  o.separate_sheets = options.separate_sheets;
+  return o;
+}
+
+/// Without what follows from the data. Lengths are in the unit of the input.
+MpuOptions mpu_options(const SurfaceOptions& options) {
+  MpuOptions o;
+  o.error = options.error, o.max_depth = options.max_depth, o.sharp = !options.smooth;
+  return o;
+}
+
+}  // namespace
+
 /// Balls around the samples, as of the other surfaces, and those of cells without enough of them: what closes holes.
 void SurfaceModel::State::use_mpu(const SurfaceSamples& samples, const SurfaceOptions& options, Progress& progress) {
   PointSet points;
   points.positions = samples.positions, points.normals = samples.normals;
-  MpuOptions o;
-  if (options.error) o.error = cloud.place.from_input(*options.error);
-  o.max_depth = options.max_depth, o.sharp = !options.smooth;
+  MpuOptions o = mpu_options(options);
+  if (o.error) o.error = cloud.place.from_input(*o.error);
   o.spacing = samples.median_spacing;
   mpu = make_mpu_surface(points, o, progress);
   field = &*mpu;
@@ -176,6 +226,22 @@ bool SurfaceOptions::is_set(SurfaceOption option) const {
       return order.has_value();
     case SurfaceOption::iterations:
       return iterations.has_value();
+    case SurfaceOption::weights:
+      return weights != SurfaceWeights::compact;
+    case SurfaceOption::epsilon:
+      return epsilon.has_value();
+    case SurfaceOption::normal:
+      return normal != Normal::standard;
+    case SurfaceOption::plane:
+      return plane != Plane::iterated;
+    case SurfaceOption::polynomial:
+      return polynomial != Polynomial::quadratic;
+    case SurfaceOption::flow:
+      return flow != Flow::fit;
+    case SurfaceOption::threshold:
+      return threshold.has_value();
+    case SurfaceOption::tau:
+      return tau.has_value();
     case SurfaceOption::diffusion:
       return diffusion != Diffusion::none;
     case SurfaceOption::separate_sheets:
@@ -202,13 +268,14 @@ void SurfaceOptions::validate() const {
         *info.instead ? fmt::format("`{}` means nothing to the surface {}: {}", field, info.name, info.instead)
                       : fmt::format("`{}` belongs to {}, not to the surface {}", field, heeded_by(option), info.name));
   }
-  ImplicitOptions implicit;
-  implicit.smoothing = smoothing, implicit.bandwidth = bandwidth;
-  implicit.order = order, implicit.iterations = iterations;
-  implicit.validate();
-  MpuOptions mpu;
-  mpu.error = error, mpu.max_depth = max_depth;
-  mpu.validate();
+  if (threshold && diffusion == Diffusion::none) throw ArgumentError("`threshold` needs `diffusion` = soft or hard");
+  if (sharp_formula != SharpFormula::bilateral && !sharp) throw ArgumentError("`sharp_formula` needs `sharp`");
+  if (info.family() == SurfaceFamily::implicit)
+    implicit_options(*this, bandwidth).validate();
+  else if (info.family() == SurfaceFamily::projection)
+    projection_options(*this, bandwidth).validate();
+  else if (info.family() == SurfaceFamily::mpu)
+    mpu_options(*this).validate();
 }
 
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress) {
@@ -242,11 +309,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
       state->use_partition();
       break;
     case SurfaceFamily::implicit: {
-      ImplicitOptions o;
-      o.method = std::get<ImplicitMethod>(info.formula);
-      o.smoothing = options.smoothing, o.bandwidth = bandwidth;
-      o.order = options.order, o.iterations = options.iterations;
-      o.separate_sheets = options.separate_sheets;
+      const ImplicitOptions o = implicit_options(options, bandwidth);
       state->implicit = make_implicit_surface(prepare_samples(cloud, progress, state->cloud.noise), o, progress);
       state->field = &*state->implicit;
       state->balls = state->implicit->balls();
@@ -257,10 +320,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
       break;
     }
     case SurfaceFamily::projection: {
-      ProjectionOptions o;
-      o.method = std::get<ProjectionMethod>(info.formula);
-      o.smoothing = options.smoothing, o.bandwidth = bandwidth, o.separate_sheets = options.separate_sheets;
-      o.diffusion = options.diffusion;
+      const ProjectionOptions o = projection_options(options, bandwidth);
       state->projection = make_projection_surface(prepare_samples(cloud, progress, state->cloud.noise), o, progress);
       state->balls = state->projection->balls();
       samples = &state->projection->samples();
@@ -278,8 +338,14 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
     report.spacing = place.to_input(samples->median_spacing);
     report.noise = place.to_input(samples->noise);
     if (options.sharp) {
-      state->normals.emplace(*samples, BilateralOptions{});
+      BilateralOptions o;
+      o.formula = options.sharp_formula, o.weights = options.weights;
+      o.epsilon = options.epsilon.value_or(o.epsilon);
+      state->normals.emplace(*samples, o);
     }
+    if (options.normal == SurfaceOptions::Normal::iterated) state->iterated.emplace(*state->implicit);
+    if (state->iterated && state->normals)
+      state->sharpened = std::make_unique<SharpenedNormals>(*state->iterated, *state->normals);
   }
   if (cloud.has_colors()) state->colors.emplace(cloud);
   progress.finish();
@@ -308,7 +374,11 @@ const ScalarField& SurfaceModel::field(Progress& progress) const {
   std::call_once(state_->field_made, [&] { state_->make_field(progress); });
   return *state_->field;
 }
-const NormalField* SurfaceModel::normals() const { return state_->normals ? &*state_->normals : nullptr; }
+const NormalField* SurfaceModel::normals() const {
+  if (state_->sharpened) return state_->sharpened.get();
+  if (state_->iterated) return &*state_->iterated;
+  return state_->normals ? &*state_->normals : nullptr;
+}
 bool SurfaceModel::creases() const {
   return state_->normals || (state_->mpu && state_->mpu->report().edges + state_->mpu->report().corners > 0);
 }

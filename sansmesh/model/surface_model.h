@@ -19,6 +19,7 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/model/surface_methods.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
@@ -26,18 +27,32 @@ namespace sansmesh {
 /// All optional values follow from the data where absent. Lengths are in the unit of the input. Which of them mean
 /// something to a method is in the table of surface_methods.h.
 struct SurfaceOptions {
+  using Normal = ImplicitOptions::Normal;
+  using Plane = ProjectionOptions::Plane;
+  using Polynomial = ProjectionOptions::Polynomial;
+  using Flow = ProjectionOptions::Flow;
   using Diffusion = ProjectionOptions::Diffusion;
+  using SharpFormula = BilateralOptions::Formula;
   SurfaceMethod method = SurfaceMethod::apss;
-  std::optional<double> smoothing = {};   ///< width of the weights over the local spacing, 0.5..20
-  std::optional<double> bandwidth = {};   ///< the same as one length for the whole cloud
-  std::optional<int> order = {};          ///< of the approximation: 2, 4 or 6
-  std::optional<int> iterations = {};     ///< of the approximation, 0..100: 0 smooths most
+  std::optional<double> smoothing = {};  ///< width of the weights over the local spacing, 0.5..20
+  std::optional<double> bandwidth = {};  ///< the same as one length for the whole cloud
+  SurfaceWeights weights = SurfaceWeights::compact;
+  std::optional<int> order = {};       ///< of the approximation: 2, 4 or 6
+  std::optional<int> iterations = {};  ///< of the approximation, 0..100: 0 smooths most
+  std::optional<double> epsilon = {};  ///< shape parameter of the approximation, 0.05..20
+  Normal normal = Normal::standard;    ///< of mean planes, or beside the gradient
+  Plane plane = Plane::iterated;       ///< under the polynomials
+  Polynomial polynomial = Polynomial::quadratic;
+  Flow flow = Flow::fit;                  ///< how points get onto the surface
   Diffusion diffusion = Diffusion::none;  ///< whether samples off the surface count less
+  std::optional<double> threshold = {};   ///< of diffusion: λ over the inverse of the width, > 0; default 1
+  std::optional<int> tau = {};            ///< exponent of the M-like weights, 1..3; default 2
   bool separate_sheets = true;            ///< samples that look the other way than those nearby do not count
-  bool sharp = false;                     ///< normals turn sharply at edges and corners (bilateral normals)
-  std::optional<double> error = {};       ///< accepted distance of samples from the shape of their cell (length)
-  std::optional<int> max_depth = {};      ///< deepest level of the octree, 2..14
-  bool smooth = false;                    ///< no edges and corners
+  bool sharp = false;                     ///< normals turn sharply at edges and corners
+  SharpFormula sharp_formula = SharpFormula::bilateral;
+  std::optional<double> error = {};   ///< accepted distance of samples from the shape of their cell (length)
+  std::optional<int> max_depth = {};  ///< deepest level of the octree, 2..14
+  bool smooth = false;                ///< no edges and corners
 
   /// Whether an option is other than it is by itself.
   bool is_set(SurfaceOption option) const;
@@ -65,7 +80,7 @@ class SurfaceModel {
   /// The surface as a field; for projections, the signed distance to the foot point. These make it when it is first
   /// asked for, which pictures never do: that is what the progress tells of, and may be cancelled.
   const ScalarField& field(Progress& progress) const;
-  /// Better normals than those of the field; null unless sharp ones were asked for.
+  /// Better normals than those of the field; null unless sharp or iterated ones were asked for.
   const NormalField* normals() const;
   /// Whether the field has creases that a mesh should follow.
   bool creases() const;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/ball_segments.h"
 #include "sansmesh/render/ray_walk.h"
+#include "sansmesh/render/stored_rays.h"
 
 namespace sansmesh {
 namespace {
@@ -32,21 +34,6 @@ struct Scratch {
 };
 
 Vec3 place_on(const CastRay& ray, double t) { return Vec3(ray.origin) + Vec3(ray.direction) * t; }
-
-/// Where the ray, at x, meets the surface around the foot: the nearest root of a quadratic. Not a number: nowhere near.
-double meet(const FootPoint& foot, const Vec3& x, const Vec3& direction) {
-  Vec3 t, b;
-  tangent_frame(foot.normal, t, b);
-  const Vec3 q = x - foot.position;
-  const double u = dot(q, t), v = dot(q, b), w = dot(q, foot.normal);
-  const double du = dot(direction, t), dv = dot(direction, b), dw = dot(direction, foot.normal);
-  const double square = 0.5 * (foot.xx * du * du + 2 * foot.xy * du * dv + foot.yy * dv * dv);
-  const double slope = foot.xx * u * du + foot.xy * (u * dv + v * du) + foot.yy * v * dv - dw;
-  const double height = 0.5 * (foot.xx * u * u + 2 * foot.xy * u * v + foot.yy * v * v) - w;
-  const double discriminant = slope * slope - 4 * square * height;
-  if (discriminant < 0) return -w / dw;
-  return -2 * height / (slope + std::copysign(std::sqrt(discriminant), slope));
-}
 
 BallUnion usable(const BallUnion& balls) {
   if (balls.centers.size() != balls.radii.size())
@@ -80,9 +67,14 @@ struct SurfaceCaster::State {
         balls(usable(b)),
         segments(balls),
         normals(options.normals),
-        rules{options.tolerance, options.smallest_step, options.largest_step, options.jump, p != nullptr} {}
+        tolerance(options.tolerance),
+        rules{options.tolerance, options.smallest_step, options.largest_step, options.jump, p != nullptr} {
+    if (options.stored && projection == nullptr) throw ArgumentError("`stored` needs a projection");
+    if (options.stored) polynomials.emplace(*projection, balls);
+  }
 
   void cast(std::span<const CastRay> rays, std::span<CastHit> hits, Scratch& scratch) const;
+  void cast_stored(std::span<const CastRay> rays, std::span<CastHit> hits, Scratch& scratch) const;
   void answer_queries(std::span<const CastRay> rays, Scratch& scratch, std::uint64_t& queries) const;
   void refine_normals(std::span<CastHit> found, Scratch& scratch) const;
   void sample_field(std::span<const CastRay> rays, Scratch& scratch) const;
@@ -106,7 +98,9 @@ struct SurfaceCaster::State {
   BallUnion balls;
   BallSegments segments;
   const NormalField* normals;
+  double tolerance;
   WalkRules rules;
+  std::optional<detail::StoredPolynomials> polynomials;
   mutable std::mutex mutex;
   mutable std::vector<std::unique_ptr<Scratch>> spare;
   mutable std::atomic<std::uint64_t> rays{0}, hits{0}, hit_evaluations{0}, miss_evaluations{0}, ball_queries{0};
@@ -150,6 +144,7 @@ void SurfaceCaster::cast(std::span<const CastRay> rays, std::span<CastHit> hits)
 }
 
 void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHit> found, Scratch& s) const {
+  if (polynomials) return cast_stored(batch, found, s);
   s.walks.resize(batch.size());
   s.active.resize(batch.size());
   for (std::uint32_t i = 0; i < batch.size(); ++i) {
@@ -194,6 +189,18 @@ void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHi
   hit_evaluations.fetch_add(for_hits, std::memory_order_relaxed);
   miss_evaluations.fetch_add(for_misses, std::memory_order_relaxed);
   ball_queries.fetch_add(queries, std::memory_order_relaxed);
+}
+
+void SurfaceCaster::State::cast_stored(std::span<const CastRay> batch, std::span<CastHit> found, Scratch& s) const {
+  const detail::StoredCounts counts =
+      detail::cast_from_stored(*projection, balls, *polynomials, tolerance, batch, found);
+  if (normals != nullptr) refine_normals(found, s);
+  const auto hit_count = std::count_if(found.begin(), found.end(), [](const CastHit& hit) { return hit.hit; });
+  rays.fetch_add(batch.size(), std::memory_order_relaxed);
+  hits.fetch_add(static_cast<std::uint64_t>(hit_count), std::memory_order_relaxed);
+  hit_evaluations.fetch_add(counts.hit_evaluations, std::memory_order_relaxed);
+  miss_evaluations.fetch_add(counts.miss_evaluations, std::memory_order_relaxed);
+  ball_queries.fetch_add(counts.queries, std::memory_order_relaxed);
 }
 
 void SurfaceCaster::State::refine_normals(std::span<CastHit> found, Scratch& s) const {
@@ -274,7 +281,7 @@ void SurfaceCaster::State::sample_projection(std::span<const CastRay> batch, Scr
       const Vec3 direction(batch[s.values[k]].direction), offset = s.positions[k] - foot.position;
       sample.value = dot(offset, foot.normal);
       sample.residual = norm(offset);
-      sample.root = meet(foot, s.positions[k], direction);
+      sample.root = detail::meet(foot, s.positions[k], direction);
       sample.slant = std::abs(dot(direction, foot.normal));
       sample.normal = Vec3f(foot.normal);
     }

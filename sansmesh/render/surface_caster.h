@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 
@@ -12,6 +11,7 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
+#include "sansmesh/render/cast_ray.h"
 
 namespace sansmesh {
 
@@ -26,23 +26,13 @@ struct SurfaceCastOptions {
   /// Where a field changes its sign by a jump, no farther from zero on either side than this share of the ball's
   /// radius, there is a surface, too, 0..1: fields of patches that do not meet have no other between them.
   double jump = 0.01;
+  /// Projections: rays start where they meet local approximations that are fitted once, at the balls' centres, as in
+  /// the source, in place of marching through the balls.
+  bool stored = false;
   /// Better normals of hits than those of the field or projection; null: theirs. Must outlive the caster.
   const NormalField* normals = nullptr;
   /// Throws ArgumentError naming the field.
   void validate() const;
-};
-
-struct CastRay {
-  Vec3f origin, direction;  ///< direction: unit vector
-  float near = 0, far = std::numeric_limits<float>::infinity();
-};
-
-struct CastHit {
-  bool hit = false;    ///< false: the rest has no meaning
-  float distance = 0;  ///< along the ray
-  Vec3 position;
-  Vec3f normal;      ///< of the surface, unit, outward: away from the viewer where the surface is seen from behind
-  float radius = 0;  ///< of the ball around that place: the scale of the surface there
 };
 
 /// How much work was done so far.
@@ -59,7 +49,8 @@ struct CastCounts {
 class SurfaceCaster {
  public:
   /// The field or projection must outlive the caster; balls that are not finite or have no radius are left out. Throws
-  /// ArgumentError for bad options and arrays of different length, DataError where no ball is left.
+  /// ArgumentError for bad options (`stored` with a field) and arrays of different length, DataError where no ball is
+  /// left.
   SurfaceCaster(const ScalarField& field, const BallUnion& balls, const SurfaceCastOptions& options = {});
   SurfaceCaster(const Projection& projection, const BallUnion& balls, const SurfaceCastOptions& options = {});
   SurfaceCaster(SurfaceCaster&&) noexcept;

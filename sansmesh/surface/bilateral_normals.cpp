@@ -20,6 +20,7 @@ struct BilateralNormals::State {
   detail::Candidates candidates;
   int iterations = 0;
   float inverse_turn = 0;
+  detail::NormalFormula formula = detail::NormalFormula::bilateral;
 };
 
 void BilateralOptions::validate() const {
@@ -30,6 +31,8 @@ void BilateralOptions::validate() const {
   if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
   check(std::isfinite(turn) && turn > 0, "`turn` must be positive");
   check_range("iterations", iterations, 0, 20);
+  check_range("epsilon", epsilon, 0.05, 20);
+  check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
 }
 
 BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options)
@@ -38,9 +41,18 @@ BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const Bilatera
   state_->iterations = options.iterations;
   state_->inverse_turn = static_cast<float>(1 / (options.turn * options.turn));
   const double noise = samples.noise / samples.median_spacing;
-  const auto widths =
-      detail::weight_widths(samples, options.smoothing.value_or(std::min(kSmoothing + 1.5 * noise, 5.0)), std::nullopt);
-  state_->candidates = detail::Candidates(samples, widths, detail::WeightKind::compact, default_reach(samples));
+  const bool laguerre = options.formula == BilateralOptions::Formula::laguerre;
+  const bool gaussian = laguerre || options.weights == SurfaceWeights::gaussian;
+  if (gaussian)
+    state_->formula = laguerre ? detail::NormalFormula::laguerre : detail::NormalFormula::bilateral_gaussian;
+  const double smoothing = std::min(kSmoothing + 1.5 * noise, 5.0);
+  auto widths = detail::weight_widths(samples, options.smoothing.value_or(smoothing), options.bandwidth,
+                                      gaussian ? SurfaceWeights::gaussian : SurfaceWeights::compact);
+  if (laguerre)
+    for (float& w : widths) w /= static_cast<float>(std::sqrt(options.epsilon));
+  state_->candidates = detail::Candidates(
+      samples, widths, gaussian ? detail::WeightKind::gaussian : detail::WeightKind::compact, default_reach(samples));
+  if (gaussian) state_->candidates.count_alike();
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double height = options.height.value_or(kHeightOverSpacing * static_cast<double>(samples.spacing[i]) +
                                                   kHeightOverNoise * samples.noise);
@@ -61,7 +73,7 @@ void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals, 
           const Vec3f given(normalized(normals[group.slot[k]]));
           n.x[k] = given.x, n.y[k] = given.y, n.z[k] = given.z;
         }
-        detail::refine_group(chosen, group, state_->iterations, state_->inverse_turn, n);
+        detail::refine_group(state_->formula, chosen, group, state_->iterations, state_->inverse_turn, n);
         for (std::size_t k = 0; k < group.count; ++k) {
           normals[group.slot[k]] = Vec3(Vec3f{n.x[k], n.y[k], n.z[k]});
           if (!heights.empty()) heights[group.slot[k]] = static_cast<double>(n.height[k]);

@@ -15,12 +15,19 @@ struct BilateralOptions {
   /// σ: samples farther than this from the tangent plane at the point count little (length); default: a third of the
   /// local spacing, and the noise.
   std::optional<double> height = {};
-  std::optional<double> smoothing =
-      {};  ///< width of the radial weights over the local spacing, 0.5..20; default: 1.2, more with noise
+  std::optional<double> smoothing = {};  ///< width of the radial weights over the local spacing, 0.5..20; default: 1.2
+                                         ///< (laguerre: 2.4), more with noise
   /// Samples whose normals differ from that at the point by more than this (length of the difference of unit vectors,
   /// 0.4: 23°) count little; the source has no such term, but next to an edge the heights alone leave a tilt.
   double turn = 0.4;
   int iterations = 4;  ///< 0..20
+  /// The bilateral weights below; or the source's: Laguerre's polynomial of the combined argument
+  /// s_i = ε ‖x − x_i‖²/h² + ⟨n, x_i − x⟩²/(2σ²), (35/8 − 7/2 s + ½ s²) e^{−s}, with one h for the cloud and nothing
+  /// else. For evenly spread samples: its negative values make much of what chance leaves out.
+  enum class Formula { bilateral, laguerre } formula = Formula::bilateral;
+  double epsilon = 1;                                ///< laguerre: ε, 0.05..20
+  std::optional<double> bandwidth = {};              ///< h as one length, in place of `smoothing`
+  SurfaceWeights weights = SurfaceWeights::compact;  ///< bilateral: those of distance
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -21,7 +21,10 @@ constexpr std::size_t kBatch = 4096;  // points that are sorted together
 
 }  // namespace
 
-std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width) {
+std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width,
+                                 SurfaceWeights weights) {
+  if (weights == SurfaceWeights::gaussian && !width)
+    return weight_widths(samples, smoothing, smoothing * samples.median_spacing);
   std::vector<float> widths = samples.spacing;
   for (float& w : widths) w = width ? static_cast<float>(*width) : w * static_cast<float>(smoothing);
   return widths;
@@ -59,6 +62,10 @@ Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& 
   }
   supports_ = BallTree(samples.positions, radii);
   bounds_ = {Vec3(box.lower), Vec3(box.upper)};
+}
+
+void Candidates::count_alike() {
+  for (Candidate& c : candidates_) c.weight = 1;
 }
 
 std::vector<float> Candidates::reach() const {

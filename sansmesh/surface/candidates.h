@@ -19,8 +19,10 @@ enum class WeightKind {
   gaussian  ///< exp(−d²/h²), cut off at √12 h
 };
 
-/// Widths h of the weights: `smoothing` × local spacing, or one length for all.
-std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width);
+/// Widths h of the weights: `smoothing` × local spacing, or one length for all. Gaussians without a length: `smoothing`
+/// × median spacing for all.
+std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width,
+                                 SurfaceWeights weights = SurfaceWeights::compact);
 
 /// Throws ArgumentError for widths of more than 20 times the largest local spacing: every point would see most of the
 /// cloud.
@@ -32,6 +34,8 @@ class Candidates {
   /// `reach`: radius of the domain's balls over the local spacing (never beyond the support).
   Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, WeightKind kind, double reach);
 
+  /// Samples count alike, whatever area they stand for.
+  void count_alike();
   /// For setting what else the kernels need of each sample; positions are relative to the cloud's origin.
   std::vector<Candidate>& all() { return candidates_; }
   const Box3& bounds() const { return bounds_; }

@@ -78,6 +78,29 @@ HWY_INLINE Lanes LeastAxis(V xx, V xy, V xz, V yy, V yz, V zz, const Lanes& star
   return {Times(n.x, side), Times(n.y, side), Times(n.z, side)};
 }
 
+/// The same to the precision of floats, whatever the ratio of the eigenvalues: steps shifted by Rayleigh's quotient
+/// follow, whose adjugate tends to the projection on the eigenvector. The trace should be about 1.
+HWY_INLINE Lanes LeastEigenvector(const V& xx, const V& xy, const V& xz, const V& yy, const V& yz, const V& zz,
+                                  const Lanes& start) {
+  Lanes n = LeastAxis(xx, xy, xz, yy, yz, zz, start);
+  const auto cofactor = [](const V& a, const V& b, const V& c, const V& d) { return pn::NegMulAdd(b, c, Times(a, d)); };
+  for (int k = 0; k < 2; ++k) {
+    const Lanes cn{pn::MulAdd(xx, n.x, pn::MulAdd(xy, n.y, Times(xz, n.z))),
+                   pn::MulAdd(xy, n.x, pn::MulAdd(yy, n.y, Times(yz, n.z))),
+                   pn::MulAdd(xz, n.x, pn::MulAdd(yz, n.y, Times(zz, n.z)))};
+    const V shift = Dot3(n, cn);
+    const V sx = hn::Sub(xx, shift), sy = hn::Sub(yy, shift), sz = hn::Sub(zz, shift);
+    const V axx = cofactor(sy, yz, yz, sz), axy = cofactor(xz, xy, sz, yz), axz = cofactor(xy, xz, sy, yz);
+    const V ayy = cofactor(sx, xz, xz, sz), ayz = cofactor(xy, sx, yz, xz), azz = cofactor(sx, xy, xy, sy);
+    n = Unit({pn::MulAdd(axx, n.x, pn::MulAdd(axy, n.y, Times(axz, n.z))),
+              pn::MulAdd(axy, n.x, pn::MulAdd(ayy, n.y, Times(ayz, n.z))),
+              pn::MulAdd(axz, n.x, pn::MulAdd(ayz, n.y, Times(azz, n.z)))},
+             n);
+  }
+  const V side = hn::CopySign(Constant(1), Dot3(n, start));
+  return {Times(n.x, side), Times(n.y, side), Times(n.z, side)};
+}
+
 /// Solves the symmetric positive definite systems of kSize unknowns in place: the lower triangle of `a` (row by row)
 /// becomes its Cholesky factor, `b` the solution.
 template <int kSize>
@@ -116,11 +139,18 @@ HWY_INLINE Offset From(const Lanes& p, const Candidate& c) {
 }
 
 /// Weight of a candidate at the offset; false where no lane is reached.
+template <bool kGaussian = false>
 HWY_INLINE bool WeightAt(const Candidate& c, const Offset& o, bool sheets, const Lanes& near, V& w) {
-  const V t = hn::Max(pn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), hn::Zero(Tag()));
-  if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
-  const V t2 = Times(t, t);
-  w = Times(Times(t2, t2), Constant(c.weight));
+  if constexpr (kGaussian) {
+    Value weight{hn::Zero(Tag())};
+    if (!GaussianWeight<false>::Evaluate(c, o.square, o.x, o.y, o.z, weight)) return false;
+    w = weight.v;
+  } else {
+    const V t = hn::Max(pn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), hn::Zero(Tag()));
+    if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) return false;
+    const V t2 = Times(t, t);
+    w = Times(Times(t2, t2), Constant(c.weight));
+  }
   if (sheets) w = Times(w, SameSheet(c, near));
   return true;
 }
@@ -132,7 +162,7 @@ struct Plane {
 };
 
 /// The plane through the weighted mean of the samples, with their mean normal, or that of least squares.
-template <bool kLeastSquares>
+template <bool kLeastSquares, bool kGaussian = false>
 HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p, bool sheets, const Lanes& near,
                           V* inside) {
   const V zero = hn::Zero(Tag());
@@ -141,13 +171,13 @@ HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p,
   for (const Candidate& c : candidates) {
     const Offset o = From(p, c);
     V w;
-    if (!WeightAt(c, o, sheets, near, w)) continue;
+    if (!WeightAt<kGaussian>(c, o, sheets, near, w)) continue;
     reach = hn::Max(reach, pn::NegMulAdd(o.square, Constant(c.inverse_reach), Constant(1)));
     const V ax = Times(w, o.x), ay = Times(w, o.y), az = Times(w, o.z);
     w0 = hn::Add(w0, w), wx = hn::Add(wx, ax), wy = hn::Add(wy, ay), wz = hn::Add(wz, az);
     nx = pn::MulAdd(w, Constant(c.nx), nx), ny = pn::MulAdd(w, Constant(c.ny), ny),
     nz = pn::MulAdd(w, Constant(c.nz), nz);
-    h2 = pn::MulAdd(w, Constant(0.25f / c.inverse_support), h2);
+    h2 = pn::MulAdd(w, Constant((kGaussian ? 1.0f : 0.25f) / c.inverse_support), h2);
     if constexpr (kLeastSquares) {
       xx = pn::MulAdd(ax, o.x, xx), xy = pn::MulAdd(ax, o.y, xy), xz = pn::MulAdd(ax, o.z, xz);
       yy = pn::MulAdd(ay, o.y, yy), yz = pn::MulAdd(ay, o.z, yz), zz = pn::MulAdd(az, o.z, zz);
@@ -170,9 +200,10 @@ HWY_INLINE Lanes PointsAt(const PointGroup& group, std::size_t at) {
 }
 
 /// A step to Levin's plane: that of least squares with weights about q, its distance that of x.
+template <bool kGaussian = false>
 HWY_INLINE Plane PlaneBelow(std::span<const Candidate> candidates, const Lanes& q, const Lanes& x, bool sheets,
                             const Lanes& near) {
-  Plane plane = FitPlane<true>(candidates, q, sheets, near, nullptr);
+  Plane plane = FitPlane<true, kGaussian>(candidates, q, sheets, near, nullptr);
   const Lanes from_x{hn::Sub(q.x, x.x), hn::Sub(q.y, x.y), hn::Sub(q.z, x.z)};
   plane.distance = hn::Add(Dot3(plane.normal, from_x), plane.distance);
   return plane;

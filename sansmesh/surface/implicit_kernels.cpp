@@ -5,8 +5,8 @@
 // After foreach_target.h, as Highway requires.
 #include <hwy/highway.h>
 
+#include "sansmesh/surface/fit_lanes-inl.h"
 #include "sansmesh/surface/implicit_kernels.h"
-#include "sansmesh/surface/near_normals-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sansmesh::detail {
@@ -22,6 +22,7 @@ struct Sums {
   Num3<kGradient> x, n;
   Num<kGradient> plane_m;  // under the generating functions
   Num3<kGradient> m;
+  Num<kGradient> xx, xy, xz, yy, yz, zz;  // second moments about the point
 };
 
 template <bool kGradient>
@@ -34,6 +35,59 @@ template <bool kGradient>
 HWY_INLINE Num<kGradient> Adamson(const Sums<kGradient>& s, const Num3<kGradient>& p) {
   const Num<kGradient> length = Root(Dot(s.n, s.n) + Constant(kTiny));
   return (Dot(p, s.n) - Dot(s.x, s.n) / s.w) / length;
+}
+
+/// A derivative of one of the numbers; none of those that carry none.
+template <class Use>
+HWY_INLINE void ForEachDerivative(const Use& use) {
+  use([](const Dual& a) -> const V& { return a.x; }, [](Dual& a) -> V& { return a.x; });
+  use([](const Dual& a) -> const V& { return a.y; }, [](Dual& a) -> V& { return a.y; });
+  use([](const Dual& a) -> const V& { return a.z; }, [](Dual& a) -> V& { return a.z; });
+}
+
+/// Adamson & Alexa 2003 (tejada2008 §2): the direction n of least weighted covariance Σ w ⟨n, x_i − x⟩² / Σ w, on the
+/// side of the mean normal. Its derivative along dC is that of the eigenvector: (λ − C) dn = dC n across n.
+template <bool kGradient>
+HWY_INLINE Num3<kGradient> LeastCovariance(const Sums<kGradient>& s) {
+  const V zero = hn::Zero(Tag());
+  const Lanes facing = Unit({s.n.x.v, s.n.y.v, s.n.z.v}, {zero, zero, Constant(1)});
+  // Lengths in widths, so that squares of squares stay in the range of floats.
+  const V trace = hn::Add(s.xx.v, hn::Add(s.yy.v, s.zz.v));
+  const V scale = hn::Div(Constant(1), hn::Max(trace, Constant(kTiny)));
+  const auto scaled = [&](const V& a) { return Times(a, scale); };
+  const V xx = scaled(s.xx.v), xy = scaled(s.xy.v), xz = scaled(s.xz.v), yy = scaled(s.yy.v), yz = scaled(s.yz.v),
+          zz = scaled(s.zz.v);
+  const Lanes n = LeastEigenvector(xx, xy, xz, yy, yz, zz, facing);
+  using N = Num<kGradient>;
+  constexpr const N* kTag = nullptr;
+  Num3<kGradient> result{Number(n.x, kTag), Number(n.y, kTag), Number(n.z, kTag)};
+  if constexpr (kGradient) {
+    Lanes t{zero, zero, zero}, b = t;
+    TangentFrame(n, t, b);
+    const auto times = [](const V& axx, const V& axy, const V& axz, const V& ayy, const V& ayz, const V& azz,
+                          const Lanes& a) {
+      return Lanes{pn::MulAdd(axx, a.x, pn::MulAdd(axy, a.y, Times(axz, a.z))),
+                   pn::MulAdd(axy, a.x, pn::MulAdd(ayy, a.y, Times(ayz, a.z))),
+                   pn::MulAdd(axz, a.x, pn::MulAdd(ayz, a.y, Times(azz, a.z)))};
+    };
+    const Lanes ct = times(xx, xy, xz, yy, yz, zz, t), cb = times(xx, xy, xz, yy, yz, zz, b);
+    const V least = Dot3(n, times(xx, xy, xz, yy, yz, zz, n));
+    const V tt = hn::Sub(Dot3(t, ct), least), tb = Dot3(t, cb), bb = hn::Sub(Dot3(b, cb), least);
+    // Where two directions are equally good, the normal jumps: no derivative then.
+    const V determinant = pn::NegMulAdd(tb, tb, Times(tt, bb));
+    const auto clear = hn::Gt(determinant, Constant(1e-7f));
+    const V inverse = hn::IfThenElseZero(clear, hn::Div(Constant(-1), hn::IfThenElse(clear, determinant, Constant(1))));
+    ForEachDerivative([&](const auto& of, const auto& set) {
+      const Lanes dn = times(scaled(of(s.xx)), scaled(of(s.xy)), scaled(of(s.xz)), scaled(of(s.yy)), scaled(of(s.yz)),
+                             scaled(of(s.zz)), n);
+      const V f = Times(Dot3(t, dn), inverse), g = Times(Dot3(b, dn), inverse);
+      const V u = pn::NegMulAdd(tb, g, Times(bb, f)), v = pn::NegMulAdd(tb, f, Times(tt, g));
+      set(result.x) = pn::MulAdd(u, t.x, Times(v, b.x));
+      set(result.y) = pn::MulAdd(u, t.y, Times(v, b.y));
+      set(result.z) = pn::MulAdd(u, t.z, Times(v, b.z));
+    });
+  }
+  return result;
 }
 
 /// Guennebaud & Gross 2007: distance from the algebraic sphere that fits positions and normals (closed form of
@@ -124,7 +178,7 @@ constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 
 /// The second pass of Amenta & Kil: ½⟨n, ∇e⟩ with e the weighted mean of the squared distances along n. Of their sum,
 /// as in the source, the places where the weights fall fastest are extrema as well: at 0.8 widths from the surface, and
 /// as near as that to it where noise puts samples on either side.
-template <bool kGradient>
+template <bool kGaussian, bool kGradient>
 HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const Lanes& p, const Num3<kGradient>& point,
                                    const Sums<kGradient>& s, bool sheets, const Lanes& near) {
   using N = Num<kGradient>;
@@ -135,17 +189,24 @@ HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const 
   for (const Candidate& c : candidates) {
     const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
     const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-    const V a = Constant(c.inverse_support);
-    const V t = hn::Max(pn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
-    if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) continue;
-    V factor = Constant(c.weight);
-    if (sheets) factor = hn::Mul(factor, SameSheet(c, near));
-    const V t2 = hn::Mul(t, t), t3 = hn::Mul(hn::Mul(t2, t), factor);
-    const N w3 = Radial(t3, hn::Mul(hn::Mul(t2, factor), Constant(-3 * c.inverse_support)), dx, dy, dz, kTag);
-    const N w4 = Radial(hn::Mul(t3, t), hn::Mul(t3, Constant(-4 * c.inverse_support)), dx, dy, dz, kTag);
     const Num3<kGradient> d{point.x + Constant(-c.x), point.y + Constant(-c.y), point.z + Constant(-c.z)};
     const N distance = Dot(n, d);
-    const N falls = distance * w3 * Constant(4 * c.inverse_support);
+    N w4 = Fixed<kGradient>(0), falls = w4;  // falls: −½⟨n, ∇w⟩
+    if constexpr (kGaussian) {
+      if (!GaussianWeight<kGradient>::Evaluate(c, d2, dx, dy, dz, w4)) continue;
+      if (sheets) w4 = w4 * SameSheet(c, near);
+      falls = distance * w4 * Constant(c.inverse_support);
+    } else {
+      const V a = Constant(c.inverse_support);
+      const V t = hn::Max(pn::NegMulAdd(d2, a, Constant(1)), hn::Zero(Tag()));
+      if (hn::AllFalse(Tag(), hn::Gt(t, hn::Zero(Tag())))) continue;
+      V factor = Constant(c.weight);
+      if (sheets) factor = hn::Mul(factor, SameSheet(c, near));
+      const V t2 = hn::Mul(t, t), t3 = hn::Mul(hn::Mul(t2, t), factor);
+      const N w3 = Radial(t3, hn::Mul(hn::Mul(t2, factor), Constant(-3 * c.inverse_support)), dx, dy, dz, kTag);
+      w4 = Radial(hn::Mul(t3, t), hn::Mul(t3, Constant(-4 * c.inverse_support)), dx, dy, dz, kTag);
+      falls = distance * w3 * Constant(4 * c.inverse_support);
+    }
     slope = slope + distance * (w4 - distance * falls);
     square = square + distance * distance * w4;
     pull = pull + falls;
@@ -163,15 +224,15 @@ HWY_INLINE void StoreGradient(const Num<kGradient>& f, std::size_t at, GroupValu
   }
 }
 
-template <ImplicitFormula kFormula, int kOrder, bool kGradient>
+template <ImplicitFormula kFormula, int kOrder, bool kGaussian, bool kGradient, bool kNormals = false>
 void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
               GroupValues& out) {
   using N = Num<kGradient>;
   constexpr const N* kTag = nullptr;
-  constexpr bool kGaussian = kFormula == ImplicitFormula::amls;
   using Weight = std::conditional_t<kGaussian, GaussianWeight<kGradient>, CompactWeight<kGradient>>;
   using PlainWeight = std::conditional_t<kGaussian, GaussianWeight<false>, CompactWeight<false>>;
-  constexpr bool kPositions = kFormula == ImplicitFormula::adamson || kFormula == ImplicitFormula::apss;
+  constexpr bool kCovariance = kFormula == ImplicitFormula::adamson_covariance;
+  constexpr bool kPositions = kFormula == ImplicitFormula::adamson || kFormula == ImplicitFormula::apss || kCovariance;
   const Tag tag;
   const V zero = hn::Zero(tag), one = Constant(1);
   for (std::size_t at = 0; at < kGroup; at += kLanes) {
@@ -183,7 +244,8 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
 
     const N nought = Fixed<kGradient>(0);
     const Num3<kGradient> nought3 = Zero3<kGradient>();
-    Sums<kGradient> s{nought, nought, nought, nought, nought3, nought3, nought, nought3};
+    Sums<kGradient> s{nought,  nought, nought, nought, nought3, nought3, nought,
+                      nought3, nought, nought, nought, nought,  nought,  nought};
     OtherSheet other{zero, zero, {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
     V inside = Constant(-1);
     V nearest = Constant(1e30f);  // hoppe
@@ -227,6 +289,12 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       s.plane = AddMul(s.plane, w, Constant(c.plane));
       s.inverse_height = AddMul(s.inverse_height, w, Constant(c.inverse_height));
       if constexpr (kPositions) AddMul(s.x, w, c.x, c.y, c.z);
+      if constexpr (kCovariance) {
+        const N u = point.x + Constant(-c.x), v = point.y + Constant(-c.y), z = point.z + Constant(-c.z);
+        const N wu = w * u, wv = w * v;
+        s.xx = s.xx + wu * u, s.xy = s.xy + wu * v, s.xz = s.xz + wu * z;
+        s.yy = s.yy + wv * v, s.yz = s.yz + wv * z, s.zz = s.zz + w * z * z;
+      }
       if constexpr (kFormula == ImplicitFormula::apss) s.square = AddMul(s.square, w, Constant(c.square));
       if constexpr (kFormula == ImplicitFormula::amls) {
         V laguerre, slope;
@@ -241,6 +309,12 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
     hn::Store(s.w.v, tag, out.weight + at);
     hn::Store(inside, tag, out.inside + at);
     s.w = Select(reached, s.w, Fixed<kGradient>(1));
+    if constexpr (kNormals) {
+      hn::Store(s.m.x.v, tag, out.x + at);
+      hn::Store(s.m.y.v, tag, out.y + at);
+      hn::Store(s.m.z.v, tag, out.z + at);
+      continue;
+    }
     if constexpr (kFormula == ImplicitFormula::hoppe) {
       StoreGradient(nearest_plane, at, out);
       continue;
@@ -248,42 +322,68 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
     const N mean = MeanPlane(s, point);
     N f = mean;
     if constexpr (kFormula == ImplicitFormula::adamson) f = Adamson(s, point);
+    if constexpr (kCovariance) {
+      const Num3<kGradient> n = LeastCovariance(s);
+      f = Dot(point, n) - Dot(s.x, n) / s.w;
+    }
     if constexpr (kFormula == ImplicitFormula::apss) f = AlgebraicSphere(s, point);
     if constexpr (kFormula == ImplicitFormula::amls)
       f = (Dot(point, s.m) - s.plane_m) / s.w * Constant(1 / LaguerreMean(kOrder));
-    if constexpr (kFormula == ImplicitFormula::extremal) f = Extremal(candidates, p, point, s, kernel.sheets, near);
+    if constexpr (kFormula == ImplicitFormula::extremal)
+      f = Extremal<kGaussian>(candidates, p, point, s, kernel.sheets, near);
     if constexpr (kFormula != ImplicitFormula::kolluri) f = NearSurface(f, mean, s);
     if (kernel.sheets) f = Combine(f, point, s, other);
     StoreGradient(f, at, out);
   }
 }
 
-template <bool kGradient>
+template <bool kNormals, bool kGradient>
+void EvaluateGenerated(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                       GroupValues& out) {
+  using F = ImplicitFormula;
+  if (kernel.order == 2) return Evaluate<F::amls, 2, true, kGradient, kNormals>(kernel, candidates, group, out);
+  if (kernel.order == 4) return Evaluate<F::amls, 4, true, kGradient, kNormals>(kernel, candidates, group, out);
+  return Evaluate<F::amls, 6, true, kGradient, kNormals>(kernel, candidates, group, out);
+}
+
+template <bool kGaussian, bool kGradient>
 void EvaluateFormula(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                      GroupValues& out) {
   using F = ImplicitFormula;
   switch (kernel.formula) {
     case F::hoppe:
-      return Evaluate<F::hoppe, 2, kGradient>(kernel, candidates, group, out);
+      return Evaluate<F::hoppe, 2, false, kGradient>(kernel, candidates, group, out);
     case F::adamson:
-      return Evaluate<F::adamson, 2, kGradient>(kernel, candidates, group, out);
+      return Evaluate<F::adamson, 2, kGaussian, kGradient>(kernel, candidates, group, out);
+    case F::adamson_covariance:
+      return Evaluate<F::adamson_covariance, 2, kGaussian, kGradient>(kernel, candidates, group, out);
     case F::kolluri:
-      return Evaluate<F::kolluri, 2, kGradient>(kernel, candidates, group, out);
+      return Evaluate<F::kolluri, 2, kGaussian, kGradient>(kernel, candidates, group, out);
     case F::extremal:
-      return Evaluate<F::extremal, 2, kGradient>(kernel, candidates, group, out);
+      return Evaluate<F::extremal, 2, kGaussian, kGradient>(kernel, candidates, group, out);
     case F::apss:
-      return Evaluate<F::apss, 2, kGradient>(kernel, candidates, group, out);
+      return Evaluate<F::apss, 2, kGaussian, kGradient>(kernel, candidates, group, out);
     case F::amls:
-      if (kernel.order == 2) return Evaluate<F::amls, 2, kGradient>(kernel, candidates, group, out);
-      if (kernel.order == 4) return Evaluate<F::amls, 4, kGradient>(kernel, candidates, group, out);
-      return Evaluate<F::amls, 6, kGradient>(kernel, candidates, group, out);
+      return EvaluateGenerated<false, kGradient>(kernel, candidates, group, out);
   }
+}
+
+template <bool kGradient>
+void EvaluateWeights(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                     GroupValues& out) {
+  if (kernel.gaussian) return EvaluateFormula<true, kGradient>(kernel, candidates, group, out);
+  EvaluateFormula<false, kGradient>(kernel, candidates, group, out);
 }
 
 void ImplicitValues(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                     bool gradients, GroupValues& out) {
-  if (gradients) return EvaluateFormula<true>(kernel, candidates, group, out);
-  EvaluateFormula<false>(kernel, candidates, group, out);
+  if (gradients) return EvaluateWeights<true>(kernel, candidates, group, out);
+  EvaluateWeights<false>(kernel, candidates, group, out);
+}
+
+void ImplicitNormals(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                     GroupValues& out) {
+  EvaluateGenerated<true, false>(kernel, candidates, group, out);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -293,10 +393,16 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace sansmesh::detail {
 HWY_EXPORT(ImplicitValues);
+HWY_EXPORT(ImplicitNormals);
 
 void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                      bool gradients, GroupValues& out) {
   HWY_DYNAMIC_DISPATCH(ImplicitValues)(kernel, candidates, group, gradients, out);
+}
+
+void implicit_normals(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                      GroupValues& out) {
+  HWY_DYNAMIC_DISPATCH(ImplicitNormals)(kernel, candidates, group, out);
 }
 
 }  // namespace sansmesh::detail

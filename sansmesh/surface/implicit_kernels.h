@@ -7,12 +7,13 @@
 
 namespace sansmesh::detail {
 
-enum class ImplicitFormula { hoppe, adamson, kolluri, extremal, apss, amls };
+enum class ImplicitFormula { hoppe, adamson, adamson_covariance, kolluri, extremal, apss, amls };
 
 struct ImplicitKernel {
   ImplicitFormula formula = ImplicitFormula::kolluri;
-  int order = 4;        ///< of the generating functions, 2, 4 or 6 (amls)
-  bool sheets = false;  ///< samples that face away from those next to the point are ignored
+  int order = 4;          ///< of the generating functions, 2, 4 or 6 (amls)
+  bool sheets = false;    ///< samples that face away from those next to the point are ignored
+  bool gaussian = false;  ///< weights exp(−d²/h²) in place of the compact ones; amls has no others
 };
 
 struct GroupValues {
@@ -25,5 +26,9 @@ struct GroupValues {
 /// weighted mean of the tangent planes, whatever the formula.
 void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                      bool gradients, GroupValues& out);
+
+/// The normal field Σ m_i φ_i of amls as it comes, in place of the gradient: x, y, z and weight alone have a meaning.
+void implicit_normals(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                      GroupValues& out);
 
 }  // namespace sansmesh::detail

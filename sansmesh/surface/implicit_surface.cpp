@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
@@ -25,13 +26,13 @@ constexpr double kMostWidth = 2, kFeatureShare = 0.35;
 constexpr std::size_t kBeyond = 12;
 constexpr double kPlanesReach = 6, kFarthest = 1.2;
 
-detail::ImplicitFormula formula_of(ImplicitMethod method) {
+detail::ImplicitFormula formula_of(const ImplicitOptions& options) {
   using F = detail::ImplicitFormula;
-  switch (method) {
+  switch (options.method) {
     case ImplicitMethod::hoppe:
       return F::hoppe;
     case ImplicitMethod::adamson:
-      return F::adamson;
+      return options.normal == ImplicitOptions::Normal::covariance ? F::adamson_covariance : F::adamson;
     case ImplicitMethod::kolluri:
     case ImplicitMethod::dey:
       return F::kolluri;
@@ -77,6 +78,19 @@ detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOpti
     if (order == 2 || choice.error < best.error) best = choice;
   }
   return best;
+}
+
+/// Kolluri's weights divide by the number of samples within h of the sample, itself included.
+std::vector<float> shares_of_crowds(const SurfaceSamples& samples, const std::vector<float>& widths) {
+  std::vector<float> shares(samples.size());
+  parallel_ranges(0, samples.size(), 1024, [&](std::size_t first, std::size_t last) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = first; i < last; ++i) {
+      samples.tree.within(samples.positions[i], widths[i], near);
+      shares[i] = 1 / std::max(1.0f, static_cast<float>(near.size()));
+    }
+  });
+  return shares;
 }
 
 }  // namespace
@@ -157,6 +171,14 @@ void ImplicitOptions::validate() const {
   check(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
   if (iterations) check_range("iterations", *iterations, 0, 100);
   if (reach) check_range("reach", *reach, 0.5, 10);
+  if (epsilon) check_range("epsilon", *epsilon, 0.05, 20);
+  check(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe,
+        "`weights` mean nothing to the surface hoppe");
+  check(!epsilon || method == ImplicitMethod::amls, "`epsilon` belongs to the surface amls");
+  check(normal != Normal::covariance || method == ImplicitMethod::adamson,
+        "`normal` = covariance belongs to the surface adamson");
+  check(normal != Normal::iterated || method == ImplicitMethod::amls,
+        "`normal` = iterated belongs to the surface amls");
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
@@ -171,21 +193,30 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   if (options.bandwidth) detail::check_width(samples, *options.bandwidth);
   auto state = std::make_unique<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
+  const bool gaussian = options.weights == SurfaceWeights::gaussian;
+  ImplicitOptions chosen = options;
   double smoothing = options.smoothing.value_or(default_smoothing(samples, options.method));
   smooth_noisy_normals(samples, default_smoothing(samples));
   if (options.method == ImplicitMethod::hoppe) move_noisy_to_means(samples, smoothing);
-  detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0),
-                                     options.separate_sheets};
-  if (amls && !options.bandwidth && (!options.smoothing || !options.iterations || !options.order)) {
+  detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0), options.separate_sheets,
+                                     gaussian};
+  // ε d²/h² is a width of h/√ε.
+  if (options.epsilon) {
+    const double narrower = 1 / std::sqrt(*options.epsilon);
+    chosen.smoothing = smoothing * narrower;
+    if (options.bandwidth) chosen.bandwidth = *options.bandwidth * narrower;
+  }
+  if (amls && !chosen.bandwidth && (!chosen.smoothing || !chosen.iterations || !chosen.order)) {
     progress.begin("cross validation");
-    const detail::IterationChoice choice = choose(samples, options, iteration);
-    smoothing = choice.smoothing;
+    const detail::IterationChoice choice = choose(samples, chosen, iteration);
+    chosen.smoothing = choice.smoothing;
     iteration.order = choice.order;
     iteration.iterations = choice.iterations;
     progress.finish();
   }
 
-  std::vector<float> widths = detail::weight_widths(samples, smoothing, options.bandwidth);
+  if (!chosen.smoothing) chosen.smoothing = smoothing;
+  std::vector<float> widths = detail::weight_widths(samples, *chosen.smoothing, chosen.bandwidth, options.weights);
   if (options.method == ImplicitMethod::dey) {
     const std::vector<float> feature = estimate_feature_size(samples, progress);
     for (std::size_t i = 0; i < widths.size(); ++i)
@@ -197,16 +228,20 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
 
   progress.begin("supports");
   using detail::WeightKind;
-  state->candidates = detail::Candidates(samples, widths, amls ? WeightKind::gaussian : WeightKind::compact,
+  state->candidates = detail::Candidates(samples, widths, amls || gaussian ? WeightKind::gaussian : WeightKind::compact,
                                          options.reach.value_or(default_reach(samples)));
   const std::size_t n = samples.size();
+  if (gaussian) state->candidates.count_alike();
+  const bool crowds = gaussian && options.method == ImplicitMethod::kolluri;
+  const std::vector<float> shares = crowds ? shares_of_crowds(samples, widths) : std::vector<float>{};
   for (std::size_t i = 0; i < n; ++i) {
     detail::Candidate& c = state->candidates.all()[i];
     c.mx = planes.m[i].x, c.my = planes.m[i].y, c.mz = planes.m[i].z;
     c.plane_m = planes.offset[i];
+    if (crowds) c.weight = shares[i];
   }
-  state->kernel = {formula_of(options.method), iteration.order,
-                   options.separate_sheets && options.method != ImplicitMethod::hoppe};
+  state->kernel = {formula_of(options), iteration.order,
+                   options.separate_sheets && options.method != ImplicitMethod::hoppe, gaussian};
   std::vector<float> relative(n);
   for (std::size_t i = 0; i < n; ++i) relative[i] = widths[i] / samples.spacing[i];
   std::nth_element(relative.begin(), relative.begin() + static_cast<std::ptrdiff_t>(n / 2), relative.end());
@@ -234,6 +269,23 @@ void ImplicitSurface::evaluate(std::span<const Vec3> x, std::span<double> values
 void ImplicitSurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                          std::span<std::uint8_t> inside) const {
   state_->evaluate(x, values, gradients, inside);
+}
+
+void ImplicitSurface::iterated_normals(std::span<const Vec3> x, std::span<Vec3> normals) const {
+  if (state_->kernel.formula != detail::ImplicitFormula::amls)
+    throw ArgumentError("`normal` = iterated belongs to the surface amls");
+  if (normals.size() != x.size()) throw ArgumentError("iterated_normals: as many normals as points are needed");
+  state_->candidates.for_each_group(
+      x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> candidates, bool mixed) {
+        detail::GroupValues out;
+        detail::ImplicitKernel how = state_->kernel;
+        how.sheets = how.sheets && mixed;
+        detail::implicit_normals(how, candidates, group, out);
+        for (std::size_t k = 0; k < group.count; ++k) {
+          const Vec3 n(Vec3f{out.x[k], out.y[k], out.z[k]});
+          if (out.weight[k] > 0 && squared_norm(n) > 0) normals[group.slot[k]] = normalized(n);
+        }
+      });
 }
 
 }  // namespace sansmesh

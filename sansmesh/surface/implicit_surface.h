@@ -8,6 +8,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/field/ball_union.h"
+#include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
 
@@ -32,7 +33,14 @@ struct ImplicitOptions {
   std::optional<double> bandwidth = {};
   std::optional<int> order = {};  ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by cross validation
   std::optional<int> iterations = {};  ///< amls: 0..100; default: by leave-one-out cross validation, with the width
-  bool separate_sheets = true;         ///< samples that face away from those nearby are ignored
+  /// amls: shape parameter ε of the generating functions, r = ε d²/h², 0.05..20; default: 1, and h by cross validation.
+  /// Where it is given, h is by itself that of the other methods.
+  std::optional<double> epsilon = {};
+  SurfaceWeights weights = SurfaceWeights::compact;  ///< not of hoppe; amls is always Gaussian: one h for all
+  /// The method's own; or, adamson: the direction of least weighted covariance about x in place of the mean normal
+  /// (the source's); amls: N(x) = Σ n_i φ_i(x), iterated as the values are, as a NormalField beside the gradient.
+  enum class Normal { standard, covariance, iterated } normal = Normal::standard;
+  bool separate_sheets = true;  ///< samples that face away from those nearby are ignored
   /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10; default:
   /// `default_reach`.
   std::optional<double> reach = {};
@@ -68,12 +76,29 @@ class ImplicitSurface : public ScalarField {
   const SurfaceSamples& samples() const;
   const ImplicitReport& report() const;
 
+  /// amls: unit vectors along Nᵏ(x) = Σ n_i φ_i(x), iterated k times as the values are (tejada2008 §4.3.1): with
+  /// m = Σ_k (I − A)^k n it is Σ m_i φ_i(x). Where no support reaches, normals stay as they are. Sizes must agree.
+  /// Throws ArgumentError for other methods.
+  void iterated_normals(std::span<const Vec3> x, std::span<Vec3> normals) const;
+
   struct State;  ///< internal
 
  private:
   friend ImplicitSurface make_implicit_surface(SurfaceSamples, const ImplicitOptions&, Progress&);
   explicit ImplicitSurface(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
+};
+
+/// The iterated normals of a surface of amls, which must outlive it.
+class IteratedNormals : public NormalField {
+ public:
+  explicit IteratedNormals(const ImplicitSurface& surface) : surface_(surface) {}
+  void refine(std::span<const Vec3> x, std::span<Vec3> normals) const override {
+    surface_.iterated_normals(x, normals);
+  }
+
+ private:
+  const ImplicitSurface& surface_;
 };
 
 /// Throws ArgumentError for bad options.

@@ -54,7 +54,7 @@ class Rows {
       const double r = static_cast<double>(squared_norm(d)) / (width * width);
       if (r >= kEnd) continue;
       // What a sample stands for, and whether it belongs to the same sheet: as in the kernels.
-      const double s = static_cast<double>(samples_.spacing[j]);
+      const double s = options_.alike ? 1 : static_cast<double>(samples_.spacing[j]);
       double weight = std::exp(-r) * s * s;
       if (options_.separate_sheets)
         weight *= std::clamp(1 + 2 * static_cast<double>(dot(n, samples_.normals[j])), 0.0, 1.0);
@@ -242,6 +242,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
   best.error = std::numeric_limits<double>::infinity();
   for (const double factor : candidates) {
     std::vector<float> widths = samples.spacing;
+    if (options.alike) std::fill(widths.begin(), widths.end(), static_cast<float>(samples.median_spacing));
     for (float& w : widths) w *= static_cast<float>(factor);
     const Rows rows(samples, widths, options);
     std::vector<std::array<double, kMostIterations + 1>> errors(places);

@@ -12,6 +12,8 @@ struct IterationOptions {
   int order = 4;  ///< of the generating functions: 2, 4, 6
   int iterations = 3;
   bool separate_sheets = true;
+  /// One width and the same weight for all samples, in place of those of the spacing and the area that each stands for.
+  bool alike = false;
 };
 
 /// M f(x) = Σ_i (⟨x, m_i⟩ − e_i) φ_i(x): the iteration Mⁿ⁺¹ = Mⁿ + Σ (g_i − Mⁿ(x_i)) φ_i with g_i = ⟨x − x_i, n_i⟩

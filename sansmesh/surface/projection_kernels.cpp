@@ -15,6 +15,7 @@ namespace HWY_NAMESPACE {
 constexpr int kLevinSteps = 6;  // of the minimisation over plane and offset
 
 /// Levin, Alexa et al.: a plane, then over it the quadratic polynomial of weighted least squares, about q.
+template <bool kGaussian>
 HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes& q, const Plane& plane, bool sheets,
                               const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
   const V zero = hn::Zero(Tag());
@@ -31,7 +32,7 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   for (const Candidate& c : candidates) {
     const Offset o = From(q, c);
     V w;
-    if (!WeightAt(c, o, sheets, near, w)) continue;
+    if (!WeightAt<kGaussian>(c, o, sheets, near, w)) continue;
     const Lanes d{o.x, o.y, o.z};
     const V u = Dot3(d, frame.t), v = Dot3(d, frame.b), z = Dot3(d, frame.n);
     const V wu = Times(w, u), wv = Times(w, v), wuu = Times(wu, u), wuv = Times(wu, v), wvv = Times(wv, v);
@@ -70,7 +71,7 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
 /// the fit of χ₁ + χ₂ cos 2θ + χ₃ sin 2θ to κ_i with weights ρ^{2τ} exp(−ρ²/h²) is one of δ + ½ χ₁ ρ² + ½ χ₂ (u² − v²)
 /// + χ₃ u v to z_i with weights ρ^{2τ−4} exp(−ρ²/h²), without a single angle. The offset δ replaces the fixed point of
 /// the diffusion: where the anisotropic mean of the heights, less what curvature adds to it, vanishes.
-template <int kTau, bool kDiffusion>
+template <bool kGaussian, int kTau, bool kDiffusion>
 HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const ProjectionKernel& kernel, const Lanes& q,
                               const Plane& plane, const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
   const V zero = hn::Zero(Tag()), one = Constant(1);
@@ -84,7 +85,7 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
   for (const Candidate& c : candidates) {
     const Offset o = From(q, c);
     V w;
-    if (!WeightAt(c, o, kernel.sheets, near, w)) continue;
+    if (!WeightAt<kGaussian>(c, o, kernel.sheets, near, w)) continue;
     const Lanes d{o.x, o.y, o.z};
     const V u = Dot3(d, frame.t), v = Dot3(d, frame.b), z = Dot3(d, frame.n);
     const V uu = Times(u, u), vv = Times(v, v);
@@ -97,7 +98,7 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
       const V lambda2 = Constant(kernel.threshold * kernel.threshold);
       const V beyond = hn::Max(excess, zero);
       if (kernel.hard)
-        w = hn::IfThenElse(hn::Gt(excess, zero), Times(w, Constant(1e-3f)), w);
+        w = hn::IfThenZeroElse(hn::Gt(excess, zero), w);
       else
         w = Times(w, hn::Div(lambda2, pn::MulAdd(Times(beyond, beyond), Constant(10), lambda2)));
     }
@@ -117,23 +118,25 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
             inside, at, out);
 }
 
-void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
-                  GroupFeet& out) {
+template <bool kGaussian>
+void Project(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+             GroupFeet& out) {
   const V zero = hn::Zero(Tag());
   for (std::size_t at = 0; at < kGroup; at += kLanes) {
     if (at >= group.count && at > 0) break;
     const Lanes r = PointsAt(group, at);
     Lanes near{zero, zero, zero};
-    if (kernel.sheets) near = NearNormals<CompactWeight<false>>(candidates, r);
+    if (kernel.sheets)
+      near = NearNormals<std::conditional_t<kGaussian, GaussianWeight<false>, CompactWeight<false>>>(candidates, r);
     V inside;
     if (kernel.formula == ProjectionFormula::curvature) {
-      const Plane plane = FitPlane<false>(candidates, r, kernel.sheets, near, &inside);
+      const Plane plane = FitPlane<false, kGaussian>(candidates, r, kernel.sheets, near, &inside);
       const Lanes q = Along(r, plane.normal, plane.distance);
       const auto foot = [&](auto tau) {
         if (kernel.diffusion)
-          CurvatureFoot<decltype(tau)::value, true>(candidates, kernel, q, plane, near, inside, at, out);
+          CurvatureFoot<kGaussian, decltype(tau)::value, true>(candidates, kernel, q, plane, near, inside, at, out);
         else
-          CurvatureFoot<decltype(tau)::value, false>(candidates, kernel, q, plane, near, inside, at, out);
+          CurvatureFoot<kGaussian, decltype(tau)::value, false>(candidates, kernel, q, plane, near, inside, at, out);
       };
       if (kernel.tau == 1)
         foot(std::integral_constant<int, 1>());
@@ -143,18 +146,24 @@ void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> can
         foot(std::integral_constant<int, 2>());
       continue;
     }
-    Plane plane = FitPlane<true>(candidates, r, kernel.sheets, near, &inside);
+    Plane plane = FitPlane<true, kGaussian>(candidates, r, kernel.sheets, near, &inside);
     Lanes q = Along(r, plane.normal, plane.distance);
     // Alexa et al. take the weights about r. Levin's plane is the minimum over direction and offset, with weights about
     // its own foot q: a fixed point of the same step with r = q, for which q stays on the line through r.
     if (kernel.formula == ProjectionFormula::levin) {
       for (int k = 0; k < kLevinSteps; ++k) {
-        plane = PlaneBelow(candidates, q, r, kernel.sheets, near);
+        plane = PlaneBelow<kGaussian>(candidates, q, r, kernel.sheets, near);
         q = Along(r, plane.normal, plane.distance);
       }
     }
-    QuadraticFoot(candidates, q, plane, kernel.sheets, near, inside, at, out);
+    QuadraticFoot<kGaussian>(candidates, q, plane, kernel.sheets, near, inside, at, out);
   }
+}
+
+void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
+                  GroupFeet& out) {
+  if (kernel.gaussian) return Project<true>(kernel, candidates, group, out);
+  Project<false>(kernel, candidates, group, out);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -9,6 +9,7 @@
 #include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
+#include "sansmesh/surface/source_projection.h"
 
 namespace sansmesh {
 namespace {
@@ -16,11 +17,18 @@ namespace {
 /// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
 /// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
 constexpr double kMore = 0.1, kFewer = 0.2, kMostSmoothing = 5;
+/// The same for the polynomials of 3, 6, 10 and 15 unknowns.
+constexpr double kMoreOfDegree[] = {0, 0, kMore, 0.3, 0.5};
 
 detail::ProjectionFormula formula_of(ProjectionMethod method) {
   if (method == ProjectionMethod::levin) return detail::ProjectionFormula::levin;
   if (method == ProjectionMethod::alexa) return detail::ProjectionFormula::alexa;
   return detail::ProjectionFormula::curvature;
+}
+
+detail::ProjectionFlow flow_of(ProjectionOptions::Flow flow) {
+  if (flow == ProjectionOptions::Flow::normal) return detail::ProjectionFlow::normal;
+  return flow == ProjectionOptions::Flow::free ? detail::ProjectionFlow::free : detail::ProjectionFlow::fit;
 }
 
 }  // namespace
@@ -41,6 +49,10 @@ void ProjectionOptions::validate() const {
   if (reach) check_range("reach", *reach, 0.5, 10);
   check(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
   check(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
+  check(flow == Flow::fit || method == ProjectionMethod::curvature, "`flow` belongs to the surface curvature");
+  check(plane == Plane::iterated || method == ProjectionMethod::levin, "`plane` belongs to the surface levin");
+  check(polynomial == Polynomial::quadratic || method != ProjectionMethod::curvature,
+        "`polynomial` belongs to the surfaces levin and alexa");
 }
 
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,
@@ -51,19 +63,30 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   progress.begin("supports");
   const double ratio = samples.noise / samples.median_spacing;
   const bool curvature = options.method == ProjectionMethod::curvature;
-  const double more = kMore - (curvature ? std::max(kFewer - ratio, 0.0) : 0.0);
+  const bool incomplete = options.polynomial == ProjectionOptions::Polynomial::incomplete;
+  const int degree = incomplete ? 2 : static_cast<int>(options.polynomial);
+  const double more = kMoreOfDegree[degree] - (curvature ? std::max(kFewer - ratio, 0.0) : 0.0);
   state->smoothing = options.smoothing.value_or(std::min(default_smoothing(samples) + more, kMostSmoothing));
   smooth_noisy_normals(samples, state->smoothing);
-  const std::vector<float> widths = detail::weight_widths(samples, state->smoothing, options.bandwidth);
+  const bool gaussian = options.weights == SurfaceWeights::gaussian;
+  const std::vector<float> widths =
+      detail::weight_widths(samples, state->smoothing, options.bandwidth, options.weights);
   state->candidates =
-      detail::Candidates(samples, widths, detail::WeightKind::compact, options.reach.value_or(default_reach(samples)));
+      detail::Candidates(samples, widths, gaussian ? detail::WeightKind::gaussian : detail::WeightKind::compact,
+                         options.reach.value_or(default_reach(samples)));
+  if (gaussian) state->candidates.count_alike();
   using Diffusion = ProjectionOptions::Diffusion;
   state->kernel = {formula_of(options.method),
                    options.separate_sheets,
+                   gaussian,
                    options.diffusion != Diffusion::none,
                    options.diffusion == Diffusion::hard,
                    static_cast<float>(options.threshold),
-                   options.tau};
+                   options.tau,
+                   flow_of(options.flow),
+                   options.plane == ProjectionOptions::Plane::nonlinear,
+                   degree,
+                   incomplete};
   state->samples = std::move(samples);
   progress.finish();
   return ProjectionSurface(std::move(state));
@@ -85,7 +108,10 @@ void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> fe
                              detail::GroupFeet& out) {
                            detail::ProjectionKernel how = state_->kernel;
                            how.sheets = how.sheets && mixed;
-                           detail::project_group(how, chosen, group, out);
+                           if (how.by_source())
+                             detail::project_group_by_source(how, chosen, group, out);
+                           else
+                             detail::project_group(how, chosen, group, out);
                          });
 }
 

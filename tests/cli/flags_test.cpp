@@ -82,11 +82,16 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
   for (const std::vector<std::string>& typed :
        {std::vector<std::string>{"--smoothing", "99"}, std::vector<std::string>{"--bandwidth", "-1"},
         std::vector<std::string>{"--bandwidth", "1e9"}, std::vector<std::string>{"--order", "4"},
-        std::vector<std::string>{"--iterations", "4"}, std::vector<std::string>{"--diffusion", "soft"}})
+        std::vector<std::string>{"--iterations", "4"}, std::vector<std::string>{"--diffusion", "soft"},
+        std::vector<std::string>{"--epsilon", "0.8"}, std::vector<std::string>{"--normal", "iterated"},
+        std::vector<std::string>{"--plane", "nonlinear"}, std::vector<std::string>{"--polynomial", "3"},
+        std::vector<std::string>{"--flow", "free"}, std::vector<std::string>{"--threshold", "2"},
+        std::vector<std::string>{"--tau", "1"}})
     for (std::vector<std::string> command : {reconstruct, render}) {
       command.insert(command.end(), {"--surface", "apss"});
       wrong.push_back({command, typed});
     }
+  wrong.push_back({{"render", "ball.ply", "-o", "x.png", "--surface", "apss"}, {"--rays", "stored"}});
   for (const char* typed : {"--sharp", "--no-sheets"})
     wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "partition"}, {typed}});
   // Options of the fit, of another surface.

@@ -52,6 +52,31 @@ SurfaceOptions with(SurfaceMethod method, SurfaceOption option) {
     case SurfaceOption::bandwidth:
       o.bandwidth = 0.15;
       break;
+    case SurfaceOption::weights:
+      o.weights = SurfaceWeights::gaussian;
+      break;
+    case SurfaceOption::epsilon:
+      o.epsilon = 0.8;
+      break;
+    case SurfaceOption::normal:
+      o.normal = method == SurfaceMethod::amls ? SurfaceOptions::Normal::iterated : SurfaceOptions::Normal::covariance;
+      break;
+    case SurfaceOption::plane:
+      o.plane = SurfaceOptions::Plane::nonlinear;
+      break;
+    case SurfaceOption::polynomial:
+      o.polynomial = SurfaceOptions::Polynomial::cubic;
+      break;
+    case SurfaceOption::flow:
+      o.flow = SurfaceOptions::Flow::normal;
+      break;
+    case SurfaceOption::threshold:
+      o.diffusion = SurfaceOptions::Diffusion::soft;  // which it is the threshold of
+      o.threshold = 2;
+      break;
+    case SurfaceOption::tau:
+      o.tau = 1;
+      break;
     case SurfaceOption::order:
       o.order = 2;
       break;
@@ -86,8 +111,11 @@ TEST(SurfaceMethods, OptionsAreTakenByThoseThatHeedThemOnly) {
     for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
       const auto option = static_cast<SurfaceOption>(i);
       const SurfaceOptions o = with(info.method, option);
-      for (std::size_t k = 0; k < kSurfaceOptions; ++k)
-        EXPECT_EQ(o.is_set(static_cast<SurfaceOption>(k)), k == i) << field_name(option);
+      for (std::size_t k = 0; k < kSurfaceOptions; ++k) {
+        const bool goes_with =
+            option == SurfaceOption::threshold && static_cast<SurfaceOption>(k) == SurfaceOption::diffusion;
+        EXPECT_EQ(o.is_set(static_cast<SurfaceOption>(k)), k == i || goes_with) << field_name(option);
+      }
       if (info.heeds(option)) {
         EXPECT_NO_THROW(o.validate()) << info.name << ", " << field_name(option);
         EXPECT_NE(heeded_by(option).find(info.name), std::string::npos);
@@ -98,11 +126,60 @@ TEST(SurfaceMethods, OptionsAreTakenByThoseThatHeedThemOnly) {
         ADD_FAILURE() << info.name << " takes " << field_name(option);
       } catch (const ArgumentError& error) {
         const std::string said = error.what();
-        EXPECT_NE(said.find(field_name(option)), std::string::npos) << said;
+        const char* const named = option == SurfaceOption::threshold ? "diffusion" : field_name(option);
+        EXPECT_NE(said.find(named), std::string::npos) << said;
         EXPECT_NE(said.find(info.name), std::string::npos) << said;
       }
     }
   }
+}
+
+TEST(SurfaceMethods, ValuesAreRefusedWhereTheyMeanNothing) {
+  using S = SurfaceOptions;
+  const auto refused = [](const S& o, const std::string& field) {
+    try {
+      o.validate();
+      ADD_FAILURE() << field;
+    } catch (const ArgumentError& error) {
+      EXPECT_NE(std::string(error.what()).find("`" + field + "`"), std::string::npos) << error.what();
+    }
+  };
+  refused({.method = SurfaceMethod::adamson, .normal = S::Normal::iterated}, "normal");
+  refused({.method = SurfaceMethod::amls, .normal = S::Normal::covariance}, "normal");
+  refused({.method = SurfaceMethod::curvature, .threshold = 1}, "threshold");
+  refused({.method = SurfaceMethod::curvature, .tau = 4}, "tau");
+  refused({.method = SurfaceMethod::curvature, .diffusion = S::Diffusion::hard, .threshold = 0}, "threshold");
+  refused({.method = SurfaceMethod::amls, .epsilon = 0}, "epsilon");
+  refused({.sharp_formula = S::SharpFormula::laguerre}, "sharp_formula");
+}
+
+/// The model's normals are those that were asked for: iterated ones, sharp ones, or the latter of the former.
+TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
+  SurfaceOptions o{.method = SurfaceMethod::amls, .smoothing = 1.2, .order = 4, .iterations = 3};
+  Progress progress;
+  const PointSet cloud = test::cube(3000);
+  const std::vector<Vec3> x{{1, 0.3, 0.9}, {1, -0.2, 0.1}};
+  const auto normals_of = [&](const SurfaceOptions& options) {
+    const SurfaceModel model = make_surface_model(cloud, options, progress);
+    std::vector<Vec3> at, normals(x.size());
+    for (const Vec3& p : x) at.push_back(model.place().from_input(p));
+    std::vector<double> values(x.size());
+    model.field(progress).evaluate(at, values, normals);
+    for (Vec3& n : normals) n = normalized(n);
+    if (model.normals()) model.normals()->refine(at, normals);
+    return normals;
+  };
+  const std::vector<Vec3> plain = normals_of(o);
+  o.normal = SurfaceOptions::Normal::iterated;
+  const std::vector<Vec3> iterated = normals_of(o);
+  o.sharp = true;
+  const std::vector<Vec3> both = normals_of(o);
+  o.sharp_formula = SurfaceOptions::SharpFormula::laguerre;
+  const std::vector<Vec3> laguerre = normals_of(o);
+  EXPECT_GT(norm(plain[0] - iterated[0]), 1e-4);  // next to the edge
+  EXPECT_GT(norm(both[0] - iterated[0]), 1e-4);
+  EXPECT_GT(norm(both[0] - laguerre[0]), 1e-5);
+  for (const auto& normals : {plain, iterated, both, laguerre}) EXPECT_GT(normals[1].x, 0.98);
 }
 
 class EveryMethodOfTheTable : public testing::TestWithParam<std::string> {};
