@@ -32,7 +32,9 @@ class ModelCurvature final : public CurvatureField {
 
 }  // namespace
 
-bool wants_curvature(const RenderOptions& options) { return options.lines != RenderOptions::Lines::none; }
+bool wants_curvature(const RenderOptions& options) {
+  return options.lines != RenderOptions::Lines::none || (options.accessibility && options.bend_light > 0);
+}
 
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress) {
   const SurfaceReport& report = model.report();

@@ -239,6 +239,21 @@ void add_line_options(CommandLine& c, RenderOptions& o) {
       .group(group);
 }
 
+void add_accessibility_options(CommandLine& c, RenderOptions& o) {
+  const char* const group = "Picture";
+  c.add_option_function(
+       "--accessibility",
+       [&o](const std::vector<double>& reach) { o.accessibility = true, o.exposure_reach = reach[0]; },
+       "Light is how open a place is: by rays around it, so long over the diagonal, and by curvature [no value: 0.15]")
+      .numbers(1)
+      .type_name("REACH")
+      .without_value("0.15")
+      .group(group);
+  c.add_option("--bend-light", o.bend_light, "Share of that light that curvature gives and takes, 0..1 [0.5]")
+      .type_name("SHARE")
+      .group(group);
+}
+
 void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
   c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
 }

@@ -48,6 +48,8 @@ void add_picture_options(CommandLine& command, PictureArguments& arguments);
 void add_wireframe_options(CommandLine& command, RenderOptions& options);
 /// --lines, --line-width, --line-strength, --line-color
 void add_line_options(CommandLine& command, RenderOptions& options);
+/// --accessibility, --bend-light
+void add_accessibility_options(CommandLine& command, RenderOptions& options);
 /// --preview FILE: also draws `what`.
 void add_preview_option(CommandLine& command, std::string& file, const std::string& what);
 

@@ -169,6 +169,7 @@ Command add_render(CommandLine& app) {
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_wireframe_options(c, o);
   add_line_options(c, o);
+  add_accessibility_options(c, o);
   add_object_options(c, a.objects);
   c.add_option(
        "--color-by", a.color_by,
@@ -226,6 +227,7 @@ Command add_render(CommandLine& app) {
            "  sansmesh render scan.ply -o scan.png --surface apss\n"
            "  sansmesh render scan.ply -o splats.png --splats\n"
            "  sansmesh render mesh.ply -o drawing.png --lines\n"
+           "  sansmesh render mesh.ply -o open.png --accessibility\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
   return {&c, [shared](Console& console) { run_render(*shared, console); }};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ constexpr int kBlock = 17;               // pixels whose rays go together: a qua
 constexpr int kCoherent = 4;             // of which a square's rays stand in a row
 constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit inside, too
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
+constexpr int kExposureRays = 4;         // a sample at least, where they are all that there is to see
 constexpr float kBounce = 0.22f;         // light that what blocks the sky sends instead
 
 /// Rays of a block, and their answers.
@@ -37,6 +39,7 @@ struct Batch {
   std::vector<std::optional<SurfacePoint>> points;
   std::vector<ShadowRay> rays;
   std::vector<std::uint8_t> answers;
+  std::vector<float> access;  // of the pixels: light by how the surface is bent
 };
 
 /// A pixel is worked out twice: the first time it says what rays it would like to know about, ...
@@ -52,6 +55,9 @@ struct Replay {
   const std::uint8_t* next;
   bool operator()(const Vec3f& origin, const Vec3f& direction, float length) { return *next++ != 0; }
 };
+
+/// Light by a mean curvature, over that of a ball as large as the reach of the exposure.
+float bend_factor(float bend, float most) { return 1 + most * 2 / std::numbers::pi_v<float> * std::atan(bend); }
 
 /// A box in the painter's coordinates.
 Box3f box_in_picture(const Box3& box, const PictureFrame& frame) {
@@ -128,6 +134,7 @@ Image paint_scene(const PictureScene& scene, const Camera& camera, const Picture
     image = paper(options);
   } else {
     Painter painter(shown, camera, options, smooth_light);
+    painter.set_frame(frame);
     if (options.ground) painter.add_ground(points, below);
     image = painter.paint(progress);
   }
@@ -146,7 +153,10 @@ class Painter::Work {
         lighting_(camera),
         up_frame_(options.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0}),
         key_frame_(lighting_.key),
-        spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, options.occlusion_rays))),
+        sky_rays_(options.accessibility && options.occlusion_rays > 0 ? std::max(kExposureRays, options.occlusion_rays)
+                                                                      : options.occlusion_rays),
+        sky_reach_(options.accessibility ? static_cast<float>(options.exposure_reach) : kOcclusionReach),
+        spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, sky_rays_))),
         footprint_(2 * camera.half_height / static_cast<float>(options.height)),
         rim_(smooth_light ? kSmooth : 0),
         paper_(opaque_color(Pixel{}, linear_color(options.background_color))) {}
@@ -167,6 +177,8 @@ class Painter::Work {
                                         : dot(camera_.position, up_frame_.n) > floor_ + 0.02f;
     ground_ = above && dot(key_frame_.n, up_frame_.n) > 0.1f;
   }
+
+  void set_frame(const PictureFrame& frame) { frame_ = frame; }
 
   Image paint(Progress& progress) const {
     Image image(options_.width, options_.height);
@@ -233,12 +245,14 @@ class Painter::Work {
     const EyeRays eye = batch.eye.rays();
     batch.points.resize(eye.size());
     scene_.closest(eye, batch.points);
+    if (options_.accessibility) find_access(batch);
 
     batch.rays.clear();
     const auto all_pixels = [&](auto& blocked) {
       std::size_t first = 0;
       for (const auto& [x, y] : batch.pixels) {
         at(x, y) = pixel(x, y, eye, first, &batch.points[first], blocked);
+        if (options_.accessibility) at(x, y).access = batch.access[first / static_cast<std::size_t>(n * n)];
         first += static_cast<std::size_t>(n * n);
       }
     };
@@ -249,6 +263,30 @@ class Painter::Work {
     scene_.blocked(batch.rays, batch.answers);
     Replay replay{batch.answers.data()};
     all_pixels(replay);
+  }
+
+  /// More light where the surface is bent outwards, less where inwards, by the first ray of each pixel that hits.
+  void find_access(Batch& batch) const {
+    batch.access.assign(batch.pixels.size(), 1);
+    if (options_.curvature == nullptr || options_.bend_light == 0) return;
+    const EyeRays eye = batch.eye.rays();
+    const std::size_t each = batch.points.size() / batch.pixels.size();
+    std::vector<Vec3> places;
+    std::vector<Vec3f> normals;
+    std::vector<std::size_t> whose;
+    for (std::size_t p = 0; p < batch.pixels.size(); ++p) {
+      std::size_t i = p * each;
+      while (i < (p + 1) * each && !batch.points[i]) ++i;
+      if (i == (p + 1) * each) continue;
+      places.push_back(Vec3(eye.at(i, batch.points[i]->distance)) * frame_.size + frame_.center);
+      normals.push_back(batch.points[i]->normal);
+      whose.push_back(p);
+    }
+    std::vector<SurfaceBend> bends(places.size());
+    if (!places.empty()) options_.curvature->evaluate(places, normals, bends);
+    const auto radius = static_cast<float>(options_.exposure_reach * frame_.size);
+    for (std::size_t k = 0; k < whose.size(); ++k)
+      batch.access[whose[k]] = bend_factor(bends[k].mean() * radius, static_cast<float>(options_.bend_light));
   }
 
   template <class Blocked>
@@ -353,14 +391,15 @@ class Painter::Work {
       sum.shine += point.gloss * lighting_.shine(n, direction);
     }
     if (options_.samples > 1 && index % 2 != 0) return;  // smooth as it is, the shadow needs no more
-    if (!options_.shadows || (facing > 0 && !in_key_shadow(point.position, index, blocked))) sum.lit += 1;
+    if (!options_.shadows || options_.accessibility || (facing > 0 && !in_key_shadow(point.position, index, blocked)))
+      sum.lit += 1;
     sum.lit_asked += 1;
   }
 
   /// Light from all around that falls on the surface, and the share of it that is not blocked.
   template <class Blocked>
   void add_ambient(const SurfacePoint& point, int index, Pixel& sum, Blocked& blocked) const {
-    const int rays = options_.occlusion_rays;
+    const int rays = sky_rays_;
     if (rays == 0) {
       sum.ambient += lighting_.ambient(point.normal);
       sum.open += 1;
@@ -371,7 +410,7 @@ class Painter::Work {
     for (int k = 0; k < rays; ++k) {
       const Vec3f direction = frame(spots_[static_cast<std::size_t>(index * rays + k)]);
       const Vec3f light = lighting_.sky_light(direction) * share;
-      if (blocked(point.position, direction, kOcclusionReach)) {
+      if (blocked(point.position, direction, sky_reach_)) {
         sum.ambient += product(light, point.color) * kBounce;
       } else {
         sum.ambient += light;
@@ -402,6 +441,9 @@ class Painter::Work {
   const RenderOptions& options_;
   Lighting lighting_;
   Around up_frame_, key_frame_;
+  int sky_rays_;  // of a sample
+  float sky_reach_;
+  PictureFrame frame_;
   std::vector<Spot> spots_;
   Vec3f foot_;
   float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any
@@ -415,6 +457,7 @@ Painter::Painter(const PictureScene& scene, const Camera& camera, const RenderOp
     : work_(std::make_unique<Work>(scene, camera, options, smooth_light)) {}
 Painter::~Painter() = default;
 void Painter::add_ground(std::span<const Vec3f> points, float below) { work_->add_ground(points, below); }
+void Painter::set_frame(const PictureFrame& frame) { work_->set_frame(frame); }
 Image Painter::paint(Progress& progress) const { return work_->paint(progress); }
 
 }  // namespace sansmesh

@@ -33,6 +33,9 @@ class Painter {
   /// Lets shadows fall on the plane that far below the lowest point.
   void add_ground(std::span<const Vec3f> points, float below);
 
+  /// Where the painter's coordinates lie in those of the options' curvature.
+  void set_frame(const PictureFrame& frame);
+
   /// In tiles, in parallel; the picture does not depend on the number of threads.
   Image paint(Progress& progress) const;
 

@@ -39,6 +39,8 @@ void RenderOptions::validate() const {
   check_color("surface_color", surface_color);
   check_range("wire_width", wire_width, 0.1, 50);
   check_color("wire_color", wire_color);
+  check_range("exposure_reach", exposure_reach, 1e-6, 10);
+  check_range("bend_light", bend_light, 0, 1);
   check_range("line_width", line_width, 0.1, 50);
   check_range("line_strength", line_strength, 0.1, 1e6);
   check_color("line_color", line_color);

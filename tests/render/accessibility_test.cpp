@@ -1,0 +1,138 @@
+// Light by how open places are.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "render/analytic_surfaces.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/mesh_picture.h"
+#include "support/any_threads.h"
+#include "support/mesh_shapes.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kWidth = 81;
+
+RenderOptions open_light(double reach, double bend = 0) {
+  RenderOptions options;
+  options.width = options.height = kWidth;
+  options.orthographic = true;
+  options.view = {0, 90};
+  options.ground = false;
+  options.background = RenderOptions::Background::transparent;
+  options.accessibility = true;
+  options.exposure_reach = reach;
+  options.bend_light = bend;
+  return options;
+}
+
+/// Light of a pixel over the surface's own colour.
+double light_at(const Image& image, const RenderOptions& options, int x, int y) {
+  const Rgba& p = image.at(x, y);
+  return static_cast<double>(linear_color({p[0], p[1], p[2]}).x / linear_color(options.surface_color).x);
+}
+
+/// The part of the unit sphere up to an angle from its lowest point, seen from within.
+TriangleMesh bowl(double angle) {
+  TriangleMesh mesh;
+  constexpr std::uint32_t kRings = 48, kAround = 96;
+  mesh.vertices.push_back({0, -1, 0});
+  for (std::uint32_t j = 1; j <= kRings; ++j)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const double a = angle * j / kRings, u = 2 * std::numbers::pi * i / kAround;
+      mesh.vertices.push_back(Vec3f(Vec3{std::sin(a) * std::cos(u), -std::cos(a), std::sin(a) * std::sin(u)}));
+    }
+  const auto at = [](std::uint32_t j, std::uint32_t i) { return 1 + (j - 1) * kAround + i % kAround; };
+  for (std::uint32_t i = 0; i < kAround; ++i) mesh.triangles.push_back({0, at(1, i), at(1, i + 1)});
+  for (std::uint32_t j = 1; j < kRings; ++j)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      mesh.triangles.push_back({at(j, i), at(j + 1, i), at(j + 1, i + 1)});
+      mesh.triangles.push_back({at(j, i), at(j + 1, i + 1), at(j, i + 1)});
+    }
+  return mesh;
+}
+
+TEST(Accessibility, APlaneIsOpenEverywhere) {
+  TriangleMesh plane;
+  plane.vertices = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+  plane.triangles = {{0, 2, 1}, {0, 3, 2}};
+  const RenderOptions options = open_light(10);
+  Progress progress;
+  const Image image = render_mesh(plane, options, progress);
+  for (int k = 20; k < 60; ++k) EXPECT_NEAR(light_at(image, options, k, 2 * k - 40 > 60 ? 60 : 40), 1, 1e-5);
+}
+
+TEST(Accessibility, TheBottomOfABowlSeesWhatItsRimLeaves) {
+  // Seen from the lowest point the rim stands at 90° − angle/2 from the zenith.
+  Progress progress;
+  for (const double degrees : {60.0, 90.0, 120.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const RenderOptions options = open_light(10);
+    const Image image = render_mesh(bowl(angle), options, progress);
+    EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), std::pow(std::cos(angle / 2), 2), 0.02) << degrees;
+  }
+}
+
+TEST(Accessibility, WhatIsBeyondItsReachHidesNothing) {
+  // Chords of the unit sphere from its lowest point are 2 cos ψ long, ψ from the zenith: those below the reach meet it.
+  const TriangleMesh half = bowl(std::numbers::pi / 2);
+  const double diagonal = 3;  // of the box 2 × 1 × 2
+  Progress progress;
+  for (const double length : {0.4, 0.8, 1.2}) {
+    const RenderOptions options = open_light(length / diagonal);
+    const Image image = render_mesh(half, options, progress);
+    EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), 1 - length * length / 4, 0.02) << length;
+  }
+}
+
+/// The same bend everywhere.
+class EvenBend final : public CurvatureField {
+ public:
+  explicit EvenBend(float bend) : bend_(bend) {}
+  void evaluate(std::span<const Vec3>, std::span<const Vec3f>, std::span<SurfaceBend> bends) const override {
+    std::fill(bends.begin(), bends.end(), SurfaceBend{bend_, bend_, {1, 0, 0}, {0, 1, 0}, true});
+  }
+
+ private:
+  float bend_;
+};
+
+TEST(Accessibility, BendsGiveAndTakeLight) {
+  const TriangleMesh ball = test::octasphere(4);
+  const double diagonal = std::sqrt(12.0);
+  Progress progress;
+  for (const float bend : {-3.0f, -0.5f, 0.0f, 0.5f}) {
+    const EvenBend curvature(bend);
+    RenderOptions options = open_light(0.2, 0.4);
+    options.curvature = &curvature;
+    options.surface_color = {0.5f, 0.5f, 0.5f};  // far from where highlights roll off
+    const Image image = render_mesh(ball, options, progress);
+    const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(bend) * 0.2 * diagonal);
+    EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 5e-3) << bend;
+  }
+}
+
+TEST(Accessibility, DoesNotDependOnThreads) {
+  const TriangleMesh half = bowl(std::numbers::pi / 2);
+  const test::Spheres sphere({1});
+  const FieldCurvature curvature(sphere, 0.01);
+  RenderOptions options = open_light(0.3, 0.5);
+  options.view = {20, 40};
+  options.curvature = &curvature;
+  test::expect_equal_for_any_threads([&] {
+    Progress progress;
+    return render_mesh(half, options, progress).pixels;
+  });
+}
+
+TEST(Accessibility, WrongOptionsAreNamed) {
+  EXPECT_THROW(open_light(0).validate(), ArgumentError);
+  EXPECT_THROW(open_light(0.1, 2).validate(), ArgumentError);
+  EXPECT_THROW(open_light(0.1, -0.5).validate(), ArgumentError);
+}
+
+}  // namespace
+}  // namespace sansmesh
