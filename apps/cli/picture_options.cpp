@@ -79,6 +79,12 @@ RenderOptions PictureArguments::chosen() const {
   if (o.wireframe == RenderOptions::Wireframe::none &&
       (o.wire_width != usual.wire_width || o.wire_color != usual.wire_color))
     throw ArgumentError("--wire-width and --wire-color need --wireframe");
+  if (o.lines == RenderOptions::Lines::none &&
+      (o.line_width != usual.line_width || o.line_strength != usual.line_strength || o.line_color != usual.line_color))
+    throw ArgumentError("--line-width, --line-strength and --line-color need --lines");
+  if (!o.accessibility && o.bend_light != usual.bend_light) throw ArgumentError("--bend-light needs --accessibility");
+  if (o.accessibility && o.lines == RenderOptions::Lines::only)
+    throw ArgumentError("--accessibility is light, which --lines alone does not show: --lines=over");
   if (azimuth) o.view.azimuth = *azimuth;
   if (elevation) o.view.elevation = *elevation;
   if (!view.empty()) o.view = named_view(view);
@@ -243,9 +249,13 @@ void add_accessibility_options(CommandLine& c, RenderOptions& o) {
   const char* const group = "Picture";
   c.add_option_function(
        "--accessibility",
-       [&o](const std::vector<double>& reach) { o.accessibility = true, o.exposure_reach = reach[0]; },
+       [&o](const std::string& word) {
+         const auto reach = number_in(word);
+         if (!reach || !(*reach >= 1e-6 && *reach <= 10))
+           throw ValueError("must be a length over the diagonal, 1e-6..10, not " + printable(word, 60));
+         o.accessibility = true, o.exposure_reach = *reach;
+       },
        "Light is how open a place is: by rays around it, so long over the diagonal, and by curvature [no value: 0.15]")
-      .numbers(1)
       .type_name("REACH")
       .without_value("0.15")
       .group(group);

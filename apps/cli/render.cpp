@@ -39,6 +39,7 @@ void complete(RenderArguments& a) {
     a.options.samples = 1;
   }
   const SurfaceRenderOptions& s = a.options;
+  require(!s.plain || !s.accessibility, "--plain casts no rays around places, as --accessibility does");
   const bool function = a.input.is_function();
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
   a.objects.check(a.surface || a.splats ? 1 : a.input.files.size());

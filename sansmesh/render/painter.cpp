@@ -56,8 +56,12 @@ struct Replay {
   bool operator()(const Vec3f& origin, const Vec3f& direction, float length) { return *next++ != 0; }
 };
 
-/// Light by a mean curvature, over that of a ball as large as the reach of the exposure.
-float bend_factor(float bend, float most) { return 1 + most * 2 / std::numbers::pi_v<float> * std::atan(bend); }
+/// Light by a mean curvature, over that of a ball as large as the reach of the exposure; never below 0, which a
+/// deep groove comes to where `most` is 1.
+float bend_factor(float bend, float most) {
+  if (std::isnan(bend)) return 1;
+  return std::max(0.0f, 1 + most * 2 / std::numbers::pi_v<float> * std::atan(bend));
+}
 
 /// A box in the painter's coordinates.
 Box3f box_in_picture(const Box3& box, const PictureFrame& frame) {

@@ -14,7 +14,7 @@ float srgb(float c) { return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c,
 }  // namespace
 
 Vec3f surface_light(const Pixel& pixel) {
-  if (pixel.access > 0) return shoulder(pixel.color * (pixel.access * pixel.open)) + pixel.beyond;
+  if (pixel.access >= 0) return shoulder(pixel.color * (pixel.access * pixel.open)) + pixel.beyond;
   const Vec3f light =
       pixel.ambient + Lighting::kFill * (pixel.fill * pixel.open) + Lighting::kKey * (pixel.facing * pixel.lit);
   const Vec3f gloss = Lighting::kKey * (pixel.shine * pixel.lit) + Lighting::kSkyHigh * (pixel.sheen * pixel.open);

@@ -18,7 +18,7 @@ struct Pixel {
   float asked = 0;               // number of samples for that
   float facing = 0, fill = 0;    // cosines to the key and fill light
   float shine = 0, sheen = 0;    // mirrored key light; sky at grazing angles
-  float access = 0;              // if not 0, the light is so many times `open`, and nothing else
+  float access = -1;             // from 0 on: the light is so many times `open`, and nothing else
   Vec3f beyond;                  // light from mirrors and clear bodies
 };
 

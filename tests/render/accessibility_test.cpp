@@ -1,13 +1,18 @@
 // Light by how open places are.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "render/analytic_surfaces.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/render/blended_splats.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render/surface_picture.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
@@ -88,6 +93,77 @@ TEST(Accessibility, WhatIsBeyondItsReachHidesNothing) {
   }
 }
 
+TEST(Accessibility, TheMiddleOfAGrooveSeesWhatItsWallsLeave) {
+  // A long channel one wide: from the middle of its floor, walls of height h leave ½ / √(¼ + h²) (two-dimensional
+  // view).
+  Progress progress;
+  for (const float h : {0.3f, 0.5f, 1.0f}) {
+    TriangleMesh groove;
+    constexpr float kLong = 20, kHalf = 0.5f;
+    for (const auto& [x, y] : {std::pair{-kHalf, h}, {-kHalf, 0.0f}, {kHalf, 0.0f}, {kHalf, h}})
+      for (const float z : {-kLong, kLong}) groove.vertices.push_back({x, y, z});
+    for (std::uint32_t k = 0; k < 6; k += 2) {
+      groove.triangles.push_back({k, k + 1, k + 3});
+      groove.triangles.push_back({k, k + 3, k + 2});
+    }
+    RenderOptions options = open_light(1);
+    options.look_at = Vec3{0, 0, 0};
+    options.look_radius = 0.45;
+    const Image image = render_mesh(groove, options, progress);
+    const double expected = 0.5 / std::hypot(0.5, static_cast<double>(h));
+    EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 0.02) << h;
+  }
+}
+
+constexpr double kSecondPlace = 1.2, kSecondRadius = 0.6;
+/// Where the unit sphere looks at the other one, and to the viewer: on its surface, towards (1, 0, 1).
+const Vec3 kSeen{std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2};
+const Vec3 kSecond = kSeen + Vec3{kSecondPlace, 0, 0};
+
+/// Distance to the unit sphere and to another one beside it.
+class TwoSpheres final : public ScalarField {
+ public:
+  Box3 bounds() const override { return {{-2, -2, -2}, {4, 2, 3}}; }
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double one = norm(x[i]) - 1, other = norm(x[i] - kSecond) - kSecondRadius;
+      values[i] = std::min(one, other);
+      if (!gradients.empty()) gradients[i] = normalized(one < other ? x[i] : x[i] - kSecond);
+    }
+  }
+};
+
+TEST(Accessibility, ABallBesideHidesTheSquareOfItsAngle) {
+  // A ball of radius r at distance d, above the horizon and 45° from the normal, hides cos 45° (r / d)² of the weighted
+  // hemisphere, whatever draws the surface.
+  const double expected = 1 - std::numbers::sqrt2 / 2 * std::pow(kSecondRadius / kSecondPlace, 2);
+  BallUnion balls = test::sphere_balls(8000);
+  const BallUnion second = test::sphere_balls(4000, kSecondRadius);
+  PointSet cloud;
+  cloud.positions = cloud.normals = balls.centers;
+  for (const Vec3f& p : second.centers) {
+    cloud.positions.push_back(Vec3f(Vec3(p) + kSecond));
+    cloud.normals.push_back(normalized(p));
+  }
+  balls.centers = cloud.positions;
+  balls.radii.insert(balls.radii.end(), second.radii.begin(), second.radii.end());
+
+  SurfaceRenderOptions options;
+  static_cast<RenderOptions&>(options) = open_light(10);
+  options.view = {0, 0};
+  options.look_at = kSeen;
+  options.look_radius = 0.05;
+  Progress progress;
+  const TwoSpheres spheres;
+  const SurfaceCaster caster(spheres, balls, {});
+  const auto light = [&](const Image& image) { return light_at(image, options, kWidth / 2, kWidth / 2); };
+  EXPECT_NEAR(light(render_surface(caster, balls.centers, nullptr, options, progress)), expected, 0.02) << "discs";
+  options.exact_shadows = true;
+  EXPECT_NEAR(light(render_surface(caster, balls.centers, nullptr, options, progress)), expected, 0.01) << "exact";
+  options.exact_shadows = false;
+  EXPECT_NEAR(light(SplatPicture(cloud, {}, options).render(options, false, progress)), expected, 0.02) << "splats";
+}
+
 /// The same bend everywhere.
 class EvenBend final : public CurvatureField {
  public:
@@ -112,6 +188,18 @@ TEST(Accessibility, BendsGiveAndTakeLight) {
     const Image image = render_mesh(ball, options, progress);
     const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(bend) * 0.2 * diagonal);
     EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 5e-3) << bend;
+  }
+}
+
+TEST(Accessibility, WhatIsBentInAsFarAsCanBeIsDarkNotLit) {
+  const TriangleMesh ball = test::octasphere(3);
+  Progress progress;
+  for (const float bend : {-1e30f, -std::numeric_limits<float>::infinity()}) {
+    const EvenBend curvature(bend);
+    RenderOptions options = open_light(0.2, 1);
+    options.curvature = &curvature;
+    const Image image = render_mesh(ball, options, progress);
+    EXPECT_LT(light_at(image, options, kWidth / 2, kWidth / 2), 1e-3) << bend;
   }
 }
 
