@@ -15,8 +15,8 @@ namespace sansmesh::cli {
 /// Whether the picture has to know how its surface is bent.
 bool wants_curvature(const RenderOptions& options);
 
-/// Of a surface without a mesh, in its coordinates: from the samples, or where they were not kept, from how the normals
-/// of the function turn.
+/// Of a surface without a mesh, in its coordinates: by differences of its gradients, a spacing of the samples to each
+/// side (FieldCurvature).
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress);
 
 /// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.

@@ -255,11 +255,11 @@ void add_accessibility_options(CommandLine& c, RenderOptions& o) {
            throw ValueError("must be a length over the diagonal, 1e-6..10, not " + printable(word, 60));
          o.accessibility = true, o.exposure_reach = *reach;
        },
-       "Light is how open a place is: by rays around it, so long over the diagonal, and by curvature [no value: 0.15]")
+       "Light is how open a place is: by rays around it, so long over the diagonal, and by curvature [no value: 0.3]")
       .type_name("REACH")
-      .without_value("0.15")
+      .without_value("0.3")
       .group(group);
-  c.add_option("--bend-light", o.bend_light, "Share of that light that curvature gives and takes, 0..1 [0.5]")
+  c.add_option("--bend-light", o.bend_light, "Share of that light that curvature gives and takes, 0..1 [0.3]")
       .type_name("SHARE")
       .group(group);
 }

@@ -49,8 +49,8 @@ struct RenderOptions {
   /// Light is how open a place is, and nothing else: the share of the sky that nothing of what is drawn hides, weighted
   /// by the cosine to the normal, times a factor for whether it is bent outwards or inwards (Miller 1994).
   bool accessibility = false;
-  double exposure_reach = 0.15;  ///< what is farther away than this hides nothing, over the diagonal; > 0, up to 10
-  double bend_light = 0.5;       ///< most that the factor differs from 1, 0..1; 0: only what is hidden counts
+  double exposure_reach = 0.3;  ///< what is farther away than this hides nothing, over the diagonal; > 0, up to 10
+  double bend_light = 0.3;      ///< most that the factor differs from 1, 0..1; 0: only what is hidden counts
   /// In the coordinates of what is drawn; null: no ridges, valleys and bends. Must outlive the pictures.
   const CurvatureField* curvature = nullptr;
   bool smooth = true;      ///< interpolate normals over the triangles, except across creases
