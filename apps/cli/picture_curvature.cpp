@@ -13,7 +13,6 @@ namespace {
 
 /// Normals turn over this many spacings of the samples: details that these hold, and not their noise.
 constexpr double kBendStep = 1;
-constexpr std::size_t kFewestSamples = 9;
 
 /// How the normals of a field turn, and the field itself where a projection has to be seen as one.
 class ModelCurvature final : public CurvatureField {
@@ -46,6 +45,13 @@ std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, 
     spacing = static_cast<double>(*middle);
   }
   return std::make_unique<ModelCurvature>(model, kBendStep * spacing, progress);
+}
+
+std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress) {
+  progress.begin("curvature");
+  CurvatureOptions options;
+  options.noise = model.place().from_input(model.report().noise);
+  return std::make_unique<SampleCurvature>(model.points(), Placement{}, options, progress);
 }
 
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress) {

@@ -1,6 +1,7 @@
 // Curvature of what is drawn, for lines and accessibility.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "sansmesh/core/progress.h"
@@ -12,12 +13,18 @@
 
 namespace sansmesh::cli {
 
+/// Fewer samples make no surface that could be bent.
+inline constexpr std::size_t kFewestSamples = 9;
+
 /// Whether the picture has to know how its surface is bent.
 bool wants_curvature(const RenderOptions& options);
 
 /// Of a surface without a mesh, in its coordinates: by differences of its gradients, a spacing of the samples to each
 /// side (FieldCurvature).
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress);
+
+/// The same, estimated at the samples: over more of them than the surface's own weights, so that crests are calmer.
+std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress);
 
 /// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);

@@ -99,6 +99,12 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
   }
 }
 
+/// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
+bool lines_need_surface(const RenderArguments& a, const PointSet& points) {
+  return a.options.lines != RenderOptions::Lines::none && points.triangles.empty() && a.color_by.empty() &&
+         !a.options.point_radius && points.size() >= kFewestSamples;
+}
+
 void run_render(RenderArguments& a, Console& console) {
   complete(a);
   if (a.separate) return run_object_picture(a, console);
@@ -111,6 +117,10 @@ void run_render(RenderArguments& a, Console& console) {
   progress.begin("read");
   ReadReport read;
   PointSet points = a.input.read(console, read);
+  if (lines_need_surface(a, points)) {
+    a.surface = SurfaceOptions{};
+    return run_surface_picture(a, console, ReadCloud{std::move(points), read});
+  }
   std::unique_ptr<CurvatureField> curvature;
   if (wants_curvature(options)) curvature = curvature_of_samples(points, a.cloud, progress);
   options.curvature = curvature.get();

@@ -40,7 +40,14 @@ struct RenderArguments {
   bool separate = false;              ///< once chosen: each file is an object of its own in the picture
 };
 
-/// A picture straight from samples or of a function. The arguments are complete.
-void run_surface_picture(const RenderArguments& arguments, Console& console);
+/// Samples that have been read already.
+struct ReadCloud {
+  PointSet points;
+  ReadReport read;
+};
+
+/// A picture straight from samples or of a function. The arguments are complete. Crests of a cloud that is given are
+/// those of estimates at its samples, else those of the surface.
+void run_surface_picture(const RenderArguments& arguments, Console& console, std::optional<ReadCloud> cloud = {});
 
 }  // namespace sansmesh::cli

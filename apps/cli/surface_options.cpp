@@ -106,7 +106,7 @@ void add_surface_details(CommandLine& c, SurfaceArguments& a, CloudUse& cloud) {
   c.add_choice<Flow>("--flow", o.flow, {{"fit", Flow::fit}, {"normal", Flow::normal}, {"free", Flow::free}},
                      of(SurfaceOption::flow) +
                          "onto the surface by the fit, or by diffusion to its fixed point, along "
-                         "the normal or free [fit]")
+                         "the normal or free, which is slow and has no picture [fit]")
       .type_name("CHOICE")
       .group("Surface");
   c.add_choice<Diffusion>(

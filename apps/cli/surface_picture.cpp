@@ -87,8 +87,15 @@ class SurfacePainter {
 };
 
 /// The surface of a function file, or that of samples.
-SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Console& console) {
+SurfaceModel read_model(const RenderArguments& arguments, std::optional<ReadCloud>& given, ReadReport& read,
+                        Console& console) {
   Progress& progress = console.progress();
+  if (given) {
+    read = given->read;
+    return make_surface_model(prepare_cloud(std::move(given->points), arguments.cloud, progress), *arguments.surface,
+                              progress);
+  }
+  progress.begin("read");
   if (arguments.input.is_function()) {
     read.format = "function";
     return make_surface_model(read_function(arguments.input.files[0]));
@@ -100,7 +107,7 @@ SurfaceModel read_model(const RenderArguments& arguments, ReadReport& read, Cons
 
 }  // namespace
 
-void run_surface_picture(const RenderArguments& arguments, Console& console) {
+void run_surface_picture(const RenderArguments& arguments, Console& console, std::optional<ReadCloud> cloud) {
   SurfaceRenderOptions options = arguments.options;
   options.validate();
   arguments.picture.check_frames(arguments.frames > 0);
@@ -108,11 +115,10 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
   check_writable(arguments.output, "image");
 
   Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   std::vector<std::string> files;
   try {
-    const SurfaceModel model = read_model(arguments, read, console);
+    const SurfaceModel model = read_model(arguments, cloud, read, console);
     console.warn(arguments.input.name(), model.warnings());
     move_from_input(options, model.place());
     Image written;
@@ -121,8 +127,9 @@ void run_surface_picture(const RenderArguments& arguments, Console& console) {
     if (arguments.no_bar) bar.reset();
     leave_room(options, bar);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;
-    const std::unique_ptr<CurvatureField> bends =
-        wants_curvature(options) ? curvature_of_surface(model, progress) : nullptr;
+    const std::unique_ptr<CurvatureField> bends = !wants_curvature(options) ? nullptr
+                                                  : cloud                   ? curvature_at_samples(model, progress)
+                                                                            : curvature_of_surface(model, progress);
     options.curvature = bends.get();
     const SurfacePainter painter(arguments, model, colors, options, progress);
     if (arguments.frames == 0) {

@@ -73,6 +73,25 @@ TEST_F(PictureStyles, LinesOfABallAreARingAtItsSilhouette) {
   EXPECT_GT(darker, 100u);
 }
 
+/// Few samples are drawn as large discs, whose rims are no lines of the ball.
+TEST_F(PictureStyles, LinesOfACloudAreThoseOfItsSurface) {
+  PointSet cloud;
+  cloud.positions = cloud.normals = octasphere(4).vertices;
+  write_points(path("cloud.ply"), cloud);
+  const PngPicture drawing = drawn("cloud.ply", {"--lines", "--background", "white"});
+  ASSERT_EQ(drawing.width, kSide);
+  double farthest = 0, nearest = kSide;
+  std::size_t ink = 0;
+  for (std::size_t y = 0; y < kSide; ++y)
+    for (std::size_t x = 0; x < kSide; ++x) {
+      if (!is_ink(drawing.at(x, y))) continue;
+      ++ink;
+      farthest = std::max(farthest, away(x, y)), nearest = std::min(nearest, away(x, y));
+    }
+  EXPECT_GT(ink, 200u);
+  EXPECT_LT(farthest - nearest, 3.5);
+}
+
 TEST_F(PictureStyles, SplatsCoverWhatTheMeshDoes) {
   const TriangleMesh ball = octasphere(5);
   write_mesh(path("ball.ply"), ball);

@@ -28,8 +28,8 @@ TEST(BlockPattern, SimplicesFillTheBlockExactly) {
   EXPECT_EQ(table.pattern({}).tets.size(), 48u);  // 2ⁿ n!
   for (int trial = 0; trial < 200; ++trial) {
     // A refined face refines its edges.
-    BlockRefinement r{static_cast<std::uint32_t>(generator() & 63u),
-                      static_cast<std::uint32_t>(generator() & generator() & 4095u)};
+    const auto some = static_cast<std::uint32_t>(generator()), few = some & static_cast<std::uint32_t>(generator());
+    BlockRefinement r{static_cast<std::uint32_t>(generator() & 63u), few & 4095u};
     for (unsigned axis = 0; axis < 3; ++axis)
       for (unsigned bit = 0; bit < 4; ++bit) {
         const unsigned p = axis == 0 ? 1 : 0, q = axis == 2 ? 1 : 2;
