@@ -100,6 +100,7 @@ class PrimitiveNode final : public SolidNode {
   double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const override {
     return shape_.bend(piece, x, radius, level);
   }
+  bool bends_one_way() const override { return Shape::kOneWay; }
   double support(const Vec3& n) const override { return shape_.support(n); }
   double hollow_support(const Vec3& n) const override { return shape_.hollow_support(n); }
 
@@ -114,6 +115,7 @@ Solid solid_of(const Shape& shape) {
 
 /// What most shapes are: one piece, bounded, an exact distance.
 struct SmoothShape {
+  static constexpr bool kOneWay = false;  ///< straight in one direction everywhere
   std::uint32_t pieces() const { return 1; }
   /// Where the value is `level`, it is the largest of so many pieces; 0: one function of its own.
   std::uint32_t largest_of(double) const { return 0; }
@@ -214,6 +216,7 @@ struct Block : SmoothShape {
 };
 
 struct Pipe : SmoothShape {
+  static constexpr bool kOneWay = true;
   Vec3 center, axis;
   double radius = 0;
 
@@ -229,6 +232,7 @@ struct Pipe : SmoothShape {
 
 /// Pieces: the side, the bottom, the top.
 struct Frustum : SmoothShape {
+  static constexpr bool kOneWay = true;
   Vec3 center, axis;
   double bottom = 0, top = 0, half_height = 0;
   double slope = 0, cosine = 1;  ///< of the side: radius per height, and of its angle to the axis

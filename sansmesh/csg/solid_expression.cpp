@@ -42,6 +42,10 @@ class SolidExpression final : public PieceExpression {
     return bend_of(piece, x, radius, 0, 0);
   }
 
+  bool bends_one_way(std::uint32_t piece) const override {
+    return all_[piece].node && all_[piece].node->bends_one_way();
+  }
+
   std::uint32_t same_at(std::uint32_t piece, std::span<const Vec3> x) const override {
     while (!all_[piece].node) {
       int side = 0;

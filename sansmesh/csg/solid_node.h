@@ -58,6 +58,8 @@ class SolidNode {
   virtual std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const;
   /// As PieceExpression::bend, of a piece or of all that the node is (kWholeNode), where its value is `level` or more.
   virtual double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const;
+  /// As PieceExpression::bends_one_way, of all its pieces.
+  virtual bool bends_one_way() const { return false; }
 
   virtual double support(const Vec3& n) const = 0;
   virtual double hollow_support(const Vec3& n) const = 0;

@@ -27,6 +27,8 @@ class PieceExpression : public PiecewiseField {
   /// A bound for the second derivatives of a piece (the norm of its Hessian, 1/length) where it vanishes within
   /// `radius` of x; infinity where there is none: at a tip, or a crease of its own.
   virtual double bend(std::uint32_t piece, const Vec3& x, double radius) const = 0;
+  /// Whether it is known to bend across one direction only, as cylinders and cones do.
+  virtual bool bends_one_way(std::uint32_t) const { return false; }
 
   /// Pieces that blend two others are the same as one of these where that is far below the other. The piece that is the
   /// same at all of x, to the last digit; itself if there is none.

@@ -100,27 +100,43 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh&
     }
     return false;
   };
-  constexpr std::size_t kChunkOfTriangles = 1024;
-  const std::size_t chunks = (n + kChunkOfTriangles - 1) / kChunkOfTriangles;
+  // The triangles of a leaf together, and of the tree only what comes after them.
+  constexpr std::size_t kChunkOfBoxes = 256;
+  const std::size_t leaves = (n + kTrianglesOfLeaf - 1) / kTrianglesOfLeaf;
+  const std::size_t chunks = (leaves + kChunkOfBoxes - 1) / kChunkOfBoxes;
   std::vector<std::vector<std::array<std::uint32_t, 2>>> found(chunks);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
-    std::vector<std::size_t> open;
-    for (std::size_t i = c * kChunkOfTriangles; i < std::min(n, (c + 1) * kChunkOfTriangles); ++i) {
-      const std::uint32_t t = tree.order[i];
-      open.assign(1, 1);
-      while (!open.empty()) {
-        const std::size_t node = open.back();
-        open.pop_back();
-        if (!overlap(tree.box[node], box[t])) continue;
-        if (node < tree.leaves) {
-          open.push_back(2 * node);
-          open.push_back(2 * node + 1);
-          continue;
-        }
-        const std::size_t first = (node - tree.leaves) * kTrianglesOfLeaf;
+    const auto compare = [&](std::size_t leaf, std::size_t other) {
+      const Box3f& around = tree.box[tree.leaves + other];
+      const std::size_t end = std::min(n, (leaf + 1) * kTrianglesOfLeaf);
+      for (std::size_t i = leaf * kTrianglesOfLeaf; i < end; ++i) {
+        const std::uint32_t t = tree.order[i];
+        if (!overlap(around, box[t])) continue;
+        const std::size_t first = other * kTrianglesOfLeaf;
         for (std::size_t j = std::max(first, i + 1); j < std::min(n, first + kTrianglesOfLeaf); ++j) {
           const std::uint32_t s = tree.order[j];
           if (overlap(box[s], box[t]) && cut(s, t)) found[c].push_back({std::min(s, t), std::max(s, t)});
+        }
+      }
+    };
+    std::vector<std::size_t> open;
+    for (std::size_t leaf = c * kChunkOfBoxes; leaf < std::min(leaves, (c + 1) * kChunkOfBoxes); ++leaf) {
+      const Box3f& own = tree.box[tree.leaves + leaf];
+      compare(leaf, leaf);
+      // Up from the leaf: what is on the right of the way.
+      for (std::size_t node = tree.leaves + leaf; node > 1; node /= 2) {
+        if (node % 2 != 0) continue;
+        open.assign(1, node + 1);
+        while (!open.empty()) {
+          const std::size_t now = open.back();
+          open.pop_back();
+          if (!overlap(tree.box[now], own)) continue;
+          if (now >= tree.leaves) {
+            compare(leaf, now - tree.leaves);
+            continue;
+          }
+          open.push_back(2 * now);
+          open.push_back(2 * now + 1);
         }
       }
     }

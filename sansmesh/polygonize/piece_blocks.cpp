@@ -15,8 +15,10 @@ constexpr double kMostBend = 0.7;
 /// Edge of the smallest blocks, as a share of the root's: tips end here.
 constexpr double kSmallest = 3.2e-5;
 /// The triangles of a block with edge e are about e/2 wide; straddling a surface of curvature κ, they are κ(e/2)²/24
-/// off on average.
+/// off on average. Where they bend one way only it would be half of that, but simplification uses that up again: this
+/// much of it in the end.
 constexpr double kErrorShare = 1.0 / 96;
+constexpr double kOneWayShare = 0.7;
 /// With more pieces than this a block is cut as long as that helps.
 /// Half its diagonal, and how far lattice vertices move (piece_cut.cpp), as shares of a block's edge.
 constexpr double kReachOfBlock = 0.8661 + 0.161;
@@ -24,6 +26,18 @@ constexpr std::size_t kManyPieces = 16;
 /// Down to what blocks are cut for pieces that come close to each other: what remains is below a float's resolution.
 constexpr double kRoundingOfMesh = 1e-7;
 constexpr std::array<double, 3> kShift{0.3819, 0.2361, 0.4271};
+/// Where curved pieces are looked for before the size of the root is chosen: no deeper, and in no more blocks. So many
+/// sizes are compared; one larger than the usual has to be worth it.
+constexpr int kSurveyLevels = 4;
+constexpr std::size_t kSurveyBlocks = 8192;
+constexpr int kSizesOfRoot = 24;
+constexpr double kWorthALargerRoot = 0.9;
+/// Of the error that is accepted: usually blocks are smaller than they might be, here most are as large.
+constexpr double kErrorOfLargest = 0.8;
+
+double error_share(const PieceExpression& field, std::uint32_t piece) {
+  return field.bends_one_way(piece) ? kOneWayShare * kErrorShare : kErrorShare;
+}
 
 struct Chooser {
   const PieceExpression& field;
@@ -70,7 +84,7 @@ struct Chooser {
       curved = curved || bend > 0;
       bent = bent || bend * edge > kMostBend;
       tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has no end
-      coarse = coarse || bend * edge * edge * kErrorShare > options.mesh_error;
+      coarse = coarse || bend * edge * edge * error_share(field, n.a) > options.mesh_error;
     }
     if (options.cell > 0) {
       if (edge <= 1.0001 * options.cell) return tiny ? Verdict::too_small : Verdict::fine;
@@ -166,6 +180,58 @@ std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const Blo
   return found;
 }
 
+/// Blocks halve from the root on, so that a piece gets blocks between as large as it allows and half of that. By how
+/// much the root has to be larger, 1..2, for the fewest blocks along all curved pieces.
+double best_root(const PieceExpression& field, const Vec3& lower, double edge, const PieceBlockOptions& options) {
+  BlockTree tree(lower, edge);
+  struct Allowed {
+    double edge, area;
+  };
+  std::vector<Allowed> all;
+  std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
+  std::vector<PieceNode> above(field.nodes());
+  for (int level = 0; !open.empty(); ++level) {
+    const std::vector<ChunkOfBlocks> found = look_at_level(
+        field, tree, open, above, [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
+    const bool last = level == kSurveyLevels || 8 * open.size() > kSurveyBlocks;
+    open.clear();
+    above.clear();
+    for (const ChunkOfBlocks& c : found) {
+      const auto offset = static_cast<std::uint32_t>(above.size());
+      if (!last) above.insert(above.end(), c.nodes.begin(), c.nodes.end());
+      for (const PieceBlocks::Leaf& m : c.met) {
+        if (!last) {
+          const auto child = static_cast<std::uint32_t>(tree.subdivide(m.block));
+          for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + m.first, m.count});
+          continue;
+        }
+        const double e = tree.block_edge(m.block);
+        for (std::size_t i = m.first; i < m.first + m.count; ++i) {
+          if (c.nodes[i].kind != PieceNode::Kind::piece) continue;
+          const double bend = field.bend(c.nodes[i].a, tree.block_center(m.block), kReachOfBlock * e);
+          if (!(bend > 0) || !std::isfinite(bend)) continue;
+          const double coarsest =
+              std::sqrt(kErrorOfLargest * options.mesh_error / (bend * error_share(field, c.nodes[i].a)));
+          const double allowed = std::min(kMostBend / bend, coarsest);
+          if (allowed < e) all.push_back({allowed, std::min(e * e, 4 / (bend * bend))});
+        }
+      }
+    }
+  }
+  double best = 1, least = 0;
+  for (int k = 0; k < kSizesOfRoot; ++k) {
+    const double root = std::exp2(static_cast<double>(k) / kSizesOfRoot);
+    double blocks = 0;
+    for (const Allowed& a : all) {
+      const double e = root * edge * std::exp2(-std::ceil(std::log2(root * edge / a.edge)));
+      blocks += a.area / (e * e);
+    }
+    if (k == 0) least = kWorthALargerRoot * blocks;
+    if (blocks < least) least = blocks, best = root;
+  }
+  return best;
+}
+
 }  // namespace
 
 PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const PieceBlockOptions& options, double shift,
@@ -173,16 +239,19 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
   double edge = longest * 1.07;
+  const double scale = edge;
   if (options.cell > 0) {
     edge = options.cell;
     while (edge < longest * 1.001 + 2 * options.cell) edge *= 2;
+  } else {
+    edge *= best_root(field, box.center() - Vec3{edge, edge, edge} * 0.5, edge, options);
   }
   const double room = edge - longest;
   Vec3 lower = box.center() - Vec3{edge, edge, edge} * 0.5;
   for (std::size_t k = 0; k < 3; ++k) lower[k] += (std::fmod(kShift[k] + shift, 1.0) - 0.5) * 0.9 * room;
   PieceBlocks result{BlockTree(lower, edge), {}, {}, edge, 0, false};
   BlockTree& tree = result.tree;
-  const Chooser chooser{field, options, edge};
+  const Chooser chooser{field, options, options.cell > 0 ? edge : scale};
   progress.begin("blocks");
   std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
   std::vector<PieceNode> above(field.nodes());

@@ -553,5 +553,22 @@ TEST(MeshCsg, TrianglesFollowTheMeshError) {
   EXPECT_TRUE(coarse.closed);
 }
 
+/// Blocks halve from the root on, which is as large as makes them fit: here they may be just a little smaller than
+/// twice what halves of the box would be.
+TEST(MeshCsg, TheRootFollowsWhatCurvedPartsAllow) {
+  std::string text = "box(4, 4, 1)";
+  for (const char* x : {"-1.5", "-0.5", "0.5", "1.5"})
+    for (const char* y : {"-1.5", "-0.5", "0.5", "1.5"})
+      text += std::string(" - cylinder(r=0.3, h=2, center=(") + x + "," + y + ",0))";
+  CsgMeshReport report;
+  const TriangleMesh mesh = meshed(parsed(text), {}, report);
+  EXPECT_GT(report.cell, 0.05);
+  EXPECT_LT(report.cell, 0.07);
+  EXPECT_TRUE(report.closed);
+  EXPECT_EQ(measure_topology(mesh).genus(), std::optional<long>(16));
+  EXPECT_NEAR(report.volume / (16 - 16 * std::numbers::pi * 0.09), 1, 1e-3);
+  EXPECT_LT(report.mean_error, 2e-5 * std::sqrt(33.0));
+}
+
 }  // namespace
 }  // namespace sansmesh
