@@ -179,12 +179,16 @@ std::uint32_t scattered(const Vec3f& p) {
 }  // namespace
 
 bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress,
-                   std::vector<std::uint32_t>* from) {
+                   std::vector<std::uint32_t>* from, std::vector<std::uint32_t>* becomes) {
   options.validate();
   const std::size_t n = mesh.vertices.size();
   const Vec3 middle(bounds(mesh).center());  // near the origin quadrics lose fewer digits
   Simplifier s(options, n, std::move(mesh.triangles));
   s.limit.assign(options.limits.begin(), options.limits.end());
+  if (becomes) {  // for now, and if nothing changes
+    becomes->resize(n);
+    std::iota(becomes->begin(), becomes->end(), 0u);
+  }
   std::vector<double> own_weight(n);  // before anything merges
   parallel_for(0, n, 8192, [&](std::size_t v) {
     s.x[v] = Vec3(mesh.vertices[v]) - middle;
@@ -220,6 +224,8 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
     number[v] = static_cast<std::uint32_t>(left.size());
     left.push_back(t);
   }
+  if (becomes)
+    for (std::size_t v = 0; v < n; ++v) (*becomes)[v] = number[target[v]];
   const auto merge = [&](std::size_t components, auto get, auto set) {
     std::vector<double> sum(n * components, 0), weight(n, 0);
     for (std::size_t v = 0; v < n; ++v) {

@@ -15,8 +15,8 @@ namespace sansmesh {
 /// manifoldness stay; no triangle turns by more than 60° at once; borders move within the error. What belongs
 /// to merged vertices becomes their mean weighted by area (attributes: as AttributeTable says); triangles that are left
 /// keep their attributes. The same for any number of threads. Returns whether anything changed. `from` gets the number
-/// that each triangle had before.
+/// that each triangle had before, `becomes` that which each vertex, or the one it was merged into, has afterwards.
 bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress,
-                   std::vector<std::uint32_t>* from = nullptr);
+                   std::vector<std::uint32_t>* from = nullptr, std::vector<std::uint32_t>* becomes = nullptr);
 
 }  // namespace sansmesh

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "sansmesh/polygonize/editable_surface.h"
@@ -24,6 +25,7 @@ struct Merger {
   std::vector<Vec3>& normal;
   const PieceMergeOptions& options;
   EditableSurface surface;
+  std::vector<std::uint32_t> into;  ///< by vertex: the one that it was merged into, or itself
 
   std::size_t n = 0;
   std::array<std::uint32_t, kMostSpokes> leaving{}, tip{};
@@ -123,6 +125,7 @@ struct Merger {
     if (chosen == n) return false;
     CutPieces::Vertex& kept = mesh.vertices[tip[chosen]];
     kept.room = std::min(kept.room, vertex.room);
+    into[v] = tip[chosen];
     surface.collapse(leaving[chosen]);
     return true;
   }
@@ -169,9 +172,11 @@ struct Merger {
 
 }  // namespace
 
-void merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options) {
+std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options) {
   const std::size_t count = mesh.triangles.size();
-  Merger merger{mesh, normal, options, EditableSurface(std::move(mesh.triangles), mesh.vertices.size())};
+  Merger merger{mesh, normal, options, EditableSurface(std::move(mesh.triangles), mesh.vertices.size()), {}};
+  merger.into.resize(mesh.vertices.size());
+  std::iota(merger.into.begin(), merger.into.end(), 0u);
   merger.run();
   mesh.triangles.clear();
   std::size_t kept = 0;
@@ -194,6 +199,14 @@ void merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOp
   mesh.vertices.resize(used);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = number[v];
+  std::vector<std::uint32_t> becomes(number.size());
+  for (std::uint32_t v = 0; v < becomes.size(); ++v) {
+    std::uint32_t last = v;
+    while (merger.into[last] != last) last = merger.into[last];
+    for (std::uint32_t w = v; merger.into[w] != last;) w = std::exchange(merger.into[w], last);
+    becomes[v] = number[last];
+  }
+  return becomes;
 }
 
 }  // namespace sansmesh

@@ -23,7 +23,7 @@ struct PieceMergeOptions {
 /// Merges vertices into neighbours that are on the same pieces at least: corners stay, creases remain creases.
 /// `normal`: where each triangle's piece points there; triangles that are folded against it count as bad ones, to be
 /// got rid of. No vertex goes where a triangle would leave its plane by more than a quarter of the room that is known.
-/// Drops the vertices that are not used any more, and keeps the topology.
-void merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options);
+/// Drops the vertices that are not used any more, and keeps the topology. Returns what each vertex has become.
+std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options);
 
 }  // namespace sansmesh

@@ -42,6 +42,8 @@ constexpr double kCrossing = 1e-7;
 constexpr int kMostTakeBacks = 6;
 /// So often the mesh is simplified, with more left as it was cut out where it went through itself; then not at all.
 constexpr int kMostSimplifications = 4;
+/// So often only the places concerned are taken back before that, a ring wider each time.
+constexpr int kMostRestored = 5;
 /// What is left as it was: around crossing triangles, so many of their radii the first time, and more each time.
 constexpr float kNarrow = 0.2f;
 constexpr double kKeptRadius = 1.2, kKeptMore = 0.8;
@@ -191,7 +193,7 @@ class PieceMesher {
     merging.straight.resize(mesh.vertices.size());
     parallel_for(0, mesh.vertices.size(), 4096,
                  [&](std::size_t v) { merging.straight[v] = bend_of(mesh.vertices[v]) == 0; });
-    merge_pieces(mesh, facing, merging);
+    becomes_ = merge_pieces(mesh, facing, merging);
     if (options_.simplify <= 0) return;
     progress.begin("simplify");
     simplify(origin, progress);
@@ -199,29 +201,83 @@ class PieceMesher {
     place_again();
   }
 
+  /// Takes improvements back around triangles that go through each other, and only there: what vertices `rings` around
+  /// those were merged from is as in `placed` again, and what is so already, as in `linear`. The rest stays:
+  /// improvements merge vertices, so the mesh is that of `placed` with the vertices that are one written as one.
+  void restore(const Crossings& crossing, const CutPieces& placed, const CutPieces& linear, int rings) {
+    std::vector<std::uint32_t> parts(mesh.vertices.size(), 0);
+    for (const std::uint32_t v : becomes_)
+      if (v != kNoPiece) ++parts[v];
+    std::vector<std::uint8_t> open(mesh.vertices.size(), 0), linear_again = open;
+    for (const auto& pair : crossing)
+      for (const std::uint32_t t : pair)
+        for (const std::uint32_t v : mesh.triangles[t]) open[v] = 1, linear_again[v] = parts[v] == 1;
+    for (int ring = 0; ring < rings; ++ring) {
+      std::vector<std::uint8_t> wider = open;
+      for (const Triangle& t : mesh.triangles)
+        if (open[t[0]] || open[t[1]] || open[t[2]]) wider[t[0]] = wider[t[1]] = wider[t[2]] = 1;
+      open = std::move(wider);
+    }
+    CutPieces mixed;
+    std::vector<std::uint32_t> number(mesh.vertices.size(), kNoPiece);
+    for (std::size_t v = 0; v < open.size(); ++v) {
+      if (open[v]) continue;
+      number[v] = static_cast<std::uint32_t>(mixed.vertices.size());
+      mixed.vertices.push_back(mesh.vertices[v]);
+    }
+    for (std::size_t v = 0; v < becomes_.size(); ++v) {
+      const std::uint32_t now = becomes_[v];
+      if (now == kNoPiece) continue;
+      if (!open[now]) {
+        becomes_[v] = number[now];
+        continue;
+      }
+      becomes_[v] = static_cast<std::uint32_t>(mixed.vertices.size());
+      mixed.vertices.push_back(placed.vertices[v]);
+      CutPieces::Vertex& vertex = mixed.vertices.back();
+      vertex.room = 0;
+      if (linear_again[now]) vertex.x = linear.vertices[v].x;
+    }
+    for (std::size_t t = 0; t < placed.triangles.size(); ++t) {
+      Triangle now = placed.triangles[t];
+      for (std::uint32_t& v : now) v = becomes_[v];
+      if (now[0] == now[1] || now[1] == now[2] || now[2] == now[0]) continue;
+      mixed.triangles.push_back(now);
+      mixed.piece.push_back(placed.piece[t]);
+    }
+    mesh = std::move(mixed);
+  }
+
   /// Balanced where there is room.
   TriangleMesh finished(const Vec3& origin, bool careful) {
     PieceMesh pieces;
     pieces.triangles = mesh.triangles;
     pieces.piece = mesh.piece;
-    std::vector<std::uint8_t> rank;
     for (const CutPieces::Vertex& v : mesh.vertices) {
       pieces.x.push_back(v.x);
-      rank.push_back(static_cast<std::uint8_t>(v.rank()));
-      const bool narrow = careful || static_cast<double>(v.room) < kRoomToBalance * options_.mesh_error;
-      pieces.rank.push_back(narrow ? 2 : rank.back());
+      const bool narrow = static_cast<double>(v.room) < kRoomToBalance * options_.mesh_error;
+      pieces.rank.push_back(narrow ? 2 : static_cast<std::uint8_t>(v.rank()));
     }
-    balance_pieces(field_, pieces);
-    pieces.rank = std::move(rank);
+    if (!careful) balance_pieces(field_, pieces);
     TriangleMesh result;
     result.origin = origin;
-    result.normals = piece_normals(field_, pieces);
     result.triangles = mesh.triangles;
     for (std::size_t v = 0; v < pieces.x.size(); ++v) {
       mesh.vertices[v].x = pieces.x[v];
       result.vertices.emplace_back(pieces.x[v] - origin);
     }
     return result;
+  }
+
+  std::vector<Vec3f> normals() const {
+    PieceMesh pieces;
+    pieces.triangles = mesh.triangles;
+    pieces.piece = mesh.piece;
+    for (const CutPieces::Vertex& v : mesh.vertices) {
+      pieces.x.push_back(v.x);
+      pieces.rank.push_back(static_cast<std::uint8_t>(v.rank()));
+    }
+    return piece_normals(field_, pieces);
   }
 
   /// Each vertex onto its pieces.
@@ -326,7 +382,11 @@ class PieceMesher {
     simplify.least_shape = kLeastShapeOfPieces;
     simplify.limits = limits;
     std::vector<std::uint32_t> from;
-    simplify_mesh(plain, simplify, progress, &from);
+    std::vector<std::uint32_t> becomes;
+    simplify_mesh(plain, simplify, progress, &from, &becomes);
+    parallel_for(0, becomes_.size(), 8192, [&](std::size_t v) {
+      if (becomes_[v] != kNoPiece) becomes_[v] = becomes[becomes_[v]];
+    });
     std::vector<std::uint32_t> piece(from.size());
     std::vector<float> room(from.size());
     for (std::size_t t = 0; t < from.size(); ++t) piece[t] = mesh.piece[from[t]], room[t] = room_of[from[t]];
@@ -375,6 +435,8 @@ class PieceMesher {
   const PieceExpression& field_;
   const PieceSurfaceOptions& options_;
   double scale_;
+  std::vector<std::uint32_t>
+      becomes_;  ///< by vertex before improvements: its number in the mesh, or that of what it is part of
 };
 
 template <class At>
@@ -435,6 +497,20 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     const Crossings crossing = self_intersections(result, kCrossing * scale);
     report.unsimplified = !simplified;
     if (crossing.empty()) break;
+    if (simplified && options.triangles == 0) {
+      Crossings left = crossing;
+      TriangleMesh mixed;
+      for (int rings = 0; rings < kMostRestored && !left.empty(); ++rings) {
+        mesher.restore(left, placed, linear, rings);
+        if (!closed(mesh)) break;  // what two others kept apart may be one place now
+        mixed = mesher.finished(origin, true);
+        left = self_intersections(mixed, kCrossing * scale);
+      }
+      if (left.empty()) {
+        result = std::move(mixed);
+        break;
+      }
+    }
     if (!simplified) {
       const Vec3 at = origin + Vec3(result.vertices[result.triangles[crossing[0][0]][0]]);
       throw DataError(fmt::format(
@@ -448,6 +524,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     mesher.take_back(linear, origin, kCrossing * scale, attempt + 1 < kMostSimplifications ? &kept : nullptr);
     placed = mesh;
   }
+  result.normals = mesher.normals();
   std::vector<double> distance;
   mesher.normals_of_triangles(&distance);
   double area = 0, sum = 0;
