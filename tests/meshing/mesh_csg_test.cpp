@@ -570,5 +570,31 @@ TEST(MeshCsg, TheRootFollowsWhatCurvedPartsAllow) {
   EXPECT_LT(report.mean_error, 2e-5 * std::sqrt(33.0));
 }
 
+/// Two of these balls nearly touch, so that triangles cross once they are simplified: what is made again is only there.
+TEST(MeshCsg, WhereTrianglesCrossOnlyThatIsMadeAgain) {
+  const Solid balls = parsed(
+      "union(sphere(0.178, center=(0.589,0.206,-0.404)), "
+      "sphere(0.182, center=(0.577,0.007,0.598)), "
+      "sphere(0.156, center=(0.286,-0.573,-0.527)), "
+      "sphere(0.151, center=(0.556,-0.299,-0.052)), "
+      "sphere(0.138, center=(-0.256,0.372,-0.546)), "
+      "sphere(0.186, center=(0.232,0.509,0.476)), "
+      "sphere(0.185, center=(0.092,-0.584,0.294)), "
+      "sphere(0.112, center=(0.527,0.135,-0.190)), "
+      "sphere(0.174, center=(-0.591,0.154,0.435)))");
+  std::string stage;
+  int simplified = 0;
+  Progress progress([&](const std::string& now, double) {
+    simplified += now == "simplify" && stage != now;
+    stage = now;
+  });
+  CsgMeshReport report;
+  const TriangleMesh mesh = mesh_csg(balls, {}, progress, &report);
+  EXPECT_EQ(simplified, 1);
+  EXPECT_TRUE(report.closed);
+  EXPECT_EQ(report.warnings, std::vector<std::string>());
+  EXPECT_TRUE(self_intersections(mesh, 1e-7 * report.box.diagonal()).empty());
+}
+
 }  // namespace
 }  // namespace sansmesh
