@@ -32,7 +32,7 @@ constexpr int kSurveyLevels = 4;
 constexpr std::size_t kSurveyBlocks = 8192;
 constexpr int kSizesOfRoot = 24;
 constexpr double kWorthALargerRoot = 0.9;
-/// Of the error that is accepted: usually blocks are smaller than they might be, here most are as large.
+/// Of the error and the bend that are accepted: usually blocks are smaller than they might be, here most are as large.
 constexpr double kErrorOfLargest = 0.8;
 
 double error_share(const PieceExpression& field, std::uint32_t piece) {
@@ -212,7 +212,7 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
           if (!(bend > 0) || !std::isfinite(bend)) continue;
           const double coarsest =
               std::sqrt(kErrorOfLargest * options.mesh_error / (bend * error_share(field, c.nodes[i].a)));
-          const double allowed = std::min(kMostBend / bend, coarsest);
+          const double allowed = std::min(kErrorOfLargest * kMostBend / bend, coarsest);
           if (allowed < e) all.push_back({allowed, std::min(e * e, 4 / (bend * bend))});
         }
       }
