@@ -420,7 +420,8 @@ TEST(MeshCsg, BallsThatNearlyTouchAreSimplified) {
   for (int i = 0; i < kSide * kSide * kSide; ++i) {
     const double r = radius(random), s = radius(random), gap = std::pow(10, digits(random)) * (i % 2 ? 1 : -1);
     const double d = r + s + gap;
-    const Vec3 center = Vec3{i % kSide * 0.9, i / kSide % kSide * 0.9, i / (kSide * kSide) * 0.9};
+    const int column = i % kSide, row = i / kSide % kSide, layer = i / (kSide * kSide);
+    const Vec3 center = Vec3{column * 0.9, row * 0.9, layer * 0.9};
     const Vec3 to = normalized(Vec3{direction(random), direction(random), direction(random)});
     balls.push_back(sphere(center, r));
     balls.push_back(sphere(center + to * d, s));
