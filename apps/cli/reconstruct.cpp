@@ -140,6 +140,8 @@ Command add_reconstruct(CommandLine& app) {
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return {&c, [shared](Console& console) {
             shared->options.surface = shared->surface.chosen();
+            if (shared->surface.options.normal == SurfaceOptions::Normal::iterated)
+              throw ArgumentError("--normal iterated is for pictures and points: meshes have no normals but their own");
             run_reconstruct(*shared, console);
           }};
 }

@@ -340,7 +340,10 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
     if (options.sharp) {
       BilateralOptions o;
       o.formula = options.sharp_formula, o.weights = options.weights;
-      o.epsilon = options.epsilon.value_or(o.epsilon);
+      if (o.formula == SurfaceOptions::SharpFormula::laguerre) {  // whose h and ε are those of the surface
+        o.epsilon = options.epsilon.value_or(o.epsilon);
+        o.smoothing = options.smoothing, o.bandwidth = bandwidth;
+      }
       state->normals.emplace(*samples, o);
     }
     if (options.normal == SurfaceOptions::Normal::iterated) state->iterated.emplace(*state->implicit);

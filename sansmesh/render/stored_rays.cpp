@@ -58,7 +58,9 @@ struct PatchQuery {
 void patch_bounds(const RTCBoundsFunctionArguments* arguments) {
   const Patch& p = static_cast<const Patch*>(arguments->geometryUserPtr)[arguments->primID];
   RTCBounds& b = *arguments->bounds_o;
-  const auto r = static_cast<float>(p.radius * (1 + 1e-6));
+  // Beyond what the centre loses in single precision.
+  const double lost = 1e-6 * (std::abs(p.center.x) + std::abs(p.center.y) + std::abs(p.center.z));
+  const auto r = static_cast<float>(p.radius * (1 + 1e-6) + lost);
   const Vec3f c(p.center);
   b.lower_x = c.x - r, b.lower_y = c.y - r, b.lower_z = c.z - r;
   b.upper_x = c.x + r, b.upper_y = c.y + r, b.upper_z = c.z + r;

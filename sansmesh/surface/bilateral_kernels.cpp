@@ -83,7 +83,12 @@ void Refine(std::span<const Candidate> candidates, const PointGroup& group, int 
       if constexpr (kFormula == NormalFormula::laguerre)
         height = hn::IfThenElseZero(hn::Gt(weights, Constant(1e-3f)), height);
       const V n2 = pn::MulAdd(sum.x, sum.x, pn::MulAdd(sum.y, sum.y, hn::Mul(sum.z, sum.z)));
-      const auto good = hn::Gt(n2, Constant(1e-36f));
+      auto good = hn::Gt(n2, Constant(1e-36f));
+      // Nor is a normal where they turn it to the other side.
+      if constexpr (kFormula == NormalFormula::laguerre) {
+        const V along = pn::MulAdd(sum.x, n.x, pn::MulAdd(sum.y, n.y, hn::Mul(sum.z, n.z)));
+        good = hn::And(good, hn::Gt(along, zero));
+      }
       const V inverse = hn::Div(one, hn::Sqrt(hn::IfThenElse(good, n2, one)));
       n.x = hn::IfThenElse(good, hn::Mul(sum.x, inverse), n.x);
       n.y = hn::IfThenElse(good, hn::Mul(sum.y, inverse), n.y);

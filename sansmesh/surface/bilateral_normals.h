@@ -15,8 +15,8 @@ struct BilateralOptions {
   /// σ: samples farther than this from the tangent plane at the point count little (length); default: a third of the
   /// local spacing, and the noise.
   std::optional<double> height = {};
-  std::optional<double> smoothing = {};  ///< width of the radial weights over the local spacing, 0.5..20; default: 1.2
-                                         ///< (laguerre: 2.4), more with noise
+  std::optional<double> smoothing = {};  ///< width of the radial weights over the local spacing, 0.5..20; default: 1.2,
+                                         ///< more with noise
   /// Samples whose normals differ from that at the point by more than this (length of the difference of unit vectors,
   /// 0.4: 23°) count little; the source has no such term, but next to an edge the heights alone leave a tilt.
   double turn = 0.4;

@@ -190,7 +190,6 @@ double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
 
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress) {
   options.validate();
-  if (options.bandwidth) detail::check_width(samples, *options.bandwidth);
   auto state = std::make_unique<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
   const bool gaussian = options.weights == SurfaceWeights::gaussian;
@@ -205,7 +204,11 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
     const double narrower = 1 / std::sqrt(*options.epsilon);
     chosen.smoothing = smoothing * narrower;
     if (options.bandwidth) chosen.bandwidth = *options.bandwidth * narrower;
+    check_argument(
+        options.bandwidth || (*chosen.smoothing >= 0.3 && *chosen.smoothing <= 20),
+        "`smoothing` over the square root of `epsilon`, the spacings that weights are wide, must be from 0.3 to 20");
   }
+  if (chosen.bandwidth) detail::check_width(samples, *chosen.bandwidth);
   if (amls && !chosen.bandwidth && (!chosen.smoothing || !chosen.iterations || !chosen.order)) {
     progress.begin("cross validation");
     const detail::IterationChoice choice = choose(samples, chosen, iteration);

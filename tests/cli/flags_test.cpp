@@ -92,6 +92,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
       wrong.push_back({command, typed});
     }
   wrong.push_back({{"render", "ball.ply", "-o", "x.png", "--surface", "apss"}, {"--rays", "stored"}});
+  wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "amls"}, {"--normal", "iterated"}});
   for (const char* typed : {"--sharp", "--no-sheets"})
     wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "partition"}, {typed}});
   // Options of the fit, of another surface.

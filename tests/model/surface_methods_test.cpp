@@ -176,6 +176,11 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
   const std::vector<Vec3> both = normals_of(o);
   o.sharp_formula = SurfaceOptions::SharpFormula::laguerre;
   const std::vector<Vec3> laguerre = normals_of(o);
+  // Only h/√ε counts, of these weights as of the surface's.
+  o.smoothing = 1.5, o.epsilon = 1;
+  const std::vector<Vec3> narrow = normals_of(o);
+  o.smoothing = 3.0, o.epsilon = 4;
+  EXPECT_LT(norm(normals_of(o)[0] - narrow[0]), 1e-5);
   EXPECT_GT(norm(plain[0] - iterated[0]), 1e-4);  // next to the edge
   EXPECT_GT(norm(both[0] - iterated[0]), 1e-4);
   EXPECT_GT(norm(both[0] - laguerre[0]), 1e-5);

@@ -305,6 +305,40 @@ TEST(SharpNormals, LaguerreWeightsSharpenEdges) {
   EXPECT_LT(after, 0.3 * before);
 }
 
+/// The polynomial's negative values never turn a normal to the other side, however the samples lie.
+TEST(SharpNormals, LaguerreWeightsKeepTheSide) {
+  Progress progress;
+  const SurfaceSamples samples = prepare_samples(test::cube(4000), progress, 0.0);
+  const BilateralNormals field(samples,
+                               {.smoothing = 5, .iterations = 1, .formula = BilateralOptions::Formula::laguerre});
+  std::vector<Vec3> x, normals;
+  std::mt19937 random(5);
+  std::normal_distribution<double> g;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    x.push_back(Vec3(samples.positions[i]) + Vec3{g(random), g(random), g(random)} * (0.5 * samples.median_spacing));
+    normals.push_back(normalized(Vec3(samples.normals[i]) + Vec3{g(random), g(random), g(random)} * 0.3));
+  }
+  std::vector<Vec3> refined = normals;
+  field.refine(x, refined);
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_GT(dot(refined[i], normals[i]), 0);
+}
+
+/// h and ε are bounded by what they make together.
+TEST(ImplicitSources, WidthsAreJudgedWithEpsilon) {
+  Progress progress;
+  const SurfaceSamples samples = prepare_samples(test::sphere(600), progress, 0.0);
+  const double spacing = samples.median_spacing;
+  ImplicitOptions o{.method = ImplicitMethod::amls, .order = 2, .iterations = 0};
+  o.smoothing = 20, o.epsilon = 0.05;
+  EXPECT_THROW(make_implicit_surface(samples, o, progress), ArgumentError);
+  o.epsilon = 20;
+  EXPECT_NO_THROW(make_implicit_surface(samples, o, progress));
+  o.smoothing.reset(), o.bandwidth = 15 * spacing, o.epsilon = 0.05;
+  EXPECT_THROW(make_implicit_surface(samples, o, progress), ArgumentError);
+  o.bandwidth = 25 * spacing, o.epsilon = 20;
+  EXPECT_NO_THROW(make_implicit_surface(samples, o, progress));
+}
+
 TEST(ImplicitSources, AreRefusedWhereTheyMeanNothing) {
   const auto refused = [](ImplicitOptions o, const std::string& field) {
     try {
