@@ -207,10 +207,10 @@ void SurfaceModel::State::use_mpu(const SurfaceSamples& samples, const SurfaceOp
   balls.centers = samples.positions, spacing = samples.spacing;
   const auto reach = static_cast<float>(default_reach(samples));
   for (const float s : spacing) balls.radii.push_back(reach * s);
-  const BallUnion gaps = mpu->gap_balls();
+  const BallUnion gaps = mpu->gap_balls({samples.tree, balls.radii});
   for (std::size_t i = 0; i < gaps.centers.size(); ++i) {
     const auto near = samples.tree.nearest(gaps.centers[i]);
-    if (!near || std::sqrt(near->squared_distance) <= reach * samples.spacing[near->index]) continue;
+    if (!near) continue;
     balls.centers.push_back(gaps.centers[i]), balls.radii.push_back(gaps.radii[i]);
     spacing.push_back(std::max(gaps.radii[i] / kGapBlocks, samples.spacing[near->index]));
   }

@@ -26,6 +26,12 @@ constexpr int kDeepestLeaf = 14;
 constexpr double kRounding = 1e-6;
 /// Balls that more leaves than this reach are too large for anything to be said of them.
 constexpr std::size_t kMostLeaves = 4000;
+/// Of a cube, over its edge.
+constexpr double kHalfDiagonal = 0.8660254037844387;
+/// Cubes at the rims of gaps are so much larger: the rim may run through what is judged by its middle.
+constexpr double kOverlap = 2;
+/// The surface is not looked for in cubes whose centres are so many half diagonals from it, by value and slope.
+constexpr double kFarOff = 2;
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 /// Finite samples with unit normals, in an order that their places alone tell.
@@ -73,7 +79,15 @@ struct MpuSurface::State {
   std::vector<std::uint32_t> first_reach;  ///< of each leaf, in `reach`; one more than there are leaves
   std::vector<std::uint32_t> reach;        ///< leaves whose balls reach it
 
+  struct Cube {
+    Vec3 center;
+    double edge = 0;
+  };
+
   void find_reach();
+  bool passes(const Vec3& center, double edge) const;
+  void find_gaps(const MpuSurface::SampleBalls& samples, const Vec3& center, double edge,
+                 std::vector<Cube>& gaps) const;
   void evaluate(const Vec3& x, double& value, Vec3* gradient) const;
   ValueRange range(const Vec3& x, double radius, std::vector<std::uint32_t>& near) const;
   Vec3 in_cube(const Vec3& x) const {
@@ -193,29 +207,62 @@ void MpuSurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueR
   });
 }
 
-BallUnion MpuSurface::gap_balls() const {
-  const MpuTree& tree = state_->tree;
-  std::vector<std::uint8_t> passes(tree.leaves.size());
-  parallel_for(0, tree.leaves.size(), 256, [&](std::size_t i) {
-    const MpuLeaf& l = tree.leaves[i];
-    if (l.samples >= kLeastSamples) return;
-    bool inside = false, outside = false;
-    for (int k = 0; k < 27; ++k) {
-      const int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
-      const Vec3 at =
-          l.center + Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} * (l.edge / 2);
-      double value = 0;
-      state_->evaluate(at, value, nullptr);
-      (value < 0 ? inside : outside) = true;
-    }
-    passes[i] = inside && outside;
-  });
-  BallUnion balls;
-  for (std::size_t i = 0; i < tree.leaves.size(); ++i) {
-    if (!passes[i]) continue;
-    balls.centers.emplace_back(tree.leaves[i].center);
-    balls.radii.push_back(static_cast<float>((std::sqrt(0.75) + 1e-3) * tree.leaves[i].edge));
+/// Whether the surface may pass through the cube, by the signs of 27 places.
+bool MpuSurface::State::passes(const Vec3& center, double edge) const {
+  bool inside = false, outside = false;
+  for (int k = 0; k < 27; ++k) {
+    const int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
+    const Vec3 at = center + Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} * (edge / 2);
+    double value = 0;
+    evaluate(at, value, nullptr);
+    (value < 0 ? inside : outside) = true;
   }
+  return inside && outside;
+}
+
+/// Cubes around what of the surface in this one the samples' balls do not hold: whole where none of them is near, else
+/// its children down to the size of the balls.
+void MpuSurface::State::find_gaps(const MpuSurface::SampleBalls& samples, const Vec3& center, double edge,
+                                  std::vector<Cube>& gaps) const {
+  const double r = kHalfDiagonal * edge;
+  const auto distance_to = [&](const Vec3& x, double& ball) {
+    const auto near = samples.tree.nearest(Vec3f(x));
+    ball = static_cast<double>(samples.radii[near->index]);
+    return std::sqrt(static_cast<double>(near->squared_distance));
+  };
+  double ball = 0;
+  const double distance = distance_to(center, ball);
+  if (distance + r <= ball) return;
+  if (distance >= ball + r) {
+    if (passes(center, edge)) gaps.push_back({center, edge});
+    return;
+  }
+  Vec3 gradient;
+  double value = 0;
+  evaluate(center, value, &gradient);
+  const double steepness = norm(gradient);
+  if (std::abs(value) > kFarOff * r * steepness) return;
+  if (2 * edge <= ball) {
+    const double step = steepness > 0 ? value / (steepness * steepness) : 0;
+    if (distance_to(in_cube(center - gradient * step), ball) > ball) gaps.push_back({center, kOverlap * edge});
+    return;
+  }
+  for (int k = 0; k < 8; ++k)
+    find_gaps(samples, center + Vec3{k & 1 ? 0.25 : -0.25, k & 2 ? 0.25 : -0.25, k & 4 ? 0.25 : -0.25} * edge, edge / 2,
+              gaps);
+}
+
+BallUnion MpuSurface::gap_balls(const SampleBalls& samples) const {
+  const MpuTree& tree = state_->tree;
+  std::vector<std::vector<State::Cube>> gaps(tree.leaves.size());
+  parallel_for(0, tree.leaves.size(), 64,
+               [&](std::size_t i) { state_->find_gaps(samples, tree.leaves[i].center, tree.leaves[i].edge, gaps[i]); });
+  BallUnion balls;
+  for (const std::vector<State::Cube>& of_leaf : gaps)
+    for (const State::Cube& c : of_leaf) {
+      balls.centers.emplace_back(c.center);
+      balls.radii.push_back(static_cast<float>((kHalfDiagonal + 1e-3) * c.edge));
+    }
   return balls;
 }
 

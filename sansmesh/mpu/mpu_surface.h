@@ -11,6 +11,7 @@
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/mpu/mpu_options.h"
 #include "sansmesh/mpu/mpu_tree.h"
+#include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 
@@ -35,8 +36,14 @@ class MpuSurface : public ScalarField {
   /// Proven: f lies between the least and the largest value of the shapes that reach the ball.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
-  /// Around those cells that the surface may pass through whose own balls hold too few samples: what closes holes.
-  BallUnion gap_balls() const;
+  /// Balls around samples.
+  struct SampleBalls {
+    const KdTree& tree;
+    std::span<const float> radii;
+  };
+  /// Around what of the surface these do not hold: what closes holes. As large as cells where no ball is near, else as
+  /// the balls.
+  BallUnion gap_balls(const SampleBalls& samples) const;
   const MpuTree& tree() const;
   const MpuReport& report() const;
 

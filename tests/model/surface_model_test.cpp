@@ -243,6 +243,31 @@ TEST(SurfaceModel, MpuClosesWideHolesUnlessItIsTrimmed) {
   EXPECT_EQ(trimmed.components, 1u);
 }
 
+/// Pictures and spread points look for the surface in these balls: also in holes of flat faces, whose cells are large
+/// and hold samples, and at their rims.
+TEST(SurfaceModel, BallsOfMpuHoldItsSurfaceOverHoles) {
+  const PointSet cloud = test::cube(8000);
+  for (const double hole : {0.2, 0.35, 0.6}) {
+    PointSet cut;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Vec3f& p = cloud.positions[i];
+      if (p.z > 0.999f && std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)) < hole) continue;
+      cut.positions.push_back(p), cut.normals.push_back(cloud.normals[i]);
+    }
+    Progress progress;
+    const SurfaceModel model = make_surface_model(cut, named("mpu"), progress);
+    const BallUnion& balls = model.balls();
+    for (double x = -0.7; x <= 0.7; x += 0.05)
+      for (double y = -0.7; y <= 0.7; y += 0.05) {
+        const Vec3 at = model.place().from_input(Vec3{x, y, 1});
+        bool held = false;
+        for (std::size_t i = 0; i < balls.centers.size() && !held; ++i)
+          held = norm(Vec3(balls.centers[i]) - at) < static_cast<double>(balls.radii[i]);
+        EXPECT_TRUE(held) << hole << ": " << x << ", " << y;
+      }
+  }
+}
+
 TEST(SurfaceModel, MpuHeedsOptionsOfTheFit) {
   const PointSet cloud = test::cube(4000);
   const auto mesh_with = [&](auto change) {

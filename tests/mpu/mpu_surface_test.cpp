@@ -218,12 +218,14 @@ TEST(MpuSurface, RangesHoldWhatItsValuesAre) {
 TEST(MpuSurface, IsTheSameForAnyNumberOfThreads) {
   const PointSet cloud = notched_cube(5000);
   const std::vector<Vec3> x = somewhere(3000, 1.3);
+  const KdTree tree(cloud.positions);
+  const std::vector<float> radii(cloud.size(), 0.03f);
   test::expect_equal_for_any_threads([&] {
     const MpuSurface surface = mpu_of(cloud);
     std::vector<double> values(x.size());
     std::vector<Vec3> gradients(x.size());
     surface.evaluate(x, values, gradients);
-    const BallUnion gaps = surface.gap_balls();
+    const BallUnion gaps = surface.gap_balls({tree, radii});
     for (const Vec3& g : gradients) values.push_back(g.x + 2 * g.y + 3 * g.z);
     for (const Vec3f& c : gaps.centers) values.push_back(static_cast<double>(c.x));
     return values;
