@@ -99,10 +99,14 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
   }
 }
 
+/// Fewer samples are drawn as they are: their surface may be nowhere.
+constexpr std::size_t kFewestOfSurface = 30;
+
 /// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
 bool lines_need_surface(const RenderArguments& a, const PointSet& points) {
   return a.options.lines != RenderOptions::Lines::none && points.triangles.empty() && a.color_by.empty() &&
-         !a.options.point_radius && points.size() >= kFewestSamples;
+         !a.options.point_radius && !a.flat && a.options.wireframe == RenderOptions::Wireframe::none &&
+         points.size() >= kFewestOfSurface;
 }
 
 void run_render(RenderArguments& a, Console& console) {
@@ -118,8 +122,13 @@ void run_render(RenderArguments& a, Console& console) {
   ReadReport read;
   PointSet points = a.input.read(console, read);
   if (lines_need_surface(a, points)) {
-    a.surface = SurfaceOptions{};
-    return run_surface_picture(a, console, ReadCloud{std::move(points), read});
+    RenderArguments of_surface = a;
+    of_surface.surface = SurfaceOptions{};
+    try {
+      return run_surface_picture(of_surface, console, ReadCloud{points, read});
+    } catch (const FileError&) {
+      // Points that make no surface have silhouettes all the same.
+    }
   }
   std::unique_ptr<CurvatureField> curvature;
   if (wants_curvature(options)) curvature = curvature_of_samples(points, a.cloud, progress);

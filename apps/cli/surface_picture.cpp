@@ -168,6 +168,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console, std
                        {"smoothing", report.smoothing}, {"order", report.order},     {"iterations", report.iterations}};
     painter.report(json);
     json["output"] = {{"files", files}, {"width", written.width}, {"height", written.height}};
+    if (arguments.frames == 0) json["output"]["file"] = arguments.output;
     for (const Progress::Timing& t : progress.timings())
       json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
     console.say_json(json);

@@ -92,6 +92,19 @@ TEST_F(PictureStyles, LinesOfACloudAreThoseOfItsSurface) {
   EXPECT_LT(farthest - nearest, 3.5);
 }
 
+TEST_F(PictureStyles, PointsThatMakeNoSurfaceHaveLinesToo) {
+  PointSet plane;
+  for (int i = 0; i < 400; ++i)
+    plane.positions.push_back({static_cast<float>(i % 20) / 19, 0, static_cast<float>(i / 20) / 19});
+  write_points(path("plane.ply"), plane);
+  const PngPicture drawing = drawn("plane.ply", {"--lines", "--background", "white"});
+  ASSERT_EQ(drawing.width, kSide);
+  std::size_t ink = 0;
+  for (std::size_t y = 0; y < kSide; ++y)
+    for (std::size_t x = 0; x < kSide; ++x) ink += is_ink(drawing.at(x, y)) ? 1 : 0;
+  EXPECT_GT(ink, 100u);
+}
+
 TEST_F(PictureStyles, SplatsCoverWhatTheMeshDoes) {
   const TriangleMesh ball = octasphere(5);
   write_mesh(path("ball.ply"), ball);
