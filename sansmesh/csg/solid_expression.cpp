@@ -16,6 +16,35 @@ using NodeKind = PieceExpression::Node::Kind;
 constexpr std::size_t kMostFunctions = 1u << 18;
 /// Points that go through a function together.
 constexpr std::size_t kAtOnce = 64;
+/// Planes no farther from each other than this share of the tie are one.
+constexpr double kSamePlane = 0.01;
+/// Of no particular direction: where functions are asked whether they are planes, and what planes are sorted by.
+constexpr Vec3 kAnywhere{0.5772156649, 0.3275822918, -0.6931471806},
+    kElsewhere{-0.4142135624, 0.8346268417, 0.2360679775};
+
+Box3 box_of(const SolidNode& root) {
+  const Extents& e = root.extents();
+  return {{-e[0], -e[2], -e[4]}, {e[1], e[3], e[5]}};
+}
+
+/// Of up to kAtOnce points; not of blends.
+void evaluate_function(const ExpressionBuilder::Function& f, const Vec3* x, std::size_t n, double* values,
+                       Vec3* gradients) {
+  std::array<Vec3, kAtOnce> at;
+  for (std::size_t i = 0; i < n; ++i) at[i] = f.frame.map.back(x[i]);
+  const std::span<const Vec3> places(at.data(), n);
+  const std::span<double> found(values, n);
+  const std::span<Vec3> slopes(gradients, gradients ? n : 0);
+  if (f.piece == kWholeNode) {
+    f.node->evaluate(places, found, slopes, {});
+  } else {
+    f.node->evaluate_piece(f.piece, places, found, slopes);
+  }
+  const double factor = f.frame.sign * f.frame.map.scale;
+  for (std::size_t i = 0; i < n; ++i) values[i] = factor * values[i] + f.frame.shift;
+  if (gradients)
+    for (std::size_t i = 0; i < n; ++i) gradients[i] = f.frame.sign * f.frame.map.turn(gradients[i]);
+}
 
 class SolidExpression final : public PieceExpression {
  public:
@@ -24,10 +53,7 @@ class SolidExpression final : public PieceExpression {
     all_ = std::move(built.functions);
   }
 
-  Box3 bounds() const override {
-    const Extents& e = root_->extents();
-    return {{-e[0], -e[2], -e[4]}, {e[1], e[3], e[5]}};
-  }
+  Box3 bounds() const override { return box_of(*root_); }
   std::uint32_t pieces() const override { return static_cast<std::uint32_t>(all_.size()); }
 
   void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
@@ -74,20 +100,7 @@ class SolidExpression final : public PieceExpression {
   void ask(std::uint32_t function, const Vec3* x, std::size_t n, double* values, Vec3* gradients) const {
     const Function& f = all_[function];
     if (f.node) {
-      std::array<Vec3, kAtOnce> at;
-      for (std::size_t i = 0; i < n; ++i) at[i] = f.frame.map.back(x[i]);
-      const std::span<const Vec3> places(at.data(), n);
-      const std::span<double> found(values, n);
-      const std::span<Vec3> slopes(gradients, gradients ? n : 0);
-      if (f.piece == kWholeNode) {
-        f.node->evaluate(places, found, slopes, {});
-      } else {
-        f.node->evaluate_piece(f.piece, places, found, slopes);
-      }
-      const double factor = f.frame.sign * f.frame.map.scale;
-      for (std::size_t i = 0; i < n; ++i) values[i] = factor * values[i] + f.frame.shift;
-      if (gradients)
-        for (std::size_t i = 0; i < n; ++i) gradients[i] = f.frame.sign * f.frame.map.turn(gradients[i]);
+      evaluate_function(f, x, n, values, gradients);
       return;
     }
     std::array<double, kAtOnce> other;
@@ -145,6 +158,26 @@ class SolidExpression final : public PieceExpression {
 
 }  // namespace
 
+ExpressionBuilder::ExpressionBuilder(double tie, const Box3& box) : tie_(tie) {
+  if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper)) return;
+  middle_ = box.center(), radius_ = box.diagonal() / 2;
+}
+
+std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Function& function) const {
+  const std::array<Vec3, 3> x{middle_, middle_ + kAnywhere * radius_, middle_ + kElsewhere * radius_};
+  const double factor = function.frame.sign * function.frame.map.scale, level = -function.frame.shift / factor;
+  for (const Vec3& at : x)
+    if (function.node->bend(function.piece, function.frame.map.back(at), 0, level) > 0) return std::nullopt;
+  std::array<double, 3> value{};
+  std::array<Vec3, 3> gradient;
+  evaluate_function(function, x.data(), x.size(), value.data(), gradient.data());
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    const double off = value[k] - value[0] - dot(gradient[0], x[k] - x[0]);
+    if (!(norm(gradient[k] - gradient[0]) * radius_ + std::abs(off) < kSamePlane * tie_)) return std::nullopt;
+  }
+  return Plane{value[0], gradient[0], 0};
+}
+
 std::uint32_t ExpressionBuilder::add(const Node& node) {
   nodes.push_back(node);
   return static_cast<std::uint32_t>(nodes.size() - 1);
@@ -153,6 +186,15 @@ std::uint32_t ExpressionBuilder::add(const Node& node) {
 std::uint32_t ExpressionBuilder::piece(const SolidNode& node, std::uint32_t number, const ExpressionFrame& frame) {
   Function function;
   function.node = &node, function.piece = number, function.frame = frame;
+  // Where many solids have a face in the same plane, as many pieces would meet all over it.
+  if (std::optional<Plane> plane = radius_ > 0 ? plane_of(function) : std::nullopt) {
+    const double key = plane->value + radius_ * dot(plane->gradient, kAnywhere), near = kSamePlane * tie_;
+    for (auto p = planes_.lower_bound(key - near); p != planes_.end() && p->first <= key + near; ++p)
+      if (std::abs(p->second.value - plane->value) + radius_ * norm(p->second.gradient - plane->gradient) <= near)
+        return add({NodeKind::piece, p->second.function, 0});
+    plane->function = static_cast<std::uint32_t>(functions.size());
+    planes_.emplace(key, *plane);
+  }
   functions.push_back(function);
   // Pieces of two solids that are the same but for this are never in the same place.
   const double share = static_cast<double>(functions.size() * 0x9e3779b1u % 1024u) / 1024;
@@ -238,7 +280,7 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
 }
 
 std::shared_ptr<const PieceExpression> expression_of(std::shared_ptr<const SolidNode> root, double tie) {
-  ExpressionBuilder builder(tie);
+  ExpressionBuilder builder(tie, box_of(*root));
   if (!root->express(builder, {})) return nullptr;
   return std::make_shared<SolidExpression>(std::move(root), std::move(builder));
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/csg/solid_node.h"
 #include "sansmesh/field/piece_expression.h"
 #include "sansmesh/field/similarity.h"
@@ -33,7 +35,8 @@ class ExpressionBuilder {
     double sign = 1;  ///< of a blend: 1 of a union, −1 of an intersection
   };
 
-  explicit ExpressionBuilder(double tie) : tie_(tie) {}
+  /// Planes that are the same to well below the tie all over `box` become one function; if that ends somewhere.
+  ExpressionBuilder(double tie, const Box3& box);
 
   std::uint32_t piece(const SolidNode& node, std::uint32_t number, const ExpressionFrame& frame);
   std::uint32_t combine(Node::Kind kind, std::uint32_t a, std::uint32_t b);
@@ -50,10 +53,21 @@ class ExpressionBuilder {
   std::vector<Node> nodes;
 
  private:
+  /// A plane, by its value in the middle of the box and its gradient.
+  struct Plane {
+    double value;
+    Vec3 gradient;
+    std::uint32_t function;
+  };
   std::uint32_t add(const Node& node);
+  /// Whether a function is a plane, as far as can be seen, and which.
+  std::optional<Plane> plane_of(const Function& function) const;
   /// That of the parts of a union (side 1) or intersection (−1).
   ExpressionFrame frame_of_parts(const ExpressionFrame& frame, double side) const;
   double tie_;
+  Vec3 middle_;
+  double radius_ = 0;  ///< of the box; 0: it has no end
+  std::multimap<double, Plane> planes_;
 };
 
 /// Nothing where a part of the tree is no such thing.

@@ -21,7 +21,7 @@ class PieceExpression : public PiecewiseField {
     std::uint32_t b = 0;
   };
 
-  /// The last one is the field. Every piece that is in there occurs once.
+  /// The last one is the field. The same piece may occur more than once.
   const std::vector<Node>& nodes() const { return nodes_; }
 
   /// A bound for the second derivatives of a piece (the norm of its Hessian, 1/length) where it vanishes within

@@ -1,6 +1,7 @@
 // Solids to meshes: closed, with the volumes that formulas say.
 #include "sansmesh/meshing/mesh_csg.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -532,6 +533,25 @@ TEST(MeshCsg, FacesThatCoincide) {
   EXPECT_THROW(meshed(parsed("rotate(box(1), 20, axis=(1,1,0)) & rotate(translate(box(1), (1,0,0)), 20, axis=(1,1,0))"),
                       {}, report),
                DataError);
+}
+
+/// Any number of faces in one plane are one: a star of 80 points, of 20 boxes turned about an axis.
+TEST(MeshCsg, ManyFacesInOnePlane) {
+  std::string boxes;
+  for (int k = 0; k < 20; ++k) boxes += fmt::format("{}rotate(box(2),{},axis=z)", k ? "+" : "", 4.5 * k);
+  // From the middle: 160 triangles between a point of the star, a notch beside it and the axis.
+  const double half = kPi / 80, point = std::sqrt(2.0), notch = 1 / std::cos(kPi / 4 - half);
+  const double volume = 2 * 160 * 0.5 * point * notch * std::sin(half);
+  for (const std::string& text : {boxes, fmt::format("rotate({},33,axis=(1,2,3))", boxes)}) {
+    CsgMeshReport report;
+    const TriangleMesh mesh = meshed(parsed(text), {}, report);
+    EXPECT_TRUE(report.closed) << text;
+    EXPECT_EQ(report.components, 1u) << text;
+    EXPECT_NEAR(report.volume / volume, 1, 1e-6) << text;
+    EXPECT_LE(report.largest_error, 1e-9) << text;
+    EXPECT_LE(report.blocks, 100'000u) << text;
+    EXPECT_LE(mesh.triangles.size(), 5'000u) << text;
+  }
 }
 
 /// As many triangles as the error asks for.
