@@ -19,10 +19,12 @@ constexpr double kSmallest = 3.2e-5;
 /// much of it in the end.
 constexpr double kErrorShare = 1.0 / 96;
 constexpr double kOneWayShare = 0.7;
-/// With more pieces than this a block is cut as long as that helps.
 /// Half its diagonal, and how far lattice vertices move (piece_cut.cpp), as shares of a block's edge.
 constexpr double kReachOfBlock = 0.8661 + 0.161;
+/// With more pieces than this a block is cut further; planes only down to this share of the root's edge: where many go
+/// through one point or line, smaller blocks have no fewer.
 constexpr std::size_t kManyPieces = 16;
+constexpr double kSmallestOfPlanes = 1.0 / 100;
 /// Down to what blocks are cut for pieces that come close to each other: what remains is below a float's resolution.
 constexpr double kRoundingOfMesh = 1e-7;
 constexpr std::array<double, 3> kShift{0.3819, 0.2361, 0.4271};
@@ -91,7 +93,10 @@ struct Chooser {
       if (curved) return Verdict::cut;
     }
     if (edge < kSmallest * scale) return tiny ? Verdict::too_small : Verdict::fine;
-    if (bent || count > kManyPieces) return Verdict::cut_if_allowed;
+    if (bent) return Verdict::cut_if_allowed;
+    if (count > kManyPieces) count = distinct_pieces(nodes);
+    const bool planes_in_one_place = !curved && edge < kSmallestOfPlanes * scale && count <= kMostPiecesInBlock;
+    if (count > kManyPieces && !planes_in_one_place) return Verdict::cut_if_allowed;
     if (coarse) return Verdict::cut;
     if (!curved || count < 2) return Verdict::fine;
     std::array<Vec3, 9> x, offset;
@@ -233,6 +238,16 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
 }
 
 }  // namespace
+
+std::size_t distinct_pieces(std::span<const PieceNode> nodes) {
+  if (nodes.size() == 1) return 1;
+  thread_local std::vector<std::uint32_t> pieces;
+  pieces.clear();
+  for (const PieceNode& n : nodes)
+    if (n.kind == PieceNode::Kind::piece) pieces.push_back(n.a);
+  std::sort(pieces.begin(), pieces.end());
+  return static_cast<std::size_t>(std::unique(pieces.begin(), pieces.end()) - pieces.begin());
+}
 
 PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const PieceBlockOptions& options, double shift,
                          Progress& progress) {

@@ -16,6 +16,11 @@ namespace sansmesh {
 
 using PieceNode = PieceExpression::Node;
 
+/// More pieces than this cannot be cut out of one block.
+inline constexpr std::size_t kMostPiecesInBlock = 251;
+/// How many there are in an expression.
+std::size_t distinct_pieces(std::span<const PieceNode> nodes);
+
 /// What is known of the sign of a field.
 enum class KnownSign : std::int8_t { inside = -1, unknown = 0, outside = 1 };
 

@@ -1,6 +1,7 @@
 #include "sansmesh/polygonize/piece_cut.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -17,7 +18,14 @@ using Wide = __int128;
 using NodeKind = PieceNode::Kind;
 
 constexpr std::uint32_t kNobody = CutPieces::kNone;
-constexpr std::size_t kMostInBlock = 63;  ///< pieces: bits of a mask
+/// Bits of the masks of pieces: of nearly all blocks, and of those where many pieces meet in one place. A plane of 1
+/// and the faces of the simplex are counted with the pieces in a byte.
+constexpr std::size_t kUsualBits = 64, kManyBits = kMostPiecesInBlock + 1;
+static_assert(4 + kMostPiecesInBlock <= 255);
+/// Of more pieces than this in a simplex, those numbered beside a piece divide it first, since they often lie beside
+/// it; and what cannot be the surface any more is left out in between, each time that twice as many have been looked
+/// at.
+constexpr std::size_t kDivideAll = 12;
 constexpr std::size_t kChunkOfLeaves = 512;
 /// Least distance of lattice vertices from the surface, as a share of the smallest block's edge; they move by up to
 /// twice that.
@@ -84,14 +92,14 @@ struct ChunkOfCuts {
   std::vector<float> size, room;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> piece;
-  bool crowded = false;
 };
 
 /// A polygon in the plane of a piece, as the planes along its edges; vertex i lies between edges i − 1 and i. Planes 0
 /// to 3 are the faces of the simplex opposite to its vertices, then come pieces.
+template <class Mask>
 struct Cell {
   std::vector<std::uint8_t> edge;
-  std::uint64_t negative = 0;  ///< pieces that are negative in it
+  Mask negative;  ///< pieces that are negative in it
 };
 
 constexpr std::array<std::array<std::uint8_t, 4>, 4> kLone{{{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}}};
@@ -151,9 +159,11 @@ struct PlainPattern {
   }
 };
 
-/// One block at a time.
+/// One block at a time, with less than `Bits` pieces.
+template <std::size_t Bits>
 class Cutter {
  public:
+  using Mask = std::bitset<Bits>;
   Cutter(const PieceExpression& field, const PieceBlocks& blocks, double quantum, const PlainPattern& plain,
          ChunkOfCuts& out)
       : field_(field), blocks_(blocks), quantum_(quantum), plain_(plain), out_(out) {}
@@ -174,13 +184,11 @@ class Cutter {
   }
 
   /// `beside`: the cells of the blocks that share a face (2·axis + side).
-  void cut(std::size_t leaf, const BlockPattern& pattern, std::span<const std::uint32_t> numbers,
+  /// False if the block has too many pieces: then nothing is done.
+  bool cut(std::size_t leaf, const BlockPattern& pattern, std::span<const std::uint32_t> numbers,
            std::span<const Vec3> x, CellStates own, const std::array<CellStates, 6>& beside) {
-    if (own == 0) return;
-    if (!load(leaf, pattern, x)) {
-      out_.crowded = true;
-      return;
-    }
+    if (own == 0) return true;
+    if (!load(leaf, pattern, x)) return false;
     x_ = x, numbers_ = numbers;
     size_ = static_cast<float>(blocks_.tree.block_edge(blocks_.leaves[leaf].block));
     const bool plain = &pattern == plain_.pattern;
@@ -190,13 +198,13 @@ class Cutter {
     for (std::size_t t = 0; t < pattern.tets.size(); ++t) {
       if (plain && state_of(own, plain_.cell_of_tet[t]) != CellState::several) continue;
       tet_ = pattern.tets[t];
-      const std::uint64_t a = negative_[tet_[0]], b = negative_[tet_[1]], c = negative_[tet_[2]],
-                          d = negative_[tet_[3]];
-      const std::uint64_t all = a & b & c & d, any = a | b | c | d;
+      const Mask &a = negative_[tet_[0]], &b = negative_[tet_[1]], &c = negative_[tet_[2]], &d = negative_[tet_[3]];
+      const Mask all = a & b & c & d, any = a | b | c | d;
       if (all == any) continue;
       id_ = static_cast<std::uint32_t>(leaf * 256 + t);
       cut_simplex(all, any);
     }
+    return true;
   }
 
  private:
@@ -215,39 +223,39 @@ class Cutter {
         n.a = static_cast<std::uint32_t>(at - pieces_.begin());
       }
     }
-    if (pieces_.size() > kMostInBlock) return false;
+    if (pieces_.size() >= Bits) return false;
     slots_ = pattern.slots.size();
     values_.resize(pieces_.size() * slots_);
     found_.resize(slots_);
-    negative_.assign(slots_, 0);
+    negative_.assign(slots_, {});
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
       field_.evaluate_piece(pieces_[p], x, found_, {});
       for (std::size_t s = 0; s < slots_; ++s) {
         // Odd, so never 0.
         const std::int64_t v = 2 * static_cast<std::int64_t>(std::floor(found_[s] / quantum_)) + 1;
         values_[p * slots_ + s] = v;
-        if (v < 0) negative_[s] |= std::uint64_t{1} << p;
+        if (v < 0) negative_[s].set(p);
       }
     }
     return true;
   }
 
   /// What is left of the expression where pieces are negative at all or any corners.
-  KnownSign reduce(std::uint64_t all, std::uint64_t any) {
+  KnownSign reduce(const Mask& all, const Mask& any) {
     left_.clear();
     return prune(
         nodes_, left_,
-        [&](std::uint32_t p) {
-          const std::uint64_t bit = std::uint64_t{1} << p;
-          return all & bit ? KnownSign::inside : any & bit ? KnownSign::unknown : KnownSign::outside;
-        },
+        [&](std::uint32_t p) { return all[p]   ? KnownSign::inside
+                                      : any[p] ? KnownSign::unknown
+                                               : KnownSign::outside; },
         [](std::uint32_t p, std::uint32_t q) { return p == q; });
   }
 
   CellState look_at(std::size_t cell, std::size_t& piece) {
-    std::uint64_t all = ~std::uint64_t{0}, any = 0;
+    Mask all, any;
+    all.set();
     for (std::size_t c = 0; c < 8; ++c) {
-      const std::uint64_t here = negative_[plain_.corner(cell, c)];
+      const Mask& here = negative_[plain_.corner(cell, c)];
       all &= here, any |= here;
     }
     if (nodes_.size() == 1) {
@@ -282,7 +290,7 @@ class Cutter {
     look_at(cell, piece);
     unsigned negative = 0, split = 0;
     for (std::size_t c = 0; c < 8; ++c)
-      if (negative_[plain_.corner(cell, c)] >> piece & 1u) negative |= 1u << c;
+      if (negative_[plain_.corner(cell, c)][piece]) negative |= 1u << c;
     for (std::size_t face = 0; face < 6; ++face) {
       const std::size_t axis = face / 2, side = face % 2, other = cell ^ std::size_t{1} << axis;
       const CellStates there = side == (cell >> axis & 1u) ? beside[face] : own;
@@ -308,12 +316,12 @@ class Cutter {
   }
 
   /// In place of a piece: 1 everywhere.
-  static constexpr std::size_t kOnes = kMostInBlock;
+  static constexpr std::size_t kOnes = Bits - 1;
   std::int64_t value(std::size_t piece, std::size_t corner) const {
     return piece == kOnes ? 1 : values_[piece * slots_ + tet_[corner]];
   }
 
-  void cut_simplex(std::uint64_t all, std::uint64_t any) {
+  void cut_simplex(const Mask& all, const Mask& any) {
     if (nodes_.size() == 1) return single(0);
     if (reduce(all, any) != KnownSign::unknown) return;
     if (left_.size() == 1) return single(left_[0].a);
@@ -421,7 +429,7 @@ class Cutter {
   struct Corner {
     std::uint8_t a, b;  ///< two planes beside that of the piece, in ascending order
   };
-  static Corner corner_of(const Cell& cell, std::size_t i) {
+  static Corner corner_of(const Cell<Mask>& cell, std::size_t i) {
     const std::uint8_t p = cell.edge[(i + cell.edge.size() - 1) % cell.edge.size()], q = cell.edge[i];
     return {std::min(p, q), std::max(p, q)};
   }
@@ -496,20 +504,24 @@ class Cutter {
     return 1;
   }
 
-  bool inside(std::uint64_t negative) {
+  bool inside(const Mask& negative) {
     state_.resize(left_.size());
     for (std::size_t k = 0; k < left_.size(); ++k) {
       const PieceNode& n = left_[k];
-      state_[k] = n.kind == NodeKind::piece   ? (negative >> n.a & 1u) != 0
+      state_[k] = n.kind == NodeKind::piece   ? negative[n.a]
                   : n.kind == NodeKind::least ? state_[n.a] || state_[n.b]
                                               : state_[n.a] && state_[n.b];
     }
     return state_.back();
   }
   /// Whether the piece is the surface where the others have these signs.
-  bool is_surface(std::size_t piece, std::uint64_t negative) {
-    const std::uint64_t bit = std::uint64_t{1} << piece;
-    return inside(negative | bit) && !inside(negative & ~bit);
+  bool is_surface(std::size_t piece, Mask negative) {
+    return inside(negative.set(piece)) && !inside(negative.reset(piece));
+  }
+  /// Whether it may be, where only the signs of `known` are decided: inside can only become more with what is negative.
+  bool may_be_surface(std::size_t piece, const Mask& negative, const Mask& known) {
+    Mask most = negative | ~known, least = negative & known;
+    return inside(most.set(piece)) && !inside(least.reset(piece));
   }
 
   std::uint32_t corner_number(std::size_t h, const Corner& c, bool shared) {
@@ -555,17 +567,38 @@ class Cutter {
     for (const std::size_t h : used_) {
       cells_.clear();
       cells_.push_back(first_cell(h));
-      for (const std::size_t g : used_)
-        if (g != h) divide(h, g);
-      std::erase_if(cells_, [&](const Cell& c) { return !is_surface(h, c.negative); });
+      if (used_.size() > kDivideAll) {
+        divide_by_many(h);
+      } else {
+        for (const std::size_t g : used_)
+          if (g != h) divide(h, g);
+      }
+      std::erase_if(cells_, [&](const Cell<Mask>& c) { return !is_surface(h, c.negative); });
       surface(h);
     }
   }
 
-  Cell first_cell(std::size_t h) const {
+  /// As by each of the others, but soon left with little.
+  void divide_by_many(std::size_t h) {
+    order_ = used_;
+    const auto apart = [&](std::size_t g) { return g > h ? 2 * (g - h) : 2 * (h - g) + 1; };
+    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return apart(a) < apart(b); });
+    Mask known;
+    std::size_t looked_at = 2;
+    for (std::size_t k = 0; k < order_.size() && !cells_.empty(); ++k) {
+      if (order_[k] == h) continue;
+      divide(h, order_[k]);
+      known.set(order_[k]);
+      if (k < looked_at) continue;
+      looked_at *= 2;
+      std::erase_if(cells_, [&](const Cell<Mask>& c) { return !may_be_surface(h, c.negative, known); });
+    }
+  }
+
+  Cell<Mask> first_cell(std::size_t h) const {
     std::array<std::array<std::uint8_t, 2>, 4> ends;
     const std::size_t n = polygon(h, ends);
-    Cell cell;
+    Cell<Mask> cell;
     for (std::size_t k = 0; k < n; ++k) {
       const auto &a = ends[k], &b = ends[(k + 1) % n];
       std::uint8_t plane = 0;  // the face that both edges lie in: opposite to the vertex that neither has
@@ -577,7 +610,6 @@ class Cutter {
 
   void divide(std::size_t h, std::size_t g) {
     const auto plane = static_cast<std::uint8_t>(4 + g);
-    const std::uint64_t bit = std::uint64_t{1} << g;
     for (std::size_t c = 0, count = cells_.size(); c < count; ++c) {
       const std::size_t n = cells_[c].edge.size();
       signs_.resize(n);
@@ -588,13 +620,14 @@ class Cutter {
       }
       if (negative == 0) continue;
       if (negative == static_cast<int>(n)) {
-        cells_[c].negative |= bit;
+        cells_[c].negative.set(g);
         continue;
       }
-      Cell below{{}, cells_[c].negative | bit}, above{{}, cells_[c].negative};
+      Cell<Mask> below{{}, cells_[c].negative}, above{{}, cells_[c].negative};
+      below.negative.set(g);
       for (std::size_t i = 0; i < n; ++i) {
         const int here = signs_[i], next = signs_[(i + 1) % n];
-        for (Cell* part : {&below, &above}) {
+        for (Cell<Mask>* part : {&below, &above}) {
           const int side = part == &below ? -1 : 1;
           if (here == side || next == side) part->edge.push_back(cells_[c].edge[i]);
           if (here == side && next != side) part->edge.push_back(plane);
@@ -607,8 +640,8 @@ class Cutter {
 
   /// Whether a corner in a face of the simplex is a corner of the surface seen from both sides of the face: not where
   /// a plane crosses that is no part of it there. `negative`: of a cell beside it.
-  bool shared_corner(std::size_t h, const Corner& c, std::uint64_t negative) {
-    return c.b < 4 || c.a >= 4 || !is_surface(h, negative ^ std::uint64_t{1} << (c.b - 4u));
+  bool shared_corner(std::size_t h, const Corner& c, Mask negative) {
+    return c.b < 4 || c.a >= 4 || !is_surface(h, negative.flip(c.b - 4u));
   }
 
   /// The cells that are left, as triangles.
@@ -620,7 +653,7 @@ class Cutter {
     };
     std::vector<Side> sides;
     bool odd = false;
-    for (const Cell& cell : cells_) {
+    for (const Cell<Mask>& cell : cells_) {
       const std::size_t n = cell.edge.size();
       std::vector<std::uint32_t> number(n);
       std::vector<std::uint8_t> shared(n);
@@ -665,7 +698,7 @@ class Cutter {
   std::vector<std::uint32_t> pieces_;
   std::vector<std::int64_t> values_;  ///< by piece and slot
   std::vector<double> found_;
-  std::vector<std::uint64_t> negative_;  ///< pieces, by slot
+  std::vector<Mask> negative_;  ///< pieces, by slot
   std::size_t slots_ = 0;
   std::span<const Vec3> x_;
   std::span<const std::uint32_t> numbers_;
@@ -676,8 +709,8 @@ class Cutter {
   CellPolygons polygons_;
   std::vector<Vec3> around_;
   std::vector<std::array<std::uint32_t, 3>> parts_;
-  std::vector<std::size_t> used_;
-  std::vector<Cell> cells_;
+  std::vector<std::size_t> used_, order_;
+  std::vector<Cell<Mask>> cells_;
   std::vector<int> signs_;
   std::vector<std::uint8_t> state_;
 };
@@ -771,6 +804,12 @@ void find_room(CutPieces& cut, const std::vector<Name>& names) {
 
 CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Progress& progress) {
   const BlockTree& tree = blocks.tree;
+  for (const PieceBlocks::Leaf& l : blocks.leaves) {
+    if (distinct_pieces(std::span(blocks.nodes).subspan(l.first, l.count)) <= kMostPiecesInBlock) continue;
+    CutPieces none;
+    none.crowded = tree.block_center(l.block);
+    return none;
+  }
   const std::size_t n = blocks.leaves.size(), chunks = (n + kChunkOfLeaves - 1) / kChunkOfLeaves;
   progress.begin("cut", chunks);
   std::vector<BlockRefinement> refinement(n);
@@ -799,7 +838,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   std::vector<ChunkOfCuts> found(chunks);
   /// For the leaves of a chunk, with their numbers and places.
   const auto for_leaves = [&](std::size_t c, auto&& leaf) {
-    Cutter cutter(field, blocks, quantum, plain, found[c]);
+    Cutter<kUsualBits> cutter(field, blocks, quantum, plain, found[c]);
     std::vector<Vec3> x;
     for (std::size_t i = c * kChunkOfLeaves; i < std::min(n, (c + 1) * kChunkOfLeaves); ++i) {
       progress.check();
@@ -811,9 +850,8 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   };
   std::vector<CellStates> cells(n);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
-    for_leaves(c, [&](Cutter& cutter, std::size_t i, std::span<const std::uint32_t>, std::span<const Vec3> x) {
-      cells[i] = cutter.look(i, *pattern[i], x);
-    });
+    for_leaves(c, [&](Cutter<kUsualBits>& cutter, std::size_t i, std::span<const std::uint32_t>,
+                      std::span<const Vec3> x) { cells[i] = cutter.look(i, *pattern[i], x); });
   });
   std::vector<std::uint32_t> leaf_of(tree.size(), kNobody);
   for (std::uint32_t i = 0; i < n; ++i) leaf_of[blocks.leaves[i].block] = i;
@@ -828,12 +866,16 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
                                                                   : kAllSeveral;
   };
   parallel_for(0, chunks, 1, [&](std::size_t c) {
-    for_leaves(c, [&](Cutter& cutter, std::size_t i, std::span<const std::uint32_t> own, std::span<const Vec3> x) {
+    Cutter<kManyBits> cutter_of_many(field, blocks, quantum, plain, found[c]);
+    const auto cut = [&](Cutter<kUsualBits>& cutter, std::size_t i, std::span<const std::uint32_t> own,
+                         std::span<const Vec3> x) {
       std::array<CellStates, 6> beside{};
       if (pattern[i] == plain.pattern)
         for (std::size_t face = 0; face < 6; ++face) beside[face] = cells_beside(i, face);
-      cutter.cut(i, *pattern[i], own, x, cells[i], beside);
-    });
+      if (!cutter.cut(i, *pattern[i], own, x, cells[i], beside))
+        cutter_of_many.cut(i, *pattern[i], own, x, cells[i], beside);
+    };
+    for_leaves(c, cut);
   });
 
   CutPieces cut;
@@ -863,7 +905,6 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
       cut.triangles.push_back({number[old[0]], number[old[1]], number[old[2]]});
       cut.piece.push_back(c.piece[t]);
     }
-    cut.crowded = cut.crowded || c.crowded;
     c = {};
     progress.advance();
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sansmesh/core/progress.h"
@@ -27,7 +28,8 @@ struct CutPieces {
   std::vector<Vertex> vertices;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> piece;  ///< of each triangle
-  bool crowded = false;              ///< too many pieces in one block: not all of the surface is there
+  /// Where there are more than kMostPiecesInBlock pieces in one block: nothing was cut then.
+  std::optional<Vec3> crowded;
 };
 
 /// Between lattice vertices each piece is taken to be linear: a plane in each simplex, which these planes divide. What
