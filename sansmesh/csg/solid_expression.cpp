@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <utility>
 
 #include "sansmesh/csg/solid.h"
@@ -21,6 +23,14 @@ constexpr double kSamePlane = 0.01;
 /// Of no particular direction: where functions are asked whether they are planes, and what planes are sorted by.
 constexpr Vec3 kAnywhere{0.5772156649, 0.3275822918, -0.6931471806},
     kElsewhere{-0.4142135624, 0.8346268417, 0.2360679775};
+/// The difference of two values changes by so much with the distance, their slopes being 1 at most, and a little.
+constexpr double kRoomPerRadius = 2.0001;
+/// Blends of more parts than this are told apart by regions, down to regions with so few parts, so small as a share of
+/// the radius, and so many halvings. A region is known in a ball of so many of its edges (0.87 hold its corners).
+constexpr std::size_t kManyParts = 8, kFewParts = 6;
+constexpr double kLeastRegion = 0.5, kBallOfRegion = 1.75;
+constexpr int kMostHalvings = 10;
+constexpr std::size_t kMostRegions = 1u << 18;
 
 Box3 box_of(const SolidNode& root) {
   const Extents& e = root.extents();
@@ -51,21 +61,28 @@ class SolidExpression final : public PieceExpression {
   SolidExpression(std::shared_ptr<const SolidNode> root, ExpressionBuilder built) : root_(std::move(root)) {
     nodes_ = std::move(built.nodes);
     all_ = std::move(built.functions);
+    pieces_ = static_cast<std::uint32_t>(all_.size());
+    divide();
   }
 
   Box3 bounds() const override { return box_of(*root_); }
-  std::uint32_t pieces() const override { return static_cast<std::uint32_t>(all_.size()); }
+  std::uint32_t pieces() const override { return pieces_; }
 
   void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                       std::span<Vec3> gradients) const override {
-    for (std::size_t i = 0; i < x.size(); i += kAtOnce) {
-      const std::size_t n = std::min(kAtOnce, x.size() - i);
-      ask(piece, x.data() + i, n, values.data() + i, gradients.empty() ? nullptr : gradients.data() + i);
+    const bool divided = region_of_[piece] != kNowhere;
+    for (std::size_t i = 0, n = 0; i < x.size(); i += n) {
+      const std::uint32_t here = divided ? near(piece, x[i], 0) : piece;
+      n = std::min(kAtOnce, x.size() - i);
+      if (divided)
+        for (std::size_t k = 1; k < n; ++k)
+          if (near(piece, x[i + k], 0) != here) n = k;
+      ask(here, x.data() + i, n, values.data() + i, gradients.empty() ? nullptr : gradients.data() + i);
     }
   }
 
   double bend(std::uint32_t piece, const Vec3& x, double radius) const override {
-    return bend_of(piece, x, radius, 0, 0);
+    return bend_of(near(piece, x, radius), x, radius, 0, 0);
   }
 
   bool bends_one_way(std::uint32_t piece) const override {
@@ -73,29 +90,165 @@ class SolidExpression final : public PieceExpression {
   }
 
   std::uint32_t same_at(std::uint32_t piece, std::span<const Vec3> x) const override {
+    if (x.empty()) return piece;
+    double around = 0;
+    for (const Vec3& y : x) around = std::max(around, norm(y - x[0]));
+    const std::uint32_t here = near(piece, x[0], 0);
+    const bool together = std::all_of(x.begin(), x.end(), [&](const Vec3& y) { return near(piece, y, 0) == here; });
+    piece = together ? here : near(piece, x[0], around);
     while (!all_[piece].node) {
       int side = 0;
       for (std::size_t i = 0; i < x.size(); ++i) {
         const int here = side_of(piece, x[i], 0);
-        if (here == 0 || (i > 0 && here != side)) return piece;
+        if (here == 0 || (i > 0 && here != side)) return origin(piece);
         side = here;
       }
       piece = side < 0 ? all_[piece].a : all_[piece].b;
     }
-    return piece;
+    return origin(piece);
   }
 
   std::uint32_t same_within(std::uint32_t piece, const Vec3& x, double radius) const override {
+    piece = near(piece, x, radius);
     while (!all_[piece].node) {
       const int side = side_of(piece, x, radius);
-      if (side == 0) return piece;
+      if (side == 0) return origin(piece);
       piece = side < 0 ? all_[piece].a : all_[piece].b;
     }
-    return piece;
+    return origin(piece);
   }
 
  private:
   using Function = ExpressionBuilder::Function;
+  static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
+
+  /// A cube, and what a blend of many parts is in the ball around it: the same to the last digit, of the parts that are
+  /// not too far off to take part.
+  struct Region {
+    Vec3 center;
+    double edge = 0;
+    std::uint32_t function = 0;
+    std::uint32_t child = kNowhere;  ///< first of eight
+  };
+
+  struct Local {
+    std::uint32_t function;
+    double value;
+  };
+
+  /// A blend of two functions that stand for those of `f`.
+  std::uint32_t stand_in(std::uint32_t f, std::uint32_t a, std::uint32_t b) {
+    const auto [known, is_new] = stand_ins_.try_emplace({origin(f), a, b}, static_cast<std::uint32_t>(all_.size()));
+    if (is_new) {
+      Function blend = all_[f];
+      blend.a = a, blend.b = b;
+      all_.push_back(blend);
+      origin_.push_back(origin(f));
+    }
+    return known->second;
+  }
+
+  /// What `function` is within `radius` of x, and its value there. As side_of(), all at once.
+  Local within(std::uint32_t function, const Vec3& x, double radius) {
+    const Function f = all_[function];
+    if (f.node) {
+      Local here{function, 0};
+      ask(function, &x, 1, &here.value, nullptr);
+      return here;
+    }
+    const Local a = within(f.a, x, radius), b = within(f.b, x, radius);
+    const double d = f.sign * (a.value - b.value);
+    if (std::abs(d) >= f.radius + kRoomPerRadius * radius) return d < 0 ? a : b;
+    double value = a.value;
+    blend(f, b.value, value);
+    if (a.function == f.a && b.function == f.b) return {function, value};
+    return {stand_in(function, a.function, b.function), value};
+  }
+
+  /// How many smooth functions there are in it, and its smallest radius.
+  std::size_t parts(std::uint32_t function, double& radius) const {
+    const Function& f = all_[function];
+    if (f.node) return 1;
+    radius = std::min(radius, f.radius);
+    return parts(f.a, radius) + parts(f.b, radius);
+  }
+
+  /// Regions for all pieces of many parts.
+  void divide() {
+    region_of_.assign(pieces_, kNowhere);
+    const Box3 box = bounds();
+    const Vec3 size = box.size();
+    const double edge = std::max({size.x, size.y, size.z});
+    if (box.empty() || !std::isfinite(edge)) return;
+    for (const Node& n : nodes_) {
+      double radius = std::numeric_limits<double>::infinity();
+      if (n.kind != NodeKind::piece || parts(n.a, radius) < kManyParts) continue;
+      region_of_[n.a] = static_cast<std::uint32_t>(regions_.size());
+      Region root;
+      root.center = box.center(), root.edge = edge, root.function = n.a;
+      regions_.push_back(root);
+      divide_region(region_of_[n.a]);
+    }
+    stand_ins_.clear();
+  }
+
+  /// Only where the function may vanish: elsewhere it is hardly asked.
+  void divide_region(std::uint32_t first) {
+    std::vector<std::pair<std::uint32_t, int>> open{{first, 0}};  // the largest come first
+    for (std::size_t next = 0; next < open.size(); ++next) {
+      const auto [r, level] = open[next];
+      const Region region = regions_[r];
+      double radius = std::numeric_limits<double>::infinity();
+      if (level == kMostHalvings || regions_.size() > kMostRegions || all_.size() > kMostFunctions ||
+          parts(region.function, radius) <= kFewParts || region.edge < kLeastRegion * radius)
+        continue;
+      const auto child = static_cast<std::uint32_t>(regions_.size());
+      regions_[r].child = child;
+      for (unsigned k = 0; k < 8; ++k) {
+        Region part;
+        part.edge = region.edge / 2;
+        part.center =
+            region.center + Vec3{k & 1u ? 1.0 : -1.0, k & 2u ? 1.0 : -1.0, k & 4u ? 1.0 : -1.0} * (part.edge / 2);
+        const Local here = within(region.function, part.center, kBallOfRegion * part.edge);
+        part.function = here.function;
+        regions_.push_back(part);
+        if (std::abs(here.value) <= kBallOfRegion * part.edge) open.emplace_back(child + k, level + 1);
+      }
+    }
+  }
+
+  /// What the piece is within `radius` of x.
+  std::uint32_t near(std::uint32_t piece, const Vec3& x, double radius) const {
+    if (region_of_[piece] == kNowhere) return piece;
+    const Region* region = &regions_[region_of_[piece]];
+    const Vec3 off = x - region->center;
+    if (!(std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <= region->edge / 2)) return piece;
+    while (region->child != kNowhere) {
+      const Vec3& c = region->center;
+      const Region* part =
+          &regions_[region->child + (x.x > c.x ? 1u : 0u) + (x.y > c.y ? 2u : 0u) + (x.z > c.z ? 4u : 0u)];
+      if (radius > 0 && norm(x - part->center) + radius > kBallOfRegion * part->edge) break;
+      region = part;
+    }
+    return region->function;
+  }
+
+  /// The piece that a function stands for.
+  std::uint32_t origin(std::uint32_t function) const {
+    return function < pieces_ ? function : origin_[function - pieces_];
+  }
+
+  /// The blend of two values, in place of the first; the weight of the second.
+  static double blend(const Function& f, double b, double& a) {
+    const double d = a - b;
+    if (std::abs(d) < f.radius) {
+      a = (a + b) / 2 - f.sign * (f.radius * f.radius + d * d) / (4 * f.radius);
+      return 0.5 + f.sign * d / (2 * f.radius);
+    }
+    if (f.sign * d <= 0) return 0;
+    a = b;
+    return 1;
+  }
 
   void ask(std::uint32_t function, const Vec3* x, std::size_t n, double* values, Vec3* gradients) const {
     const Function& f = all_[function];
@@ -108,15 +261,9 @@ class SolidExpression final : public PieceExpression {
     ask(f.a, x, n, values, gradients);
     ask(f.b, x, n, other.data(), gradients ? slope.data() : nullptr);
     for (std::size_t i = 0; i < n; ++i) {
-      const double a = values[i], b = other[i], d = a - b;
-      if (std::abs(d) < f.radius) {
-        values[i] = (a + b) / 2 - f.sign * (f.radius * f.radius + d * d) / (4 * f.radius);
-        const double weight = 0.5 + f.sign * d / (2 * f.radius);
-        if (gradients) gradients[i] = (1 - weight) * gradients[i] + weight * slope[i];
-      } else if (f.sign * d > 0) {
-        values[i] = b;
-        if (gradients) gradients[i] = slope[i];
-      }
+      const double weight = blend(f, other[i], values[i]);
+      if (!gradients || weight == 0) continue;
+      gradients[i] = weight == 1 ? slope[i] : (1 - weight) * gradients[i] + weight * slope[i];
     }
   }
 
@@ -126,7 +273,7 @@ class SolidExpression final : public PieceExpression {
     double a = 0, b = 0;
     ask(f.a, &x, 1, &a, nullptr);
     ask(f.b, &x, 1, &b, nullptr);
-    const double d = f.sign * (a - b), room = radius > 0 ? 2.0001 * radius : 0;
+    const double d = f.sign * (a - b), room = kRoomPerRadius * radius;
     return std::abs(d) < f.radius + room ? 0 : d < 0 ? -1 : 1;
   }
 
@@ -153,7 +300,12 @@ class SolidExpression final : public PieceExpression {
   }
 
   std::shared_ptr<const SolidNode> root_;
-  std::vector<Function> all_;
+  std::vector<Function> all_;             ///< the pieces, then what stands for them in regions
+  std::vector<std::uint32_t> origin_;     ///< of those, the pieces
+  std::vector<std::uint32_t> region_of_;  ///< by piece: its first region
+  std::vector<Region> regions_;
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> stand_ins_;  ///< by piece and both functions
+  std::uint32_t pieces_ = 0;
 };
 
 }  // namespace
