@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/editable_surface.h"
 
 namespace sansmesh {
@@ -19,14 +20,52 @@ constexpr double kRoomShare = 0.25;
 constexpr std::size_t kMostSpokes = 48;
 constexpr int kMostMergePasses = 40;
 constexpr std::size_t kWorthAPass = 5000;
+/// Vertices that are merged one after the other; far more than lie beside another region. Results depend on them.
+constexpr std::size_t kFewestOfRegion = 4096, kMostRegions = 64;
 
-struct Merger {
+/// The mesh as it becomes coarser. Vertices with successive numbers lie near each other: so many are a region.
+struct Merging {
   CutPieces& mesh;
-  std::vector<Vec3>& normal;
+  const std::vector<Vec3>& normal;
   const PieceMergeOptions& options;
   EditableSurface surface;
-  std::vector<std::uint32_t> into;  ///< by vertex: the one that it was merged into, or itself
+  std::vector<std::uint32_t> into;                  ///< by vertex: the one that it was merged into, or itself
+  std::vector<std::uint8_t> touched, open, queued;  ///< by vertex: in this pass, worth another, for the next
+  std::size_t region_size;
+  std::vector<std::vector<std::uint32_t>> now, next;  ///< by region: vertices of this pass and the next
 
+  Merging(CutPieces& cut, const std::vector<Vec3>& facing, const PieceMergeOptions& chosen)
+      : mesh(cut),
+        normal(facing),
+        options(chosen),
+        surface(std::move(cut.triangles), cut.vertices.size()),
+        into(cut.vertices.size()),
+        touched(into.size(), 0),
+        open(into.size(), 1),
+        queued(into.size(), 0),
+        region_size(std::max(kFewestOfRegion, into.size() / kMostRegions + 1)),
+        now((into.size() + region_size - 1) / region_size),
+        next(now.size()) {
+    std::iota(into.begin(), into.end(), 0u);
+    for (const std::uint32_t v : into) now[region_of(v)].push_back(v);
+  }
+
+  std::size_t region_of(std::uint32_t v) const { return v / region_size; }
+};
+
+/// Merges vertices one after the other. What that reads and writes belongs to the vertex and its neighbours: where all
+/// those are in one region, another thread can be in the next.
+struct Merger {
+  static constexpr std::size_t kAnywhere = ~std::size_t{0};
+
+  Merging& all;
+  std::size_t region = kAnywhere;       ///< the only one that may change
+  std::vector<std::uint32_t> beside{};  ///< vertices with neighbours elsewhere, left alone
+  std::size_t merged = 0;
+
+  CutPieces& mesh = all.mesh;
+  EditableSurface& surface = all.surface;
+  const PieceMergeOptions& options = all.options;
   std::size_t n = 0;
   std::array<std::uint32_t, kMostSpokes> leaving{}, tip{};
   std::array<Vec3, kMostSpokes> spoke{}, area{}, facing{};
@@ -40,19 +79,21 @@ struct Merger {
   bool gather(std::uint32_t v) {
     if (surface.on_border(v)) return false;
     n = 0;
-    bool fine = true;
+    bool fine = true, inside = true;
     surface.around(v, [&](std::uint32_t h) {
+      inside = inside && (region == kAnywhere || all.region_of(surface.to(h)) == region);
       if (n == kMostSpokes) {
         fine = false;
         return;
       }
       leaving[n] = h;
       tip[n] = surface.to(h);
-      facing[n] = normal[h / 3];
+      facing[n] = all.normal[h / 3];
       spoke[n] = mesh.vertices[tip[n]].x - mesh.vertices[v].x;
       ++n;
     });
-    if (!fine || n < 3) return false;
+    if (!inside) beside.push_back(v);
+    if (!inside || !fine || n < 3) return false;
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3 &a = spoke[k], &b = spoke[(k + 1) % n];
       area[k] = cross(a, b);
@@ -125,68 +166,80 @@ struct Merger {
     if (chosen == n) return false;
     CutPieces::Vertex& kept = mesh.vertices[tip[chosen]];
     kept.room = std::min(kept.room, vertex.room);
-    into[v] = tip[chosen];
+    all.into[v] = tip[chosen];
     surface.collapse(leaving[chosen]);
     return true;
   }
 
-  /// Passes in which no two merged vertices are neighbours, so that all parts become coarser alike.
-  void run() {
-    std::vector<std::uint32_t> now(mesh.vertices.size()), next, reset;
-    for (std::uint32_t v = 0; v < now.size(); ++v) now[v] = v;
-    std::vector<std::uint8_t> touched(now.size(), 0), open(now.size(), 1), queued(now.size(), 0);
-    std::size_t left = now.size();
-    for (int pass = 0; pass < kMostMergePasses; ++pass) {
-      next.clear();
-      reset.clear();
-      std::size_t merged = 0;
-      const auto again = [&](std::uint32_t v) {
-        if (open[v] && !queued[v]) queued[v] = 1, next.push_back(v);
-      };
-      for (const std::uint32_t v : now) {
-        if (!surface.used(v)) continue;
-        if (touched[v]) {
-          again(v);
-          continue;
-        }
-        bool later = false;
-        const bool done = merge(v, later);
-        open[v] = later;
-        if (!done) continue;
-        ++merged;
-        for (std::size_t k = 0; k < n; ++k) {
-          touched[tip[k]] = 1;
-          reset.push_back(tip[k]);
-          open[tip[k]] = 1;
-          again(tip[k]);
-        }
+  void again(std::uint32_t v) {
+    if (all.open[v] && !all.queued[v]) all.queued[v] = 1, all.next[all.region_of(v)].push_back(v);
+  }
+
+  /// No two vertices that are merged in a pass are neighbours, so that all parts become coarser alike.
+  void pass(const std::vector<std::uint32_t>& vertices) {
+    for (const std::uint32_t v : vertices) {
+      if (!surface.used(v)) continue;
+      if (all.touched[v]) {
+        again(v);
+        continue;
       }
-      for (const std::uint32_t v : reset) touched[v] = 0;
-      for (const std::uint32_t v : next) queued[v] = 0;
-      left -= merged;
-      if (merged * kWorthAPass < left) break;
-      std::swap(now, next);
+      const std::size_t left_alone = beside.size();
+      bool later = false;
+      const bool done = merge(v, later);
+      if (beside.size() > left_alone) continue;
+      all.open[v] = later;
+      if (!done) continue;
+      ++merged;
+      for (std::size_t k = 0; k < n; ++k) {
+        all.touched[tip[k]] = all.open[tip[k]] = 1;
+        again(tip[k]);
+      }
     }
   }
 };
+
+/// All regions at once, then what lies between them, until hardly anything becomes coarser.
+void run_passes(Merging& all) {
+  std::size_t left = all.into.size();
+  std::vector<Merger> mergers;
+  mergers.reserve(all.now.size());
+  for (std::size_t region = 0; region < all.now.size(); ++region) mergers.push_back(Merger{all, region});
+  Merger between{all};
+  for (int pass = 0; pass < kMostMergePasses; ++pass) {
+    parallel_for(0, mergers.size(), 1, [&](std::size_t region) {
+      mergers[region].merged = 0;
+      mergers[region].beside.clear();
+      mergers[region].pass(all.now[region]);
+    });
+    between.merged = 0;
+    for (const Merger& merger : mergers) between.pass(merger.beside);
+    std::size_t merged = between.merged;
+    for (const Merger& merger : mergers) merged += merger.merged;
+    left -= merged;
+    if (merged * kWorthAPass < left) break;
+    std::swap(all.now, all.next);
+    for (std::size_t region = 0; region < all.now.size(); ++region) {
+      for (const std::uint32_t v : all.now[region]) all.touched[v] = all.queued[v] = 0;
+      all.next[region].clear();
+    }
+  }
+}
 
 }  // namespace
 
 std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options) {
   const std::size_t count = mesh.triangles.size();
-  Merger merger{mesh, normal, options, EditableSurface(std::move(mesh.triangles), mesh.vertices.size()), {}};
-  merger.into.resize(mesh.vertices.size());
-  std::iota(merger.into.begin(), merger.into.end(), 0u);
-  merger.run();
+  Merging merging(mesh, normal, options);
+  run_passes(merging);
   mesh.triangles.clear();
   std::size_t kept = 0;
   std::vector<std::uint32_t> number(mesh.vertices.size(), CutPieces::kNone);
   for (std::size_t t = 0; t < count; ++t) {
-    if (!merger.surface.alive(t)) continue;
-    mesh.triangles.push_back(merger.surface[t]);
+    if (!merging.surface.alive(t)) continue;
+    mesh.triangles.push_back(merging.surface[t]);
     mesh.piece[kept] = mesh.piece[t];
     normal[kept++] = normal[t];
-    for (const std::uint32_t v : merger.surface[t]) number[v] = 0;
+    for (const std::uint32_t v : merging.surface[t]) number[v] = 0;
   }
   mesh.piece.resize(kept);
   normal.resize(kept);
@@ -202,8 +255,8 @@ std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& norm
   std::vector<std::uint32_t> becomes(number.size());
   for (std::uint32_t v = 0; v < becomes.size(); ++v) {
     std::uint32_t last = v;
-    while (merger.into[last] != last) last = merger.into[last];
-    for (std::uint32_t w = v; merger.into[w] != last;) w = std::exchange(merger.into[w], last);
+    while (merging.into[last] != last) last = merging.into[last];
+    for (std::uint32_t w = v; merging.into[w] != last;) w = std::exchange(merging.into[w], last);
     becomes[v] = number[last];
   }
   return becomes;
