@@ -22,7 +22,8 @@ struct BlendedBalls {
 
   explicit BlendedBalls(std::size_t count) : balls{csg::sphere({0, 0, 0}, 0.55)}, together(balls[0]) {
     for (std::size_t i = 1; i < count; ++i) {
-      balls.push_back(csg::sphere({1. * static_cast<double>(i % 10), 1. * static_cast<double>(i / 10), 0}, 0.55));
+      const std::size_t row = i / 10;
+      balls.push_back(csg::sphere({static_cast<double>(i % 10), static_cast<double>(row), 0}, 0.55));
       together = csg::unite(together, balls.back(), kBlend);
     }
   }
