@@ -20,9 +20,11 @@ constexpr std::size_t kMostFunctions = 1u << 18;
 constexpr std::size_t kAtOnce = 64;
 /// Planes no farther from each other than this share of the tie are one.
 constexpr double kSamePlane = 0.01;
-/// Of no particular direction: where functions are asked whether they are planes, and what planes are sorted by.
-constexpr Vec3 kAnywhere{0.5772156649, 0.3275822918, -0.6931471806},
-    kElsewhere{-0.4142135624, 0.8346268417, 0.2360679775};
+/// Of no particular direction: planes are sorted by it.
+constexpr Vec3 kAnywhere{0.5772156649, 0.3275822918, -0.6931471806};
+/// Of a part, as a share of that of what it is a part of where the one is a union and the other an intersection, and at
+/// least as a share of the first. By how much, as a share, functions differ that would be the same.
+constexpr double kTieOfPart = 0.5, kLeastTie = 1.0 / 16, kTieOfFunction = 0.25;
 /// The difference of two values changes by so much with the distance, their slopes being 1 at most, and a little.
 constexpr double kRoomPerRadius = 2.0001;
 /// Blends of more parts than this are told apart by regions, down to regions with so few parts, so small as a share of
@@ -182,7 +184,7 @@ class SolidExpression final : public PieceExpression {
     if (box.empty() || !std::isfinite(edge)) return;
     for (const Node& n : nodes_) {
       double radius = std::numeric_limits<double>::infinity();
-      if (n.kind != NodeKind::piece || parts(n.a, radius) < kManyParts) continue;
+      if (n.kind != NodeKind::piece || region_of_[n.a] != kNowhere || parts(n.a, radius) < kManyParts) continue;
       region_of_[n.a] = static_cast<std::uint32_t>(regions_.size());
       Region root;
       root.center = box.center(), root.edge = edge, root.function = n.a;
@@ -316,18 +318,13 @@ ExpressionBuilder::ExpressionBuilder(double tie, const Box3& box) : tie_(tie) {
 }
 
 std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Function& function) const {
-  const std::array<Vec3, 3> x{middle_, middle_ + kAnywhere * radius_, middle_ + kElsewhere * radius_};
-  const double factor = function.frame.sign * function.frame.map.scale, level = -function.frame.shift / factor;
-  for (const Vec3& at : x)
-    if (function.node->bend(function.piece, function.frame.map.back(at), 0, level) > 0) return std::nullopt;
-  std::array<double, 3> value{};
-  std::array<Vec3, 3> gradient;
-  evaluate_function(function, x.data(), x.size(), value.data(), gradient.data());
-  for (std::size_t k = 1; k < x.size(); ++k) {
-    const double off = value[k] - value[0] - dot(gradient[0], x[k] - x[0]);
-    if (!(norm(gradient[k] - gradient[0]) * radius_ + std::abs(off) < kSamePlane * tie_)) return std::nullopt;
-  }
-  return Plane{value[0], gradient[0], 0};
+  const ExpressionFrame& frame = function.frame;
+  const double level = -frame.shift / (frame.sign * frame.map.scale);
+  if (function.node->bend(function.piece, frame.map.back(middle_), radius_ / frame.map.scale, level) > 0)
+    return std::nullopt;
+  Plane plane;
+  evaluate_function(function, &middle_, 1, &plane.value, &plane.gradient);
+  return plane;
 }
 
 std::uint32_t ExpressionBuilder::add(const Node& node) {
@@ -338,6 +335,7 @@ std::uint32_t ExpressionBuilder::add(const Node& node) {
 std::uint32_t ExpressionBuilder::piece(const SolidNode& node, std::uint32_t number, const ExpressionFrame& frame) {
   Function function;
   function.node = &node, function.piece = number, function.frame = frame;
+  function.frame.shift += frame.tie;
   // Where many solids have a face in the same plane, as many pieces would meet all over it.
   if (std::optional<Plane> plane = radius_ > 0 ? plane_of(function) : std::nullopt) {
     const double key = plane->value + radius_ * dot(plane->gradient, kAnywhere), near = kSamePlane * tie_;
@@ -350,7 +348,7 @@ std::uint32_t ExpressionBuilder::piece(const SolidNode& node, std::uint32_t numb
   functions.push_back(function);
   // Pieces of two solids that are the same but for this are never in the same place.
   const double share = static_cast<double>(functions.size() * 0x9e3779b1u % 1024u) / 1024;
-  functions.back().frame.shift += 0.25 * tie_ * share;
+  functions.back().frame.shift += kTieOfFunction * (frame.tie == 0 ? tie_ : std::abs(frame.tie)) * share;
   return add({NodeKind::piece, static_cast<std::uint32_t>(functions.size() - 1), 0});
 }
 
@@ -367,9 +365,14 @@ std::uint32_t ExpressionBuilder::pieces(const SolidNode& node, std::uint32_t cou
 }
 
 ExpressionFrame ExpressionBuilder::frame_of_parts(const ExpressionFrame& frame, double side) const {
-  // Surfaces that coincide: parts of a union overlap, those of an intersection leave a gap.
+  // Surfaces that coincide: parts of a union overlap, those of an intersection leave a gap. Where one is a part of the
+  // other, the parts of the inner one still do, and less than those of the outer one.
   ExpressionFrame inner = frame;
-  inner.shift -= side * tie_;
+  if (frame.tie == 0) {
+    inner.tie = -side * tie_;
+  } else if (frame.tie * side > 0) {
+    inner.tie = -side * std::max(kTieOfPart * std::abs(frame.tie), kLeastTie * tie_);
+  }
   return inner;
 }
 
@@ -425,8 +428,13 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
     return copied(of_b, middle, [&](std::uint32_t g) {
       Function blend;
       blend.a = f, blend.b = g, blend.radius = radius * frame.map.scale, blend.sign = side;
+      // Functions that are the same are one: f or g may have been.
+      std::vector<std::uint32_t>& known = blends_[{f, g}];
+      for (const std::uint32_t k : known)
+        if (functions[k].radius == blend.radius && functions[k].sign == side) return add({NodeKind::piece, k, 0});
+      known.push_back(static_cast<std::uint32_t>(functions.size()));
       functions.push_back(blend);
-      return add({NodeKind::piece, static_cast<std::uint32_t>(functions.size() - 1), 0});
+      return add({NodeKind::piece, known.back(), 0});
     });
   });
 }

@@ -1,6 +1,7 @@
 // Solids as minima and maxima of smooth functions.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -14,11 +15,12 @@
 
 namespace sansmesh {
 
-/// How the values of a node enter the whole: sign · (those of the node moved by `map`) + shift.
+/// How the values of a node enter the whole: sign · (those of the node moved by `map`) + shift + tie.
 struct ExpressionFrame {
   Similarity map;
   double sign = 1;
   double shift = 0;
+  double tie = 0;  ///< by what surfaces that coincide are told apart
 };
 
 /// What nodes are put into one after the other: the functions, and the nodes over them.
@@ -60,11 +62,12 @@ class ExpressionBuilder {
     std::uint32_t function;
   };
   std::uint32_t add(const Node& node);
-  /// Whether a function is a plane, as far as can be seen, and which.
+  /// Whether a function is a plane all over the box, and which.
   std::optional<Plane> plane_of(const Function& function) const;
   /// That of the parts of a union (side 1) or intersection (−1).
   ExpressionFrame frame_of_parts(const ExpressionFrame& frame, double side) const;
   double tie_;
+  std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> blends_;  ///< by the functions that they blend
   Vec3 middle_;
   double radius_ = 0;  ///< of the box; 0: it has no end
   std::multimap<double, Plane> planes_;

@@ -21,9 +21,9 @@ constexpr double kErrorShare = 1.0 / 96;
 constexpr double kOneWayShare = 0.7;
 /// Half its diagonal, and how far lattice vertices move (piece_cut.cpp), as shares of a block's edge.
 constexpr double kReachOfBlock = 0.8661 + 0.161;
-/// With more pieces than this a block is cut further; planes only down to this share of the root's edge: where many go
-/// through one point or line, smaller blocks have no fewer.
-constexpr std::size_t kManyPieces = 16;
+/// With more pieces than this a block is cut further, or with more planes (as many as are fast to cut); planes only
+/// down to this share of the root's edge: where many go through one point or line, smaller blocks have no fewer.
+constexpr std::size_t kManyPieces = 16, kManyPlanes = 60;
 constexpr double kSmallestOfPlanes = 1.0 / 100;
 /// Down to what blocks are cut for pieces that come close to each other: what remains is below a float's resolution.
 constexpr double kRoundingOfMesh = 1e-7;
@@ -95,8 +95,8 @@ struct Chooser {
     if (edge < kSmallest * scale) return tiny ? Verdict::too_small : Verdict::fine;
     if (bent) return Verdict::cut_if_allowed;
     if (count > kManyPieces) count = distinct_pieces(nodes);
-    const bool planes_in_one_place = !curved && edge < kSmallestOfPlanes * scale && count <= kMostPiecesInBlock;
-    if (count > kManyPieces && !planes_in_one_place) return Verdict::cut_if_allowed;
+    const std::size_t most_planes = edge < kSmallestOfPlanes * scale ? kMostPiecesInBlock : kManyPlanes;
+    if (count > (curved ? kManyPieces : most_planes)) return Verdict::cut_if_allowed;
     if (coarse) return Verdict::cut;
     if (!curved || count < 2) return Verdict::fine;
     std::array<Vec3, 9> x, offset;

@@ -476,10 +476,11 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     mesher.mesh = cut_pieces(field, blocks, progress);
     if (!mesher.mesh.crowded && closed(mesher.mesh)) break;
     if (const std::optional<Vec3>& at = mesher.mesh.crowded)  // that is so with other lattice points, too
-      throw DataError(fmt::format("more than {} faces meet in one place, near ({:.4g}, {:.4g}, {:.4g}): {}",
-                                  kMostPiecesInBlock, at->x, at->y, at->z,
-                                  options.cell > 0 ? "give a smaller `cell`, or none"
-                                                   : "cut that place off, or make it of fewer faces or a cone"));
+      throw DataError(
+          fmt::format("more than {} faces meet in one place, near ({:.4g}, {:.4g}, {:.4g}): cut that place "
+                      "off, or make it of fewer faces or a cone{}",
+                      kMostPiecesInBlock, at->x, at->y, at->z,
+                      options.cell > 0 ? "; or they do not, and a smaller `cell` helps" : ""));
     if (attempt + 1 == kTries.size())
       throw DataError("the surface could not be closed: too many pieces meet in one place; move one of them a little");
   }

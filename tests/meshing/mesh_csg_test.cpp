@@ -535,6 +535,41 @@ TEST(MeshCsg, FacesThatCoincide) {
                DataError);
 }
 
+/// Parts that touch are joined wherever they stand in the tree: a union that is cut, what is cut of a part of one.
+TEST(MeshCsg, TouchingPartsOfParts) {
+  struct Case {
+    const char* solid;
+    double area, volume;
+    std::size_t components;
+  };
+  const char* const l = "(box(1)+translate(box(1),1,0.25,0))";
+  for (const Case& c : {Case{"{} & box(6)", 10.5, 2, 1}, Case{"{} & sphere(3)", 10.5, 2, 1},
+                        Case{"{} - box(0.5)", 12, 1.875, 2}, Case{"(box(2) - box(1) | box(1)) & sphere(5)", 24, 8, 1},
+                        Case{"(({} & box(6)) + translate(box(1),2,0.25,0)) & box(9)", 14.5, 3, 1},
+                        Case{"box(6) - (box(4) - {})", 6 * 36 + 6 * 16 + 10.5, 216 - 64 + 2, 3}}) {
+    const std::string text = fmt::format(fmt::runtime(c.solid), l);
+    CsgMeshReport report;
+    const TriangleMesh mesh = meshed(parsed(text), {}, report);
+    EXPECT_TRUE(report.closed) << text;
+    EXPECT_EQ(report.components, c.components) << text;
+    EXPECT_NEAR(report.volume, c.volume, 5e-5) << text;
+    EXPECT_NEAR(report.area, c.area, 3e-4) << text;
+    EXPECT_LE(mesh.triangles.size(), 500u) << text;
+  }
+}
+
+/// What is flat in many places only is no plane: a large rounded box beside a small one with a face in its plane.
+TEST(MeshCsg, RoundedBoxesAreNotTheirFaces) {
+  const std::string rounded = "box(from=(-20,-0.9,-20),to=(20,20,-0.5),r=0.3)";
+  CsgMeshReport alone, beside;
+  meshed(parsed("box(2) - " + rounded), {}, alone);
+  meshed(parsed("box(2) - box(from=(0.5,0.5,-2),to=(0.9,0.9,-0.5)) - " + rounded), {}, beside);
+  // Less a slab of half the height but for a strip of .1, and the corner of a square that its rounding leaves.
+  const double left = 8 - 2 * 0.5 * 1.9 + 2 * (1 - kPi / 4) * 0.3 * 0.3;
+  EXPECT_NEAR(alone.volume, left, 1e-4);
+  EXPECT_NEAR(beside.volume, left, 1e-4);
+}
+
 /// Any number of faces in one plane are one: a star of 80 points, of 20 boxes turned about an axis.
 TEST(MeshCsg, ManyFacesInOnePlane) {
   std::string boxes;
@@ -582,7 +617,15 @@ TEST(MeshCsg, ManyFacesInOnePlace) {
     EXPECT_NEAR(report.volume / c.volume, 1, 1e-5) << c.text;
     EXPECT_LE(report.blocks, 100'000u) << c.text;
   }
+  // Neighbours of a prism of many sides part nowhere: no smaller blocks than for one of few.
+  std::string prism = "box(4)";
+  for (int k = 0; k < 200; ++k)
+    prism +=
+        fmt::format(" & plane(normal=({},{},0), offset=1)", std::cos(2 * kPi * k / 200), std::sin(2 * kPi * k / 200));
   CsgMeshReport report;
+  meshed(parsed(prism), {}, report);
+  EXPECT_NEAR(report.volume / (4 * 200 * std::tan(kPi / 200)), 1, 1e-6);
+  EXPECT_LE(report.blocks, 20'000u);
   try {
     meshed(parsed(pyramid(300)), {}, report);
     FAIL() << "300 faces are too many";
