@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "command_line.h"
+#include "picture_curvature.h"
 #include "render.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
@@ -66,15 +67,40 @@ TriangleMesh tubes_of(const PolylineSet& lines) {
   return tubes(lines, {.radius = radius, .sides = 8, .least_step = 0.5 * radius});
 }
 
+const char* word_of(ObjectKind kind) {
+  switch (kind) {
+    case ObjectKind::mesh:
+      return "mesh";
+    case ObjectKind::points:
+      return "points";
+    case ObjectKind::lines:
+      return "lines";
+    case ObjectKind::function:
+      return "function";
+  }
+  return "";
+}
+
+PointSet samples_of(const TriangleMesh& mesh) {
+  PointSet points;
+  points.origin = mesh.origin, points.positions = mesh.vertices;
+  points.normals = mesh.normals, points.triangles = mesh.triangles;
+  return points;
+}
+
 struct DrawnObjects {
   std::vector<PictureSurface> surfaces;
   std::vector<Vec3> places;
   std::vector<LegendEntry> legend;
   std::vector<std::unique_ptr<MeshlessObject>> meshless;
+  std::vector<ObjectKind> kinds;
+  std::unique_ptr<CurvatureField> curvature;  ///< of a single object, where the picture shows it
   Json json = Json::array();
 };
 
 void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Console& console) {
+  CloudInput one = a.input;
+  if (!a.joined()) one.files = {a.input.files[k]};
   const std::string& file = a.input.files[k];
   const ObjectLooks& looks = a.objects;
   Progress& progress = console.progress();
@@ -85,16 +111,16 @@ void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Co
   const auto choose_color = [&](bool has_colors) {
     own.use_colors = has_colors && (word == kAutoColor || word == kOwnColor);
     if (own.use_colors) return;
-    const bool alone = a.input.files.size() == 1;
+    const bool alone = a.objects_drawn() == 1;
     if (word == kAutoColor && !alone) own.surface_color = object_color(k);
     if (const auto color = color_of_word(word)) own.surface_color = *color;
   };
-  std::string kind;
+  ObjectKind kind = ObjectKind::mesh;
   PictureSurface surface;
   double apart = 0;
   Vec3f mean_color;
-  if (is_function_file(file)) {
-    kind = "function";
+  if (!a.joined() && is_function_file(file)) {
+    kind = ObjectKind::function;
     require(!a.input.classes, "--class and --without-class are for points: an input is a function");
     drawn.meshless.push_back(std::make_unique<MeshlessObject>(make_surface_model(read_function(file)), progress));
     const MeshlessObject& object = *drawn.meshless.back();
@@ -107,16 +133,16 @@ void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Co
       drawn.places.push_back(object.model.place().to_input(Vec3(p)));
     mean_color = own.surface_color;
   } else {
-    CloudInput one = a.input;
-    one.files = {file};
     ReadReport read;
-    TriangleMesh mesh = to_mesh(one.read(console, read));
-    kind = mesh.triangles.empty() ? "points" : "mesh";
-    if (mesh.triangles.empty())
-      if (const PolylineSet lines = lines_of_file(file); lines.size() > 0) {
-        kind = "lines";
-        mesh = tubes_of(lines);
-      }
+    PointSet points = one.read(console, read);
+    const PolylineSet lines = points.triangles.empty() && !a.joined() ? lines_of_file(file) : PolylineSet{};
+    if (points.triangles.empty()) kind = lines.size() > 0 ? ObjectKind::lines : ObjectKind::points;
+    if (kind == ObjectKind::points && a.cloud.remove_outliers) leave_out_outliers(points, one.name(), console);
+    const bool curved = a.objects_drawn() == 1 && wants_curvature(a.options);
+    if (curved && kind != ObjectKind::lines) drawn.curvature = curvature_of_samples(points, a.cloud, progress);
+    TriangleMesh mesh = kind == ObjectKind::lines ? tubes_of(lines) : to_mesh(std::move(points));
+    if (curved && kind == ObjectKind::lines)
+      drawn.curvature = curvature_of_samples(samples_of(mesh), a.cloud, progress);
     choose_color(mesh.colors.size() == mesh.vertices.size() && !mesh.colors.empty());
     mean_color = own.surface_color;
     if (own.use_colors) {
@@ -135,12 +161,14 @@ void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Co
   }
   drawn.surfaces.push_back(opacity < 1 ? translucent(std::move(surface), opacity, apart) : std::move(surface));
   const std::string name = k < looks.names.size() ? looks.names[k] : std::filesystem::path(file).filename().string();
+  drawn.kinds.push_back(kind);
   drawn.legend.push_back({mean_color, name});
-  drawn.json.push_back({{"file", file},
-                        {"kind", kind},
-                        {"name", name},
-                        {"color", own.use_colors ? Json(kOwnColor) : Json(hex_of_color(own.surface_color))},
-                        {"opacity", opacity}});
+  Json json = one.json();
+  json["kind"] = word_of(kind);
+  json["name"] = name;
+  json["color"] = own.use_colors ? kOwnColor : hex_of_color(own.surface_color);
+  json["opacity"] = opacity;
+  drawn.json.push_back(std::move(json));
 }
 
 }  // namespace
@@ -153,7 +181,7 @@ bool ObjectLooks::translucent() const {
   return std::any_of(opacities.begin(), opacities.end(), [](double o) { return o < 1; });
 }
 
-void ObjectLooks::check(std::size_t files) const {
+void ObjectLooks::check(std::size_t objects) const {
   for (const std::string& word : colors) {
     if (word == kAutoColor || word == kOwnColor || color_of_word(word)) continue;
     throw ArgumentError(fmt::format("--color '{}' is none: {}, '#rrggbb', {} (the file's) or {}", printable(word, 40),
@@ -161,7 +189,6 @@ void ObjectLooks::check(std::size_t files) const {
   }
   for (const double o : opacities)
     if (!(o >= 0 && o <= 1)) throw ArgumentError(fmt::format("--opacity must lie in 0..1, not {:g}", o));
-  const std::size_t objects = as_one ? 1 : files;
   for (const auto& [flag, count] :
        {std::pair{"--color", colors.size()}, {"--opacity", opacities.size()}, {"--name", names.size()}})
     if (count > objects)
@@ -194,13 +221,16 @@ void run_object_picture(const RenderArguments& a, Console& console) {
   a.picture.check_frames(a.frames > 0);
   check_writable(a.output, "image");
   DrawnObjects drawn;
-  for (std::size_t k = 0; k < a.input.files.size(); ++k) try {
+  for (std::size_t k = 0; k < a.objects_drawn(); ++k) try {
       add_object(a, k, drawn, console);
     } catch (const DataError& error) {
-      throw FileError(a.input.files[k], error.what());
+      throw FileError(a.joined() ? a.input.name() : a.input.files[k], error.what());
     }
+  a.check_kinds(drawn.kinds);
+  look.curvature = drawn.curvature.get();
   Progress& progress = console.progress();
-  const bool listed = drawn.legend.size() > 1 && !a.objects.no_legend;
+  // Lines alone do not have the colours of the list.
+  const bool listed = drawn.legend.size() > 1 && !a.objects.no_legend && look.lines != RenderOptions::Lines::only;
   const int beside = listed ? legend_width(look.height, drawn.legend) : 0;
   if (beside > 0 && look.width < beside + kLeastBesideLegend)
     throw ArgumentError(fmt::format("--width {} is too narrow: the legend takes {} of it; --no-legend leaves it out",

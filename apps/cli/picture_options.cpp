@@ -80,11 +80,13 @@ RenderOptions PictureArguments::chosen() const {
       (o.wire_width != usual.wire_width || o.wire_color != usual.wire_color))
     throw ArgumentError("--wire-width and --wire-color need --wireframe");
   if (o.lines == RenderOptions::Lines::none &&
-      (o.line_width != usual.line_width || o.line_strength != usual.line_strength || o.line_color != usual.line_color))
+      (o.line_width != usual.line_width || line_strength || o.line_color != usual.line_color))
     throw ArgumentError("--line-width, --line-strength and --line-color need --lines");
-  if (!o.accessibility && o.bend_light != usual.bend_light) throw ArgumentError("--bend-light needs --accessibility");
+  if (!o.accessibility && bend_light) throw ArgumentError("--bend-light needs --accessibility");
   if (o.accessibility && o.lines == RenderOptions::Lines::only)
     throw ArgumentError("--accessibility is light, which --lines alone does not show: --lines=over");
+  o.line_strength = line_strength.value_or(usual.line_strength);
+  o.bend_light = bend_light.value_or(usual.bend_light);
   if (azimuth) o.view.azimuth = *azimuth;
   if (elevation) o.view.elevation = *elevation;
   if (!view.empty()) o.view = named_view(view);
@@ -217,7 +219,8 @@ void add_wireframe_options(CommandLine& c, RenderOptions& o) {
       .group(group);
 }
 
-void add_line_options(CommandLine& c, RenderOptions& o) {
+void add_line_options(CommandLine& c, PictureArguments& a) {
+  RenderOptions& o = a.options;
   using Lines = RenderOptions::Lines;
   const char* const group = "Picture";
   c.add_option_function(
@@ -229,7 +232,7 @@ void add_line_options(CommandLine& c, RenderOptions& o) {
       .without_value("only")
       .group(group);
   c.add_option("--line-width", o.line_width, "Of these lines, 0.1..50 [1.5]").type_name("PIXELS").group(group);
-  c.add_option("--line-strength", o.line_strength,
+  c.add_option("--line-strength", a.line_strength,
                "Ridges and valleys from this curvature times the diagonal on: less is more of them [20]")
       .type_name("RATIO")
       .group(group);
@@ -245,7 +248,8 @@ void add_line_options(CommandLine& c, RenderOptions& o) {
       .group(group);
 }
 
-void add_accessibility_options(CommandLine& c, RenderOptions& o) {
+void add_accessibility_options(CommandLine& c, PictureArguments& a) {
+  RenderOptions& o = a.options;
   const char* const group = "Picture";
   c.add_option_function(
        "--accessibility",
@@ -259,7 +263,7 @@ void add_accessibility_options(CommandLine& c, RenderOptions& o) {
       .type_name("REACH")
       .without_value("0.3")
       .group(group);
-  c.add_option("--bend-light", o.bend_light, "Share of that light that curvature gives and takes, 0..1 [0.3]")
+  c.add_option("--bend-light", a.bend_light, "Share of that light that curvature gives and takes, 0..1 [0.3]")
       .type_name("SHARE")
       .group(group);
 }

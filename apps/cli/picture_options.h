@@ -16,6 +16,7 @@ struct PictureArguments {
   RenderOptions options;
   std::string view, crop;
   std::optional<double> azimuth, elevation;
+  std::optional<double> line_strength, bend_light;  ///< of options, where given
   bool z_up = false;
 
   bool has_view() const { return !view.empty() || azimuth || elevation; }
@@ -47,9 +48,9 @@ void add_picture_options(CommandLine& command, PictureArguments& arguments);
 /// --wireframe, --wire-width, --wire-color
 void add_wireframe_options(CommandLine& command, RenderOptions& options);
 /// --lines, --line-width, --line-strength, --line-color
-void add_line_options(CommandLine& command, RenderOptions& options);
+void add_line_options(CommandLine& command, PictureArguments& arguments);
 /// --accessibility, --bend-light
-void add_accessibility_options(CommandLine& command, RenderOptions& options);
+void add_accessibility_options(CommandLine& command, PictureArguments& arguments);
 /// --preview FILE: also draws `what`.
 void add_preview_option(CommandLine& command, std::string& file, const std::string& what);
 

@@ -13,78 +13,11 @@
 #include "option_values.h"
 #include "picture_curvature.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/points/sample_confidence.h"
 
 namespace sansmesh::cli {
 namespace {
-
-RenderOptions picture_options(const RenderArguments& a) {
-  RenderOptions o = a.picture.chosen();
-  o.smooth = !a.flat;
-  o.shadows = !a.no_shadows;
-  set_background(o, a.background);
-  return o;
-}
-
-/// Completes the arguments. Throws ArgumentError for options that would not be heeded.
-void complete(RenderArguments& a) {
-  static_cast<RenderOptions&>(a.options) = picture_options(a);
-  a.surface = a.of_samples.chosen();
-  if (a.splats && a.options.plain) {
-    a.options.shadows = a.options.ground = false;
-    a.options.occlusion_rays = 0;
-    a.options.samples = 1;
-  }
-  const SurfaceRenderOptions& s = a.options;
-  require(!s.plain || !s.accessibility, "--plain casts no rays around places, as --accessibility does");
-  const bool function = a.input.is_function();
-  require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
-  a.objects.check(a.surface || a.splats ? 1 : a.input.files.size());
-  a.separate = !a.surface && !a.splats && !a.objects.as_one &&
-               (a.input.files.size() > 1 || a.objects.translucent() || (a.frames > 0 && !function) ||
-                (a.color_by.empty() && lines_of_file(a.input.files[0]).size() > 0));
-  require(!a.surface || !a.objects.translucent(), "--opacity is for meshes, points and functions: not with --surface");
-  require(!a.splats || (!a.objects.translucent() && s.reflection == 0 && s.transmission == 0 && !s.exact_shadows),
-          "--opacity, --reflection, --transmission and --exact-shadows mean nothing to --splats");
-  require(!a.splats || !function || a.input.files.size() == 1, "--splats of functions: one at a time");
-  require(!a.stored_rays ||
-              (a.surface && !a.splats && surface_method_info(a.surface->method).family() == SurfaceFamily::projection),
-          "--rays stored needs --surface levin, alexa or curvature, and no --splats");
-  const bool meshless = a.surface || function || a.splats;
-  // Of meshes and points that is the name of an attribute as well.
-  const bool by_confidence = a.color_by == kConfidence, by_curvature = meshless && is_curvature(a.color_by);
-  require(!a.color_range || by_curvature, "--color-range is for curvatures");
-  require(!a.value_range || (!a.color_by.empty() && !by_confidence && !by_curvature),
-          "--value-range is for attributes: --color-by NAME");
-  require(a.unit.empty() || (!a.color_by.empty() && !by_confidence && !a.no_bar),
-          "--unit stands at the colour bar of --color-by");
-  require(!a.value_range || (a.value_range->first < a.value_range->second), "--value-range must be LOW,HIGH");
-  if (a.separate) {
-    require(a.color_by.empty(), "--color-by is for one object: --as-one makes one of several files");
-  } else if (!a.objects.colors.empty()) {
-    require(a.color_by.empty(), "--color and --color-by exclude each other");
-    const std::string& word = a.objects.colors[0];
-    if (const auto color = color_of_word(word)) a.options.surface_color = *color, a.options.use_colors = false;
-  }
-  require(!(meshless && a.options.wireframe != RenderOptions::Wireframe::none),
-          "--wireframe is for meshes: there are no triangles");
-  if (!meshless) {
-    require((a.frames == 0 || a.separate) && !s.plain && !s.exact_shadows && s.reflection == 0 && s.transmission == 0 &&
-                s.refraction_index == SurfaceRenderOptions().refraction_index && !a.cloud.remove_outliers,
-            "--frames, --plain, --exact-shadows, --reflection, --transmission, "
-            "--refraction-index and --remove-outliers need --surface NAME");
-  } else {
-    require(!a.flat && !s.point_radius,
-            "--flat and --point-radius are for meshes and points, not for surfaces without a mesh");
-    if (!a.color_by.empty() && !by_confidence && !by_curvature)
-      throw ArgumentError(
-          fmt::format("--color-by of a surface without a mesh must be mean, gaussian, k1, k2 or confidence, not {}",
-                      printable(a.color_by, 40)));
-  }
-}
 
 /// The colours of the attribute that reconstruct and mesh write; where it is not known, those of none.
 void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
@@ -103,15 +36,16 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
 constexpr std::size_t kFewestOfSurface = 30;
 
 /// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
-bool lines_need_surface(const RenderArguments& a, const PointSet& points) {
-  return a.options.lines != RenderOptions::Lines::none && points.triangles.empty() && a.color_by.empty() &&
-         !a.options.point_radius && !a.flat && a.options.wireframe == RenderOptions::Wireframe::none &&
-         points.size() >= kFewestOfSurface;
+bool lines_may_need_surface(const RenderArguments& a) {
+  return a.options.lines != RenderOptions::Lines::none && a.objects_drawn() == 1 && !a.of_lines &&
+         !a.objects.translucent() && a.color_by.empty() && !a.options.point_radius &&
+         a.options.wireframe == RenderOptions::Wireframe::none;
 }
 
 void run_render(RenderArguments& a, Console& console) {
-  complete(a);
-  if (a.separate) return run_object_picture(a, console);
+  a.complete();
+  const bool of_surface = lines_may_need_surface(a);
+  if (a.separate && !of_surface) return run_object_picture(a, console);
   if (a.surface || a.splats || a.input.is_function()) return run_surface_picture(a, console);
   RenderOptions options = a.options;
   options.validate();
@@ -121,21 +55,22 @@ void run_render(RenderArguments& a, Console& console) {
   progress.begin("read");
   ReadReport read;
   PointSet points = a.input.read(console, read);
-  if (lines_need_surface(a, points)) {
-    RenderArguments of_surface = a;
-    of_surface.surface = SurfaceOptions{};
+  if (of_surface && points.triangles.empty() && !a.flat && points.size() >= kFewestOfSurface) {
+    RenderArguments by_rays = a;
+    by_rays.surface = SurfaceOptions{};
     try {
-      return run_surface_picture(of_surface, console, ReadCloud{points, read});
+      return run_surface_picture(by_rays, console, ReadCloud{points, read});
     } catch (const FileError&) {
       // Points that make no surface have silhouettes all the same.
     }
   }
+  if (a.separate) return run_object_picture(a, console);
+  a.check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh});
+  if (a.cloud.remove_outliers) leave_out_outliers(points, a.input.name(), console);
   std::unique_ptr<CurvatureField> curvature;
   if (wants_curvature(options)) curvature = curvature_of_samples(points, a.cloud, progress);
   options.curvature = curvature.get();
   TriangleMesh mesh = to_mesh(std::move(points));
-  require(options.wireframe == RenderOptions::Wireframe::none || !mesh.triangles.empty(),
-          "--wireframe is for meshes: there are no triangles");
   Image image;
   try {
     std::optional<ColorBar> bar;
@@ -182,14 +117,14 @@ Command add_render(CommandLine& app) {
   c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")
       .type_name("LENGTH")
       .group("Picture");
-  c.add_option("--antialiasing", o.samples, "Rays per pixel in each direction, 1..8 [3]")
+  c.add_option("--antialiasing", a.antialiasing, "Rays per pixel in each direction, 1..8 [3]")
       .type_name("COUNT")
       .group("Picture");
   c.add_flag("--no-shadows", a.no_shadows, "No shadows").group("Picture");
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_wireframe_options(c, o);
-  add_line_options(c, o);
-  add_accessibility_options(c, o);
+  add_line_options(c, a.picture);
+  add_accessibility_options(c, a.picture);
   add_object_options(c, a.objects);
   c.add_option(
        "--color-by", a.color_by,
@@ -215,7 +150,7 @@ Command add_render(CommandLine& app) {
   c.add_option("--transmission", s.transmission, "Share of the light that comes through the body, 0..1 [0]")
       .type_name("SHARE")
       .group("Surface");
-  c.add_option("--refraction-index", s.refraction_index, "Refraction index of the body: 1.33 water, 1.5 glass [1.5]")
+  c.add_option("--refraction-index", a.refraction_index, "Refraction index of the body: 1.33 water, 1.5 glass [1.5]")
       .type_name("RATIO")
       .group("Surface");
   c.add_choice<bool>("--rays", a.stored_rays, {{"march", false}, {"stored", true}},

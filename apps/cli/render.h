@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cloud_input.h"
 #include "console.h"
@@ -23,8 +24,10 @@ struct RenderArguments {
   PictureArguments picture;
   std::string background = "gradient";
   bool flat = false, no_shadows = false;
-  CloudUse cloud;               ///< what is done to the samples
-  SurfaceArguments of_samples;  ///< of --surface: cast rays at a surface of the samples
+  std::optional<int> antialiasing;         ///< rays per pixel in each direction
+  std::optional<double> refraction_index;  ///< of a clear body
+  CloudUse cloud;                          ///< what is done to the samples
+  SurfaceArguments of_samples;             ///< of --surface: cast rays at a surface of the samples
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
   std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen
@@ -34,11 +37,24 @@ struct RenderArguments {
   std::string unit;                                      ///< of lengths, or of the attribute: at the bar of colours
   bool no_bar = false;
   ObjectLooks objects;
-  bool stored_rays = false;           ///< of a projection: rays start from polynomials stored with the samples
+  std::optional<bool> stored_rays;    ///< of a projection: rays start from polynomials stored with the samples
   std::optional<std::size_t> splats;  ///< so many points of the surface as splats that blend; 0: as many as suit it
   int frames = 0;                     ///< of a turntable; 0: one picture
-  bool separate = false;              ///< once chosen: each file is an object of its own in the picture
+  // Once complete:
+  bool separate = false;  ///< objects stand side by side in the picture
+  bool of_lines = false;  ///< the one object is lines (.vtp)
+
+  /// Several files that are read as one.
+  bool joined() const { return objects.as_one && input.files.size() > 1; }
+  std::size_t objects_drawn() const { return joined() || surface || splats ? 1 : input.files.size(); }
+  /// Puts together what was chosen. Throws ArgumentError for options that would not be heeded.
+  void complete();
+  /// The same for those that no object of these kinds heeds.
+  void check_kinds(const std::vector<ObjectKind>& kinds) const;
 };
+
+/// Removes samples that belong to no surface, and says how many.
+void leave_out_outliers(PointSet& points, const std::string& name, Console& console);
 
 /// Samples that have been read already.
 struct ReadCloud {

@@ -56,7 +56,7 @@ class SurfacePainter {
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     cast.jump = model.jump();
-    cast.stored = arguments.stored_rays;
+    cast.stored = arguments.stored_rays.value_or(false);
     if (model.projection())
       caster_.emplace(*model.projection(), model.balls(), cast);
     else

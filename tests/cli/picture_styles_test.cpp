@@ -21,14 +21,49 @@ class PictureStyles : public ToolTest {
     std::vector<std::string> words = {"render",   file,  "-o",     "out.png", "--width",       "120",
                                       "--height", "120", "--view", view,      "--orthographic"};
     words.insert(words.end(), more.begin(), more.end());
+    const bool frames = std::find(more.begin(), more.end(), "--frames") != more.end();
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return outcome.code == 0 ? read_png(path("out.png")) : PngPicture{};
+    return outcome.code == 0 ? read_png(path(frames ? "out_000.png" : "out.png")) : PngPicture{};
+  }
+
+  /// Samples of a ball, and with them some that lie about.
+  void write_ball_and_strays() const {
+    PointSet cloud;
+    cloud.positions = cloud.normals = octasphere(4).vertices;
+    write_points(path("ball.ply"), cloud);
+    for (const Vec3f& stray : {Vec3f{2, 0, 0}, {0, 1.7f, 0.3f}, {-1.5f, 0.4f, 1}}) {
+      cloud.positions.push_back(stray);
+      cloud.normals.push_back({0, 0, 1});
+    }
+    write_points(path("strays.ply"), cloud);
   }
 };
 
+std::vector<std::string> and_more(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 bool is_covered(const std::array<int, 4>& p) { return p[3] > 127; }
 bool is_ink(const std::array<int, 4>& p) { return p[0] < 128; }
+
+std::size_t ink_of(const PngPicture& drawing) {
+  std::size_t ink = 0;
+  for (std::size_t y = 0; y < kSide && drawing.width == kSide; ++y)
+    for (std::size_t x = 0; x < kSide; ++x) ink += is_ink(drawing.at(x, y)) ? 1 : 0;
+  return ink;
+}
+
+/// How many pixels differ.
+std::size_t changed(const PngPicture& a, const PngPicture& b) {
+  EXPECT_EQ(a.width, kSide);
+  EXPECT_EQ(b.width, kSide);
+  std::size_t pixels = 0;
+  for (std::size_t y = 0; y < kSide && a.width == kSide && b.width == kSide; ++y)
+    for (std::size_t x = 0; x < kSide; ++x) pixels += a.at(x, y) != b.at(x, y) ? 1 : 0;
+  return pixels;
+}
 
 /// From the middle of the picture.
 double away(std::size_t x, std::size_t y) {
@@ -158,6 +193,115 @@ TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
   std::vector<std::string> deep = kGray;
   deep.insert(deep.end(), {"--accessibility=1", "--bend-light", "0", "--look-at", "0,0,0", "--look-radius", "0.45"});
   EXPECT_NEAR(light_of(drawn("channel.ply", deep, "top").at(60, 60), kGrayLevel), std::sqrt(0.5), 0.03);
+}
+
+/// A turntable knows how its object is bent, as a single picture does.
+TEST_F(PictureStyles, FramesHaveBendsAndRidges) {
+  write_mesh(path("ball.ply"), octasphere(5));
+  const std::vector<std::string> frames = {"--frames", "1"};
+  const double expected = 1 + 0.5 * 2 / std::numbers::pi * std::atan(0.3 * std::sqrt(12.0));
+  const std::vector<std::string> bent = and_more(and_more(kGray, frames), {"--accessibility=0.3"});
+  EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--bend-light", "0.5"})).at(60, 60), kGrayLevel), expected,
+              0.05);
+  EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--bend-light", "0"})).at(60, 60), kGrayLevel), 1, 0.02);
+  // A ring that is higher than wide: seen along its axis its top is a ridge, between the silhouettes.
+  TriangleMesh ring = torus_mesh(120, 60);
+  for (Vec3f& p : ring.vertices) p.z *= 2;
+  write_mesh(path("ring.ply"), ring);
+  const std::vector<std::string> drawing = and_more(frames, {"--lines", "--line-strength"});
+  const std::size_t with_ridge = ink_of(drawn("ring.ply", and_more(drawing, {"2"})));
+  const std::size_t without = ink_of(drawn("ring.ply", and_more(drawing, {"1e6"})));
+  EXPECT_GT(without, 500u);
+  EXPECT_GT(with_ridge, without + 300);
+}
+
+TEST_F(PictureStyles, FramesOfACloudHaveTheLinesOfItsSurface) {
+  write_ball_and_strays();
+  const PngPicture drawing = drawn("ball.ply", {"--lines", "--background", "white", "--frames", "1"});
+  ASSERT_EQ(drawing.width, kSide);
+  double farthest = 0, nearest = kSide;
+  for (std::size_t y = 0; y < kSide; ++y)
+    for (std::size_t x = 0; x < kSide; ++x)
+      if (is_ink(drawing.at(x, y))) farthest = std::max(farthest, away(x, y)), nearest = std::min(nearest, away(x, y));
+  EXPECT_GT(ink_of(drawing), 200u);
+  EXPECT_LT(farthest - nearest, 3.5);
+}
+
+/// However points are drawn: as lines of their surface, as discs, as discs of a turntable.
+TEST_F(PictureStyles, OutliersAreLeftOutOfCloudsOfAllKinds) {
+  write_ball_and_strays();
+  for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{
+           {"--lines"}, {"--lines=over", "--point-radius", "0.05"}, {}, {"--frames", "1"}, {"--opacity", "0.5"}}) {
+    const PngPicture ball = drawn("ball.ply", how);
+    EXPECT_GT(changed(ball, drawn("strays.ply", how)), 100u) << (how.empty() ? "" : how[0]);
+    EXPECT_EQ(changed(ball, drawn("strays.ply", and_more(how, {"--remove-outliers"}))), 0u)
+        << (how.empty() ? "" : how[0]);
+  }
+}
+
+TEST_F(PictureStyles, FilesAsOneAreOneObjectHoweverTheyAreDrawn) {
+  TriangleMesh left = octasphere(3);
+  left.normals.clear();
+  const TriangleMesh right = joined({}, left, {3, 0, 0});
+  write_mesh(path("left.ply"), left), write_mesh(path("right.ply"), right);
+  write_mesh(path("both.ply"), joined(left, right, {}));
+  for (const std::vector<std::string>& how :
+       std::vector<std::vector<std::string>>{{"--opacity", "0.5"}, {"--frames", "2"}, {"--color", "red"}})
+    EXPECT_EQ(changed(drawn("both.ply", how), drawn("left.ply", and_more(how, {"right.ply", "--as-one"}))), 0u)
+        << how[0];
+}
+
+/// Whatever a picture cannot heed is refused by its name.
+TEST_F(PictureStyles, NothingIsIgnored) {
+  TriangleMesh ball = octasphere(3);
+  write_mesh(path("ball.ply"), ball);
+  std::vector<float> heights;
+  for (const Vec3f& p : ball.vertices) heights.push_back(p.y);
+  ball.attributes.set("height", std::move(heights));
+  write_mesh(path("high.ply"), ball);
+  PointSet cloud;
+  cloud.positions = ball.vertices;
+  write_points(path("cloud.ply"), cloud);
+  const auto failing = [](const std::vector<std::string>& words, const std::vector<std::string>& parts) {
+    return Failing{and_more({"render", "-o", "no.png"}, words), 2, parts};
+  };
+  expect_failures({
+      // curvature
+      failing({"ball.ply", "cloud.ply", "--accessibility", "--bend-light", "0.3"}, {"--bend-light", "several"}),
+      failing({"ball.ply", "cloud.ply", "--lines", "--line-strength", "20"}, {"--line-strength", "several"}),
+      failing({"ball.ply", "--bend-light", "0.3"}, {"--bend-light", "--accessibility"}),
+      failing({"ball.ply", "--line-strength", "20"}, {"--line-strength", "--lines"}),
+      // translucent
+      failing({"ball.ply", "--opacity", "0.5", "--lines"}, {"--lines", "--opacity"}),
+      failing({"ball.ply", "--opacity", "0.5", "--accessibility"}, {"--accessibility", "--opacity"}),
+      failing({"high.ply", "--opacity", "0.5", "--color-by", "height"}, {"--color-by", "--opacity"}),
+      failing({"high.ply", "--frames", "2", "--color-by", "height"}, {"--color-by", "--frames"}),
+      // lines alone
+      failing({"ball.ply", "--lines", "--color", "red"}, {"--color", "--lines=over"}),
+      failing({"ball.ply", "cloud.ply", "--lines", "--name", "a"}, {"--name", "--lines=over"}),
+      failing({"high.ply", "--lines", "--color-by", "height"}, {"--color-by", "--lines=over"}),
+      failing({"ball.ply", "--lines", "--wireframe"}, {"--wireframe", "--lines=over"}),
+      failing({"cloud.ply", "--surface", "apss", "--lines", "--reflection", "0.5"}, {"--reflection", "--lines=over"}),
+      failing({"cloud.ply", "--surface", "apss", "--lines", "--exact-shadows"}, {"--exact-shadows", "--lines=over"}),
+      // meshes and points
+      failing({"cloud.ply", "--flat"}, {"--flat", "triangles"}),
+      failing({"cloud.ply", "--lines", "--flat"}, {"--flat", "triangles"}),
+      failing({"cloud.ply", "--frames", "2", "--wireframe"}, {"--wireframe", "triangles"}),
+      failing({"ball.ply", "--point-radius", "0.1"}, {"--point-radius", "points"}),
+      failing({"ball.ply", "high.ply", "--point-radius", "0.1"}, {"--point-radius", "points"}),
+      failing({"ball.ply", "--lines", "--remove-outliers"}, {"--remove-outliers", "points"}),
+      failing({"ball.ply", "--name", "a"}, {"--name", "several"}),
+      // surfaces without a mesh
+      failing({"ball.ply", "--reflection", "0.5"}, {"--reflection", "--surface"}),
+      failing({"cloud.ply", "--rays", "march"}, {"--rays", "--surface"}),
+      failing({"cloud.ply", "--splats", "--rays", "march"}, {"--rays", "--splats"}),
+      failing({"cloud.ply", "--surface", "apss", "--refraction-index", "1.5"},
+              {"--refraction-index", "--transmission"}),
+      failing({"cloud.ply", "--splats", "--exact-shadows"}, {"--exact-shadows", "--splats"}),
+      failing({"cloud.ply", "--splats", "--wireframe"}, {"--wireframe"}),
+      failing({"cloud.ply", "--surface", "apss", "--plain", "--antialiasing", "3"}, {"--antialiasing", "--plain"}),
+      failing({"cloud.ply", "--surface", "apss", "--plain", "--exact-shadows"}, {"--exact-shadows", "--plain"}),
+  });
 }
 
 TEST_F(PictureStyles, WrongValuesNameTheOption) {
