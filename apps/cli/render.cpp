@@ -42,6 +42,18 @@ bool lines_may_need_surface(const RenderArguments& a) {
          a.options.wireframe == RenderOptions::Wireframe::none;
 }
 
+/// False for points that make no surface: their discs have silhouettes all the same.
+bool draw_lines_of_surface(const RenderArguments& a, ReadCloud cloud, Console& console) {
+  RenderArguments by_rays = a;
+  by_rays.surface = SurfaceOptions{};
+  try {
+    run_surface_picture(by_rays, console, std::move(cloud));
+    return true;
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
 void run_render(RenderArguments& a, Console& console) {
   a.complete();
   const bool of_surface = lines_may_need_surface(a);
@@ -55,15 +67,9 @@ void run_render(RenderArguments& a, Console& console) {
   progress.begin("read");
   ReadReport read;
   PointSet points = a.input.read(console, read);
-  if (of_surface && points.triangles.empty() && !a.flat && points.size() >= kFewestOfSurface) {
-    RenderArguments by_rays = a;
-    by_rays.surface = SurfaceOptions{};
-    try {
-      return run_surface_picture(by_rays, console, ReadCloud{points, read});
-    } catch (const FileError&) {
-      // Points that make no surface have silhouettes all the same.
-    }
-  }
+  if (of_surface && points.triangles.empty() && !a.flat && points.size() >= kFewestOfSurface &&
+      draw_lines_of_surface(a, {points, read}, console))
+    return;
   if (a.separate) return run_object_picture(a, console);
   a.check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh});
   if (a.cloud.remove_outliers) leave_out_outliers(points, a.input.name(), console);

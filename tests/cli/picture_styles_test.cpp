@@ -129,8 +129,9 @@ TEST_F(PictureStyles, LinesOfACloudAreThoseOfItsSurface) {
 
 TEST_F(PictureStyles, PointsThatMakeNoSurfaceHaveLinesToo) {
   PointSet plane;
-  for (int i = 0; i < 400; ++i)
-    plane.positions.push_back({static_cast<float>(i % 20) / 19, 0, static_cast<float>(i / 20) / 19});
+  for (int row = 0; row < 20; ++row)
+    for (int column = 0; column < 20; ++column)
+      plane.positions.push_back({static_cast<float>(column) / 19, 0, static_cast<float>(row) / 19});
   write_points(path("plane.ply"), plane);
   const PngPicture drawing = drawn("plane.ply", {"--lines", "--background", "white"});
   ASSERT_EQ(drawing.width, kSide);
