@@ -67,7 +67,7 @@ TriangleMesh tubes_of(const PolylineSet& lines) {
   return tubes(lines, {.radius = radius, .sides = 8, .least_step = 0.5 * radius});
 }
 
-const char* word_of(ObjectKind kind) {
+const char* kind_word(ObjectKind kind) {
   switch (kind) {
     case ObjectKind::mesh:
       return "mesh";
@@ -81,7 +81,7 @@ const char* word_of(ObjectKind kind) {
   return "";
 }
 
-PointSet samples_of(const TriangleMesh& mesh) {
+PointSet tube_samples(const TriangleMesh& mesh) {
   PointSet points;
   points.origin = mesh.origin, points.positions = mesh.vertices;
   points.normals = mesh.normals, points.triangles = mesh.triangles;
@@ -142,7 +142,7 @@ void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Co
     if (curved && kind != ObjectKind::lines) drawn.curvature = curvature_of_samples(points, a.cloud, progress);
     TriangleMesh mesh = kind == ObjectKind::lines ? tubes_of(lines) : to_mesh(std::move(points));
     if (curved && kind == ObjectKind::lines)
-      drawn.curvature = curvature_of_samples(samples_of(mesh), a.cloud, progress);
+      drawn.curvature = curvature_of_samples(tube_samples(mesh), a.cloud, progress);
     choose_color(mesh.colors.size() == mesh.vertices.size() && !mesh.colors.empty());
     mean_color = own.surface_color;
     if (own.use_colors) {
@@ -164,7 +164,7 @@ void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Co
   drawn.kinds.push_back(kind);
   drawn.legend.push_back({mean_color, name});
   Json json = one.json();
-  json["kind"] = word_of(kind);
+  json["kind"] = kind_word(kind);
   json["name"] = name;
   json["color"] = own.use_colors ? kOwnColor : hex_of_color(own.surface_color);
   json["opacity"] = opacity;

@@ -13,8 +13,6 @@
 namespace sansmesh::cli {
 namespace {
 
-using Wireframe = RenderOptions::Wireframe;
-
 struct GivenOption {
   const char* flag;
   bool given;
@@ -43,7 +41,7 @@ void check_lines_alone(const RenderArguments& a) {
   refuse({{"--color", !a.objects.colors.empty()},
           {"--color-by", !a.color_by.empty()},
           {"--name", !a.objects.names.empty()},
-          {"--wireframe", a.options.wireframe != Wireframe::none},
+          {"--wireframe", a.options.wireframe != RenderOptions::Wireframe::none},
           {"--reflection", a.options.reflection != 0},
           {"--transmission", a.options.transmission != 0},
           {"--exact-shadows", a.options.exact_shadows}},
@@ -71,7 +69,7 @@ void check_surface_options(const RenderArguments& a, bool function) {
   if (a.surface || a.splats || function) {
     refuse({{"--flat", a.flat},
             {"--point-radius", s.point_radius.has_value()},
-            {"--wireframe", s.wireframe != Wireframe::none}},
+            {"--wireframe", s.wireframe != RenderOptions::Wireframe::none}},
            "is for meshes and points, not for surfaces without a mesh");
   } else {
     refuse({{"--plain", s.plain},
@@ -151,7 +149,7 @@ void RenderArguments::check_kinds(const std::vector<ObjectKind>& kinds) const {
                         [&](ObjectKind k) { return std::find(those.begin(), those.end(), k) != those.end(); });
   };
   if (none({ObjectKind::mesh, ObjectKind::lines}))
-    refuse({{"--flat", flat}, {"--wireframe", options.wireframe != Wireframe::none}},
+    refuse({{"--flat", flat}, {"--wireframe", options.wireframe != RenderOptions::Wireframe::none}},
            "is for meshes: there are no triangles");
   if (none({ObjectKind::points}))
     refuse({{"--point-radius", options.point_radius.has_value()}, {"--remove-outliers", cloud.remove_outliers}},
