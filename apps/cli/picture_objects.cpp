@@ -67,7 +67,7 @@ TriangleMesh tubes_of(const PolylineSet& lines) {
   return tubes(lines, {.radius = radius, .sides = 8, .least_step = 0.5 * radius});
 }
 
-const char* kind_word(ObjectKind kind) {
+const char* object_word(ObjectKind kind) {
   switch (kind) {
     case ObjectKind::mesh:
       return "mesh";
@@ -164,7 +164,7 @@ void add_object(const RenderArguments& a, std::size_t k, DrawnObjects& drawn, Co
   drawn.kinds.push_back(kind);
   drawn.legend.push_back({mean_color, name});
   Json json = one.json();
-  json["kind"] = kind_word(kind);
+  json["kind"] = object_word(kind);
   json["name"] = name;
   json["color"] = own.use_colors ? kOwnColor : hex_of_color(own.surface_color);
   json["opacity"] = opacity;
