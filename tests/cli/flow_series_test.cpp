@@ -357,16 +357,16 @@ TEST_F(FlowSeriesTool, FilesOfVtkAndOthers) {
 /// A flow that no grid has exactly, sampled in the plane.
 TEST_F(FlowSeriesTool, ASampledFlowIsFollowedAsItsFormulaIs) {
   if (!has_vtk_readers()) GTEST_SKIP() << "without the module";
-  const double kPi = std::acos(-1.0);
+  const double pi = std::acos(-1.0);
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   for (int k = 0; k <= 20; ++k) {
-    const double t = 0.5 * k, a = 0.25 * std::sin(0.2 * kPi * t), b = 1 - 2 * a;
+    const double t = 0.5 * k, a = 0.25 * std::sin(0.2 * pi * t), b = 1 - 2 * a;
     std::vector<double> v;
     for (int j = 0; j <= 32; ++j)
       for (int i = 0; i <= 64; ++i) {
         const double x = i / 32.0, y = j / 32.0, f = a * x * x + b * x;
-        v.insert(v.end(), {-0.1 * kPi * std::sin(kPi * f) * std::cos(kPi * y),
-                           0.1 * kPi * std::cos(kPi * f) * std::sin(kPi * y) * (2 * a * x + b), 0});
+        v.insert(v.end(), {-0.1 * pi * std::sin(pi * f) * std::cos(pi * y),
+                           0.1 * pi * std::cos(pi * f) * std::sin(pi * y) * (2 * a * x + b), 0});
       }
     write(fmt::format("gyre_{}.vti", k),
           image_step(v, "v", "0 64 0 32 0 0", "Origin=\"0 0 0\" Spacing=\"0.03125 0.03125 1\""));
