@@ -77,7 +77,7 @@ void run(const std::string& file, int rounds) {
     std::size_t chosen = 0;
     bool closed = false;
     for (int round = 0; round < rounds; ++round) {
-      FunctionEditor editor({PartitionOfUnity(data), function.place, function.samples, {}, {}});
+      FunctionEditor editor({PartitionOfUnity(data), function.place, function.samples, {}, {}, {}});
       TriangleMesh before = mesh;
       start = now();
       chosen = editor.apply(edit, progress).chosen;

@@ -29,7 +29,7 @@ constexpr double kTieOfPart = 0.5, kLeastTie = 1.0 / 16, kTieOfFunction = 0.25;
 constexpr double kRoomPerRadius = 2.0001;
 /// Blends of more parts than this are told apart by regions, down to regions with so few parts, so small as a share of
 /// the radius, and so many halvings. A region is known in a ball of so many of its edges (0.87 hold its corners).
-constexpr std::size_t kManyParts = 8, kFewParts = 6;
+constexpr std::size_t kManyBlended = 8, kFewBlended = 6;
 constexpr double kLeastRegion = 0.5, kBallOfRegion = 1.75;
 constexpr int kMostHalvings = 10;
 constexpr std::size_t kMostRegions = 1u << 18;
@@ -184,7 +184,7 @@ class SolidExpression final : public PieceExpression {
     if (box.empty() || !std::isfinite(edge)) return;
     for (const Node& n : nodes_) {
       double radius = std::numeric_limits<double>::infinity();
-      if (n.kind != NodeKind::piece || region_of_[n.a] != kNowhere || parts(n.a, radius) < kManyParts) continue;
+      if (n.kind != NodeKind::piece || region_of_[n.a] != kNowhere || parts(n.a, radius) < kManyBlended) continue;
       region_of_[n.a] = static_cast<std::uint32_t>(regions_.size());
       Region root;
       root.center = box.center(), root.edge = edge, root.function = n.a;
@@ -202,7 +202,7 @@ class SolidExpression final : public PieceExpression {
       const Region region = regions_[r];
       double radius = std::numeric_limits<double>::infinity();
       if (level == kMostHalvings || regions_.size() > kMostRegions || all_.size() > kMostFunctions ||
-          parts(region.function, radius) <= kFewParts || region.edge < kLeastRegion * radius)
+          parts(region.function, radius) <= kFewBlended || region.edge < kLeastRegion * radius)
         continue;
       const auto child = static_cast<std::uint32_t>(regions_.size());
       regions_[r].child = child;

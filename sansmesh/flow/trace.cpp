@@ -24,7 +24,7 @@ constexpr double kCaution = 0.9, kMostShrink = 0.2, kMostGrowth = 5;
 /// Lines have points between the ends of steps, so that they turn by no more than this from one to the next (radians),
 /// and are no farther from their chords than this, of the diagonal; so many parts of a step at most. A point as near as
 /// that to the one before the last replaces the last.
-constexpr double kTurn = 0.2, kSag = 2e-4, kMostParts = 64;
+constexpr double kTurn = 0.2, kSag = 2e-4, kMostPartsOfStep = 64;
 /// After so many steps errors may have summed up to as many tolerances: a particle that is still within this many of
 /// them of where it was circles about a critical point that it cannot get nearer to.
 constexpr std::uint32_t kCircling = 64;
@@ -310,7 +310,7 @@ int parts_of(const Step& step, double sag) {
   const double sign = step.to < step.from ? -1 : 1;  // velocities point against steps backward
   const double turn = norm(ways[1] - ways[0] * sign) + norm(ways[2] - ways[1]) + norm(ways[3] * sign - ways[2]);
   const double parts = std::max(turn / kTurn, std::sqrt(norm(chord) * turn / (8 * sag)));
-  return static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostParts));
+  return static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostPartsOfStep));
 }
 
 /// What goes with the particles that are followed; see Limits.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kNeighbours = 10;
 /// Samples closer to each other than this many times the spacing around both belong together.
-constexpr float kReach = 4;
+constexpr float kReachOfStrays = 4;
 /// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread
 /// evenly in space have about 0.6.
 constexpr double kScattered = 0.4;
@@ -35,7 +35,7 @@ constexpr double kThickNoise = 0.35;
 /// show.
 constexpr float kOffByAtLeast = 1.5f;
 /// Share of a sample's height from which on others count as beside it: a spike, a rib, another sheet.
-constexpr double kBeside = 0.6;
+constexpr double kBesidePlane = 0.6;
 constexpr int kPlaneRounds = 3;
 /// Where coordinates come in steps, what is nearer than so many of them is next to each other.
 constexpr double kStepsBeside = 2;
@@ -151,7 +151,7 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
     for (std::size_t k = 0; k < kFound; ++k) {
       const std::uint32_t other = neighbours[s * kFound + k];
       if (isolated[other]) continue;
-      const float reach = std::max(kReach * std::min(around[s], around[other]), beside_steps);
+      const float reach = std::max(kReachOfStrays * std::min(around[s], around[other]), beside_steps);
       if (squared_distance(tree.position(s), tree.position(other)) > reach * reach) continue;
       clusters.join(s, other);
     }
@@ -191,7 +191,8 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
       if (std::abs(height) < options.height * plane.deviation) continue;
       if (std::abs(height) < static_cast<double>(std::max(kOffByAtLeast * around[s], beside_steps))) continue;
       const auto beside = std::count_if(offsets.begin(), offsets.end(), [&](const Vec3f& o) {
-        return plane.height(o) * height > kBeside * height * height && static_cast<double>(norm(o)) < std::abs(height);
+        return plane.height(o) * height > kBesidePlane * height * height &&
+               static_cast<double>(norm(o)) < std::abs(height);
       });
       off[s] = static_cast<std::size_t>(beside) + 1 < options.min_cluster;
     }

@@ -16,7 +16,7 @@ constexpr int kLineTile = 64;
 /// Sheets whose tangent planes pass each other by more than so many distances of neighbouring rays lie one behind the
 /// other: a smooth sheet, whose points go up to its silhouette, is bent by no more than about one.
 constexpr float kSheetGap = 4;
-constexpr float kCreaseCosine = 0.87f;  // 30°
+constexpr float kFoldCosine = 0.87f;  // 30°
 
 /// What neighbouring rays of a tile hit.
 struct RayGrid {
@@ -98,7 +98,7 @@ class EdgeInk {
     const Vec3f d = grid.places[b] - grid.places[a];
     const float apart = step_ * (camera_.parallel ? 1 : std::min(p->distance, q->distance));
     if (std::min(std::abs(dot(d, p->normal)), std::abs(dot(d, q->normal))) > kSheetGap * apart) return true;
-    return dot(p->normal, q->normal) < kCreaseCosine && crisp(grid, a, b);
+    return dot(p->normal, q->normal) < kFoldCosine && crisp(grid, a, b);
   }
 
   /// Whether the normals jump there: what turns as fast on both sides is only round.

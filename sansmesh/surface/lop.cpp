@@ -27,7 +27,7 @@ constexpr double kMargin = 0.15;  ///< lists of neighbours reach this many h far
 /// Distances are rounded off below this many h: a point next to a sample would stay there, and where there are more
 /// points than samples they would gather on those.
 constexpr double kRound = 0.15;
-constexpr double kAtRest = 0.003;  ///< root mean square step, in spacings of the result, at which all is done
+constexpr double kStepAtRest = 0.003;  ///< root mean square step, in spacings of the result, at which all is done
 constexpr std::size_t kGrain = 512;
 constexpr std::size_t kAreaNeighbours = 12;
 /// A sample that seems to stand for more than this many times the area that those around it do is off the surface.
@@ -119,7 +119,7 @@ class Consolidation {
     for (std::size_t iteration = 0; iteration < iterations; ++iteration) {
       const double moved = step();
       progress.advance();
-      if (iteration > 0 && moved < kAtRest * spacing_) break;
+      if (iteration > 0 && moved < kStepAtRest * spacing_) break;
     }
     progress.finish();
   }

@@ -14,7 +14,7 @@ namespace sansmesh {
 namespace {
 
 constexpr int kStencilRings = 6;
-constexpr double kEnough = 2, kMost = 4;  // samples of a stencil, in numbers of polynomials
+constexpr double kEnough = 2, kPlenty = 4;  // samples of a stencil, in numbers of polynomials
 
 // The polynomial about sample after sample of a mesh.
 class MeshFitter {
@@ -25,7 +25,7 @@ class MeshFitter {
 
   void append(std::uint32_t i, const StarMetric& metric, PolynomialPart& part) {
     const auto basis = static_cast<double>(monomial_count(3, options_.fit.max_degree));
-    stencil_.gather(i, metric, static_cast<std::size_t>(kEnough * basis), static_cast<std::size_t>(kMost * basis),
+    stencil_.gather(i, metric, static_cast<std::size_t>(kEnough * basis), static_cast<std::size_t>(kPlenty * basis),
                     kStencilRings);
     const auto samples = stencil_.samples();
     const std::size_t n = samples.size(), c = values_.components;

@@ -10,6 +10,7 @@
 #include "run_tool.h"
 #include "sansmesh/io/io.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -128,6 +129,7 @@ TEST_F(CommandLineTool, ErrorsNameTheOptionAsItWasTyped) {
 
 // Every option of every command: what is no number, and what lies out of the range that the help states.
 TEST_F(CommandLineTool, EveryOptionOfTheTableSaysWhatIsWrongWithItsValue) {
+  SANSMESH_NOT_SANITIZED("hundreds of runs that end alike");
   // What values are called that are no texts.
   const std::set<std::string> checked{
       "LENGTH",   "COUNT",  "RATIO", "LEVEL",   "DEGREE",   "DEGREES", "PIXELS", "NUMBER", "FACTOR", "SHARE",
@@ -241,6 +243,7 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
 }
 
 TEST_F(CommandLineTool, ACommandAloneTeaches) {
+  SANSMESH_NOT_SANITIZED("runs that end alike");
   for (const auto& [command, help] : commands()) {
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.code, 2) << spaced(command);
@@ -272,6 +275,7 @@ TEST_F(CommandLineTool, OptionsOfTheToolStandAnywhere) {
 
 // A command that is new needs its line here.
 TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
+  SANSMESH_NOT_SANITIZED("others run every command");
   PointSet cloud = sphere(300);
   write_points(path("ball.ply"), cloud);
   cloud.positions[7].x = std::nanf("");

@@ -6,6 +6,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -85,6 +86,7 @@ TEST_F(Csg, CutsFunctions) {
 }
 
 TEST_F(Csg, SaysWhatAnOpenSurfaceIsTakenFor) {
+  SANSMESH_NOT_SANITIZED("others cut functions, too");
   write_points(path("ball.ply"), sphere(3000));
   for (const bool open : {false, true}) {
     std::vector<std::string> fit{"fit", "ball.ply", "-o", "ball.smf"};

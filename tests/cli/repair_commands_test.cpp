@@ -9,6 +9,7 @@
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/mesh_shapes.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -125,6 +126,7 @@ TEST_F(RepairCommands, WhatIsSaidOfTheOutputIsTheSame) {
 }
 
 TEST_F(RepairCommands, Align) {
+  SANSMESH_NOT_SANITIZED("tests/mesh aligns, too");
   TriangleMesh mesh = octasphere(4);
   for (Vec3f& v : mesh.vertices) {
     v *= 1 + 0.2f * std::sin(3 * v.x + 1) + 0.15f * std::sin(4 * v.y + 2 * v.z);

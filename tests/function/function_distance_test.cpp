@@ -77,6 +77,7 @@ double off_walls(const TriangleMesh& mesh, double a, double b, Distance&& distan
 double sphere_distance(const Vec3& x) { return norm(x) - 1; }
 
 TEST(FunctionDistance, ShellsOfASphere) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others run the same");
   for (const double t : {0.15, 0.6}) {
     const Meshed inside = meshed_csg("shell(a, " + std::to_string(t) + ", inside)", ball(), 28);
     EXPECT_EQ(inside.report.components, 2u) << t;
@@ -89,6 +90,7 @@ TEST(FunctionDistance, ShellsOfASphere) {
 }
 
 TEST(FunctionDistance, OffsetsOfASphere) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; that of a cube runs the same");
   for (const double d : {-0.7, -0.1, 0.1, 0.5}) {
     const Meshed m = meshed_csg("offset(a, " + std::to_string(d) + ")", ball(), 20);
     EXPECT_EQ(m.report.components, 1u) << d;

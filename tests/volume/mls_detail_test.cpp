@@ -6,6 +6,7 @@
 
 #include "sansmesh/volume/cell_agreement.h"
 #include "support/any_threads.h"
+#include "support/sanitizers.h"
 #include "volume/volume_checks.h"
 
 namespace sansmesh::test {
@@ -239,6 +240,7 @@ TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
 }
 
 TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
+  SANSMESH_NOT_SANITIZED("judges accuracy; others make the same fields");
   // A front and peaks that the outermost samples tell hardly anything of: all is extrapolated beyond them.
   const VolumeFunction front = [](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y)); };
   const VolumeFunction peaks = [](const Vec3& x) {
