@@ -70,6 +70,7 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
   };
   add("degree at most", o.degree), add("radius", o.radius), add("shape", o.shape), add("order", o.order);
   add("iterations", o.iterations);
+  if (o.spherical.value_or(false)) options += options.empty() ? "spherical" : ", spherical";
   say(console, "fitted",
       fmt::format("{} by {}{}", printable(fitted.array, 80), method, options.empty() ? "" : " (" + options + ")"));
   const std::vector<std::size_t> by_degree = fitted.coefficients.by_degree();
@@ -82,6 +83,7 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
                             {"shape", o.shape},
                             {"order", o.order},
                             {"iterations", o.iterations},
+                            {"spherical", o.spherical.value_or(false)},
                             {"by_degree", by_degree}};
 }
 

@@ -103,6 +103,10 @@ void add_volume_input(CommandLine& c, VolumeInput& input) {
       .type_name("NUMBER")
       .group("Reconstruction");
   c.add_option("--order", input.method.order, "Of amls: 2, 4 or 6").type_name("ORDER").group("Reconstruction");
+  c.add_flag_callback(
+       "--spherical", [&input] { input.method.spherical = true; },
+       "Of amls: balls as supports, not ellipsoids; for comparison, not for uniform and rectilinear grids")
+      .group("Reconstruction");
   c.add_option("--radius", input.method.radius, "Of supports in spacings, 1..10 (mls, rbf, shepard)")
       .type_name("NUMBER")
       .group("Reconstruction");
@@ -130,8 +134,8 @@ void add_volume_array(CommandLine& c, VolumeInput& input) {
 OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(input), console_(console) {
   const ReconstructionOptions& m = input.method;
   m.validate();
-  if (!input.chosen && (m.degree || m.iterations || m.shape || m.order || m.radius))
-    throw ArgumentError("--degree, --iterations, --shape, --order and --radius need --method");
+  if (!input.chosen && (m.degree || m.iterations || m.shape || m.order || m.radius || m.spherical))
+    throw ArgumentError("--degree, --iterations, --shape, --order, --spherical and --radius need --method");
   console.progress().begin("read");
   ReadReport read;
   if (std::any_of(input.files.begin(), input.files.end(), is_volume_file)) {

@@ -1,6 +1,7 @@
 // sansmesh volume render: a picture of a volume, seen through.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,9 +13,12 @@
 #include "picture_contents.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/baked_volume.h"
+#include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/volume_picture.h"
+#include "sansmesh/volume/volume_boundary.h"
 #include "volume_colors.h"
 #include "volume_input.h"
 
@@ -30,7 +34,7 @@ struct VolumeRenderArguments {
   PictureArguments picture;
   VolumePictureOptions options;
   int frames = 0;
-  bool interactive = false, no_shading = false, no_cut_faces = false, no_bar = false;
+  bool interactive = false, no_shading = false, no_cut_faces = false, no_bar = false, grid = false;
   double bake_error = BakeOptions().tolerance;
 };
 
@@ -47,6 +51,17 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   if (a.interactive) o.samples = 1, o.step = 1.5, o.least_light = 0.01;
   o.validate();
   return o;
+}
+
+/// The outer edges of the grid's cells, about a pixel and a half wide.
+PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
+  RenderOptions own = options;
+  own.surface_color = options.wire_color;
+  TubeOptions tube;
+  tube.sides = 5;
+  const double seen = options.look_radius ? 2 * *options.look_radius : samples.bounds().diagonal() / options.zoom;
+  tube.radius = 0.75 * seen / std::min(options.width, options.height);
+  return surface_in_picture(tubes(boundary_edges(samples), tube), own);
 }
 
 /// A vector as a whole was chosen.
@@ -94,6 +109,7 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
     if (!a.picture.has_view())
       if (const auto view = view_of_layer(samples->bounds(), options.up)) options.view = *view;
     subject.surfaces = a.contents.read(options, console);
+    if (a.grid) subject.surfaces.push_back(grid_lines(*samples, options));
     if (options.color_title.empty())
       options.color_title = volume.array_name() + (of_vector(volume) ? " (magnitude)" : "");
     options.color_title = with_unit(options.color_title, a.unit);
@@ -154,6 +170,8 @@ Command add_volume_render(CommandLine& volume) {
       .type_name("PLACE")
       .repeated();
   a.contents.add_options(c);
+  c.add_flag("--grid", a.grid,
+             "Also the edges of the grid's cells where the volume ends; with --opacity 0 these alone");
   c.add_flag("--no-cut-faces", a.no_cut_faces, "Cut faces stay as clear as what is behind them");
   c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light");
   c.add_flag("--interactive", a.interactive, "Quick: from the field baked into bricks, whose error is reported");

@@ -63,6 +63,7 @@ Json json_of(const ReconstructionOptions& o) {
           {"order", json_if(o.order)},
           {"radius", json_if(o.radius)},
           {"robust", json_if(o.robust)},
+          {"spherical", json_if(o.spherical)},
           {"b", o.b},
           {"c", o.c}};
 }
@@ -84,6 +85,8 @@ ReconstructionOptions reconstruction_of(const ReadJson& json) {
   o.order = whole("order");
   o.radius = real("radius");
   if (!json.at("robust").is_null()) o.robust = json.at("robust").get<bool>();
+  // Files from before there was a choice have no word of it.
+  if (json.contains("spherical") && !json.at("spherical").is_null()) o.spherical = json.at("spherical").get<bool>();
   o.b = real_of(json.at("b"));
   o.c = real_of(json.at("c"));
   o.validate();

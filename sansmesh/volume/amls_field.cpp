@@ -12,6 +12,7 @@
 #include "sansmesh/volume/amls_system.h"
 #include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"
 
 namespace sansmesh {
@@ -25,7 +26,12 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
   how.fit.max_degree = 2;
   how.fit.robust = false;
   how.ask_in_cells = false;
-  LocalPolynomials fitted = fit_polynomials(volume, input.values, how, input.progress);
+  const bool spherical = input.options.spherical.value_or(false);
+  if (spherical && volume.lattice)
+    throw ArgumentError("`spherical` is not for uniform and rectilinear grids: their supports follow their steps");
+  LocalPolynomials fitted =
+      spherical ? fit_local_polynomials(volume, input.values, how, spherical_metrics(volume), input.progress)
+                : fit_polynomials(volume, input.values, how, input.progress);
   const std::vector<float> least = support_radii(volume, fitted, 1);
   const auto& asked = input.options.shape;
   if (asked && input.options.iterations) {

@@ -90,7 +90,7 @@ const std::vector<Entry>& entries() {
         "amls",
         "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
         "all",
-        {"iterations", "shape", "order"}},
+        {"iterations", "shape", "order", "spherical"}},
        make_amls_field},
   };
   return all;
@@ -100,10 +100,15 @@ const std::vector<Entry>& entries() {
 void check_heeded(const ReconstructionOptions& options, const ReconstructionInfo& info) {
   const ReconstructionOptions defaults;
   const std::pair<std::string_view, bool> set[] = {
-      {"degree", options.degree.has_value()}, {"iterations", options.iterations.has_value()},
-      {"shape", options.shape.has_value()},   {"order", options.order.has_value()},
-      {"radius", options.radius.has_value()}, {"robust", options.robust.has_value()},
-      {"b", options.b != defaults.b},         {"c", options.c != defaults.c},
+      {"degree", options.degree.has_value()},
+      {"iterations", options.iterations.has_value()},
+      {"shape", options.shape.has_value()},
+      {"order", options.order.has_value()},
+      {"radius", options.radius.has_value()},
+      {"robust", options.robust.has_value()},
+      {"b", options.b != defaults.b},
+      {"c", options.c != defaults.c},
+      {"spherical", options.spherical.has_value()},
   };
   for (const auto& [name, is_set] : set)
     if (is_set && std::find(info.options.begin(), info.options.end(), name) == info.options.end())

@@ -33,8 +33,11 @@ struct ReconstructionOptions {
   std::optional<double> shape;    ///< amls: ε, 0.05..10: small is smooth
   std::optional<int> order;       ///< amls: 2, 4 or 6
   std::optional<double> radius;   ///< mls, rbf, shepard: in spacings, 1..10
-  std::optional<bool> robust;     ///< mls_detail: weights that leave steps between materials sharp
-  double b = 0, c = 0.5;          ///< cubic: B and C, 0..1 each; Catmull–Rom
+  /// amls: balls about the samples, as wide as their farthest neighbour is away, in place of ellipsoids; for
+  /// comparison. Not for lattices (uniform and rectilinear grids), whose supports follow their steps.
+  std::optional<bool> spherical;
+  std::optional<bool> robust;  ///< mls_detail: weights that leave steps between materials sharp
+  double b = 0, c = 0.5;       ///< cubic: B and C, 0..1 each; Catmull–Rom
 
   /// Throws ArgumentError naming the field.
   void validate() const;

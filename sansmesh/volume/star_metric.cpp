@@ -12,17 +12,24 @@ namespace {
 // Extents below this fraction of the largest are rounding of the positions, not thickness.
 constexpr double kFlat = 1e-7;
 
+StarMetric ball_metric(double radius) {
+  const auto f = static_cast<float>(1 / radius);
+  return {{Vec3f{f, 0, 0}, Vec3f{0, f, 0}, Vec3f{0, 0, f}}};
+}
+
+/// Of stars without extent.
+double fallback_radius(const SampledVolume& volume) {
+  const double r = std::max(volume.facts.median_spacing, 1e-6 * volume.bounds().diagonal());
+  return r > 0 ? r : 1;
+}
+
 }  // namespace
 
 StarMetric star_metric(std::span<const Vec3> offsets, double fallback, std::size_t nearest) {
   double longest = 0;
   for (const Vec3& d : offsets) longest = std::max(longest, norm(d));
+  if (!(longest > 0)) return ball_metric(fallback);
   StarMetric metric;
-  if (!(longest > 0)) {
-    const auto f = static_cast<float>(1 / fallback);
-    metric.rows = {Vec3f{f, 0, 0}, Vec3f{0, f, 0}, Vec3f{0, 0, f}};
-    return metric;
-  }
   Symmetric3 moments;
   for (const Vec3& d : offsets) moments.add(d / longest, 1.0 / static_cast<double>(offsets.size()));
   const PrincipalAxes axes = principal_axes(moments);
@@ -47,7 +54,7 @@ StarMetric star_metric(std::span<const Vec3> offsets, double fallback, std::size
 
 std::vector<StarMetric> star_metrics(const SampledVolume& volume) {
   std::vector<StarMetric> metrics(volume.size());
-  const double fallback = std::max(volume.facts.median_spacing, 1e-6 * volume.bounds().diagonal());
+  const double fallback = fallback_radius(volume);
   parallel_ranges(0, metrics.size(), 1024, [&](std::size_t first, std::size_t last) {
     std::vector<Vec3> offsets;
     for (std::size_t i = first; i < last; ++i) {
@@ -58,7 +65,21 @@ std::vector<StarMetric> star_metrics(const SampledVolume& volume) {
         for (const std::uint32_t j : star)
           for (const std::uint32_t k : volume.stars[j])
             if (k != i) offsets.push_back(volume.positions[k] - volume.positions[i]);
-      metrics[i] = star_metric(offsets, fallback > 0 ? fallback : 1, star.size());
+      metrics[i] = star_metric(offsets, fallback, star.size());
+    }
+  });
+  return metrics;
+}
+
+std::vector<StarMetric> spherical_metrics(const SampledVolume& volume) {
+  std::vector<StarMetric> metrics(volume.size());
+  const double fallback = fallback_radius(volume);
+  parallel_ranges(0, metrics.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      double longest = 0;
+      for (const std::uint32_t j : volume.stars[i])
+        longest = std::max(longest, norm(volume.positions[j] - volume.positions[i]));
+      metrics[i] = ball_metric(longest > 0 ? longest : fallback);
     }
   });
   return metrics;

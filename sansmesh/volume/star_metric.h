@@ -37,6 +37,10 @@ StarMetric star_metric(std::span<const Vec3> offsets, double fallback, std::size
 /// (corners of the volume, samples in tetrahedra) from those and the stars of those. Runs in parallel.
 std::vector<StarMetric> star_metrics(const SampledVolume& volume);
 
+/// Balls in place of those ellipsoids: the farthest sample of the star has norm 1, whatever the direction. Thesis,
+/// figure 6.5, compares the two.
+std::vector<StarMetric> spherical_metrics(const SampledVolume& volume);
+
 /// What star_metric is for samples of lattices: offsets along each axis in units of the longer of the two steps there.
 StarMetric lattice_metric(const Lattice& lattice, std::size_t sample);
 

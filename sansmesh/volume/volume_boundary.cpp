@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
@@ -100,7 +102,72 @@ TriangleMesh lattice_boundary(const Lattice& lattice) {
   return mesh;
 }
 
+/// Where cells begin and end along an axis: at the samples, or between them if values belong to cells.
+std::vector<double> cell_borders(const Lattice& lattice, std::size_t axis, bool in_cells) {
+  std::vector<double> borders = lattice.axes[axis];
+  if (!in_cells) return borders;
+  for (std::size_t i = borders.size() - 1; i > 0; --i) borders[i] = (borders[i - 1] + borders[i]) / 2;
+  borders.front() = lattice.lower[axis];
+  borders.push_back(lattice.upper[axis]);
+  return borders;
+}
+
+void add_line(PolylineSet& lines, std::initializer_list<Vec3> points) {
+  for (const Vec3& x : points) lines.positions.emplace_back(x - lines.origin);
+  lines.offsets.push_back(lines.positions.size());
+}
+
+PolylineSet lattice_edges(const Lattice& lattice, bool in_cells) {
+  PolylineSet lines;
+  std::array<double, 3> middle;
+  for (std::size_t k = 0; k < 3; ++k) middle[k] = (lattice.lower[k] + lattice.upper[k]) / 2;
+  lines.origin = lattice.from_axes({middle[0], middle[1], middle[2]});
+  for (std::size_t along = 0; along < 3; ++along) {
+    const std::size_t a = (along + 1) % 3, b = (along + 2) % 3;
+    const auto line = [&](double at_a, double at_b) {
+      Vec3 from, to;
+      from[along] = lattice.lower[along], to[along] = lattice.upper[along];
+      from[a] = to[a] = at_a, from[b] = to[b] = at_b;
+      add_line(lines, {lattice.from_axes(from), lattice.from_axes(to)});
+    };
+    const std::vector<double> across = cell_borders(lattice, b, in_cells);
+    for (const double at_a : {lattice.lower[a], lattice.upper[a]})
+      for (const double at_b : across) line(at_a, at_b);
+    const std::vector<double> inner = cell_borders(lattice, a, in_cells);
+    for (std::size_t i = 1; i + 1 < inner.size(); ++i)
+      for (const double at_b : {lattice.lower[b], lattice.upper[b]}) line(inner[i], at_b);
+  }
+  return lines;
+}
+
 }  // namespace
+
+PolylineSet boundary_edges(const SampledVolume& volume) {
+  if (volume.lattice) return lattice_edges(*volume.lattice, volume.in_cells);
+  PolylineSet lines;
+  if (volume.cells.empty()) return lines;
+  const std::span<const Vec3> points = volume.corners.empty() ? volume.positions : volume.corners;
+  lines.origin = volume.bounds().center();
+  const BoundaryWalk walk(volume.cells, points);
+  using Place = std::tuple<float, float, float>;
+  std::vector<std::pair<Place, Place>> edges;
+  for (const Patch& patch : walk.open_patches()) {
+    const auto ring = walk.ring(patch);
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const auto place = [&](std::size_t at) {
+        const Vec3f x(ring[at] - lines.origin);
+        return Place{x.x, x.y, x.z};
+      };
+      const std::pair<Place, Place> ends = std::minmax({place(k), place((k + 1) % ring.size())});
+      if (ends.first != ends.second) edges.emplace_back(ends.first, ends.second);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const auto at = [&](const Place& p) { return lines.origin + Vec3(std::get<0>(p), std::get<1>(p), std::get<2>(p)); };
+  for (const auto& [from, to] : edges) add_line(lines, {at(from), at(to)});
+  return lines;
+}
 
 TriangleMesh volume_boundary(const SampledVolume& volume) {
   if (volume.lattice) return lattice_boundary(*volume.lattice);

@@ -69,6 +69,14 @@ TEST_F(VolumeFit, ItsFileAnswersLikeTheData) {
     for (const auto& count : info["reconstruction"]["by_degree"]) polynomials += count.get<std::size_t>();
     EXPECT_EQ(polynomials, method == std::string("linear") ? 0u : info["samples"].get<std::size_t>());
   }
+  ASSERT_EQ(
+      run({"volume", "fit", "data.csv", "--array", "heat", "--method", "amls", "--spherical", "-o", "balls.smv"}).code,
+      0);
+  const std::string rows = probed({"data.csv", "--array", "heat", "--method", "amls", "--spherical"});
+  EXPECT_EQ(probed({"balls.smv"}), rows);
+  EXPECT_EQ(probed({"balls.smv", "--array", "heat", "--method", "amls", "--spherical"}), rows);
+  EXPECT_NE(probed({"data.csv", "--array", "heat", "--method", "amls"}), rows);
+  EXPECT_NE(run({"info", "balls.smv"}).out.find(", spherical)"), std::string::npos);
   const Outcome info = run({"info", "heat.smv"});
   EXPECT_NE(info.out.find("heat by linear"), std::string::npos) << info.out;
 }

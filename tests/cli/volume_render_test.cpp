@@ -173,6 +173,18 @@ TEST_F(VolumeRenderTool, EveryOptionShows) {
   EXPECT_NE(large({}, "bar.png").bytes, large({"--unit", "K"}, "unit.png").bytes);
 }
 
+TEST_F(VolumeRenderTool, GridsAreDrawnWhereTheVolumeEnds) {
+  // 17 samples a side: 17 lines up and across the front, that hide those of the back but for perspective.
+  const PngPicture p = picture({"--no-bar", "--opacity", "0", "--grid", "--orthographic"});
+  const std::size_t row = kHigh / 2 + 2;
+  std::size_t lines = 0;
+  const auto dark = [&](std::size_t x) { return p.at(x, row)[0] < 200; };
+  for (std::size_t x = 1; x < kWide; ++x) lines += dark(x) && !dark(x - 1);
+  EXPECT_GE(lines, 15u);
+  EXPECT_LE(lines, 18u);
+  EXPECT_EQ(count_if(picture({"--no-bar", "--opacity", "0", "--iso", "1e9"}), is_ink), 0u);
+}
+
 TEST_F(VolumeRenderTool, CloseUpsShowThePlaceAskedFor) {
   const std::vector<std::string> ball = {"--iso", "2:#ff8800", "--opacity", "0", "--no-bar", "--zoom", "4", "--focus"};
   auto inside = ball, rim = ball;

@@ -43,6 +43,35 @@ LocalPolynomialOptions polynomials_of_amls() {
   return options;
 }
 
+TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
+  // Cells forty times as long as high, and waves across them.
+  const auto layered = [](const Vec3& x) { return std::sin(120 * x.z) + x.x; };
+  GridData data = bent_grid({9, 9, 81}, layered);
+  for (Vec3& x : data.blocks[0].points) x.z /= 4;
+  data = one_block(data.blocks[0], layered);
+  const auto volume = volume_of(data);
+  ASSERT_FALSE(volume->lattice);
+  const auto balls = spherical_metrics(*volume);
+  for (std::size_t i = 0; i < volume->size(); ++i) {
+    double farthest = 0;
+    for (const std::uint32_t j : volume->stars[i])
+      farthest = std::max(farthest, norm(balls[i](volume->positions[j] - volume->positions[i])));
+    ASSERT_NEAR(farthest, 1, 1e-5);
+    ASSERT_NEAR(norm(balls[i]({1, 2, 3})), norm(balls[i]({3, -1, 2})), 1e-4 * norm(balls[i]({1, 2, 3})));
+  }
+  Progress progress;
+  ReconstructionOptions options;
+  options.method = ReconstructionMethod::amls;
+  options.shape = 1, options.iterations = 2;
+  const std::vector<Vec3> places = places_within(*volume, 300);
+  const double ellipsoids = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
+  options.spherical = true;
+  const double spheres = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
+  EXPECT_GT(spheres, 3 * ellipsoids);
+  const auto lattice = volume_of(lattice_grid({5, 5, 5}, hilly));
+  EXPECT_THROW(reconstruct_volume(lattice, "f", options, progress), ArgumentError);
+}
+
 // Whatever values the samples left out have, what the others say of them is the same but for rounding.
 TEST(AmlsTrial, SamplesLeftOutActOnNothing) {
   // The last one is large enough to be judged by patches.

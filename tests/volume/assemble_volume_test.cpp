@@ -100,6 +100,45 @@ TEST(AssembleVolume, BoundaryEnclosesTheCells) {
   }
 }
 
+double length_of(const PolylineSet& lines) {
+  double sum = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    for (std::size_t p = lines.offsets[i]; p + 1 < lines.offsets[i + 1]; ++p)
+      sum += norm(Vec3(lines.positions[p + 1]) - Vec3(lines.positions[p]));
+  return sum;
+}
+
+TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
+  // A unit cube of 3 × 3 × 3 cells: on every axis 4 lines on each of two sides, and 2 on each of the two others.
+  const GridData lattice = lattice_grid({4, 4, 4}, linear_function);
+  const PolylineSet lines = boundary_edges(*volume_of(lattice));
+  EXPECT_EQ(lines.size(), 36u);
+  EXPECT_NEAR(length_of(lines), 36, 1e-5);
+  // By cells, each edge alone.
+  const PolylineSet edges = boundary_edges(*volume_of(bent_grid({4, 4, 4}, linear_function)));
+  EXPECT_EQ(edges.size(), 108u);
+  // With values in cells, lines lie where these end, not through their middles.
+  const PolylineSet in_cells = boundary_edges(*volume_of(lattice, Association::cells));
+  EXPECT_EQ(in_cells.size(), 36u);
+  std::set<float> heights;
+  for (const Vec3f& x : in_cells.positions)
+    heights.insert(std::round(300 * (x.z + static_cast<float>(in_cells.origin.z))));
+  EXPECT_EQ(heights, (std::set<float>{0, 100, 200, 300}));
+  // Of tetrahedra also the diagonals; what is hidden between levels is not drawn twice.
+  EXPECT_EQ(boundary_edges(*volume_of(tetrahedra_grid({4, 4, 4}, linear_function))).size(), 108u + 54u);
+  const auto amr = volume_of(two_level_amr(8, linear_function), Association::cells);
+  const PolylineSet levels = boundary_edges(*amr);
+  EXPECT_GT(levels.size(), 0u);
+  const Box3 box = amr->bounds();
+  for (const Vec3f& at : levels.positions) {
+    const Vec3 x = levels.origin + Vec3(at);
+    double to_side = box.diagonal();
+    for (std::size_t k = 0; k < 3; ++k)
+      to_side = std::min({to_side, std::abs(x[k] - box.lower[k]), std::abs(x[k] - box.upper[k])});
+    ASSERT_LT(to_side, 1e-5);
+  }
+}
+
 TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
   const auto o = volume_of(o_grid({17, 5, 6}, linear_function));
   EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // the axis once, the seam once
