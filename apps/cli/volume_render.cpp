@@ -53,7 +53,7 @@ VolumePictureOptions chosen_options(const VolumeRenderArguments& a) {
   return o;
 }
 
-/// The outer edges of the grid's cells, about a pixel and a half wide.
+/// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
 PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
   RenderOptions own = options;
   own.surface_color = options.wire_color;
@@ -61,7 +61,17 @@ PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& opt
   tube.sides = 5;
   const double seen = options.look_radius ? 2 * *options.look_radius : samples.bounds().diagonal() / options.zoom;
   tube.radius = 0.75 * seen / std::min(options.width, options.height);
-  return surface_in_picture(tubes(boundary_edges(samples), tube), own);
+  // Lines that leave nothing between them would hide the volume: they may cover a share of its sides, about those of
+  // its box.
+  constexpr double kCovered = 0.3;
+  const PolylineSet lines = boundary_edges(samples);
+  const Vec3 size = samples.bounds().size();
+  const double sides = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+  double length = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    length += norm(Vec3(lines.positions[lines.offsets[i] + 1] - lines.positions[lines.offsets[i]]));
+  if (length > 0) tube.radius = std::min(tube.radius, kCovered * sides / (2 * length));
+  return surface_in_picture(tubes(lines, tube), own);
 }
 
 /// A vector as a whole was chosen.
