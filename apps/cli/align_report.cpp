@@ -11,14 +11,11 @@ namespace {
 
 constexpr double kLittleOverlap = 0.4;
 constexpr double kOtherSize = 1.5;
-/// Distances over the diagonal, where so little overlaps: then it is hardly the same surface.
-constexpr double kCoarseFit = 0.003, kMostOverlap = 0.85;
 
 const char* start_word(AlignStart start) { return start == AlignStart::anywhere ? "anywhere" : "here"; }
 
 /// What should be said beside the numbers: the motion is not the only one, or is hardly told.
-std::vector<std::string> alignment_warnings(const SurfaceAlignment& r, const SurfaceAlignmentOptions& options,
-                                            double diagonal) {
+std::vector<std::string> alignment_warnings(const SurfaceAlignment& r, const SurfaceAlignmentOptions& options) {
   std::vector<std::string> warnings;
   if (r.alternatives > 0) {
     std::string angles;
@@ -33,9 +30,13 @@ std::vector<std::string> alignment_warnings(const SurfaceAlignment& r, const Sur
     warnings.push_back(
         fmt::format("only {:.0f} % of it lie on the other surface{}", 100 * r.overlap,
                     options.start == AlignStart::as_it_lies ? ": `start = anywhere` looks elsewhere" : ""));
-  if (diagonal > 0 && r.found && r.overlap < kMostOverlap && r.rms > kCoarseFit * diagonal)
-    warnings.push_back(fmt::format("only {:.0f} % of it lie on the other surface, and {} off: it may be another shape",
-                                   100 * r.overlap, length(r.rms)));
+  if (r.found && r.mirror_image_fits)
+    warnings.push_back("its mirror image fits the other surface, it does not itself: one of them is mirrored");
+  else if (r.found && r.differing > kOtherShape)
+    warnings.push_back(
+        fmt::format("it may be another shape: {:.0f} % of it beside the other surface are {} off, more than "
+                    "their noise explains",
+                    100 * r.differing, length(r.differing_by)));
   return warnings;
 }
 
@@ -76,7 +77,7 @@ SurfaceAlignment align_or_name(const TriangleMesh& moving, const std::string& mo
       why += fmt::format(" (it is {:.4g} times as large: --scale)", r.size_ratio);
     throw FileError(moving_file, why);
   }
-  console.warn(moving_file, alignment_warnings(r, options, bounds(fixed).diagonal()));
+  console.warn(moving_file, alignment_warnings(r, options));
   return r;
 }
 
@@ -118,6 +119,9 @@ Json json_of_alignment(const SurfaceAlignment& r) {
           {"median_before", r.median_before},
           {"overlap", r.overlap},
           {"reach", r.reach},
+          {"differing_share", r.differing},
+          {"differing_by", r.differing_by},
+          {"mirror_image_fits", r.mirror_image_fits},
           {"samples", r.samples},
           {"iterations", r.iterations},
           {"from", start_word(r.start)},

@@ -120,6 +120,7 @@ std::string weld_places(CloudOrMesh& data, double distance) {
   const std::size_t before = data.size();
   if (data.is_mesh) {
     const WeldReport report = weld_vertices(data.mesh, distance);
+    data.nonmanifold_edges_of_weld += report.nonmanifold_edges;
     return fmt::format(
         "{} became one with others{}", counted(report.vertices, report.vertices == 1 ? "vertex" : "vertice"),
         report.triangles > 0 ? fmt::format(", {} without area gone", counted(report.triangles, "triangle"))

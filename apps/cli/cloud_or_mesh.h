@@ -19,6 +19,8 @@ struct CloudOrMesh {
   TriangleMesh mesh;  ///< if it is one
   /// Attributes of three reals that were not turned with everything else: nobody knows whether they are directions.
   std::vector<std::string> unturned;
+  /// Edges of three triangles or more that welding has made.
+  std::size_t nonmanifold_edges_of_weld = 0;
 
   /// As it was read: a mesh if it has triangles. Which file or scan each sample is of becomes an attribute, "source",
   /// if there are several.

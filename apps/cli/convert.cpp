@@ -82,6 +82,9 @@ class Conversion {
     } catch (const DataError& error) {
       throw FileError(a_.input.name(), error.what());
     }
+    if (data.nonmanifold_edges_of_weld > 0)
+      warn(a_.input.name(), fmt::format("--weld has made {} of three triangles or more: the mesh is not manifold there",
+                                        counted(data.nonmanifold_edges_of_weld, "edge")));
     if (!data.unturned.empty())
       warn(a_.input.name(), fmt::format("attributes of three numbers are not turned: {}",
                                         printable(fmt::format("{}", fmt::join(data.unturned, ", ")))));

@@ -33,7 +33,8 @@ Json to_json(const BodyMeasures& b) {
                {"volume", b.mass ? Json(b.mass->volume) : Json()},
                {"center_of_mass", b.mass ? to_json(b.mass->center) : Json()},
                {"principal_moments", b.mass ? Json(b.mass->moments) : Json()},
-               {"principal_axes", Json()}};
+               {"principal_axes", Json()},
+               {"surrounding_winding_number", b.surrounding}};
   if (b.mass) json["principal_axes"] = {to_json(b.mass->axes[0]), to_json(b.mass->axes[1]), to_json(b.mass->axes[2])};
   return json;
 }
@@ -47,16 +48,38 @@ std::vector<std::string> warnings_of(const SolidMeasures& m) {
   std::vector<std::string> warnings;
   if (!m.whole.closed())
     warnings.push_back(open_words(m.topology) + ": no volume, centre of mass and moments of the whole");
-  std::size_t inward = 0;
-  for (const BodyMeasures& b : m.components) inward += b.mass && b.mass->volume < 0;
+  std::size_t cavities = 0, inside_out = 0, nested = 0;
+  for (const BodyMeasures& b : m.components) {
+    const bool inward = b.mass && b.mass->volume < 0;
+    cavities += inward && !b.misplaced();
+    inside_out += inward && b.misplaced();
+    nested += !inward && b.misplaced();
+  }
   // Against the sphere with that area, which holds area^1.5 / 10.6.
   if (m.whole.mass && std::abs(m.whole.mass->volume) < 1e-9 * std::pow(m.whole.area, 1.5))
     warnings.push_back("encloses nothing: faces of both sides lie on each other and cancel out");
   else if (m.whole.mass && m.whole.mass->volume < 0)
     warnings.push_back("the triangles face inward: the volume is negative");
-  else if (inward > 0)
-    warnings.push_back(fmt::format("{} inward: cavities, whose volume is subtracted",
-                                   inward == 1 ? "1 component faces" : grouped(inward) + " components face"));
+  const auto components = [](std::size_t count, const char* one, const char* several) {
+    return count == 1 ? fmt::format("1 component {}", one) : fmt::format("{} components {}", grouped(count), several);
+  };
+  if (cavities > 0)
+    warnings.push_back(components(cavities, "faces", "face") + " inward: cavities, whose volume is subtracted");
+  if (inside_out > 0 && m.components.size() > 1)
+    warnings.push_back(components(inside_out, "faces", "face") +
+                       " inward and bounds no cavity: the volume is subtracted (inside out? convert --flip-faces)");
+  if (nested > 0)
+    warnings.push_back(components(nested, "lies", "lie") +
+                       " within another that faces outward, too: the volume there counts more than once");
+  if (m.crossing_components > 0)
+    warnings.push_back(components(m.crossing_components, "cuts", "cut") +
+                       " through another: the volume that they have in common counts more than once (`sansmesh csg "
+                       "'A | B'` joins closed meshes)");
+  else if (m.crossing_pairs > 0)
+    warnings.push_back(
+        fmt::format("cuts through itself at {} of triangles: where it overlaps the volume counts more "
+                    "than once",
+                    counted(m.crossing_pairs, "pair")));
   if (m.whole.nonmanifold_edges > 0)
     warnings.push_back(fmt::format("{} of more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
   if (m.left_out > 0) warnings.push_back(fmt::format("{} with bad corners left out", counted(m.left_out, "triangle")));
@@ -117,6 +140,8 @@ void run_measure(const CloudInput& input, Console& console) {
                           {"axes", {to_json(box.axes[0]), to_json(box.axes[1]), to_json(box.axes[2])}},
                           {"center", to_json(box.center)}};
   json["left_out_triangles"] = m.left_out;
+  json["crossing_pairs"] = m.crossing_pairs;
+  json["crossing_components"] = m.crossing_components;
   json["component_count"] = m.components.size();
   json["components"] = Json::array();
   for (std::size_t i = 0; i < std::min(kListed, m.components.size()); ++i)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "sansmesh/core/number_words.h"
 
@@ -16,7 +17,65 @@ namespace {
 constexpr std::size_t kStrays = 1000, kFewestWithStrays = 20;
 constexpr double kFarAway = 100;
 
+/// Decimals that a file may have on purpose, and the share of its numbers that may be strays.
+constexpr int kMostDecimals = 9;
+constexpr double kLostShare = 1e-3;
+/// Loss that matters where the numbers do not tell their resolution: large lengths are of surveys, in metres or feet.
+constexpr double kLostLength = 1e-2;
+
+/// The unit of the last decimal of all numbers: 0.01 for 12.25, 3 and -7.1; nothing where some have more decimals.
+std::optional<double> decimal_resolution(std::span<const Vec3> some) {
+  double factor = 1;
+  for (int decimals = 0; decimals <= kMostDecimals; ++decimals, factor *= 10) {
+    bool whole = true;
+    for (std::size_t i = 0; whole && i < some.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double scaled = some[i][k] * factor, slack = 4 * std::abs(scaled) * 0x1p-53;
+        if (slack > 0.01) return std::nullopt;  // a double no longer tells
+        whole = whole && std::abs(scaled - std::nearbyint(scaled)) <= slack;
+      }
+    if (whole) return 1 / factor;
+  }
+  return std::nullopt;
+}
+
+/// How far float coordinates about the origin are off, all but a few strays.
+double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
+  std::vector<double> losses(some.size());
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const Vec3 p = some[i] - origin;
+    for (std::size_t k = 0; k < 3; ++k)
+      losses[i] = std::max(losses[i], std::abs(p[k] - static_cast<double>(static_cast<float>(p[k]))));
+  }
+  const auto strays = static_cast<std::ptrdiff_t>(kLostShare * static_cast<double>(some.size()));
+  std::nth_element(losses.begin(), losses.end() - 1 - strays, losses.end());
+  return *(losses.end() - 1 - strays);
+}
+
 }  // namespace
+
+void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin) {
+  if (some.empty()) return;
+  double loss = rounding_loss(some, origin);
+  if (loss == 0) return;
+  const std::optional<double> resolution = decimal_resolution(some);
+  const double most = resolution ? *resolution / 2 : kLostLength;
+  if (loss <= most) return;
+  Box3 box;
+  for (const Vec3& p : some) box.extend(p);
+  if (!in.origin) {
+    const double grid = std::exp2(std::floor(std::log2(box.diagonal())) - 1);
+    Vec3 middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = std::round(box.center()[k] / grid) * grid;
+    const double there = rounding_loss(some, middle);
+    if (there < loss) origin = middle, loss = there;
+    if (loss <= most) return;
+  }
+  in.warn(fmt::format(
+      "coordinates are rounded by up to {:.2g}{}: they are kept as floats, and the cloud is {:.4g} across "
+      "(a part of it loses less)",
+      loss, resolution ? fmt::format(", the file has steps of {:g}", *resolution) : std::string(), box.diagonal()));
+}
 
 Vec3 choose_origin(const Box3& box) {
   const double diagonal = box.diagonal();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/point_set.h"
@@ -22,6 +23,11 @@ Vec3 choose_origin(const Box3& box);
 /// line of zeros among survey coordinates) do not count. The order of `some` is changed.
 Vec3 choose_origin(const Box3& box, std::vector<Vec3>& some);
 
+/// Coordinates relative to `origin` in float keep what the file tells: of numbers that all have a few decimals half of
+/// the last one, of any others the hundredth part of a unit. Where not, an origin in the middle is tried unless the
+/// input demands one; what is lost even so is a warning. `some` positions stand for all, in world coordinates.
+void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin);
+
 /// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, to be
 /// removed by `finish`.
 template <class At>
@@ -31,6 +37,10 @@ void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) 
            std::abs(p.z) <= largest_coordinate;
   };
   const std::size_t chunk = 1 << 15;
+  std::vector<Vec3> some;
+  const std::size_t step = 1 + n / (1 << 16);
+  for (std::size_t i = 0; i < n; i += step)
+    if (const Vec3 p = at(i); usable(p)) some.push_back(p);
   if (in.origin) {
     points.origin = *in.origin;
   } else {
@@ -45,12 +55,9 @@ void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) 
           return b;
         },
         [](Box3 a, const Box3& b) { return a.extend(b), a; });
-    std::vector<Vec3> some;
-    const std::size_t step = 1 + n / (1 << 16);
-    for (std::size_t i = 0; i < n; i += step)
-      if (const Vec3 p = at(i); usable(p)) some.push_back(p);
     points.origin = choose_origin(box, some);
   }
+  keep_resolution(in, some, points.origin);
   points.positions.resize(n);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   parallel_for(0, n, chunk, [&](std::size_t i) {

@@ -7,6 +7,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/measure/component_overlap.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/sewn_mesh.h"
@@ -160,7 +161,15 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   result.whole.area = size.area;
   if (result.whole.mass) result.whole.mass->volume = size.volume;
   if (!(result.whole.area > 0)) throw DataError("no triangles with an area to measure");
-  for (std::size_t c = 0; c < components.size(); ++c) measure(result.components[c], first[c], first[c + 1]);
+  std::vector<std::uint8_t> closed(components.size());
+  for (std::size_t c = 0; c < components.size(); ++c) {
+    measure(result.components[c], first[c], first[c + 1]);
+    closed[c] = result.components[c].mass.has_value();
+  }
+  const ComponentOverlap overlap = component_overlap(clean, components.of_triangle, closed);
+  for (std::size_t c = 0; c < components.size(); ++c) result.components[c].surrounding = overlap.surrounding[c];
+  result.crossing_pairs = overlap.crossing_pairs;
+  result.crossing_components = overlap.crossing_components;
 
   std::vector<std::uint8_t> used(clean.vertices.size());
   for (const Triangle& t : clean.triangles)

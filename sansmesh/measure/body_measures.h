@@ -38,6 +38,11 @@ struct BodyMeasures {
   /// Every edge is run through as often in one direction as in the other: then the volume does not depend on where it
   /// is measured from.
   bool closed() const { return triangles > 0 && open_edges == 0; }
+
+  /// Of a component: the winding number of the other closed components around it. 0 outside of all of them.
+  int surrounding = 0;
+  /// Its volume is neither that of a solid that stands free nor that of a cavity in one.
+  bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
 };
 
 struct SolidMeasures {
@@ -46,12 +51,15 @@ struct SolidMeasures {
   MeshTopology topology;                 ///< of the whole
   /// Of least volume that was found: not larger than the upright one, nor than that along the principal axes.
   OrientedBox smallest_box;
-  std::size_t left_out =
-      0;  ///< triangles with a corner that is not finite or missing, or with two corners that are one
+  /// Triangles with a corner that is not finite or missing, or with two corners that are one.
+  std::size_t left_out = 0;
+  std::size_t crossing_pairs = 0;       ///< pairs of triangles that cut through each other
+  std::size_t crossing_components = 0;  ///< components that cut through another one
 };
 
 /// Of the sewn mesh (sewn_mesh.h). Volume, centre and moments by the divergence theorem, exactly for the
-/// polyhedron: cavities (components that face inward) are subtracted, overlaps count twice. Deterministic for any
+/// polyhedron: cavities (components that face inward) are subtracted, overlaps count twice, and are counted
+/// (`misplaced`, `crossing_pairs`). Deterministic for any
 /// number of threads. Throws DataError if there is no triangle with an area.
 SolidMeasures measure_solid(const TriangleMesh& mesh);
 

@@ -32,12 +32,6 @@ struct Pair {
   double distance = -1;  // below 0: they do not belong together
 };
 
-bool alike(const Vec3& a, const Vec3& b, bool signs) {
-  if (squared_norm(a) == 0 || squared_norm(b) == 0) return true;
-  const double c = dot(a, b);
-  return (signs ? c : std::abs(c)) >= kLikeNormals;
-}
-
 template <class Surface>
 void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs,
                 std::vector<Pair>& pairs) {
@@ -49,7 +43,7 @@ void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& 
     Foot foot;
     if (!fixed.closest(p.at, reach, foot) || foot.beyond) return;
     const Vec3 n = pose.turn(moving.n[i]);
-    if (!alike(n, foot.normal, signs)) return;
+    if (!alike_normals(n, foot.normal, signs)) return;
     const double distance = norm(p.at - foot.point);
     if (!(distance <= reach)) return;
     p.foot = foot.point;
@@ -135,6 +129,12 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, P
 
 }  // namespace
 
+bool alike_normals(const Vec3& a, const Vec3& b, bool signs) {
+  if (squared_norm(a) == 0 || squared_norm(b) == 0) return true;
+  const double c = dot(a, b);
+  return (signs ? c : std::abs(c)) >= kLikeNormals;
+}
+
 template <class Surface>
 FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start, const FitOptions& options) {
   FitResult result;
@@ -179,7 +179,7 @@ double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& 
         for (std::size_t i = first; i < last; ++i) {
           const Vec3 at = pose(moving.x[i]);
           if (!fixed.closest(at, 2 * reach, foot) || foot.beyond) continue;
-          if (!alike(pose.turn(moving.n[i]), foot.normal, signs)) continue;
+          if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) continue;
           part += tukey(norm(at - foot.point) / reach);
         }
         return part;
@@ -209,7 +209,7 @@ std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, co
     Foot foot;
     const Vec3 at = pose(moving.x[i]);
     if (!fixed.closest(at, any ? kEverywhere : reach, foot)) return;
-    if (!any && (foot.beyond || !alike(pose.turn(moving.n[i]), foot.normal, signs))) return;
+    if (!any && (foot.beyond || !alike_normals(pose.turn(moving.n[i]), foot.normal, signs))) return;
     all[i] = norm(at - foot.point);
   });
   return all;

@@ -31,6 +31,9 @@ struct FitResult {
   std::vector<double> told;
 };
 
+/// Whether two normals belong together: less than 60° apart, or opposite unless `signs`. Unknown normals do.
+bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
+
 /// Gauss and Newton's steps on the distances to the surface's tangent planes, by Tukey's weights.
 /// `closest(place, reach, foot)` finds the surface: a SampleSurface or a WholeSurface.
 template <class Surface>

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/mesh/align_difference.h"
 #include "sansmesh/mesh/align_fit.h"
 #include "sansmesh/mesh/align_search.h"
 #include "sansmesh/mesh/align_side.h"
@@ -35,6 +36,9 @@ constexpr double kStepOverMedian = 0.005;
 constexpr double kLeastOverlap = 0.2;
 /// Points of a fixed cloud that are enough: at least, and for each sample.
 constexpr std::size_t kFixedPoints = 150000, kFixedOfSample = 8;
+/// Another shape: so far from the surface (part of the size), seen at samples within so many spacings, at such a share
+/// of them. A mirror image fits where it differs in less than a third of that.
+constexpr double kLeastDifference = 0.003, kDifferenceReach = 0.1, kMirroredShare = 1.0 / 3;
 /// With distances that count up to more than this part of the size, everything lies on everything.
 constexpr double kWidestReach = 0.15;
 
@@ -103,9 +107,18 @@ void SurfaceAlignmentOptions::validate() const {
   if (iterations < 1 || iterations > 1000) throw ArgumentError("`iterations` must lie in 1..1000");
 }
 
-SurfaceAlignment align_surfaces(const TriangleMesh& moving_mesh, const TriangleMesh& fixed_mesh,
-                                const SurfaceAlignmentOptions& options, Progress& progress) {
-  options.validate();
+namespace {
+
+TriangleMesh mirror_image(TriangleMesh mesh) {
+  mesh.origin.x = -mesh.origin.x;
+  for (Vec3f& v : mesh.vertices) v.x = -v.x;
+  for (Vec3f& n : mesh.normals) n.x = -n.x;
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixed_mesh,
+                       const SurfaceAlignmentOptions& options, Progress& progress) {
   progress.begin("prepare");
   Vec3 moving_origin, fixed_origin;
   double moving_size = 0, fixed_size = 0;
@@ -199,6 +212,10 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving_mesh, const TriangleM
     result.median = left[left.size() / 2] * fixed_size;
     result.p95 = left[left.size() * 95 / 100] * fixed_size;
   }
+  const detail::ShapeDifference difference =
+      detail::shape_difference(many, surface, pose, coarse.spacing, kDifferenceReach, kLeastDifference, signs);
+  result.differing = difference.share;
+  result.differing_by = difference.offset * fixed_size;
   result.overlap = static_cast<double>(left.size()) / static_cast<double>(std::max<std::size_t>(many.size(), 1));
   std::vector<double> before;
   for (const auto& d : detail::distances_to(few, surface, start, 0, signs, true))
@@ -216,6 +233,23 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving_mesh, const TriangleM
   m.scale = options.scale ? pose.scale * fixed_size / moving_unit : 1;
   m.from = moving_origin;
   m.to = fixed_origin + pose.shift * fixed_size;
+  return result;
+}
+
+}  // namespace
+
+SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& fixed,
+                                const SurfaceAlignmentOptions& options, Progress& progress) {
+  options.validate();
+  SurfaceAlignment result = align(moving, fixed, options, progress);
+  // Mirrored parts hide behind a fit that is not bad: symmetric shapes are nearly their own mirror images.
+  if (result.found && result.differing > kOtherShape && options.start != AlignStart::as_it_lies) {
+    SurfaceAlignmentOptions anywhere = options;
+    anywhere.start = AlignStart::anywhere;
+    const SurfaceAlignment mirrored = align(mirror_image(moving), fixed, anywhere, progress);
+    result.mirror_image_fits =
+        mirrored.found && mirrored.differing < kMirroredShare * result.differing && mirrored.overlap > result.overlap;
+  }
   progress.finish();
   return result;
 }

@@ -44,6 +44,9 @@ struct SimilarityMotion {
   Vec3 axis() const;  ///< unit; any where the angle is 0
 };
 
+/// From this share of `differing` on two surfaces are not of the same shape.
+constexpr double kOtherShape = 0.1;
+
 /// Lengths in the unit of the fixed surface.
 struct SurfaceAlignment {
   SimilarityMotion motion;
@@ -65,6 +68,11 @@ struct SurfaceAlignment {
   std::vector<double> alternative_angles;  ///< to these, in degrees
   /// Motions, of the six (seven), that the surfaces do not tell: 3 of a ball, 1 of a vase that was turned on a wheel.
   int free_motions = 0;
+  /// Share (0..1) of the samples beside the fixed surface at which its shape is another one: their neighbours are off
+  /// by the same, which noise is not. Median of that distance.
+  double differing = 0, differing_by = 0;
+  /// The mirror image of what moves fits where it does not itself. Looked for only where the shape differs.
+  bool mirror_image_fits = false;
   /// Whether this can be the motion: the overlap is a fifth or more.
   bool found = false;
   /// Size of what moves over that of the fixed surface, as they came: distances from the middle that three quarters of

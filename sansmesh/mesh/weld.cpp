@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/same_places.h"
 #include "sansmesh/points/close_points.h"
@@ -58,6 +59,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   WeldReport report;
   report.vertices = n - kept.size();
   if (report.vertices == 0) return report;
+  const std::size_t before = measure_topology(mesh).nonmanifold_edges;
   if (!mesh.attributes.empty()) {
     const std::vector<double> weight(n, 1);
     mesh.attributes = mesh.attributes.means(group, weight, kept.size());
@@ -77,6 +79,8 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   if (report.triangles > 0 && !mesh.triangle_attributes.empty())
     mesh.triangle_attributes = mesh.triangle_attributes.taken(left);
   mesh.triangles.resize(left.size());
+  const std::size_t after = measure_topology(mesh).nonmanifold_edges;
+  report.nonmanifold_edges = after > before ? after - before : 0;
   return report;
 }
 

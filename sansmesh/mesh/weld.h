@@ -10,6 +10,8 @@ namespace sansmesh {
 struct WeldReport {
   std::size_t vertices = 0;   ///< that are gone
   std::size_t triangles = 0;  ///< that are gone, since two of their corners became one
+  /// Edges of three triangles or more that were not there before, as far as more are there than before.
+  std::size_t nonmanifold_edges = 0;
 };
 
 /// Vertices no farther than `distance` (length, >= 0) from one before them become that one (as close_representatives

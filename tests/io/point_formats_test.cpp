@@ -1,4 +1,6 @@
 // Reading tables of text, PCD, LAS, alignments of scans, and gzip.
+#include <fmt/core.h>
+
 #include "sample_files.h"
 
 namespace sansmesh {
@@ -120,6 +122,39 @@ TEST_F(Table, SurveyCoordinatesKeepMillimetres) {
   const PointSet p = read("a.xyz", "512345.678 4512345.678 100.001\n512346.679 4512346.999 100.002\n");
   EXPECT_LT(norm(p.origin + Vec3(p.positions[0]) - Vec3{512345.678, 4512345.678, 100.001}), 1e-6);
   EXPECT_LT(norm(p.origin + Vec3(p.positions[1]) - Vec3{512346.679, 4512346.999, 100.002}), 1e-6);
+}
+
+/// Points with three decimals in a square of that size, whose lower corner is at `corner`.
+std::string survey(double corner, double size) {
+  std::string text;
+  for (int i = 0; i < 2000; ++i)
+    text += fmt::format("{:.3f} {:.3f} {:.3f}\n", corner + size * (i * 37 % 2000) / 2000.0 + 0.001 * (i % 10),
+                        corner + size * (i * 91 % 2000) / 2000.0 + 0.001 * (i % 7), 0.001 * i);
+  return text;
+}
+
+TEST_F(Table, WideSurveysSayWhatTheyLose) {
+  read("a.xyz", survey(1e7, 1e3));
+  EXPECT_TRUE(report_.warnings.empty());
+  read("a.xyz", survey(1e7, 1e6));
+  ASSERT_EQ(report_.warnings.size(), 1u);
+  EXPECT_TRUE(report_.warnings[0].starts_with("coordinates are rounded by up to 0.016, the file has steps of 0.001"))
+      << report_.warnings[0];
+  // Steps of a metre over a continent lose nothing.
+  std::string metres;
+  for (int i = 0; i < 2000; ++i) metres += fmt::format("{} {} {}\n", 10000000 + 500 * i, 5000000 + 7 * i, i);
+  read("a.xyz", metres);
+  EXPECT_TRUE(report_.warnings.empty());
+}
+
+TEST_F(Table, OriginInTheMiddleWhereZeroWouldLoseDecimals) {
+  // Not so far from zero that the size of the cloud would ask for an origin.
+  const PointSet p = read("a.xyz", survey(20000, 8000));
+  EXPECT_TRUE(report_.warnings.empty());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double x = p.origin.x + static_cast<double>(p.positions[i].x);
+    EXPECT_NEAR(x, std::round(x * 1000) / 1000, 4.9e-4);
+  }
 }
 
 TEST_F(Table, NotFinite) {

@@ -93,6 +93,46 @@ TEST(MeasureSolid, ComponentsCavitiesAndOpenParts) {
   EXPECT_EQ(m.components[2].open_edges, 3u);
 }
 
+TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
+  const auto at = [](const Vec3f& low, const Vec3f& high, bool inward) {
+    TriangleMesh box = test::box_mesh(low, high);
+    return inward ? test::turned_inside_out(box) : box;
+  };
+  // A solid, a cavity in it, a solid in the cavity: all as it should be. Faces touch, corners lie above each other.
+  TriangleMesh mesh = at({0, 0, 0}, {8, 8, 8}, false);
+  mesh = test::joined(mesh, at({1, 1, 1}, {7, 7, 7}, true), {});
+  mesh = test::joined(mesh, at({2, 2, 1}, {6, 6, 6}, false), {});
+  SolidMeasures m = measure_solid(mesh);
+  ASSERT_EQ(m.components.size(), 3u);
+  EXPECT_EQ(m.components[0].surrounding, 0);
+  EXPECT_EQ(m.components[1].surrounding, 1);
+  EXPECT_EQ(m.components[2].surrounding, 0);
+  for (const BodyMeasures& b : m.components) EXPECT_FALSE(b.misplaced());
+  EXPECT_EQ(m.crossing_pairs, 0u);
+
+  // A solid in solid matter, and one inside out that stands free.
+  mesh = test::joined(mesh, at({3, 3, 3}, {4, 4, 4}, false), {});
+  mesh = test::joined(mesh, at({10, 10, 10}, {11, 11, 12}, true), {});
+  m = measure_solid(mesh);
+  ASSERT_EQ(m.components.size(), 5u);
+  EXPECT_TRUE(m.components[3].misplaced());
+  EXPECT_EQ(m.components[3].surrounding, 0) << "inside out, the larger one";
+  EXPECT_TRUE(m.components[4].misplaced());
+  EXPECT_EQ(m.components[4].surrounding, 1);
+  EXPECT_EQ(m.crossing_pairs, 0u);
+}
+
+TEST(MeasureSolid, FindsTrianglesThatCutThroughEachOther) {
+  const TriangleMesh sphere = test::octasphere(4);
+  EXPECT_EQ(measure_solid(sphere).crossing_pairs, 0u);
+  const SolidMeasures apart = measure_solid(test::joined(sphere, sphere, {2.5f, 0, 0}));
+  EXPECT_EQ(apart.crossing_components, 0u);
+  const SolidMeasures overlapping = measure_solid(test::joined(sphere, sphere, {1, 0.01f, 0}));
+  EXPECT_EQ(overlapping.crossing_components, 2u);
+  EXPECT_GT(overlapping.crossing_pairs, 20u);
+  for (const BodyMeasures& b : overlapping.components) EXPECT_FALSE(b.misplaced()) << "most of it stands free";
+}
+
 TEST(MeasureSolid, ClosedMeansThatNoDirectionIsLeftOver) {
   TriangleMesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
   std::swap(box.triangles[3][0], box.triangles[3][1]);

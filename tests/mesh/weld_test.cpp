@@ -51,6 +51,20 @@ TEST(Weld, ASoupBecomesClosedAndItsCornersAreMeans) {
   }
 }
 
+TEST(Weld, SaysWhichEdgesAreNoLongerManifold) {
+  // Two tetrahedra that only touch along an edge.
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {4, 6, 5}, {4, 5, 7}, {5, 6, 7}, {4, 7, 6}};
+  ASSERT_TRUE(measure_topology(mesh).closed());
+  const WeldReport report = weld_vertices(mesh, 0);
+  EXPECT_EQ(report.vertices, 2u);
+  EXPECT_EQ(report.nonmanifold_edges, 1u);
+  EXPECT_EQ(measure_topology(mesh).nonmanifold_edges, 1u);
+  TriangleMesh joined = soup();
+  EXPECT_EQ(weld_vertices(joined, 0).nonmanifold_edges, 0u);
+}
+
 TEST(Weld, TrianglesThatShrinkGoWithTheirAttributes) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0.01f, 0}};
