@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
@@ -149,7 +150,7 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
   field_->evaluate(some, {{}, gradients, {}, {}});
   std::vector<double> slopes;
   for (const Vec3& g : gradients)
-    if (norm(g) > 0) slopes.push_back(norm(g));
+    if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
   if (slopes.empty()) return;
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
@@ -60,7 +61,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     std::vector<Vec3> gradients(some.size());
     step.field->evaluate(some, {{}, gradients, {}, {}});
     for (const Vec3& g : gradients)
-      if (norm(g) > 0) slopes.push_back(norm(g));
+      if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
   }
   if (!occurs)
     throw DataError(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sansmesh/core/error.h"
@@ -28,6 +29,14 @@ std::array<std::size_t, 3> sizes_of(const Vec3& extent, const ResampleOptions& o
   for (std::size_t k = 0; k < 3; ++k)
     sizes[k] = step > 0 ? 1 + static_cast<std::size_t>(std::lround(extent[k] / step)) : 1;
   return sizes;
+}
+
+/// Results are floats. Throws DataError where finite numbers overflow, or all of them vanish.
+void check_floats(const std::string& name, double largest) {
+  constexpr double kMost = std::numeric_limits<float>::max(), kLeast = std::numeric_limits<float>::denorm_min();
+  if (largest > kMost || (largest > 0 && largest < kLeast))
+    throw DataError(fmt::format("array '{}': values of up to {:.4g} do not fit into the floats of the result",
+                                printable(name, 60), largest));
 }
 
 }  // namespace
@@ -71,6 +80,7 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
   std::vector<double> v;
   std::vector<std::uint8_t> in;
   std::vector<std::size_t> to;
+  double largest = 0, steepest = 0;
   for (std::size_t brick = 0; brick < all;) {
     x.clear(), to.clear();
     for (; brick < all && x.size() < kBatch; ++brick) {
@@ -86,6 +96,10 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
     const std::size_t count = x.size();
     v.resize(count * c), g.resize(options.gradients ? count * c : 0), in.resize(count);
     field.evaluate(x, {v, g, in, {}});
+    for (std::size_t i = 0; i < v.size(); ++i)
+      if (in[i / c] != 0) largest = std::max(largest, std::abs(v[i]));
+    for (std::size_t i = 0; i < g.size(); ++i)
+      if (in[i / c] != 0) steepest = std::max({steepest, std::abs(g[i].x), std::abs(g[i].y), std::abs(g[i].z)});
     parallel_for(0, count, 4096, [&](std::size_t i) {
       inside[to[i]] = in[i];
       for (std::size_t k = 0; k < c; ++k) {
@@ -97,6 +111,8 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
     });
     progress.advance(count);
   }
+  check_floats(name, largest);
+  if (options.gradients) check_floats(name + "_gradient", steepest);
   block.point_arrays.set(name, std::move(values), c);
   if (options.gradients) block.point_arrays.set(name + "_gradient", std::move(gradients), 3 * c);
   block.point_arrays.set(name == "inside" ? "inside_volume" : "inside", std::move(inside));

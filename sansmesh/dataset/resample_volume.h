@@ -27,7 +27,7 @@ struct ResampleOptions {
 };
 
 /// Points at both ends of the box and between: arrays `name` (float) and `inside` (uint8: 1 in the volume). The size
-/// is 128 where nothing was chosen. In batches, with progress.
+/// is 128 where nothing was chosen. In batches, with progress. Throws DataError where values do not fit into floats.
 GridBlock resample_volume(const VolumeField& field, const std::string& name, const ResampleOptions& options,
                           Progress& progress);
 

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
@@ -63,6 +64,19 @@ std::vector<std::uint32_t> along_curve(std::size_t n, const Box3& box, At&& at) 
   std::vector<std::uint32_t> order(n);
   for (std::size_t i = 0; i < n; ++i) order[i] = keys[i].second;
   return order;
+}
+
+/// The largest finite value without its sign.
+double largest_size(std::size_t n, const std::function<double(std::size_t)>& value) {
+  return parallel_reduce(
+      n, 1 << 16, 0.0,
+      [&](std::size_t first, std::size_t last) {
+        double most = 0;
+        for (std::size_t i = first; i < last; ++i)
+          if (const double v = std::abs(value(i)); std::isfinite(v)) most = std::max(most, v);
+        return most;
+      },
+      [](double a, double b) { return std::max(a, b); });
 }
 
 }  // namespace
@@ -147,8 +161,12 @@ std::vector<ValueRanges::Item> ValueRanges::cell_items(const SampledVolume& volu
 }
 
 ValueRanges::ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value,
-                         const Placement& place) {
-  std::vector<Item> items = volume.lattice ? lattice_items(volume, value, place) : cell_items(volume, value, place);
+                         const Placement& place)
+    : scale_(binary_scale(largest_size(volume.size(), value))) {
+  std::function<double(std::size_t)> scaled;
+  if (scale_ != 1) scaled = [&](std::size_t i) { return scale_ * value(i); };
+  const auto& taken = scale_ != 1 ? scaled : value;
+  std::vector<Item> items = volume.lattice ? lattice_items(volume, taken, place) : cell_items(volume, taken, place);
   levels_ = eight_wide_levels<Node>(std::move(items), [](std::span<const Item> siblings, std::size_t, Node& node) {
     Item above{{}, kEndless, -kEndless};
     for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
@@ -179,7 +197,7 @@ bool ValueRanges::among(const Vec3& x, double radius, double value) const {
   if (levels_.empty()) return false;
   const Vec3f p(x);
   const auto squared = static_cast<float>(radius * radius * (1 + 1e-5));
-  const float v = static_cast<float>(value);  // ranges were rounded outwards
+  const float v = static_cast<float>(value * scale_);  // ranges were rounded outwards
   const auto visit = [&](const auto& self, std::size_t level, std::size_t n) -> bool {
     const Node& node = levels_[level][n];
     for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
@@ -211,12 +229,13 @@ ValueRange ValueRanges::around(const Vec3& x, double radius) const {
     }
   };
   visit(visit, levels_.size() - 1, 0);
-  return range;
+  return {range.least / scale_, range.most / scale_};
 }
 
 std::vector<Vec3> ValueRanges::places_of(double value) const {
   std::vector<Vec3> places;
   if (levels_.empty()) return places;
+  value *= scale_;
   for (const Node& node : levels_[0])
     for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
       if (static_cast<double>(node.least[lane]) > value || static_cast<double>(node.most[lane]) < value) continue;

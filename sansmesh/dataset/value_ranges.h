@@ -52,6 +52,7 @@ class ValueRanges {
                                       const Placement& place);
 
   std::vector<std::vector<Node>> levels_;
+  double scale_ = 1;  ///< of the values in the tree, which are floats
 };
 
 }  // namespace sansmesh

@@ -324,7 +324,7 @@ void write_volume_file(const std::string& file, const FittedVolume& fitted) {
   }
   Json notes = Json::array();
   for (const std::string& note : fitted.notes) notes.push_back(printable(note));
-  const Json json = {
+  Json json = {
       {"kind", kVolumeKind},
       {"source", printable(fitted.source)},
       {"time", json_if(fitted.time)},
@@ -336,6 +336,7 @@ void write_volume_file(const std::string& file, const FittedVolume& fitted) {
       {"reconstruction",
        {{"array", printable(fitted.array)}, {"options", json_of(fitted.options)}, {"chosen", json_of(fitted.chosen)}}},
       {"notes", notes}};
+  if (!fitted.coefficients.scales.empty()) json["reconstruction"]["scales"] = fitted.coefficients.scales;
   const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
   std::vector<FileSection> sections{{"META", 1, text}};
   std::vector<double> lattice;
@@ -388,6 +389,8 @@ FittedVolume read_volume_file(const SectionFile& file) {
     const DatasetArray& array = reconstructed(fitted);
     fitted.volume = samples_of(file, json, fitted.arrays);
     if (file.has("COEFF")) fitted.coefficients = coefficients_of(file, array.components);
+    if (reconstruction.contains("scales"))
+      for (const ReadJson& s : reconstruction.at("scales")) fitted.coefficients.scales.push_back(real_of(s));
     if (fitted.options.method != fitted.chosen.method) throw DataError("it has two methods");
     check_fitted(fitted);
     return fitted;

@@ -1,9 +1,9 @@
 #include "sansmesh/field/volume_component.h"
 
-#include <cmath>
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {
@@ -32,9 +32,7 @@ void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeAnswers& wan
       continue;
     }
     if (!want_values) continue;
-    double sum = 0;
-    for (std::size_t k = 0; k < count; ++k) sum += values[count * i + k] * values[count * i + k];
-    const double length = std::sqrt(sum);
+    const double length = vector_length(std::span(values).subspan(count * i, count));
     if (!wanted.values.empty()) wanted.values[i] = length;
     if (wanted.gradients.empty()) continue;
     Vec3 g;

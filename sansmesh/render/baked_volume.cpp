@@ -1,5 +1,7 @@
 #include "sansmesh/render/baked_volume.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -141,7 +143,18 @@ struct BakedVolume::State {
     std::vector<std::size_t> slots(roots.size());
     std::iota(slots.begin(), slots.end(), std::size_t{0});
     fill(roots, slots, progress);
+    check_floats();
     hold_places(progress);
+  }
+
+  /// Nodes are floats.
+  void check_floats() const {
+    constexpr double kMost = 1e37, kLeast = 1e-30;
+    const double largest = std::max(std::abs(report.least), std::abs(report.most));
+    const bool finite = std::all_of(nodes.begin(), nodes.end(), [](float v) { return std::isfinite(v); });
+    if (std::isfinite(largest) && (!finite || largest > kMost || (largest > 0 && largest < kLeast)))
+      throw DataError(
+          fmt::format("values of up to {:.4g}, or their slopes, do not fit into the floats of a baked field", largest));
   }
 
   /// Tells bricks that seem to miss the volume how fine it is in them.

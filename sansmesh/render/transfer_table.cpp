@@ -24,7 +24,11 @@ TransferTable TransferTable::colors_only(const TransferFunction& function) { ret
 TransferTable::TransferTable(const TransferFunction& function, bool colors_only) {
   function.validate();
   auto [lower, upper] = function.range();
-  if (!(upper > lower)) lower -= 0.5, upper = lower + 1;
+  if (!(upper > lower)) {
+    // Room for the one value, also where it is so large that 1 is nothing beside it.
+    const double half = std::abs(lower) < 0x1p50 ? 0.5 : 0x1p-20 * std::abs(lower);
+    lower -= half, upper = lower + 2 * half;
+  }
   lower_ = lower, scale_ = kBins / (upper - lower);
   std::vector<double> breaks;
   breaks.reserve(function.colors.size() + function.opacities.size() + kBins + 1);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 
 namespace sansmesh {
@@ -54,7 +55,7 @@ void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, Fou
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!all && !inside[i]) continue;
     found.values.push_back(values[i]);
-    found.slopes.push_back(norm(gradients[i]));
+    found.slopes.push_back(long_norm(gradients[i]));
   }
 }
 

@@ -9,6 +9,8 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/median.h"
+#include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 
 namespace sansmesh {
@@ -138,6 +140,26 @@ std::size_t bytes_of_coefficients(const ReconstructionCoefficients& c) {
   return bytes_in(p.metrics, p.constants, p.degrees, p.first, p.coefficients, p.trust, c.radii);
 }
 
+/// Values that were scaled for a method whose coefficients are floats. Throws DataError where a few numbers are so much
+/// larger than the rest that this is lost beside them.
+void check_not_lost(const VolumeValues& scaled, std::string_view method) {
+  constexpr double kLost = 0x1p-80;
+  constexpr std::size_t kLooked = 100'000;
+  const std::size_t n = scaled.components, rows = scaled.values.size() / n, stride = 1 + rows / kLooked;
+  for (std::size_t k = 0; k < n; ++k) {
+    std::vector<double> values, away;
+    for (std::size_t i = 0; i < rows; i += stride) values.push_back(scaled.values[i * n + k]);
+    const double middle = median(values);
+    for (const double v : values)
+      if (v != middle) away.push_back(std::abs(v - middle));
+    if (away.empty() || median(away) >= kLost) continue;
+    throw DataError(
+        fmt::format("array '{}': some values are so much larger than the others that {} loses these beside "
+                    "them: say what stands for missing values (`fill_values`), or choose the method linear",
+                    printable(scaled.name, 60), method));
+  }
+}
+
 }  // namespace
 
 std::span<const ReconstructionInfo> reconstruction_methods() {
@@ -182,9 +204,17 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
-  auto field = entry.make({std::move(volume), std::move(values), options, progress, told, used});
+  // Coefficients and kernels are in float, squares in double: values far from 1 are brought there, and back.
+  std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
+  values = scaled_values(std::move(values), factors);
+  if (!factors.empty() && has_coefficients(options.method)) check_not_lost(values, entry.info.name);
+  std::unique_ptr<VolumeField> field =
+      entry.make({std::move(volume), std::move(values), options, progress, told, used});
+  if (!used.empty()) used.scales = factors;
   told.bytes = bytes + bytes_of_coefficients(used);
-  return field;
+  if (factors.empty()) return field;
+  for (double& f : factors) f = 1 / f;
+  return std::make_unique<ScaledVolume>(std::move(field), std::move(factors));
 }
 
 }  // namespace sansmesh

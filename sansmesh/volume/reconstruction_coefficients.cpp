@@ -63,6 +63,10 @@ void ReconstructionCoefficients::check(const SampledVolume& volume, std::size_t 
           "how far its polynomials are trusted makes no sense");
   require(holds_for_all(p.metrics.size(), [&](std::size_t i) { return is_metric(p.metrics[i]); }),
           "a local metric makes no sense");
+  require(scales.empty() || (scales.size() == components &&
+                             std::all_of(scales.begin(), scales.end(),
+                                         [](double s) { return s > 0 && std::isfinite(s) && std::isfinite(1 / s); })),
+          "a scale of its values makes no sense");
   require(holds_for_all(radii.size(), [&](std::size_t i) { return radii[i] > 0 && std::isfinite(radii[i]); }),
           "the radius of a support makes no sense");
 }

@@ -16,6 +16,8 @@ namespace sansmesh {
 struct ReconstructionCoefficients {
   LocalPolynomials polynomials;  ///< of amls with the iterated constants
   SharedArray<float> radii;      ///< of the supports, in the local metrics; empty where cells are blended
+  /// The values were multiplied by these before the fit, powers of two, one a component; empty: they were not.
+  std::vector<double> scales;
 
   bool empty() const { return polynomials.size() == 0; }
   /// How many polynomials there are of each degree, 0 to 4; nothing where there are none.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/approximation/orthogonal_polynomials.h"
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 
@@ -125,6 +126,11 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   t.samples = volume.size();
   t.range = range_of(values);
   if (!(t.range > 0)) return t;
+  if (const double scale = binary_scale(t.range); scale != 1) {
+    t = measure_volume_traits(volume, scaled_values(values, std::vector<double>(values.components, scale)), progress);
+    t.range /= scale;
+    return t;
+  }
   const std::size_t count = std::min(kPredicted, t.samples);
   progress.begin("look at values", count);
   std::vector<Prediction> predictions(count);

@@ -1,8 +1,13 @@
 #include "sansmesh/volume/volume_values.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
 namespace {
@@ -51,7 +56,51 @@ void fill_in(const SampledVolume& volume, std::vector<std::uint8_t>& known, Volu
   }
 }
 
+/// The largest value of each component, without its sign.
+std::vector<double> largest_of(const VolumeValues& of) {
+  const std::size_t n = of.components;
+  return parallel_reduce(
+      of.values.size() / n, 1 << 16, std::vector<double>(n, 0.0),
+      [&](std::size_t first, std::size_t last) {
+        std::vector<double> most(n, 0.0);
+        for (std::size_t i = first; i < last; ++i)
+          for (std::size_t k = 0; k < n; ++k) most[k] = std::max(most[k], std::abs(of.values[i * n + k]));
+        return most;
+      },
+      [](std::vector<double> a, const std::vector<double>& b) {
+        for (std::size_t k = 0; k < a.size(); ++k) a[k] = std::max(a[k], b[k]);
+        return a;
+      });
+}
+
+void check_size(const VolumeValues& of, double spacing) {
+  constexpr double kMost = 0x1p1000, kMostSlope = 0x1p1015;
+  for (const double most : largest_of(of)) {
+    const double slope = spacing > 0 ? most / spacing : most;
+    if (most > kMost || slope > kMostSlope)
+      throw DataError(
+          fmt::format("array '{}': values of up to {:.4g} are too large: slopes between samples are no numbers",
+                      printable(of.name, 60), most));
+    if (most > 0 && most < 1 / kMost)
+      throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be told apart",
+                                  printable(of.name, 60), most));
+  }
+}
+
 }  // namespace
+
+std::vector<double> value_scales(const VolumeValues& values) {
+  std::vector<double> scales = largest_of(values);
+  for (double& s : scales) s = binary_scale(s);
+  if (std::all_of(scales.begin(), scales.end(), [](double s) { return s == 1; })) return {};
+  return scales;
+}
+
+VolumeValues scaled_values(VolumeValues values, std::span<const double> scales) {
+  if (scales.empty()) return values;
+  for (std::size_t i = 0; i < values.values.size(); ++i) values.values[i] *= scales[i % values.components];
+  return values;
+}
 
 VolumeValues volume_values(const SampledVolume& volume, const std::string& name) {
   const Attribute* const array = volume.attributes.find(name);
@@ -78,8 +127,10 @@ VolumeValues volume_values(const SampledVolume& volume, const std::string& name)
     known[i] = 0;
     of.filled.push_back(static_cast<std::uint32_t>(i));
   }
-  if (of.filled.size() == array->rows()) throw DataError("array '" + printable(name, 60) + "': no value is finite");
+  if (of.filled.size() == array->rows())
+    throw DataError("array '" + printable(name, 60) + "' has no finite value: there is nothing to reconstruct");
   if (!of.filled.empty()) fill_in(volume, known, of);
+  check_size(of, volume.facts.least_spacing);
   return of;
 }
 

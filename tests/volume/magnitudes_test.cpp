@@ -1,0 +1,114 @@
+// Values of any magnitude: fields are those of moderate values, times the factor.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/binary_scale.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/volume/volume_traits.h"
+#include "sansmesh/volume/volume_values.h"
+#include "volume/volume_checks.h"
+
+namespace sansmesh::test {
+namespace {
+
+double wave(const Vec3& x) { return 1.5 + std::sin(2 * x.x + 0.3) * std::cos(1.7 * x.y) + std::exp(-x.z) * x.x; }
+
+std::vector<double> answers(const GridData& data, ReconstructionMethod method, bool slopes) {
+  const auto volume = volume_of(data);
+  const auto field = field_of(volume, method);
+  const auto x = places_within(*volume, 40);
+  std::vector<double> values(x.size());
+  std::vector<Vec3> gradients(x.size());
+  field->evaluate(x, {values, gradients, {}, {}});
+  if (!slopes) return values;
+  for (const Vec3& g : gradients) values.insert(values.end(), {g.x, g.y, g.z});
+  return values;
+}
+
+TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
+  for (const ReconstructionInfo& info : reconstruction_methods()) {
+    const bool anywhere = info.grids == "all";
+    const std::vector<double> expected = answers(lattice_grid({6, 5, 7}, wave), info.method, true);
+    const std::vector<double> near =
+        anywhere ? answers(scattered_grid(60, wave), info.method, false) : std::vector<double>();
+    for (const double factor : {0x1p120, 0x1p980, 0x1p-130, 0x1p-980}) {
+      SCOPED_TRACE(std::string(info.name) + " " + std::to_string(std::ilogb(factor)));
+      const VolumeFunction scaled = [&](const Vec3& x) { return factor * wave(x); };
+      const std::vector<double> found = answers(lattice_grid({6, 5, 7}, scaled), info.method, true);
+      for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], factor * expected[i]) << i;
+      if (!anywhere) continue;
+      const std::vector<double> far = answers(scattered_grid(60, scaled), info.method, false);
+      for (std::size_t i = 0; i < far.size(); ++i) ASSERT_EQ(far[i], factor * near[i]) << i;
+    }
+  }
+}
+
+TEST(Magnitudes, OfComponentsDiffer) {
+  GridData data = lattice_grid({6, 6, 6}, wave);
+  std::vector<double> both;
+  for (std::size_t i = 0; i < 216; ++i) {
+    const double v = wave(block_point(data.blocks[0], i));
+    both.insert(both.end(), {v, 0x1p700 * v, 0x1p-700 * v});
+  }
+  data.blocks[0].point_arrays.set("both", both, 3);
+  const auto volume = volume_of(data);
+  Progress progress;
+  const auto field = reconstruct_volume(volume, "both", {}, progress);
+  const auto x = places_within(*volume, 30);
+  std::vector<double> values(3 * x.size());
+  field->evaluate(x, {values, {}, {}, {}});
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_NEAR(values[3 * i], wave(x[i]), 0.01);
+    EXPECT_EQ(values[3 * i + 1], 0x1p700 * values[3 * i]);
+    EXPECT_EQ(values[3 * i + 2], 0x1p-700 * values[3 * i]);
+  }
+}
+
+TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
+  const auto traits_of = [](double factor) {
+    const auto volume = volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave(x); }));
+    Progress progress;
+    return measure_volume_traits(*volume, volume_values(*volume, "f"), progress);
+  };
+  const VolumeTraits moderate = traits_of(1), huge = traits_of(0x1p990);
+  EXPECT_EQ(huge.range, 0x1p990 * moderate.range);
+  EXPECT_EQ(huge.left_out, moderate.left_out);
+  EXPECT_EQ(huge.noise, moderate.noise);
+}
+
+TEST(Magnitudes, WithoutARightAnswerAreErrors) {
+  Progress progress;
+  const auto error_of = [&](const VolumeFunction& f, ReconstructionMethod method) -> std::string {
+    try {
+      ReconstructionOptions options;
+      options.method = method;
+      reconstruct_volume(volume_of(lattice_grid({5, 5, 5}, f)), "f", options, progress);
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const auto linear = ReconstructionMethod::linear, detail = ReconstructionMethod::mls_detail;
+  EXPECT_NE(error_of([](const Vec3& x) { return 1e308 * x.x; }, linear).find("too large"), std::string::npos);
+  EXPECT_NE(error_of([](const Vec3& x) { return 1e-310 * x.x; }, linear).find("too small"), std::string::npos);
+  EXPECT_NE(error_of([](const Vec3&) { return std::nan(""); }, linear).find("no finite value"), std::string::npos);
+  // A single number beside which all others vanish.
+  const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave(x); };
+  EXPECT_NE(error_of(spike, detail).find("`fill_values`"), std::string::npos);
+  EXPECT_EQ(error_of(spike, linear), "");
+}
+
+TEST(Magnitudes, LengthsOfVectorsAreRight) {
+  EXPECT_EQ(long_norm({3, 4, 0}), 5);
+  EXPECT_EQ(long_norm(Vec3{3, 4, 0} * 0x1p900), 5 * 0x1p900);
+  EXPECT_EQ(long_norm(Vec3{3, 4, 0} * 0x1p-900), 5 * 0x1p-900);
+  EXPECT_EQ(long_norm({0, 0, 0}), 0);
+  EXPECT_EQ(vector_length(std::vector<double>{3e300, 4e300}), vector_length(std::vector<double>{4e300, 3e300}));
+  EXPECT_NEAR(vector_length(std::vector<double>{3e300, 4e300}), 5e300, 1e286);
+  EXPECT_EQ(vector_length(std::vector<double>{0, 0}), 0);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
