@@ -27,6 +27,8 @@ std::string raw_words(const VolumeReadOptions& read) {
     if (r.big_endian) words += " --big-endian";
   }
   if (read.time_step > 0) words += fmt::format(" --step {}", read.time_step);
+  if (!read.fill.usual) words += " --fill-value none";
+  for (const double v : read.fill.values) words += fmt::format(" --fill-value {}", v);
   return words;
 }
 
@@ -110,8 +112,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
       for (std::size_t i = 0; i < samples->size(); ++i) middle += volume.sample_value(i);
       middle /= static_cast<double>(samples->size());
     } else {
-      const std::size_t c = choice.component.value_or(0);
-      middle = 0.5 * (of.least[c] + of.most[c]);
+      middle = volume.middle_value();
     }
     vectors = flow_array(dataset, of.name);
     offer.vectors = vectors != nullptr;

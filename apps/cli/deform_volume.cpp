@@ -163,7 +163,11 @@ DeformResult deform_volume(const DeformArguments& a, const OpenDeformation& defo
     const std::string& file = result.files.back();
     if (!a.to_picture()) {
       folds.look(*maps.backward, box_before(*maps.backward, before, deformation.box_of(maps, before)), progress);
-      write_resampled(a, file, fields, names, maps, deformation, result, console);
+      try {
+        write_resampled(a, file, fields, names, maps, deformation, result, console);
+      } catch (const DataError& error) {
+        throw FileError(a.input.name(), error.what());
+      }
       continue;
     }
     const Box3 box = box_before(*maps.backward, before, deformation.box_of(maps, before));

@@ -53,6 +53,25 @@ ArrayChoice vectors_of(OpenVolume& volume, const VolumeInput& input) {
                   names.empty() ? "holds no arrays" : "holds no vectors; its arrays and their components: " + names);
 }
 
+/// Speeds and times of particles are floats. Throws DataError for vectors that make others of them.
+void check_speeds(const DatasetArray& vectors) {
+  constexpr double kMost = 1e35;
+  double most = 0;
+  for (std::size_t c = 0; c < vectors.components; ++c)
+    if (!std::isnan(vectors.least[c])) most = std::max({most, std::abs(vectors.least[c]), std::abs(vectors.most[c])});
+  if (most > kMost || (most > 0 && most < 1 / kMost))
+    throw DataError(fmt::format("{}: vectors of up to {:.4g} are too {} to be followed", printable(vectors.name, 60),
+                                most, most > 1 ? "large" : "small"));
+}
+
+void check_speeds(const DatasetArray& vectors, const std::string& file) {
+  try {
+    check_speeds(vectors);
+  } catch (const DataError& error) {
+    throw FileError(file, error.what());
+  }
+}
+
 /// A quarter of the memory that this process may use, in bytes.
 std::uint64_t usual_memory() {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
@@ -86,6 +105,7 @@ class StepReader {
       GridData data = read_volumes({file}, options);
       keep_array(data, file, step);
       VolumeDataset dataset(std::move(data));
+      check_speeds(dataset.array(choice_.array));
       ReconstructionReport report;
       FlowStep read{dataset.field(choice_, method_, progress, &report), 0};
       read.bytes = report.bytes;
@@ -212,6 +232,7 @@ OpenFlow::OpenFlow(const FlowInput& input, Console& console) : input_(input) {
   volume_ = std::make_unique<OpenVolume>(input.volume, console);
   choice_ = vectors_of(*volume_, input.volume);
   name_ = fmt::format("{} of {}", choice_.array, input.volume.name());
+  check_speeds(volume_->dataset().array(choice_.array), input.volume.name());
   try {
     field_ = volume_flow(volume_->field(choice_));
   } catch (const ArgumentError& error) {
@@ -231,6 +252,7 @@ void OpenFlow::open_series(Console& console) {
     if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
   OpenVolume volume(first, console);
   choice_ = vectors_of(volume, first);
+  check_speeds(volume.dataset().array(choice_.array), first.name());
   std::vector<double> times = files ? times_of_files(input_.times, given.files.size()) : volume.dataset().times();
   if (times.size() < 2) throw FileError(given.name(), "holds one step in time: nothing changes (leave out --unsteady)");
   FlowStep step{volume.field(choice_), 0};

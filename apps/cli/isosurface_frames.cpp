@@ -126,7 +126,7 @@ void write_isosurface_frames(const VolumeInput& input, std::optional<double> val
   OpenVolume& first = series.first();
   const DatasetArray& array = first.dataset().array(first.choice().array);
   if (!value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
-  const double v = value.value_or(array.components == 1 ? 0.5 * (array.least[0] + array.most[0]) : 0);
+  const double v = value ? *value : first.middle_value();
   const std::size_t count = frames.frames.value_or(series.size());
   check_frame_names(input, output.file, count);
 

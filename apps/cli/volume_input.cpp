@@ -6,11 +6,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "command_line.h"
 #include "option_values.h"
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_file.h"
 
@@ -87,6 +89,21 @@ void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
        "--big-endian", [raw] { raw().big_endian = true; }, "Raw values have their high byte first")
       .group("Raw files");
   c.add_option("--step", options.time_step, "Which of several steps in time, from 0 [0]").type_name("NUMBER");
+  c.add_option_function(
+       "--fill-value",
+       [&options](const std::string& text) {
+         if (text == "none") {
+           options.fill.usual = false;
+           return;
+         }
+         const auto value = number_in(text);
+         if (!value) throw ValueError(fmt::format("must be a number, or none, not {}", in_quotes(text)));
+         options.fill.values.push_back(*value);
+       },
+       "This number stands for missing values, as usual ones (9.96921e36, -9999, …) do where they stand apart; none: "
+       "they do not; may be repeated")
+      .repeated()
+      .type_name("VALUE");
 }
 
 void add_volume_input(CommandLine& c, VolumeInput& input) {
@@ -143,6 +160,8 @@ OpenVolume::OpenVolume(const VolumeInput& input, Console& console) : input_(inpu
     if (input.read.raw)
       throw ArgumentError("`dims`, `type` and `spacing` are for raw files, not for fitted volumes (.smv)");
     if (input.read.time_step > 0) throw ArgumentError("`time_step`: a fitted volume (.smv) holds a single step");
+    if (!input.read.fill.usual || !input.read.fill.values.empty())
+      throw ArgumentError("`fill_values` are told to volume fit: in a fitted volume (.smv) they are missing already");
     dataset_ = std::make_unique<VolumeDataset>(read_volume_file(input.files[0]));
   } else {
     dataset_ = std::make_unique<VolumeDataset>(input.files.size() == 1 ? read_volume(input.files[0], input.read, &read)
@@ -266,9 +285,19 @@ double OpenVolume::sample_value(std::size_t i) {
   const Attribute& a = *samples()->attributes.find(choice_.array);
   if (choice_.component) return a.number(i * a.components + *choice_.component);
   if (a.components == 1) return a.number(i);
-  double sum = 0;
-  for (std::size_t c = 0; c < a.components; ++c) sum += a.number(i * a.components + c) * a.number(i * a.components + c);
-  return std::sqrt(sum);
+  std::array<double, 16> few;
+  std::vector<double> many(a.components > few.size() ? a.components : 0);
+  const std::span<double> v = many.empty() ? std::span(few).first(a.components) : std::span(many);
+  for (std::size_t c = 0; c < v.size(); ++c) v[c] = a.number(i * v.size() + c);
+  return vector_length(v);
+}
+
+double OpenVolume::middle_value() const {
+  const DatasetArray& a = dataset_->array(choice_.array);
+  const std::size_t c = choice_.component.value_or(0);
+  if (std::isnan(a.least[c]))
+    throw FileError(input_.name(), fmt::format("array '{}' has no finite value", printable(a.name, 60)));
+  return 0.5 * (a.least[c] + a.most[c]);
 }
 
 Json OpenVolume::json() const {

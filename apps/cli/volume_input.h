@@ -47,6 +47,8 @@ class OpenVolume {
   VolumeDataset& dataset() { return *dataset_; }
   /// What --array says, or the dataset's own choice.
   const ArrayChoice& choice() const { return choice_; }
+  /// Of the files, for messages.
+  std::string name() const { return input_.name(); }
   /// What to call it: the array with its component.
   std::string array_name() const;
   /// Grid, resolution and noise, and what is chosen for them: measured at the first call.
@@ -68,6 +70,8 @@ class OpenVolume {
   const ReconstructionReport& report() const { return report_; }
   /// Value of sample i of the array as chosen (its magnitude, where a vector is asked for as a whole).
   double sample_value(std::size_t i);
+  /// The middle of the range of the array, or of its component. Throws FileError where it has no finite value.
+  double middle_value() const;
   /// "array", "method", "samples", "grid", …
   Json json() const;
 

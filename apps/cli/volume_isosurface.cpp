@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -51,6 +53,11 @@ void carry_arrays(const std::vector<std::string>& wanted, OpenVolume& volume, Tr
     const auto field = volume.dataset().field({name, {}, false}, options, console.progress());
     std::vector<double> values(x.size() * field->components());
     field->evaluate(x, {values, {}, {}, {}});
+    constexpr double kMost = std::numeric_limits<float>::max();
+    if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
+      console.warn(volume.name(), {fmt::format("{} is not carried along: its values do not fit into floats", name)});
+      continue;
+    }
     mesh.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
   }
 }
@@ -68,7 +75,7 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
   volume.samples();
   const DatasetArray& array = volume.dataset().array(volume.choice().array);
   if (!a.value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
-  const double value = a.value.value_or(array.components == 1 ? 0.5 * (array.least[0] + array.most[0]) : 0);
+  const double value = a.value ? *a.value : volume.middle_value();
   const std::vector<std::string> wanted = carried(a, volume);
   const auto surface = volume.isosurface(value);
   const auto samples = volume.samples();

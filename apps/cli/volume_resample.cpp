@@ -39,7 +39,12 @@ void run_resample(ResampleArguments& a, Console& console) {
   check_volume_writable(a.output);
   OpenVolume volume(a.input, console);
   const auto field = volume.field();
-  const GridBlock block = resample_volume(*field, volume.array_name(), a.options, console.progress());
+  GridBlock block;
+  try {
+    block = resample_volume(*field, volume.array_name(), a.options, console.progress());
+  } catch (const DataError& error) {
+    throw FileError(a.input.name(), error.what());
+  }
   console.progress().begin("write");
   write_volume(a.output, block);
   console.progress().finish();

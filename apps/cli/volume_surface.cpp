@@ -1,7 +1,6 @@
 // sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
 #include <fmt/core.h>
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,6 +11,7 @@
 #include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/io/io.h"
@@ -96,7 +96,7 @@ VolumeSurfaceOptions chosen_options(const VolumeSurfaceArguments& a, OpenVolume&
   }
   const DatasetArray& array = volume.dataset().array(volume.choice().array);
   if (!a.value && (array.components > 1)) throw ArgumentError("--value is needed for arrays of several components");
-  o.value = a.value ? *a.value : 0.5 * (array.least[0] + array.most[0]);
+  o.value = a.value ? *a.value : volume.middle_value();
   return o;
 }
 
@@ -107,9 +107,7 @@ std::vector<double> chosen_values(const SampledVolume& samples, const ArrayChoic
   std::vector<double> values(samples.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::span<const double> v = all.of(i);
-    double squares = 0;
-    for (const double x : v) squares += x * x;
-    values[i] = choice.component ? v[*choice.component] : std::sqrt(squares);
+    values[i] = choice.component ? v[*choice.component] : vector_length(v);
   }
   return values;
 }

@@ -182,7 +182,9 @@ TetDataset tet_dataset(const GridData& data) {
 
 TetDataset read_tets(const std::string& file) {
   try {
-    return tet_dataset(read_volume(file));
+    VolumeReadOptions options;
+    options.fill.usual = false;  // arrays are carried along as they are
+    return tet_dataset(read_volume(file, options));
   } catch (const DataError& error) {
     throw FileError(file, error.what());
   }

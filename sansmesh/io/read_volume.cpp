@@ -282,6 +282,13 @@ GridData read_collection(const Input& in, const VolumeReadOptions& options, Read
   return all;
 }
 
+/// Of all blocks together: what stands apart in one may not in another.
+GridData with_fill_values(GridData data, const FillValueOptions& fill) {
+  const std::vector<std::string> lines = mark_fill_values(data, fill);
+  data.notes.insert(data.notes.end(), lines.begin(), lines.end());
+  return data;
+}
+
 void check_points(const std::string& file, const GridData& data) {
   for (const GridBlock& block : data.blocks) {
     if (!block.points.empty() || block.kind == GridKind::lattice) return;
@@ -289,11 +296,8 @@ void check_points(const std::string& file, const GridData& data) {
   throw FileError(file, "holds no points");
 }
 
-}  // namespace
-
-GridData read_volume(const std::string& file, const VolumeReadOptions& options, ReadReport* report) {
-  ReadReport own;
-  ReadReport& r = report ? *report : own;
+/// The volume as the file has it, fill values and all.
+GridData read_whole(const std::string& file, const VolumeReadOptions& options, ReadReport& r) {
   r = {};
   GridData data = read_any_volume(file, options, r, false);
   check_points(file, data);
@@ -302,8 +306,17 @@ GridData read_volume(const std::string& file, const VolumeReadOptions& options, 
   return data;
 }
 
+}  // namespace
+
+GridData read_volume(const std::string& file, const VolumeReadOptions& options, ReadReport* report) {
+  options.fill.validate();
+  ReadReport own;
+  return with_fill_values(read_whole(file, options, report ? *report : own), options.fill);
+}
+
 GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOptions& options, ReadReport* report) {
   if (files.empty()) throw ArgumentError("read_volumes: no files");
+  options.fill.validate();
   ReadReport own;
   ReadReport& all_report = report ? *report : own;
   all_report = {};
@@ -319,19 +332,19 @@ GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOpt
         of_file.solution = solution;
     }
     ReadReport r;
-    GridData part = read_volume(files[k], of_file, &r);
+    GridData part = read_whole(files[k], of_file, r);
     for (const std::string& w : r.warnings) all_report.warnings.push_back(printable(files[k], 200) + ": " + w);
     if (of_file.solution != options.solution) ++k;
     ++parts;
     if (parts == 1 && k + 1 == files.size()) {
       all_report.format = part.format;
-      return part;
+      return with_fill_values(std::move(part), options.fill);
     }
     append_blocks(all, std::move(part), std::filesystem::path(files[k]).stem().string());
   }
   all.format = fmt::format("{} files, {}", parts, all.format);
   all_report.format = all.format;
-  return all;
+  return with_fill_values(std::move(all), options.fill);
 }
 
 bool is_volume_name(const std::string& file) {
