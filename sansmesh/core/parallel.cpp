@@ -17,6 +17,8 @@
 #include <mutex>
 #include <utility>
 
+#include "sansmesh/core/cancel_scope.h"
+
 namespace sansmesh {
 namespace {
 
@@ -162,15 +164,19 @@ void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t gra
                              const std::function<void(std::size_t, std::size_t)>& body) {
   const Place here = place;
   if (alone(here)) {
-    for (std::size_t first = begin; first < end; first += std::min(grain, end - first))
+    for (std::size_t first = begin; first < end; first += std::min(grain, end - first)) {
+      check_cancelled();
       body(first, std::min(end, first + grain));
+    }
     return;
   }
+  const Progress* const progress = heard_progress();
   enter(here, [&](tbb::task_group_context& context) {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(begin, end, grain),
         [&](const tbb::blocked_range<std::size_t>& r) {
           const At at({here.team, true});
+          const ListenAs caller(progress);
           body(r.begin(), r.end());
         },
         tbb::simple_partitioner(), context);
@@ -180,13 +186,16 @@ void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t gra
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
   const Place here = place;
   if (alone(here)) {
+    check_cancelled();
     a();
     b();
     return;
   }
+  const Progress* const progress = detail::heard_progress();
   const auto branch = [&](const std::function<void()>& work) {
     return [&] {
       const At at({here.team, true, true});
+      const detail::ListenAs caller(progress);
       work();
     };
   };

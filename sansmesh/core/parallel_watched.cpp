@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/cancel_scope.h"
+
 namespace sansmesh {
 namespace {
 
@@ -35,9 +37,13 @@ thread_local Place place;
 template <class Work>
 void run(std::size_t count, const Work& work) {
   const Place here = place;
+  const Progress* const progress = detail::heard_progress();
   const auto threads = here.depth < kDeepest ? std::min(count, static_cast<std::size_t>(here.threads)) : 1;
   if (threads <= 1) {
-    for (std::size_t c = 0; c < count; ++c) work(c);
+    for (std::size_t c = 0; c < count; ++c) {
+      check_cancelled();
+      work(c);
+    }
     return;
   }
   std::mutex mutex;
@@ -46,7 +52,10 @@ void run(std::size_t count, const Work& work) {
   const auto share = [&](std::size_t thread) {
     const Place before = std::exchange(place, {here.threads, here.depth + 1});
     try {
-      for (std::size_t c = thread; c < count && !failed.load(std::memory_order_relaxed); c += threads) work(c);
+      for (std::size_t c = thread; c < count && !failed.load(std::memory_order_relaxed); c += threads) {
+        const detail::ListenAs caller(progress);
+        work(c);
+      }
     } catch (...) {
       const std::lock_guard lock(mutex);
       if (!error) error = std::current_exception();

@@ -1,0 +1,30 @@
+#include "sansmesh/core/cancel_scope.h"
+
+#include <utility>
+
+namespace sansmesh {
+namespace {
+
+thread_local const Progress* heard = nullptr;
+
+}  // namespace
+
+CancelScope::CancelScope(const Progress& progress) : before_(std::exchange(heard, &progress)) {}
+CancelScope::~CancelScope() { heard = before_; }
+
+void check_cancelled() {
+  if (heard != nullptr) heard->check();
+}
+
+namespace detail {
+
+const Progress* heard_progress() { return heard; }
+
+ListenAs::ListenAs(const Progress* progress) : before_(heard) {
+  if (progress != nullptr) progress->check();
+  heard = progress;
+}
+ListenAs::~ListenAs() { heard = before_; }
+
+}  // namespace detail
+}  // namespace sansmesh

@@ -1,0 +1,63 @@
+// Parsing of JSON with errors in our own words. Only for sources: the library for JSON takes long to compile.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh::detail {
+
+/// "line 3, column 14" of the last byte that was read, the `byte`-th.
+inline std::string json_place(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte > 0 ? byte - 1 : 0, text.size()));
+  const std::size_t line = 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
+  const std::size_t begin = before.rfind('\n');
+  return fmt::format("line {}, column {}", line, 1 + before.size() - (begin == std::string_view::npos ? 0 : begin + 1));
+}
+
+/// One line for what the parser says, without its names of classes.
+inline std::string json_error(std::string_view text, const nlohmann::json::parse_error& error) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return "is not JSON: it is blank";
+  if (error.byte > text.size()) {
+    const std::string_view all = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+    return "is not JSON: it ends too early, at " + json_place(text, all.size());
+  }
+  const std::string what = error.what(), place = json_place(text, error.byte);
+  const char c = error.byte > 0 ? text[error.byte - 1] : ' ';
+  if (what.find("ill-formed UTF-8") != std::string::npos)
+    return fmt::format("is not JSON: {} is a byte that is not UTF-8", place);
+  if (what.find("control character") != std::string::npos)
+    return fmt::format("is not JSON: at {} a text breaks off, or holds a control character", place);
+  return fmt::format("is not JSON: '{}' at {} is not what belongs there", printable(std::string_view(&c, 1)), place);
+}
+
+/// `look` sees the parser's events, as nlohmann's callback. Throws ArgumentError where the text is not JSON, with the
+/// place, or holds a number beyond those of double precision.
+template <class Json>
+Json parse_json(std::string_view text, const typename Json::parser_callback_t& look = nullptr, bool comments = false) {
+  try {
+    return Json::parse(text.begin(), text.end(), look, true, comments);
+  } catch (const nlohmann::json::parse_error& error) {
+    throw ArgumentError(json_error(text, error));
+  } catch (const nlohmann::json::out_of_range&) {
+    throw ArgumentError("holds a number that is too large");
+  }
+}
+
+/// The same of a file: FileError.
+template <class Json>
+Json parse_json_file(const std::string& file, std::string_view text) {
+  try {
+    return parse_json<Json>(text);
+  } catch (const ArgumentError& error) {
+    throw FileError(file, error.what());
+  }
+}
+
+}  // namespace sansmesh::detail
