@@ -9,6 +9,7 @@
 #include <mutex>
 #include <utility>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 
@@ -243,7 +244,8 @@ class FlowInTime final : public VectorField {
     const std::size_t next = back_ ? wanted.first - 1 : wanted.last;  // below the first one wraps around, to beyond
     if (next < times_.size() && !ahead_.valid() && !is_kept(next)) {
       ahead_step_ = next;
-      ahead_ = std::async(std::launch::async, [this, next, threads = thread_count()] {
+      ahead_ = std::async(std::launch::async, [this, next, threads = thread_count(), heard = detail::heard_progress()] {
+        const detail::ListenAs caller(heard);
         const ThreadScope scope(std::min(threads, ThreadScope::kMost));
         return read(next);
       });

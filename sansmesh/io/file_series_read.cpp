@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/io/header_fields.h"
 #include "sansmesh/io/volume_readers.h"
 
@@ -9,8 +10,12 @@ namespace sansmesh::io {
 
 std::vector<PvdEntry> read_file_series(const Input& in) {
   using nlohmann::json;
-  const json series = json::parse(in.bytes.begin(), in.bytes.end(), nullptr, false);
-  if (series.is_discarded()) in.fail("is no series of files: it is not JSON, or truncated");
+  json series;
+  try {
+    series = detail::parse_json<json>(in.bytes);
+  } catch (const ArgumentError& error) {
+    in.fail(std::string("is no series of files: it ") + error.what());
+  }
   if (!series.is_object() || !series.contains("files") || !series["files"].is_array())
     in.fail("is no series of files: it has no list \"files\"");
   std::vector<PvdEntry> entries;

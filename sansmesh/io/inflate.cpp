@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 
@@ -21,11 +22,12 @@ Inflated inflate_bytes(const std::string& file, std::string_view packed, std::si
   result.bytes.resize(std::clamp<std::size_t>(expected, 256, limit));
   std::size_t used = 0, consumed = 0;
   for (;;) {
+    check_cancelled();
     if (used == result.bytes.size()) {
       if (used >= limit) throw FileError(file, fmt::format("unpacks to more than {} bytes, refused", grouped(limit)));
       result.bytes.resize(std::min(limit, used * 2));
     }
-    const std::size_t in_now = std::min<std::size_t>(packed.size() - consumed, 1u << 30);
+    const std::size_t in_now = std::min<std::size_t>(packed.size() - consumed, 1u << 22);  // else nobody hears
     const std::size_t out_now = std::min<std::size_t>(result.bytes.size() - used, 1u << 30);
     z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + consumed));
     z.avail_in = static_cast<uInt>(in_now);

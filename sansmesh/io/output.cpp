@@ -1,17 +1,11 @@
 #include "sansmesh/io/output.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <fmt/core.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
-#include <filesystem>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/io/names.h"
 
 namespace sansmesh::io {
@@ -20,36 +14,21 @@ namespace {
 const std::vector<Triangle> kNoTriangles;
 const AttributeTable kNoAttributes;
 
-/// The reason, without the temporary name that the reader of the message never chose.
-[[noreturn]] void fail_system(const std::string& file, int error) {
-  if (error == EACCES || error == EPERM) throw FileError(file, "cannot be written (permission denied)");
-  if (error == ENOENT || error == ENOTDIR) throw FileError(file, "cannot be written (its folder does not exist)");
-  if (error == ENOSPC || error == EDQUOT) throw FileError(file, "cannot be written (the disk is full)");
-  throw FileError(file, fmt::format("cannot be written ({})", std::strerror(error)));
-}
+using PartViews = std::vector<std::string_view>;
 
-/// Writes everything or returns the error.
-int write_all(int fd, const char* data, std::size_t size) {
-  while (size > 0) {
-    const ssize_t done = ::write(fd, data, std::min<std::size_t>(size, std::size_t{1} << 30));
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) return errno;
-    data += done, size -= static_cast<std::size_t>(done);
-  }
-  return 0;
-}
+PartViews views(const std::vector<std::string>& parts) { return {parts.begin(), parts.end()}; }
 
-using Parts = std::vector<std::string_view>;
-
-Parts views(const std::vector<std::string>& parts) { return {parts.begin(), parts.end()}; }
-
-std::vector<std::string> gzip(const std::string& file, const Parts& parts) {
+std::vector<std::string> gzip(const std::string& file, const PartViews& parts) {
   z_stream z{};
   if (deflateInit2(&z, 4, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY) != Z_OK) {
     throw FileError(file, "cannot be written (compression does not start)");
   }
   std::vector<std::string> packed;
   const std::size_t block = 1 << 20;
+  struct End {
+    z_stream& z;
+    ~End() { deflateEnd(&z); }
+  } const end{z};
   for (std::size_t k = 0; k <= parts.size(); ++k) {
     const bool last = k == parts.size();
     const char* next = last ? nullptr : parts[k].data();
@@ -61,6 +40,7 @@ std::vector<std::string> gzip(const std::string& file, const Parts& parts) {
       next += now, left -= now;
       do {
         if (packed.empty() || packed.back().size() == block) {
+          check_cancelled();
           packed.emplace_back();
           packed.back().reserve(block);
         }
@@ -74,67 +54,14 @@ std::vector<std::string> gzip(const std::string& file, const Parts& parts) {
       } while (z.avail_out == 0);
     } while (left > 0);
   }
-  deflateEnd(&z);
   return packed;
-}
-
-/// A name beside `target` that no file has yet; opened for writing.
-int open_temporary(const std::filesystem::path& target, std::string& name) {
-  static std::atomic<unsigned> counter{0};
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    // Leading dot: out of sight of listings and globs while incomplete.
-    const std::string unique = fmt::format(".sansmesh-{}-{}.tmp", ::getpid(), counter.fetch_add(1));
-    name = (target.parent_path() / unique).string();
-    const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd >= 0 || errno != EEXIST) return fd;
-  }
-  return -1;
-}
-
-void write_bytes(const std::string& file, const Parts& parts) {
-  struct stat info {};
-  const bool exists = ::stat(file.c_str(), &info) == 0;
-  if (exists && S_ISDIR(info.st_mode)) throw FileError(file, "cannot be written (it is a directory)");
-  if (exists && ::access(file.c_str(), W_OK) != 0) fail_system(file, errno);
-  if (exists && !S_ISREG(info.st_mode)) {  // a pipe or a device cannot be replaced: straight into it
-    const int fd = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
-    if (fd < 0) fail_system(file, errno);
-    int error = 0;
-    for (const std::string_view part : parts) {
-      if (error == 0) error = write_all(fd, part.data(), part.size());
-    }
-    if (::close(fd) != 0 && error == 0) error = errno;
-    if (error != 0) fail_system(file, error);
-    return;
-  }
-
-  // Through a symbolic link the file it names is replaced, not the link.
-  std::filesystem::path target = file;
-  std::error_code ignored;
-  if (exists) target = std::filesystem::canonical(target, ignored);
-  if (target.empty()) target = file;
-
-  std::string temporary;
-  const int fd = open_temporary(target, temporary);
-  if (fd < 0) fail_system(file, errno);
-  int error = 0;
-  if (exists) (void)!::fchmod(fd, info.st_mode & 07777);  // keeps the old file's mode where the system lets us
-  for (const std::string_view part : parts) {
-    if (error == 0) error = write_all(fd, part.data(), part.size());
-  }
-  if (::close(fd) != 0 && error == 0) error = errno;
-  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    fail_system(file, error);
-  }
 }
 
 }  // namespace
 
 void write_whole(const std::string& file, const std::vector<std::string>& parts) { write_parts(file, views(parts)); }
 
-void write_parts(const std::string& file, const Parts& parts) {
+void write_parts(const std::string& file, const PartViews& parts) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
   if (lower(file).ends_with(".gz")) return write_bytes(file, views(gzip(file, parts)));
   write_bytes(file, parts);

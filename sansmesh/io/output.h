@@ -18,10 +18,12 @@
 
 namespace sansmesh::io {
 
-/// Writes the parts one after the other into `file` (gzipped if its name ends in ".gz"): into a temporary file of the
-/// same folder first, which then takes the name. Throws FileError, leaving whatever had the name untouched.
+/// Writes the parts one after the other into `file` (gzipped if its name ends in ".gz") as a part of the OutputBatch
+/// that the thread has, or as one of its own. Throws FileError, leaving whatever had the name untouched.
 void write_whole(const std::string& file, const std::vector<std::string>& parts);
 void write_parts(const std::string& file, const std::vector<std::string_view>& parts);
+/// The same without gzip.
+void write_bytes(const std::string& file, const std::vector<std::string_view>& parts);
 
 /// Bytes that `row(i, p)` appends at p (returning the new end, at most `most` bytes further), for i in [0, n),
 /// formatted in parallel and in order.

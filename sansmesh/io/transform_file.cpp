@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
@@ -38,8 +39,7 @@ std::vector<double> numbers_of_text(const std::string& file, std::string_view by
 
 std::vector<double> numbers_of_json(const std::string& file, std::string_view bytes) {
   using nlohmann::json;
-  const json parsed = json::parse(bytes, nullptr, false);
-  if (parsed.is_discarded()) throw FileError(file, "is not valid JSON");
+  const auto parsed = detail::parse_json_file<json>(file, bytes);
   const json* list = &parsed;
   if (parsed.is_object() && parsed.contains("matrix")) list = &parsed["matrix"];
   std::vector<double> numbers;

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/time_steps.h"
 
@@ -65,7 +66,16 @@ VtkReadFunction find_module(std::string& why_not) {
 class ArraySink final : public VtkSink {
  public:
   void add(GridBlock& block, bool of_cells, Attribute array) override {
+    check_cancelled();
     (of_cells ? block.cell_arrays : block.point_arrays).set(std::move(array));
+  }
+  bool stopped() const override {
+    try {
+      check_cancelled();
+    } catch (const Cancelled&) {
+      return true;
+    }
+    return false;
   }
 };
 
@@ -85,7 +95,9 @@ GridData read_by_vtk(const VtkRequest& request) {
   if (!read) throw FileError(request.file, cause);
   GridData data;
   ArraySink sink;
-  if (!read(request, sink, data, cause)) throw FileError(request.file, cause);
+  const bool whole = read(request, sink, data, cause);
+  check_cancelled();
+  if (!whole) throw FileError(request.file, cause);
   check_time_step(request.file, request.time_step, data.times.size());
   return data;
 }

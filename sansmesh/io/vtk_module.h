@@ -18,10 +18,11 @@ struct VtkRequest {
   std::size_t time_step = 0;
 };
 
-/// Takes arrays into blocks.
+/// Takes arrays into blocks, and tells when nobody wants them any more.
 class VtkSink {
  public:
   virtual void add(GridBlock& block, bool of_cells, Attribute array) = 0;
+  virtual bool stopped() const = 0;
 
  protected:
   ~VtkSink() = default;
@@ -29,7 +30,7 @@ class VtkSink {
 
 /// Both sides must have been compiled with the same of these.
 inline constexpr std::size_t kVtkInterface =
-    1'000'000 + sizeof(GridData) + 7 * sizeof(GridBlock) + 11 * sizeof(Attribute) + 13 * sizeof(VtkRequest);
+    2'000'000 + sizeof(GridData) + 7 * sizeof(GridBlock) + 11 * sizeof(Attribute) + 13 * sizeof(VtkRequest);
 
 /// Names and types of the module's functions. `VtkReadFunction` fills `data` and returns true, or returns false with
 /// the cause in `error`; no exception leaves it. A time step beyond those of the file leaves `data.blocks` empty.

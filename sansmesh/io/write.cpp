@@ -1,14 +1,11 @@
 // Chooses the writer for a file by its ending.
-#include <errno.h>
 #include <fmt/core.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/output_place.h"
 
 namespace sansmesh {
 namespace {
@@ -161,20 +158,7 @@ void check_writable(const std::string& file, const std::string& kind) {
   } else if (kind != "text") {
     throw ArgumentError(fmt::format("check_writable: unknown kind '{}'; known: mesh points lines image text", kind));
   }
-  struct stat info {};
-  if (::stat(file.c_str(), &info) == 0) {
-    if (S_ISDIR(info.st_mode)) throw FileError(file, "cannot be written (it is a directory)");
-    if (::access(file.c_str(), W_OK) != 0) throw FileError(file, "cannot be written (permission denied)");
-    if (!S_ISREG(info.st_mode)) return;
-  }
-  std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  if (folder.empty()) folder = ".";
-  if (::stat(folder.c_str(), &info) != 0) throw FileError(file, "cannot be written (its folder does not exist)");
-  if (!S_ISDIR(info.st_mode)) throw FileError(file, "cannot be written (its folder is not a folder)");
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw FileError(file, errno == EROFS ? "cannot be written (the file system is read-only)"
-                                         : "cannot be written (no permission to write in its folder)");
-  }
+  io::find_output_place(file);
 }
 
 }  // namespace sansmesh

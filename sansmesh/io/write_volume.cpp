@@ -15,6 +15,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/output_batch.h"
 #include "sansmesh/io/vtk_xml.h"
 
 namespace sansmesh {
@@ -168,14 +169,10 @@ void write_volume(const std::string& file, const GridBlock& block) {
   if (e == "nrrd") return io::write_whole(file, to_nrrd(block, s));
   if (e == "mha") return io::write_whole(file, {meta_header(block, s, "LOCAL"), bytes_of(block.point_arrays[0])});
   const std::filesystem::path raw = raw_of(file);
+  OutputBatch both;
   io::write_whole(raw.string(), {bytes_of(block.point_arrays[0])});
-  try {
-    io::write_whole(file, {meta_header(block, s, raw.filename().string())});
-  } catch (const FileError&) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(file, ignored)) std::filesystem::remove(raw, ignored);
-    throw;
-  }
+  io::write_whole(file, {meta_header(block, s, raw.filename().string())});
+  both.commit();
 }
 
 }  // namespace sansmesh

@@ -1,6 +1,8 @@
 // The module's entry: chooses VTK's reader, watches for its errors, hands over what it made.
 #include <vtkAlgorithm.h>
 #include <vtkCGNSReader.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCommand.h>
 #include <vtkDataObject.h>
 #include <vtkExodusIIReader.h>
 #include <vtkGenericDataObjectReader.h>
@@ -8,6 +10,7 @@
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkLogger.h>
+#include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOpenFOAMReader.h>
 #include <vtkOutputWindow.h>
@@ -277,6 +280,12 @@ void read_series(const VtkRequest& request, const Captured& captured, VtkSink& s
   }
   const vtkSmartPointer<vtkAlgorithm> reader = make_reader(request);
   check();
+  const vtkNew<vtkCallbackCommand> progress;
+  progress->SetClientData(&sink);
+  progress->SetCallback([](vtkObject* caller, unsigned long, void* of, void*) {
+    if (static_cast<VtkSink*>(of)->stopped()) static_cast<vtkAlgorithm*>(caller)->SetAbortExecute(1);
+  });
+  reader->AddObserver(vtkCommand::ProgressEvent, progress);
   reader->UpdateInformation();
   check();
   vtkInformation* const info = reader->GetOutputInformation(0);

@@ -1,0 +1,302 @@
+#include "sansmesh/io/output_batch.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+#include "sansmesh/core/cancel_scope.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/read_text.h"
+#include "sansmesh/io/output.h"
+#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/staging.h"
+
+namespace sansmesh {
+namespace {
+
+using Parts = std::vector<std::string_view>;
+
+constexpr std::size_t kWriteBlock = std::size_t{1} << 24;  // bytes between two looks for a cancellation
+constexpr std::size_t kMostNamed = 5;                      // files in a message
+constexpr std::size_t kSyncsAtOnce = 8;
+
+/// A write that is too large, or into a pipe that nobody reads, fails with an error and sends no signal: the calling
+/// thread holds it back, and takes it where it came.
+class HeldSignals {
+ public:
+  HeldSignals() {
+    sigset_t pending;
+    sigemptyset(&held_);
+    ::sigpending(&pending);
+    for (const int signal : {SIGXFSZ, SIGPIPE})
+      if (sigismember(&pending, signal) != 1) sigaddset(&held_, signal);
+    ::pthread_sigmask(SIG_BLOCK, &held_, &before_);
+  }
+  ~HeldSignals() {
+    const int error = errno;
+    const timespec at_once{};
+    while (::sigtimedwait(&held_, nullptr, &at_once) > 0) {
+    }
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    errno = error;
+  }
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+
+ private:
+  sigset_t held_, before_;
+};
+
+/// Writes everything or returns the error.
+int write_all(int fd, const Parts& parts) {
+  const HeldSignals held;
+  for (const std::string_view part : parts) {
+    const char* data = part.data();
+    for (std::size_t left = part.size(); left > 0;) {
+      check_cancelled();
+      const ssize_t done = ::write(fd, data, std::min(left, kWriteBlock));
+      if (done < 0 && errno == EINTR) continue;
+      if (done < 0 && errno == EAGAIN) {
+        detail::wait_for(fd, POLLOUT);
+        continue;
+      }
+      if (done < 0) return errno;
+      data += done, left -= static_cast<std::size_t>(done);
+    }
+  }
+  return 0;
+}
+
+/// Opens what cannot be replaced. Waits for whoever reads a pipe.
+int open_stream(const std::string& file, const io::OutputPlace& place) {
+  // A second description of the same pipe, which need not block.
+  const std::string name =
+      place.descriptor >= 0 ? fmt::format("/proc/self/fd/{}", place.descriptor) : place.path.string();
+  for (;;) {
+    const int fd = place.descriptor >= 0 && !place.pipe
+                       ? ::fcntl(place.descriptor, F_DUPFD_CLOEXEC, 0)
+                       : ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | (place.pipe ? O_NONBLOCK : 0));
+    if (fd >= 0) return fd;
+    if (!place.pipe || errno != ENXIO) io::fail_output(file, errno);
+    check_cancelled();
+    const timespec pause{0, 50'000'000};
+    ::nanosleep(&pause, nullptr);
+  }
+}
+
+void write_stream(const std::string& file, const io::OutputPlace& place, const Parts& parts) {
+  detail::Descriptor d(open_stream(file, place));
+  int error = write_all(d.fd, parts);
+  if (::close(std::exchange(d.fd, -1)) != 0 && error == 0) error = errno;
+  if (error != 0) io::fail_output(file, error);
+}
+
+/// Brings a file or folder onto the disk; returns the error. What cannot be asked for that is taken to be there.
+int sync_path(const std::filesystem::path& path) {
+  const detail::Descriptor d(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (d.fd < 0) return errno == EACCES ? 0 : errno;
+  if (::fsync(d.fd) == 0) return 0;
+  return errno == EINVAL || errno == ENOTSUP || errno == ENOSYS || errno == EROFS ? 0 : errno;
+}
+
+std::string named(const std::vector<std::string>& files) {
+  const std::vector<std::string> first(files.begin(),
+                                       files.begin() + static_cast<std::ptrdiff_t>(std::min(files.size(), kMostNamed)));
+  return fmt::format("{}{}", fmt::join(first, ", "),
+                     files.size() > kMostNamed ? fmt::format(" and {} more", files.size() - kMostNamed) : "");
+}
+
+}  // namespace
+
+struct OutputBatch::Files {
+  struct Waiting {
+    std::string file;  ///< as it was called
+    std::filesystem::path target, staged;
+  };
+
+  void write(const std::string& file, const Parts& parts);
+  void commit();
+  static void sync_files(const std::vector<Waiting>& files);
+  std::filesystem::path folder_for(const std::filesystem::path& target, const std::string& file);
+
+  std::vector<Waiting> waiting;
+  std::vector<std::unique_ptr<io::StagingFolder>> folders;
+  std::vector<std::string> placed;
+  bool standard_output = false;
+  bool abandoned = false;
+};
+
+namespace {
+
+/// Of all threads; the mutex also guards what abandon_outputs() touches of each.
+struct Registry {
+  std::mutex mutex;
+  std::vector<OutputBatch::Files*> batches;
+};
+Registry& registry() {
+  static auto* const r = new Registry;  // never destroyed: a program may end while a thread writes
+  return *r;
+}
+
+thread_local std::shared_ptr<OutputBatch::Files> current_batch;
+
+}  // namespace
+
+/// A name in the hidden folder beside the target.
+std::filesystem::path OutputBatch::Files::folder_for(const std::filesystem::path& target, const std::string& file) {
+  std::filesystem::path beside = target.parent_path();
+  if (beside.empty()) beside = ".";
+  const auto found = std::find_if(folders.begin(), folders.end(), [&](const auto& f) { return f->beside() == beside; });
+  if (found != folders.end()) return (*found)->next();
+  try {
+    folders.push_back(std::make_unique<io::StagingFolder>(beside));
+  } catch (const std::system_error& error) {
+    io::fail_output(file, error.code().value());
+  }
+  return folders.back()->next();
+}
+
+void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
+  const io::OutputPlace place = io::find_output_place(file);
+  if (place.stream) {
+    standard_output = standard_output || place.descriptor == STDOUT_FILENO;
+    return write_stream(file, place, parts);
+  }
+  const auto same =
+      std::find_if(waiting.begin(), waiting.end(), [&](const Waiting& w) { return w.target == place.path; });
+  const bool again = same != waiting.end();
+  Waiting w{file, place.path, again ? same->staged : std::filesystem::path()};
+  if (again) waiting.erase(same);
+  int fd = -1;
+  {
+    const std::lock_guard lock(registry().mutex);
+    if (abandoned) throw Cancelled();
+    if (!again) w.staged = folder_for(w.target, file);
+    // The blocks of the file that is replaced are written over: on a full disk there may be no others.
+    fd = ::open(w.staged.c_str(), O_WRONLY | O_CLOEXEC | (again ? 0 : O_CREAT | O_EXCL), 0666);
+  }
+  if (fd < 0) io::fail_output(file, errno);
+  int error = 0;
+  try {
+    if (place.exists) (void)!::fchmod(fd, place.mode);  // keeps the old file's mode where the system lets us
+    error = write_all(fd, parts);
+    std::size_t size = 0;
+    for (const std::string_view part : parts) size += part.size();
+    if (error == 0 && again && ::ftruncate(fd, static_cast<off_t>(size)) != 0) error = errno;
+  } catch (...) {
+    ::close(fd);
+    ::unlink(w.staged.c_str());
+    throw;
+  }
+  if (::close(fd) != 0 && error == 0) error = errno;
+  if (error != 0) {
+    ::unlink(w.staged.c_str());
+    io::fail_output(file, error);
+  }
+  waiting.push_back(std::move(w));
+}
+
+void OutputBatch::Files::sync_files(const std::vector<Waiting>& files) {
+  if (files.empty()) return;
+  std::vector<int> errors(files.size());
+  {
+    // These threads only wait for the disk, which takes many files at once in little more time than one.
+    const ThreadScope waits(static_cast<int>(std::min(files.size(), kSyncsAtOnce)));
+    parallel_for(0, files.size(), 1, [&](std::size_t i) { errors[i] = sync_path(files[i].staged); });
+  }
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (errors[i] != 0) io::fail_output(files[i].file, errors[i]);
+}
+
+void OutputBatch::Files::commit() {
+  const std::vector<Waiting> all = std::exchange(waiting, {});
+  sync_files(all);
+  check_cancelled();
+  std::vector<std::filesystem::path> places;
+  int failed = 0;
+  const Waiting* culprit = nullptr;
+  {
+    const std::lock_guard lock(registry().mutex);
+    if (abandoned) throw Cancelled();
+    for (const Waiting& w : all) {
+      if (::rename(w.staged.c_str(), w.target.c_str()) != 0) {
+        failed = errno, culprit = &w;
+        break;
+      }
+      placed.push_back(w.file);
+      std::filesystem::path place = w.target.parent_path();
+      if (place.empty()) place = ".";
+      if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(std::move(place));
+    }
+    folders.clear();
+  }
+  int lost = 0;
+  for (const std::filesystem::path& place : places)
+    if (const int error = sync_path(place); error != 0) lost = error;
+  if (culprit) {
+    if (placed.empty()) io::fail_output(culprit->file, failed);
+    try {
+      io::fail_output(culprit->file, failed);
+    } catch (const FileError& error) {
+      const std::string cause = std::string(error.what()).substr(printable(culprit->file).size() + 2);
+      throw FileError(culprit->file, cause + "; written are " + named(placed));
+    }
+  }
+  if (lost != 0)
+    throw FileError(all.front().file, fmt::format("is written, but the disk does not confirm its name ({})",
+                                                  std::generic_category().message(lost)));
+}
+
+OutputBatch::OutputBatch() : files_(current_batch), within_another_(files_ != nullptr) {
+  if (within_another_) return;
+  files_ = current_batch = std::make_shared<Files>();
+  const std::lock_guard lock(registry().mutex);
+  registry().batches.push_back(files_.get());
+}
+
+OutputBatch::~OutputBatch() {
+  if (within_another_) return;
+  current_batch.reset();
+  const std::lock_guard lock(registry().mutex);
+  std::erase(registry().batches, files_.get());
+  files_->folders.clear();
+}
+
+void OutputBatch::commit() {
+  if (!within_another_) files_->commit();
+}
+
+std::size_t OutputBatch::waiting() const { return files_->waiting.size(); }
+bool OutputBatch::used_standard_output() const { return files_->standard_output; }
+
+std::vector<std::string> abandon_outputs() {
+  const std::lock_guard lock(registry().mutex);
+  std::vector<std::string> placed;
+  for (OutputBatch::Files* files : registry().batches) {
+    files->abandoned = true;
+    for (const auto& folder : files->folders) folder->remove();
+    placed.insert(placed.end(), files->placed.begin(), files->placed.end());
+  }
+  return placed;
+}
+
+void io::write_bytes(const std::string& file, const std::vector<std::string_view>& parts) {
+  OutputBatch batch;
+  current_batch->write(file, parts);
+  batch.commit();
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,117 @@
+#include "sansmesh/io/output_place.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstring>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh::io {
+namespace {
+
+constexpr int kMostLinks = 40;  // as the system has it
+
+/// The descriptor that a name in /proc/self/fd stands for; -1: it is none.
+int descriptor_of(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto folder = std::filesystem::canonical(path.parent_path(), failed);
+  if (failed || folder != std::filesystem::canonical("/proc/self/fd", failed) || failed) return -1;
+  const std::string name = path.filename().string();
+  int number = -1;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  return error == std::errc() && end == name.data() + name.size() ? number : -1;
+}
+
+/// Goes through the symbolic links one by one, so that the last one may name what is not there yet.
+void follow_links(const std::string& file, OutputPlace& place) {
+  for (int hop = 0; hop < kMostLinks; ++hop) {
+    struct stat info {};
+    if (::lstat(place.path.c_str(), &info) != 0) {
+      if (errno == ENOENT) return;
+      fail_output(file, errno);
+    }
+    if (!S_ISLNK(info.st_mode)) return;
+    place.descriptor = descriptor_of(place.path);
+    if (place.descriptor >= 0) return;
+    std::error_code failed;
+    const auto target = std::filesystem::read_symlink(place.path, failed);
+    if (failed) fail_output(file, failed.value());
+    place.path = target.is_absolute() ? target : place.path.parent_path() / target;
+  }
+  fail_output(file, ELOOP);
+}
+
+}  // namespace
+
+void fail_output(const std::string& file, int error) {
+  const auto fail = [&](const std::string& why) { throw FileError(file, "cannot be written (" + why + ")"); };
+  switch (error) {
+    case EACCES:
+    case EPERM:
+      fail("permission denied");
+    case ENOENT:
+      fail("its folder does not exist");
+    case ENOTDIR:
+      fail("its folder is not a folder");
+    case EISDIR:
+      fail("it is a directory");
+    case ENOSPC:
+      fail("the disk is full");
+    case EDQUOT:
+      fail("the disk is full: no more is granted to this user");
+    case EFBIG:
+      fail("it is larger than files may be here, see ulimit -f");
+    case EROFS:
+      fail("the file system is read-only");
+    case ENAMETOOLONG:
+      fail("its name is too long");
+    case ELOOP:
+      fail("its symbolic links go round in a circle");
+    case EPIPE:
+      fail("nobody reads it any more");
+    default:
+      fail(std::strerror(error));
+  }
+  throw FileError(file, "cannot be written");
+}
+
+OutputPlace find_output_place(const std::string& file) {
+  if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
+  OutputPlace place;
+  place.path = file;
+  follow_links(file, place);
+  struct stat info {};
+  if (place.descriptor >= 0) {
+    const int flags = ::fcntl(place.descriptor, F_GETFL);
+    if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY || ::fstat(place.descriptor, &info) != 0)
+      throw FileError(file, "cannot be written (it is not open for that)");
+    place.exists = place.stream = true;
+    place.pipe = S_ISFIFO(info.st_mode);
+    return place;
+  }
+  if (::stat(place.path.c_str(), &info) == 0) {
+    place.exists = true;
+    if (S_ISDIR(info.st_mode)) fail_output(file, EISDIR);
+    if (::access(place.path.c_str(), W_OK) != 0) fail_output(file, errno);
+    place.stream = !S_ISREG(info.st_mode);
+    place.pipe = S_ISFIFO(info.st_mode);
+    place.mode = info.st_mode & 07777;
+    if (place.stream) return place;
+  }
+  std::filesystem::path folder = place.path.parent_path();
+  if (folder.empty()) folder = ".";
+  if (::stat(folder.c_str(), &info) != 0) fail_output(file, errno);
+  if (!S_ISDIR(info.st_mode)) fail_output(file, ENOTDIR);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    if (errno == EROFS) fail_output(file, errno);
+    throw FileError(file, "cannot be written (permission denied in its folder)");
+  }
+  return place;
+}
+
+}  // namespace sansmesh::io
