@@ -6,14 +6,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/read_text.h"
 
 namespace sansmesh {
 namespace {
@@ -130,17 +130,15 @@ std::vector<Handle> handles_of_json(const std::string& text, const std::string& 
   try {
     // Of two keys in an object the last would win, silently.
     std::vector<std::set<std::string>> keys;
-    json = HandleJson::parse(text, [&](int, HandleJson::parse_event_t event, HandleJson& value) {
+    json = detail::parse_json<HandleJson>(text, [&](int, HandleJson::parse_event_t event, HandleJson& value) {
       if (event == HandleJson::parse_event_t::object_start) keys.emplace_back();
       if (event == HandleJson::parse_event_t::object_end) keys.pop_back();
       if (event == HandleJson::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
         file.fail(fmt::format("key '{}' stands twice in an object", printable(value.get<std::string>(), 40)));
       return true;
     });
-  } catch (const HandleJson::parse_error& error) {
-    file.fail(fmt::format("is no JSON: it breaks off at byte {}", error.byte));
-  } catch (const HandleJson::exception&) {
-    file.fail("holds a number that is too large");
+  } catch (const ArgumentError& error) {
+    file.fail(error.what());
   }
   if (!json.is_object()) file.fail("must be an object with 'handles'");
   check_keys(json, {"handles"}, file);
@@ -226,13 +224,7 @@ std::vector<Handle> parse_handles(const std::string& whole, const std::string& n
   return handles;
 }
 
-std::vector<Handle> read_handles(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(file, "cannot be opened");
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) throw FileError(file, "cannot be read");
-  return parse_handles(text, file);
-}
+std::vector<Handle> read_handles(const std::string& file) { return parse_handles(read_text(file), file); }
 
 std::string handles_json(std::span<const Handle> handles) {
   HandleJson all = HandleJson::array();

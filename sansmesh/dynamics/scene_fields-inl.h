@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/core/vec.h"
 
 namespace sansmesh::detail {
@@ -57,14 +58,7 @@ inline SceneJson parse_scene_json(const std::string& text) {
       twice = parsed.get_ref<const std::string&>();
     return true;
   };
-  SceneJson json;
-  try {
-    json = SceneJson::parse(text, look, true, true);
-  } catch (const SceneJson::exception& error) {
-    const std::string what = error.what();
-    const std::size_t at = what.find("parse error");
-    throw ArgumentError("is no JSON: " + printable(at == std::string::npos ? what : what.substr(at), 200));
-  }
+  auto json = parse_json<SceneJson>(text, look, true);
   if (!twice.empty()) throw ArgumentError(fmt::format("'{}' is given twice", printable(twice, 40)));
   return json;
 }

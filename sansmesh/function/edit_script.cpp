@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/partition/partition_edit.h"
 
@@ -269,16 +270,9 @@ Json to_json(const Refit& r) {
 }  // namespace
 
 std::vector<Edit> parse_edit_script(const std::string& text) {
-  Json json;
   TwiceGiven twice;
-  try {
-    json = Json::parse(text, [&](int, Json::parse_event_t event, const Json& parsed) { return twice(event, parsed); });
-  } catch (const nlohmann::json::parse_error& error) {
-    // The library's own words name its classes; the place is what helps.
-    throw ArgumentError(fmt::format("is not JSON: something is wrong at or before byte {}", error.byte));
-  } catch (const nlohmann::json::exception&) {
-    throw ArgumentError("holds a number that is too large");
-  }
+  const auto json = detail::parse_json<Json>(
+      text, [&](int, Json::parse_event_t event, const Json& parsed) { return twice(event, parsed); });
   if (!twice.what().empty()) throw ArgumentError(twice.what());
   const Fields f(json, "the script", {"version", "steps", "function", "note"});
   if (f.integer("version") != kVersion)

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/json_text-inl.h"
+#include "sansmesh/core/read_text.h"
 #include "sansmesh/render/color_space.h"
 
 namespace sansmesh {
@@ -169,7 +169,7 @@ TransferFunction paraview_transfer_function(const TransferJson& json) {
 
 TransferFunction parse_transfer_function(std::string_view text, const std::string& file) {
   try {
-    const TransferJson json = TransferJson::parse(text);
+    const auto json = detail::parse_json<TransferJson>(text);
     TransferFunction f;
     if (json.is_array()) {
       if (json.empty()) transfer_error("the list of colour maps is empty");
@@ -182,19 +182,13 @@ TransferFunction parse_transfer_function(std::string_view text, const std::strin
     }
     f.validate();
     return f;
-  } catch (const nlohmann::json::exception& error) {
-    throw FileError(file, std::string("not JSON: ") + error.what());
   } catch (const ArgumentError& error) {
     throw FileError(file, error.what());
   }
 }
 
 TransferFunction read_transfer_function(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(file, "cannot be opened");
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) throw FileError(file, "cannot be read");
-  return parse_transfer_function(text, file);
+  return parse_transfer_function(read_text(file), file);
 }
 
 std::string transfer_function_json(const TransferFunction& f) {

@@ -66,7 +66,7 @@ TEST(HandleFile, SaysWhichHandleAndWhichKeyIsWrong) {
   };
   const std::vector<Bad> all = {
       {"", {"is empty"}},
-      {"{", {"is no JSON"}},
+      {"{", {"is not JSON"}},
       {"[]", {"'handles'"}},
       {R"({"handles": []})", {"no handles"}},
       {R"({"handels": []})", {"'handels'", "known: handles"}},

@@ -112,7 +112,7 @@ TEST(SceneScript, ForcesHandlesAndObstacles) {
 TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
   const Stage s;
   const std::pair<const char*, const char*> cases[] = {
-      {"{", "is no JSON"},
+      {"{", "is not JSON"},
       {"[1]", "must be an object"},
       {"{\"fixd\": 1}", "unknown key 'fixd'; known: model"},
       {"{\"step\": 1, \"step\": 2}", "'step' is given twice"},

@@ -99,10 +99,10 @@ TEST(EditScript, WhatIsWrongIsNamed) {
   };
   const auto select = [&](const std::string& text) { return step(R"({"degree":1,"select":{)" + text + "}}"); };
   const Case cases[] = {
-      {"", "not JSON", "byte"},
-      {"{", "not JSON", "byte"},
-      {"version 1", "not JSON", "byte 1"},
-      {std::string(1 << 20, '['), "not JSON", "byte"},
+      {"", "not JSON"},
+      {"{", "not JSON", "line 1"},
+      {"version 1", "not JSON", "line 1, column 1"},
+      {std::string(1 << 20, '['), "not JSON", "line 1"},
       {std::string(100000, '[') + std::string(100000, ']'), "the script", "object"},
       {"null", "the script", "object"},
       {"[]", "the script", "object"},
@@ -137,7 +137,7 @@ TEST(EditScript, WhatIsWrongIsNamed) {
       {step(R"({"degree":-1,"select":{}})"), "step 2", "'degree'"},
       {step(R"({"degree":1.0,"select":{}})"), "step 2", "'degree'"},
       {step(R"({"degree":"1","select":{}})"), "step 2", "'degree'"},
-      {step(R"({"degree":NaN,"select":{}})"), "not JSON", "byte"},
+      {step(R"({"degree":NaN,"select":{}})"), "not JSON", "line 1"},
       {step(R"({"degree":1e999,"select":{}})"), "number", "too large"},
       {step(R"({"degree":18446744073709551615,"select":{}})"), "step 2", "'degree'"},
       {step(R"({"undo":0})"), "step 2", "'undo'"},
