@@ -3,25 +3,16 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
-#include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 #include "flags.h"
 #include "sansmesh/core/error.h"
+#include "standard_output.h"
 
 namespace sansmesh::cli {
 namespace {
-
-std::atomic<Progress*> interrupted_progress{nullptr};
-
-/// The first Ctrl-C lets the work end at its next check, so that no temporary file is left; the second kills.
-void on_interrupt(int signal) {
-  if (Progress* progress = interrupted_progress.load()) progress->cancel();
-  std::signal(signal, SIG_DFL);
-}
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -33,30 +24,50 @@ Console::Console(const ConsoleOptions& options, const CommandLine& command)
     : options_(options),
       command_(command),
       started_(now()),
-      progress_([this](const std::string& stage, double fraction) { draw(stage, fraction); }) {
+      progress_([this](const std::string& stage, double fraction) { draw(stage, fraction); }),
+      interruptible_(progress_),
+      listening_(progress_) {
   const char* kind = std::getenv("TERM");
   terminal_ = !options.quiet && isatty(STDERR_FILENO) && kind && std::string(kind) != "dumb";
-  interrupted_progress = &progress_;
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
 }
 
-Console::~Console() {
+Console::~Console() { clear(); }
+
+void Console::finish() {
+  progress_.check();
+  outputs_.commit();
+  show(std::exchange(said_, {}));
+  finish_out();
+}
+
+std::string Console::rescue_frames() {
+  const std::size_t kept = outputs_.waiting();
+  if (!keeps_frames_ || kept == 0) return {};
+  outputs_.commit();
+  return fmt::format("; {} before it {}", counted(kept, "file"), kept == 1 ? "is kept" : "are kept");
+}
+
+/// Where standard output is a file of the command, other words would spoil it.
+void Console::show(std::string text) {
+  if (text.empty()) return;
   clear();
-  interrupted_progress = nullptr;
+  if (outputs_.used_standard_output())
+    print_err(text);
+  else if (outputs_.waiting() > 0 || !said_.empty())
+    said_ += text;
+  else
+    print_out(text);
 }
 
 void Console::say(const std::string& line) {
   if (options_.json || options_.quiet) return;
-  clear();
-  fmt::print("{}\n", line);
+  show(line + "\n");
 }
 
 void Console::say_json(Json json) {
   if (!options_.json) return;
-  clear();
   json["warnings"] = warnings_;
-  fmt::print("{}\n", json.text());
+  show(json.text() + "\n");
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {
@@ -71,7 +82,7 @@ void Console::warn_line(const std::string& line) {
   warnings_.push_back(line);
   if (options_.quiet) return;
   clear();
-  fmt::print(stderr, "warning: {}\n", line);
+  print_err("warning: " + line + "\n");
 }
 
 std::string Console::in_flags(const std::string& message) const { return cli::in_flags(message, command_); }
@@ -81,29 +92,27 @@ void Console::print_timings() {
   clear();
   double wall = 0, cpu = 0;
   for (const Progress::Timing& t : progress_.timings()) {
-    fmt::print(stderr, "{:<24}{:8.3f} s wall{:9.3f} s CPU\n", t.stage, t.wall_seconds, t.cpu_seconds);
+    print_err(fmt::format("{:<24}{:8.3f} s wall{:9.3f} s CPU\n", t.stage, t.wall_seconds, t.cpu_seconds));
     wall += t.wall_seconds, cpu += t.cpu_seconds;
   }
-  fmt::print(stderr, "{:<24}{:8.3f} s wall{:9.3f} s CPU\n", "all", wall, cpu);
+  print_err(fmt::format("{:<24}{:8.3f} s wall{:9.3f} s CPU\n", "all", wall, cpu));
 }
 
 void Console::draw(const std::string& stage, double fraction) {
   if (!terminal_ || now() - started_ < kBarDelay) return;
   constexpr int width = 30;
   const int full = static_cast<int>(fraction * width);
-  fmt::print(stderr, "\r\033[K{:<24} [{:#<{}}{:<{}}] {:3.0f} %", stage, "", full, "", width - full, 100 * fraction);
-  std::fflush(stderr);
+  print_err(fmt::format("\r\033[K{:<24} [{:#<{}}{:<{}}] {:3.0f} %", stage, "", full, "", width - full, 100 * fraction));
   drawn_ = true;
 }
 
 void Console::clear() {
   if (!drawn_) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  print_err("\r\033[K");
   drawn_ = false;
 }
 
-void print_error(const std::string& message) { fmt::print(stderr, "sansmesh: {}\n", printable(message)); }
+void print_error(const std::string& message) { print_err("sansmesh: " + printable(message) + "\n"); }
 
 std::string length(double value) { return fmt::format("{:.4g}", value); }
 

@@ -4,9 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "interrupt.h"
 #include "json.h"
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/progress.h"
+#include "sansmesh/io/output_batch.h"
 
 namespace sansmesh::cli {
 
@@ -30,7 +33,15 @@ class Console {
   /// Draws the bar where standard error is a terminal; cancelled by Ctrl-C.
   Progress& progress() { return progress_; }
 
-  /// A result for people: printed unless --json or --quiet.
+  /// Frames of a motion that are written stay there if a later one cannot be: they took long.
+  void keep_frames() { keeps_frames_ = true; }
+  /// Puts the files of the command in their places (OutputBatch), then prints what was said of them. Called once, when
+  /// all has gone well. Throws what these do, Cancelled, and errors of standard output.
+  void finish();
+  /// After an error: frames that are to be kept are put in their places; words about that, empty if there are none.
+  std::string rescue_frames();
+
+  /// A result for people: printed unless --json or --quiet. Once files were written, it waits for finish().
   void say(const std::string& line);
   /// A result for programs, an object: printed with --json, once all is done, together with the list of all that was
   /// warned of (`warnings`). Bytes that are not UTF-8, as names of files can have, are replaced.
@@ -48,19 +59,25 @@ class Console {
 
  private:
   void warn_line(const std::string& line);
+  void show(std::string text);
   void draw(const std::string& stage, double fraction);
   void clear();
 
   ConsoleOptions options_;
   const CommandLine& command_;
   std::vector<std::string> warnings_;
+  std::string said_;  ///< once there are files, of which it is, in their places
+  bool keeps_frames_ = false;
   bool terminal_ = false;
   bool drawn_ = false;
   double started_ = 0;
   Progress progress_;
+  InterruptibleWork interruptible_;
+  CancelScope listening_;
+  OutputBatch outputs_;
 };
 
-/// Reports an error as one line, after clearing the bar.
+/// Reports an error as one line.
 void print_error(const std::string& message);
 
 /// A length with four significant digits.

@@ -173,7 +173,6 @@ class Conversion {
       warn(a_.input.name(),
            fmt::format("{} of fewer than {} {} left out", counted(small, "part"), grouped(a_.min_size), of));
     check_part_names(parts);
-    // From here on nothing interrupts: all parts are written, or the first that cannot be says so.
     console_.progress().begin("write");
   }
 

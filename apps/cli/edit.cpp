@@ -2,13 +2,12 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "commands.h"
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/read_text.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
@@ -23,14 +22,6 @@ namespace {
 struct EditArguments {
   std::string input, script, output, mesh, mesh_output;
 };
-
-std::string read_text(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  if (!stream) throw FileError(file, "cannot be read");
-  return text.str();
-}
 
 Json box_json(const Box3& box) {
   if (box.empty()) return nullptr;

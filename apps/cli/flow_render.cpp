@@ -272,6 +272,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
       const Image paper = paper_beside(look);
       if (bar) image = beside_value_bar(image, *drawn.colors, drawn.title, {}, &paper);
       files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
+      if (files.size() > 1) console.keep_frames();
       a.picture.write(files.back(), image, look);
     }
     progress.finish();

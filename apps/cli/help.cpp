@@ -1,6 +1,4 @@
 // sansmesh help, completion and manual: what the tool tells of itself.
-#include <fmt/core.h>
-
 #include <string>
 #include <vector>
 
@@ -10,6 +8,7 @@
 #include "manual_page.h"
 #include "parse_line.h"
 #include "sansmesh/io/io.h"
+#include "standard_output.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -31,7 +30,7 @@ Command add_help(CommandLine& app) {
       "Examples:\n"
       "  sansmesh help reconstruct\n"
       "  sansmesh help volume render");
-  return {&c, [words, &app](Console&) { fmt::print("{}", help_text(command_of(app, *words))); }};
+  return {&c, [words, &app](Console&) { print_out(help_text(command_of(app, *words))); }};
 }
 
 Command add_completion(CommandLine& app) {
@@ -46,9 +45,9 @@ Command add_completion(CommandLine& app) {
       "  sansmesh completion zsh > ~/.zfunc/_sansmesh\n"
       "  sansmesh completion fish > ~/.config/fish/completions/sansmesh.fish");
   return {&c, [shell, &app](Console&) {
-            fmt::print("{}", *shell == "bash"  ? bash_completion(app)
-                             : *shell == "zsh" ? zsh_completion(app)
-                                               : fish_completion(app));
+            print_out(*shell == "bash"  ? bash_completion(app)
+                      : *shell == "zsh" ? zsh_completion(app)
+                                        : fish_completion(app));
           }};
 }
 
@@ -67,7 +66,7 @@ Command add_manual(CommandLine& app) {
   return {&c, [words, folder, &app](Console&) {
             const CommandLine& command = command_of(app, *words);
             if (folder->empty())
-              fmt::print("{}", manual_page(command, SANSMESH_VERSION));
+              print_out(manual_page(command, SANSMESH_VERSION));
             else
               write_pages(command, *folder);
           }};

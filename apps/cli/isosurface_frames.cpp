@@ -163,6 +163,7 @@ void write_isosurface_frames(const VolumeInput& input, std::optional<double> val
     move_to_input(mesh, place);
     const std::string file = motion_frame_name(output.file, k);
     if (mesh.triangles.empty()) warnings.push_back(fmt::format("there is no surface at the moment {:.6g}", t));
+    if (k > 0) console.keep_frames();
     write_mesh(file, mesh, {.ascii = output.ascii});
     const MeshTopology topology = measure_topology(mesh);
     const MeshSize size = measure_size(mesh);

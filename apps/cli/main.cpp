@@ -4,24 +4,28 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "flags.h"
 #include "help_text.h"
+#include "interrupt.h"
 #include "parse_line.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/io/output_batch.h"
+#include "standard_output.h"
 #include "suggestions.h"
 
 namespace sansmesh::cli {
 namespace {
 
-constexpr int kFailed = 1;         // a file or its data
-constexpr int kUsage = 2;          // the command line
-constexpr int kInterrupted = 130;  // Ctrl-C, as shells have it
+constexpr int kFailed = 1;  // a file or its data
+constexpr int kUsage = 2;   // the command line
 
 constexpr const char* kExamples = R"(
 Examples:
@@ -57,16 +61,32 @@ const Command& command_of_line(const std::vector<Command>& commands, const Comma
   return *std::find_if(commands.begin(), commands.end(), [&](const Command& c) { return c.line == &line; });
 }
 
+/// The command was interrupted; these files were written before.
+struct Interrupted {
+  std::vector<std::string> written;
+};
+
 void run(const Command& command, const CommonArguments& common) {
   const ThreadScope threads(common.threads);
   Console console(common.console, *command.line);
-  command.run(console);
+  try {
+    command.run(console);
+    console.finish();
+  } catch (const Cancelled&) {
+    throw Interrupted{abandon_outputs()};
+  } catch (const FileError& error) {
+    const std::string kept = console.rescue_frames();
+    if (kept.empty()) throw;
+    const std::string cause = std::string(error.what()).substr(printable(error.file()).size() + 2);
+    throw FileError(error.file(), cause + kept);
+  }
+  end_of_interrupts();
 }
 
 /// One line, or for somebody who typed nothing but a command, what to type next.
 void report(const UsageError& error) {
   if (error.bare) {
-    fmt::print(stderr, "{}", short_help(*error.command));
+    print_err(short_help(*error.command));
     return;
   }
   const std::string command = error.command->full_name().substr(error.command->root().name().size());
@@ -91,7 +111,19 @@ std::string with_similar_file(const FileError& error, const CommandLine& command
   return message;
 }
 
-int main(int argc, char** argv) {
+/// What other libraries throw, in our words.
+std::string words_of(const std::exception& error) {
+  if (dynamic_cast<const Error*>(&error)) return error.what();
+  if (dynamic_cast<const std::bad_alloc*>(&error) || dynamic_cast<const std::length_error*>(&error))
+    return "not enough memory";
+  if (const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
+    return of_file->path1().string() + ": cannot be used (" + of_file->code().message() + ")";
+  if (const auto* of_system = dynamic_cast<const std::system_error*>(&error))
+    return "the system refuses what is needed (" + of_system->code().message() + ")";
+  return std::string("an error in sansmesh itself, please report it (") + error.what() + ")";
+}
+
+int run_line(int argc, char** argv) {
   CommonArguments common;
   CommandLine line("Surfaces and volumes straight from samples.", "sansmesh");
   line.footer(kExamples);
@@ -109,15 +141,21 @@ int main(int argc, char** argv) {
   try {
     const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});
     chosen = parsed.command;
-    if (parsed.wish == ParsedLine::Wish::help) return fmt::print("{}", help_text(*chosen)), 0;
-    if (parsed.wish == ParsedLine::Wish::version) return fmt::print("sansmesh {}\n", SANSMESH_VERSION), 0;
-    run(command_of_line(commands, *chosen), common);
+    if (parsed.wish == ParsedLine::Wish::run) {
+      run(command_of_line(commands, *chosen), common);
+    } else {
+      print_out(parsed.wish == ParsedLine::Wish::help ? help_text(*chosen) : "sansmesh " SANSMESH_VERSION "\n");
+      finish_out();
+    }
     return 0;
   } catch (const UsageError& error) {
     report(error);
     return kUsage;
-  } catch (const Cancelled&) {
-    print_error("interrupted, nothing was written");
+  } catch (const BrokenPipe&) {
+    end_by_broken_pipe();
+  } catch (const Interrupted& interrupted) {
+    end_of_interrupts();
+    print_error(interrupted_words(interrupted.written));
     return kInterrupted;
   } catch (const ArgumentError& error) {
     const std::string message = with_typed_values(in_flags(error.what(), *chosen), *chosen);
@@ -127,10 +165,8 @@ int main(int argc, char** argv) {
     print_error(with_similar_file(error, *chosen));
   } catch (const DataError& error) {
     print_error(in_flags(error.what(), *chosen));
-  } catch (const std::bad_alloc&) {
-    print_error("not enough memory");
   } catch (const std::exception& error) {
-    print_error(error.what());
+    print_error(in_flags(words_of(error), *chosen));
   }
   return kFailed;
 }
@@ -138,4 +174,8 @@ int main(int argc, char** argv) {
 }  // namespace
 }  // namespace sansmesh::cli
 
-int main(int argc, char** argv) { return sansmesh::cli::main(argc, argv); }
+int main(int argc, char** argv) {
+  sansmesh::cli::prepare_standard_output();
+  sansmesh::cli::listen_for_interrupts();
+  return sansmesh::cli::run_line(argc, argv);
+}

@@ -23,10 +23,10 @@
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/suited_options.h"
-#include "sansmesh/io/animation.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/write_tets.h"
+#include "simulate_frames.h"
 #include "simulate_scene.h"
 
 namespace sansmesh::cli {
@@ -150,38 +150,6 @@ SimulationTotals simulate(SoftBody& body, const FrameTimes& times, std::size_t s
   return t;
 }
 
-std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, Progress& progress) {
-  std::vector<std::string> files;
-  std::vector<TimedFile> series;
-  TetMesh frame = motion.rest();
-  const std::vector<Vec3> at_rest = motion.positions(0);  // rounded as those of all frames
-  progress.begin("writing tetrahedra", motion.frames());
-  for (std::size_t k = 0; k < motion.frames(); ++k) {
-    frame.vertices = motion.positions(k);
-    std::vector<float> velocity, displacement;
-    for (std::size_t v = 0; v < frame.vertices.size(); ++v) {
-      const Vec3f u = motion.velocities(k)[v], d = Vec3f(frame.vertices[v] - at_rest[v]);
-      velocity.insert(velocity.end(), {u.x, u.y, u.z});
-      displacement.insert(displacement.end(), {d.x, d.y, d.z});
-    }
-    frame.attributes.set("velocity", std::move(velocity), 3);
-    frame.attributes.set("displacement", std::move(displacement), 3);
-    files.push_back(motion_frame_name(output, k));
-    write_tets(files.back(), frame);
-    series.push_back({motion.time(k), std::filesystem::path(files.back()).filename().string()});
-    progress.advance();
-  }
-  files.push_back(std::filesystem::path(output).replace_extension(".pvd").string());
-  write_collection(files.back(), series);
-  return files;
-}
-
-/// What pictures need, opened and checked before anything moves.
-struct PicturesToDraw {
-  std::optional<MotionPictures> pictures;
-  std::optional<Animation> animation;
-};
-
 /// Inputs are not to be lost: frames get names that nobody typed.
 void check_overwriting(const SimulateArguments& a, std::size_t frames) {
   const auto place = [](const std::string& file) {
@@ -198,40 +166,6 @@ void check_overwriting(const SimulateArguments& a, std::size_t frames) {
     for (std::size_t k = 0; k < frames; ++k) check(motion_frame_name(o, k));
   if (!a.animation.empty()) check(a.animation);
   if (!a.energies.empty()) check(a.energies);
-}
-
-std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion& motion, const CarriedSurface& surface,
-                                       const DynamicsScene& scene, PicturesToDraw& draw, Progress& progress) {
-  std::vector<std::string> files;
-  for (const std::string& o : a.outputs) {
-    if (io::ending(o) == "png") continue;
-    if (io::ending(o) == "vtu") {
-      for (std::string& file : write_tet_frames(o, motion, progress)) files.push_back(std::move(file));
-      continue;
-    }
-    progress.begin("writing meshes", motion.frames());
-    for (std::size_t k = 0; k < motion.frames(); ++k) {
-      files.push_back(motion_frame_name(o, k));
-      write_mesh(files.back(), surface.at(motion, k), {.ascii = a.ascii});
-      progress.advance();
-    }
-  }
-  if (!draw.pictures) return files;
-  draw.pictures->frame(scene);
-  for (std::size_t k = 0; k < motion.frames(); ++k) {
-    const Image image = a.picture.part(draw.pictures->draw(k, progress), a.picture.chosen());
-    for (const std::string& o : a.outputs)
-      if (io::ending(o) == "png") {
-        files.push_back(motion_frame_name(o, k));
-        write_image(files.back(), image);
-      }
-    if (draw.animation) draw.animation->add(image);
-  }
-  if (draw.animation) {
-    draw.animation->write(a.animation);
-    files.push_back(a.animation);
-  }
-  return files;
 }
 
 Json energies_json(const BodyEnergies& e) {
@@ -343,7 +277,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
         {fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge; a "
                      "smaller --step, or less stiffness, is quicker",
                      grouped(totals.halvings), totals.shortest)});
-  std::vector<std::string> files = write_outputs(a, motion, *surface, script.scene, draw, console.progress());
+  std::vector<std::string> files = write_outputs(a, motion, *surface, script.scene, draw, console);
   if (!a.energies.empty()) {
     write_text(a.energies, totals.table);
     files.push_back(a.energies);

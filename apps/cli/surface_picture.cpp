@@ -143,6 +143,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console, std
         options.view = view;
         const Image image = beside_bar(painter.paint(options, progress), bar, options);
         files.push_back(frame_name(arguments.output, number++));
+        if (files.size() > 1) console.keep_frames();
         written = arguments.picture.write(files.back(), image, options);
       }
     }

@@ -160,6 +160,7 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
   for (std::size_t k = 0; k < views.size(); ++k) {
     look.view = views[k];
     files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
+    if (files.size() > 1) console.keep_frames();
     written = a.picture.write(
         files.back(),
         beside_bar(render_surface(caster, surface.balls().centers, colors.get(), look, progress), bar, look), look);

@@ -370,14 +370,5 @@ TEST_F(Commands, RenderDraws) {
   EXPECT_GT(std::filesystem::file_size(path("in.png")), 1000u);
 }
 
-TEST_F(Commands, InterruptLeavesNothing) {
-  write_sphere("large.ply", 600000);
-  const auto before = listing();
-  const Outcome outcome = run({"reconstruct", "large.ply", "-o", "out.ply", "--threads", "1"}, SIGINT, 400);
-  EXPECT_EQ(outcome.code, 130) << outcome.err;
-  EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
-  EXPECT_EQ(listing(), before);
-}
-
 }  // namespace
 }  // namespace sansmesh::test

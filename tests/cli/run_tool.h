@@ -89,8 +89,9 @@ class ToolTest : public ::testing::Test {
     return names;
   }
 
-  /// Runs the tool in the folder; sends `signal` after `delay_ms` unless 0.
-  Outcome run(const std::vector<std::string>& arguments, int signal = 0, int delay_ms = 0) const {
+  /// Starts the tool in the folder; `prepare` is called before, in its process.
+  template <class Prepare>
+  pid_t start(const std::vector<std::string>& arguments, Prepare&& prepare) const {
     const std::string out = path("captured-out"), err = path("captured-err");
     const pid_t child = ::fork();
     if (child == 0) {
@@ -98,19 +99,30 @@ class ToolTest : public ::testing::Test {
       const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       ::dup2(o, 1), ::dup2(e, 2);
+      prepare();
       std::vector<char*> argv{const_cast<char*>(tool())};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
       argv.push_back(nullptr);
       ::execv(tool(), argv.data());
       ::_exit(127);
     }
+    return child;
+  }
+  Outcome outcome_of(pid_t child) const {
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), slurp(path("captured-out")),
+            slurp(path("captured-err"))};
+  }
+
+  /// Runs the tool in the folder; sends `signal` after `delay_ms` unless 0.
+  Outcome run(const std::vector<std::string>& arguments, int signal = 0, int delay_ms = 0) const {
+    const pid_t child = start(arguments, [] {});
     if (signal != 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
       ::kill(child, signal);
     }
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), slurp(out), slurp(err)};
+    return outcome_of(child);
   }
 
   /// The object that a command prints with --json; null, and a failure, if it does not.

@@ -199,7 +199,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "nowhere.json"},
        1,
        {"nowhere.json: fixed: no vertex lies there"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "broken.json"}, 1, {"broken.json: is no JSON"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "broken.json"}, 1, {"broken.json: is not JSON"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--forces", "twice.json"},
        1,
        {"twice.json: handles.on: the vertex at", "is fixed or pulled already"}},

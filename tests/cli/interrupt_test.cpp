@@ -1,0 +1,66 @@
+// Ctrl-C and its like: heard at once wherever a command is, and nothing is left.
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "run_tool.h"
+#include "sansmesh/io/io.h"
+#include "support/clouds.h"
+#include "support/sanitizers.h"
+
+namespace sansmesh::test {
+namespace {
+
+/// Half a second is promised; machines that test have other things to do, too.
+constexpr double kSecondsToEnd = kAddressSanitizer || kThreadSanitizer ? 10 : 2;
+
+class Interrupts : public ToolTest {
+ protected:
+  /// The command hears the signal, says so in a line and leaves the folder as it was.
+  void expect_heard(const std::vector<std::string>& arguments, int signal, int delay_ms, int again = 0) {
+    std::string shown;
+    for (const std::string& a : arguments) shown += a + " ";
+    const auto before = listing();
+    const pid_t child = start(arguments, [] {});
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+    const auto begin = std::chrono::steady_clock::now();
+    ::kill(child, signal);
+    if (again != 0) ::kill(child, again);
+    const Outcome outcome = outcome_of(child);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    EXPECT_EQ(outcome.code, 130) << shown << outcome.err;
+    EXPECT_EQ(outcome.err, "sansmesh: interrupted, nothing was written\n") << shown;
+    EXPECT_EQ(outcome.out, "") << shown;
+    EXPECT_LT(seconds, kSecondsToEnd) << shown;
+    EXPECT_EQ(listing(), before) << shown;
+  }
+};
+
+TEST_F(Interrupts, AreHeardInTheMiddleOfWork) {
+  write_points(path("large.ply"), sphere(600000));
+  expect_heard({"reconstruct", "large.ply", "-o", "out.ply", "--threads", "1"}, SIGINT, 400);
+  expect_heard({"reconstruct", "large.ply", "-o", "out.ply", "--threads", "2"}, SIGTERM, 400);
+  expect_heard({"info", "large.ply", "large.ply", "large.ply", "--threads", "1"}, SIGTERM, 200);
+}
+
+TEST_F(Interrupts, AreHeardInWaitsForPipes) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  write_points(path("small.ply"), sphere(1000));
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) expect_heard({"info", "pipe"}, signal, 200);
+  expect_heard({"convert", "small.ply", "-o", "out.ply", "--transform", "pipe"}, SIGTERM, 200);
+  expect_heard({"deform", "small.ply", "-o", "out.ply", "--handles", "pipe"}, SIGTERM, 200);
+  // Nobody reads; the result waits for somebody.
+  ASSERT_EQ(::mkfifo(path("pipe.ply").c_str(), 0600), 0);
+  expect_heard({"convert", "small.ply", "-o", "pipe.ply"}, SIGINT, 300);
+}
+
+TEST_F(Interrupts, TheSecondEndsAtOnce) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  expect_heard({"info", "pipe"}, SIGINT, 200, SIGTERM);
+}
+
+}  // namespace
+}  // namespace sansmesh::test

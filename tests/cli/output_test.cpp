@@ -1,0 +1,122 @@
+// Nothing is lost in silence: full disks, closed and broken outputs, and what remains of series.
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "run_tool.h"
+#include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/io/write_tets.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+class Outputs : public ToolTest {
+ protected:
+  void SetUp() override {
+    ToolTest::SetUp();
+    write_points(path("ball.ply"), sphere(2000));
+  }
+  /// Files of that process have at most so many bytes, standard output included.
+  static void limit_files(rlim_t bytes) {
+    const rlimit limit{bytes, bytes};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+};
+
+const std::vector<std::string> kTalks[] = {{"info", "ball.ply"},
+                                           {"info", "ball.ply", "--json"},
+                                           {"help"},
+                                           {"help", "volume", "render"},
+                                           {"--version"},
+                                           {"info", "--help"},
+                                           {"completion", "bash"},
+                                           {"manual", "reconstruct"},
+                                           {"advise", "ball.ply"}};
+
+TEST_F(Outputs, ResultsThatCannotBePrintedAreAnError) {
+  for (const auto& arguments : kTalks) {
+    const pid_t child = start(arguments, [] {
+      const int full = ::open("/dev/full", O_WRONLY);
+      ::dup2(full, 1);
+    });
+    const Outcome outcome = outcome_of(child);
+    EXPECT_EQ(outcome.code, 1) << arguments[0];
+    EXPECT_EQ(outcome.err, "sansmesh: standard output: cannot be written (the disk is full)\n") << arguments[0];
+  }
+}
+
+TEST_F(Outputs, ClosedStandardOutputIsNoFileOfTheCommand) {
+  for (const auto& arguments : kTalks) {
+    const Outcome outcome = outcome_of(start(arguments, [] { ::close(1); }));
+    EXPECT_EQ(outcome.code, 1) << arguments[0];
+    EXPECT_EQ(outcome.err, "sansmesh: standard output: cannot be written (it is closed)\n") << arguments[0];
+  }
+  // Closed standard error says nothing, and harms nothing.
+  const Outcome outcome = outcome_of(start({"convert", "ball.ply", "-o", "out.ply"}, [] { ::close(2); }));
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(read_points(path("out.ply")).size(), 2000u);
+}
+
+TEST_F(Outputs, ABrokenPipeEndsQuietlyWithTheFilesWritten) {
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  ::close(ends[0]);
+  const Outcome outcome = outcome_of(start({"convert", "ball.ply", "-o", "out.ply"}, [&] { ::dup2(ends[1], 1); }));
+  ::close(ends[1]);
+  EXPECT_EQ(outcome.code, 1000 + SIGPIPE);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(read_points(path("out.ply")).size(), 2000u);
+}
+
+TEST_F(Outputs, AFileThatIsTooLargeIsAnError) {
+  const auto before = listing();
+  const Outcome outcome =
+      outcome_of(start({"convert", "ball.ply", "-o", "out.obj", "--quiet"}, [] { limit_files(10'000); }));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "sansmesh: out.obj: cannot be written (it is larger than files may be here, see ulimit -f)\n");
+  EXPECT_EQ(listing(), before);
+}
+
+TEST_F(Outputs, AllFilesOfACommandOrNone) {
+  const auto before = listing();
+  // The mesh fits, its picture does not.
+  const Outcome outcome = outcome_of(start({"reconstruct", "ball.ply", "-o", "out.ply", "--triangles", "20",
+                                            "--preview", "out.png", "--width", "600", "--height", "600", "--quiet"},
+                                           [] { limit_files(6'000); }));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err.find("sansmesh: out.png: cannot be written"), 0u) << outcome.err;
+  EXPECT_EQ(listing(), before);
+}
+
+TEST_F(Outputs, TheResultMayGoToStandardOutput) {
+  std::filesystem::create_symlink("/dev/stdout", path("out.xyz"));
+  const Outcome outcome = run({"convert", "ball.ply", "-o", "out.xyz"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2000);
+  EXPECT_NE(outcome.err.find("2,000 points"), std::string::npos) << "words go elsewhere: " << outcome.err;
+}
+
+TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
+  write_tets(path("bar.vtu"), box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1));
+  // The third frame cannot be written.
+  std::filesystem::create_directory(path("out_0002.vtu"));
+  const Outcome outcome = run({"simulate", "bar.vtu", "-o", "out.vtu", "--time", "0.4", "--fps", "10"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("out_0002.vtu: cannot be written (it is a directory); 3 files before it are kept"),
+            std::string::npos)
+      << outcome.err;
+  const std::string collection = slurp(path("out.pvd"));
+  EXPECT_NE(collection.find("out_0001.vtu"), std::string::npos) << collection;
+  EXPECT_EQ(collection.find("out_0002.vtu"), std::string::npos) << collection;
+  EXPECT_TRUE(std::filesystem::exists(path("out_0001.vtu")));
+  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "bar.vtu", "out.pvd", "out_0000.vtu", "out_0001.vtu",
+                                                 "out_0002.vtu"}));
+}
+
+}  // namespace
+}  // namespace sansmesh::test
