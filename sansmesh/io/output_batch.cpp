@@ -129,7 +129,8 @@ struct OutputBatch::Files {
 
   void write(const std::string& file, const Parts& parts);
   void commit();
-  static void sync_files(const std::vector<Waiting>& files);
+  void sync_files(const std::vector<Waiting>& files) const;
+  void check_abandoned() const;
   std::filesystem::path folder_for(const std::filesystem::path& target, const std::string& file);
 
   std::vector<Waiting> waiting;
@@ -209,7 +210,12 @@ void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
   waiting.push_back(std::move(w));
 }
 
-void OutputBatch::Files::sync_files(const std::vector<Waiting>& files) {
+void OutputBatch::Files::check_abandoned() const {
+  const std::lock_guard lock(registry().mutex);
+  if (abandoned) throw Cancelled();
+}
+
+void OutputBatch::Files::sync_files(const std::vector<Waiting>& files) const {
   if (files.empty()) return;
   std::vector<int> errors(files.size());
   {
@@ -217,8 +223,11 @@ void OutputBatch::Files::sync_files(const std::vector<Waiting>& files) {
     const ThreadScope waits(static_cast<int>(std::min(files.size(), kSyncsAtOnce)));
     parallel_for(0, files.size(), 1, [&](std::size_t i) { errors[i] = sync_path(files[i].staged); });
   }
-  for (std::size_t i = 0; i < files.size(); ++i)
-    if (errors[i] != 0) io::fail_output(files[i].file, errors[i]);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (errors[i] == 0) continue;
+    check_abandoned();  // then it is gone
+    io::fail_output(files[i].file, errors[i]);
+  }
 }
 
 void OutputBatch::Files::commit() {

@@ -15,6 +15,7 @@
 #include <set>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -67,12 +68,12 @@ int take_over(const std::filesystem::path& path, struct stat& info) {
 /// Once for each folder of a process: the next output in it need not look again.
 void clean_once(const std::filesystem::path& folder) {
   static std::mutex mutex;
-  static std::set<std::pair<dev_t, ino_t>> cleaned;
+  static std::set<std::tuple<std::string, dev_t, ino_t>> cleaned;
   struct stat info {};
   if (::stat(folder.c_str(), &info) != 0) return;
   {
     const std::lock_guard lock(mutex);
-    if (!cleaned.insert({info.st_dev, info.st_ino}).second) return;
+    if (!cleaned.insert({folder.string(), info.st_dev, info.st_ino}).second) return;
   }
   remove_stale_staging(folder);
 }
