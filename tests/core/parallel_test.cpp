@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/parallel_test_tools.h"
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel_backend.h"
 #include "sansmesh/core/progress.h"
 #include "support/any_threads.h"
@@ -217,6 +218,41 @@ TEST(Progress, CancelThrowsAtTheNextStep) {
   progress.advance();
   progress.cancel();
   EXPECT_THROW(progress.advance(), Cancelled);
+}
+
+TEST(Progress, LoopsOfACancelledScopeEndBeforeTheirNextRange) {
+  for (const int threads : {1, 4}) {
+    const ThreadScope scope(threads);
+    Progress progress;
+    std::atomic<std::size_t> visited{0};
+    const auto work = [&] {
+      const CancelScope listening(progress);
+      parallel_for(0, 100'000, 1, [&](std::size_t) {
+        parallel_for(0, 10, 1, [&](std::size_t) {
+          if (++visited == 50) progress.cancel();
+        });
+      });
+    };
+    EXPECT_THROW(work(), Cancelled);
+    EXPECT_GE(visited, 50u);
+    EXPECT_LT(visited, 200u) << "loops within loops listen, too";
+    EXPECT_THROW(work(), Cancelled) << "loops do not begin either";
+    EXPECT_EQ(CancelScope::current(), nullptr);
+    parallel_for(0, 1000, 1, [&](std::size_t) { ++visited; });
+    EXPECT_GE(visited, 1050u) << "nothing listens outside of the scope";
+  }
+}
+
+TEST(Progress, TheInnermostScopeCounts) {
+  Progress outer, inner;
+  outer.cancel();
+  const CancelScope listening(outer);
+  EXPECT_THROW(check_cancelled(), Cancelled);
+  {
+    const CancelScope other(inner);
+    EXPECT_NO_THROW(check_cancelled());
+  }
+  EXPECT_THROW(check_cancelled(), Cancelled);
 }
 
 TEST(Progress, RecordsStagesInOrder) {
