@@ -1,5 +1,7 @@
 #include "sansmesh/polygonize/piece_cut.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bitset>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/cell_polygons.h"
 #include "sansmesh/polygonize/lattice.h"
@@ -22,6 +25,15 @@ constexpr std::uint32_t kNobody = CutPieces::kNone;
 /// and the faces of the simplex are counted with the pieces in a byte.
 constexpr std::size_t kUsualBits = 64, kManyBits = kMostPiecesInBlock + 1;
 static_assert(4 + kMostPiecesInBlock <= 255);
+/// Values are whole numbers of so many bits, in units of 2 to the minus that of the root block's edge. Twice as much as
+/// is needed: a piece that counts in a block is, at its corners, no farther from zero than twice as far as these are
+/// from its middle (slopes are 1 at most), which is a quarter of the root's edge, as blocks are an eighth of it or
+/// less; the last bit makes values odd.
+constexpr int kValueBits = 40;
+/// Three times the product of a value and a minor, which is the difference of two products of two values.
+constexpr int kWeightBits = 3 * kValueBits + 3;
+static_assert(kWeightBits + 2 < 127, "sums of four weights fit into 128 bits with a sign");
+static_assert(kWeightBits - 64 + kValueBits + 2 < 127 && 64 + kValueBits + 2 < 127, "so do those of sign_of_sum");
 /// Of more pieces than this in a simplex, those numbered beside a piece divide it first, since they often lie beside
 /// it; and what cannot be the surface any more is left out in between, each time that twice as many have been looked
 /// at.
@@ -75,7 +87,7 @@ class NameTable {
 
 int sign_of(Wide v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
 
-/// The sign of Σ weight[i] value[i], with weights of up to 126 bits.
+/// The sign of Σ weight[i] value[i], with weights of up to kWeightBits and values of kValueBits.
 int sign_of_sum(const std::array<Wide, 4>& weight, const std::array<std::int64_t, 4>& value) {
   Wide high = 0, low = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -92,6 +104,7 @@ struct ChunkOfCuts {
   std::vector<float> size, room;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> piece;
+  bool cracked = false;
 };
 
 /// A polygon in the plane of a piece, as the planes along its edges; vertex i lies between edges i − 1 and i. Planes 0
@@ -166,7 +179,12 @@ class Cutter {
   using Mask = std::bitset<Bits>;
   Cutter(const PieceExpression& field, const PieceBlocks& blocks, double quantum, const PlainPattern& plain,
          ChunkOfCuts& out)
-      : field_(field), blocks_(blocks), quantum_(quantum), plain_(plain), out_(out) {}
+      : field_(field),
+        blocks_(blocks),
+        quantum_(quantum),
+        largest_(quantum * (0x1p-1 * (std::int64_t{1} << kValueBits) - 1)),
+        plain_(plain),
+        out_(out) {}
 
   /// What is in the cells of a block.
   CellStates look(std::size_t leaf, const BlockPattern& pattern, std::span<const Vec3> x) {
@@ -231,6 +249,7 @@ class Cutter {
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
       field_.evaluate_piece(pieces_[p], x, found_, {});
       for (std::size_t s = 0; s < slots_; ++s) {
+        if (!(std::abs(found_[s]) < largest_)) too_steep(x[s]);
         // Odd, so never 0.
         const std::int64_t v = 2 * static_cast<std::int64_t>(std::floor(found_[s] / quantum_)) + 1;
         values_[p * slots_ + s] = v;
@@ -238,6 +257,13 @@ class Cutter {
       }
     }
     return true;
+  }
+
+  [[noreturn]] static void too_steep(const Vec3& x) {
+    throw DataError(
+        fmt::format("the surface cannot be cut out near ({:.4g}, {:.4g}, {:.4g}): values change faster there "
+                    "than distances do, or are no numbers",
+                    x.x, x.y, x.z));
   }
 
   /// What is left of the expression where pieces are negative at all or any corners.
@@ -674,13 +700,15 @@ class Cutter {
     for (const Side& first : sides) {
       if (!first.from_shared || first.to_shared) continue;
       std::vector<std::uint32_t> chain{first.from, first.to};
-      for (bool end = false; !end && chain.size() < 100;) {
+      bool ended = false;
+      while (!ended && chain.size() <= sides.size()) {
         const auto next = std::find_if(sides.begin(), sides.end(),
                                        [&](const Side& s) { return s.face == first.face && s.from == chain.back(); });
         if (next == sides.end()) break;
         chain.push_back(next->to);
-        end = next->to_shared;
+        ended = next->to_shared;
       }
+      out_.cracked = out_.cracked || !ended;
       // From its beginning straight to the end, and back along the sides.
       for (std::size_t k = chain.size() - 1; k >= 2; --k) {
         out_.triangles.push_back({chain[0], chain[k], chain[k - 1]});
@@ -691,7 +719,7 @@ class Cutter {
 
   const PieceExpression& field_;
   const PieceBlocks& blocks_;
-  double quantum_;
+  double quantum_, largest_;  ///< of values: their unit, and what they must stay below
   const PlainPattern& plain_;
   ChunkOfCuts& out_;
   std::vector<PieceNode> nodes_, left_;  ///< of the block and of the simplex; pieces as numbers in `pieces_`
@@ -833,7 +861,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
     }
   }
   const std::vector<Vec3> place = lattice_places(field, blocks, numbers, first, numbering.points());
-  const double quantum = blocks.scale * 0x1p-40;
+  const double quantum = std::ldexp(blocks.scale, -kValueBits);
   const PlainPattern plain(patterns.pattern({}));
   std::vector<ChunkOfCuts> found(chunks);
   /// For the leaves of a chunk, with their numbers and places.
@@ -881,6 +909,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   CutPieces cut;
   NameTable names;
   for (ChunkOfCuts& c : found) {
+    cut.cracked = cut.cracked || c.cracked;
     std::vector<std::uint32_t> number(c.x.size());
     for (std::size_t v = 0; v < c.x.size(); ++v) {
       const Name& name = c.names.names()[v];

@@ -30,13 +30,16 @@ struct CutPieces {
   std::vector<std::uint32_t> piece;  ///< of each triangle
   /// Where there are more than kMostPiecesInBlock pieces in one block: nothing was cut then.
   std::optional<Vec3> crowded;
+  /// The sides of a polygon in a face between two simplices are not those seen from the other side: the mesh is not
+  /// closed. Other lattice points help.
+  bool cracked = false;
 };
 
 /// Between lattice vertices each piece is taken to be linear: a plane in each simplex, which these planes divide. What
 /// parts the inside from the outside there is the surface: closed whatever the pieces are, however thin the walls. All
 /// decisions are made in integers, on values rounded to 2⁻⁴⁰ of the root block; so neighbours agree, since what they
 /// share depends on the values at its own corners only. Vertices are not on the pieces yet but where the linear ones
-/// are.
+/// are. Throws DataError where values change faster than distances do, or are not finite.
 CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Progress& progress);
 
 }  // namespace sansmesh

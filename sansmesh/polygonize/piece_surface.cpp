@@ -474,7 +474,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     report.blocks = blocks.tree.leaves().size();
     report.unresolved = blocks.unresolved;
     mesher.mesh = cut_pieces(field, blocks, progress);
-    if (!mesher.mesh.crowded && closed(mesher.mesh)) break;
+    if (!mesher.mesh.crowded && !mesher.mesh.cracked && closed(mesher.mesh)) break;
     if (const std::optional<Vec3>& at = mesher.mesh.crowded)  // that is so with other lattice points, too
       throw DataError(
           fmt::format("more than {} faces meet in one place, near ({:.4g}, {:.4g}, {:.4g}): cut that place "

@@ -1,0 +1,166 @@
+// The cut of minima and maxima of planes: closed however many of them meet in one place.
+#include "sansmesh/polygonize/piece_cut.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/mesh/mesh_topology.h"
+
+namespace sansmesh {
+namespace {
+
+using Kind = PieceNode::Kind;
+
+/// Planes, put together by least() and greatest().
+class Planes final : public PieceExpression {
+ public:
+  /// The half-space behind the plane through a point; values are `steepness` times distances.
+  std::uint32_t plane(const Vec3& normal, const Vec3& through, double steepness = 1) {
+    const Vec3 n = normalized(normal) * steepness;
+    planes_.push_back({n, dot(n, through)});
+    return add({Kind::piece, static_cast<std::uint32_t>(planes_.size() - 1), 0});
+  }
+  std::uint32_t least(std::uint32_t a, std::uint32_t b) { return add({Kind::least, a, b}); }
+  std::uint32_t greatest(std::uint32_t a, std::uint32_t b) { return add({Kind::greatest, a, b}); }
+  /// The cube from −1 to 1.
+  std::uint32_t cube() {
+    std::uint32_t all = plane({1, 0, 0}, {1, 0, 0});
+    for (const Vec3& n : {Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}})
+      all = greatest(all, plane(n, n));
+    return all;
+  }
+
+  Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
+  std::uint32_t pieces() const override { return static_cast<std::uint32_t>(planes_.size()); }
+  void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
+                      std::span<Vec3> gradients) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      values[i] = dot(planes_[piece].normal, x[i]) - planes_[piece].offset;
+      if (!gradients.empty()) gradients[i] = planes_[piece].normal;
+    }
+  }
+  double bend(std::uint32_t, const Vec3&, double) const override { return 0; }
+  std::uint32_t same_at(std::uint32_t piece, std::span<const Vec3>) const override { return piece; }
+  std::uint32_t same_within(std::uint32_t piece, const Vec3&, double) const override { return piece; }
+
+ private:
+  struct Plane {
+    Vec3 normal;
+    double offset;
+  };
+  std::uint32_t add(const Node& node) {
+    nodes_.push_back(node);
+    return static_cast<std::uint32_t>(nodes_.size() - 1);
+  }
+  std::vector<Plane> planes_;
+};
+
+CutPieces cut(const PieceExpression& field) {
+  Progress progress;
+  PieceBlockOptions options;
+  options.mesh_error = 1e-3;
+  options.most_blocks = 100'000;
+  return cut_pieces(field, piece_blocks(field, field.bounds(), options, 0, progress), progress);
+}
+
+MeshTopology topology_of(const CutPieces& pieces) {
+  TriangleMesh mesh;
+  mesh.triangles = pieces.triangles;
+  mesh.vertices.resize(pieces.vertices.size());
+  return measure_topology(mesh);
+}
+
+/// Half-spaces around a cone, of which one is enough: the lines of all go on far beyond where they part the inside from
+/// the outside.
+std::uint32_t around_a_cone(Planes& field, int count, const Vec3& tip, std::uint32_t within) {
+  std::uint32_t any = 0;
+  for (int k = 0; k < count; ++k) {
+    const double angle = 2 * std::numbers::pi * k / count;
+    const std::uint32_t one = field.plane({1, 0.3 * std::cos(angle), 0.3 * std::sin(angle)}, tip);
+    any = k == 0 ? one : field.least(any, one);
+  }
+  return field.greatest(within, any);
+}
+
+constexpr Vec3 kTip{0.1234, 0.0567, 0.0345};
+
+/// A plane next to the tip is the surface where one half-space or another holds it, and the lines of all the others
+/// cross it there. Seen from the next simplex that is one long side; here it is one of more than a hundred parts.
+TEST(PieceCut, SidesOfManyPartsMeetOneSide) {
+  for (const int count : {20, 130, 240}) {
+    Planes field;
+    const std::uint32_t within = field.greatest(field.cube(), field.plane({0.1, 0.2, 1}, kTip - Vec3{0, 0, 1e-4}));
+    around_a_cone(field, count, kTip, within);
+    const CutPieces pieces = cut(field);
+    ASSERT_FALSE(pieces.crowded) << count;
+    EXPECT_FALSE(pieces.cracked) << count;
+    const MeshTopology topology = topology_of(pieces);
+    EXPECT_TRUE(topology.closed()) << count << ": " << topology.boundary_edges << " open edges";
+    EXPECT_EQ(topology.components, 1u) << count;
+  }
+}
+
+TEST(PieceCut, AnyTreesOfPlanesThroughOnePlaceAreClosed) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> near(-2e-3, 2e-3);
+  for (int trial = 0; trial < 20; ++trial) {
+    Planes field;
+    const std::uint32_t cube = field.cube();
+    std::vector<std::uint32_t> open;
+    const int count = 3 + 2 * trial;
+    for (int k = 0; k < count; ++k)
+      open.push_back(field.plane({normal(random), normal(random), normal(random)},
+                                 kTip + Vec3{near(random), near(random), near(random)}));
+    while (open.size() > 1) {
+      const std::size_t i = random() % (open.size() - 1);
+      const std::uint32_t a = open[i], b = open[i + 1];
+      open[i] = random() % 2 ? field.least(a, b) : field.greatest(a, b);
+      open.erase(open.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    }
+    field.greatest(cube, open[0]);
+    const CutPieces pieces = cut(field);
+    EXPECT_FALSE(pieces.cracked || pieces.crowded) << trial;
+    EXPECT_TRUE(pieces.triangles.empty() || topology_of(pieces).closed()) << trial;
+  }
+}
+
+TEST(PieceCut, BlocksHoldUpTo251Pieces) {
+  for (const int count : {static_cast<int>(kMostPiecesInBlock), static_cast<int>(kMostPiecesInBlock) + 1}) {
+    Planes field;
+    around_a_cone(field, count, kTip, field.cube());
+    const CutPieces pieces = cut(field);
+    if (count > static_cast<int>(kMostPiecesInBlock)) {
+      ASSERT_TRUE(pieces.crowded);
+      EXPECT_LT(norm(*pieces.crowded - kTip), 0.05);
+      EXPECT_TRUE(pieces.triangles.empty());
+    } else {
+      EXPECT_FALSE(pieces.crowded);
+      EXPECT_TRUE(topology_of(pieces).closed());
+    }
+  }
+}
+
+/// Integers would not hold such values: an error, not a surface of other signs.
+TEST(PieceCut, ValuesThatAreNoDistancesAreAnError) {
+  for (const double steepness : {100.0, std::numeric_limits<double>::infinity()}) {
+    Planes field;
+    field.greatest(field.cube(), field.plane({0.3, 0.2, 1}, kTip, steepness));
+    try {
+      cut(field);
+      ADD_FAILURE() << steepness;
+    } catch (const DataError& e) {
+      EXPECT_NE(std::string(e.what()).find("values change faster there than distances do"), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sansmesh
