@@ -153,6 +153,7 @@ class CombineNode final : public SolidNode {
   }
 
   double least(double sign, const Vec3& x, double radius) const override {
+    if (depth() > kDeepForLeast) return far_value(sign, x, radius);
     const auto least_of_child = [&](const SolidNode& c) {
       return c.lipschitz() && c.cost() > kCostly ? c.far_value(sign, x, radius) : c.least(sign, x, radius);
     };
@@ -189,6 +190,7 @@ class CombineNode final : public SolidNode {
     t.lipschitz = a.lipschitz() && b.lipschitz();
     t.cost = a.cost() + b.cost();
     t.depth = 1 + std::max(a.depth(), b.depth());
+    t.magnitude = std::max(a.magnitude(), b.magnitude()) + radius;
     t.thickness = thinner(a.thickness(), b.thickness());
     t.hollow_thickness = thinner(a.hollow_thickness(), b.hollow_thickness());
     return t;
@@ -209,7 +211,8 @@ class CombineNode final : public SolidNode {
     std::vector<std::uint32_t> wanted;
     wanted.reserve(x.size());
     for (std::size_t i = 0; i < x.size(); ++i)
-      if (!known || !(highest(i) < least_of(second, x[i], radius))) wanted.push_back(static_cast<std::uint32_t>(i));
+      if (!known || !(highest(i) + value_rounding(second, x[i], radius) < least_of(second, x[i], radius)))
+        wanted.push_back(static_cast<std::uint32_t>(i));
     return wanted;
   }
 
@@ -358,6 +361,7 @@ class OffsetNode final : public SolidNode {
     Traits t = above(child);
     t.thickness += 2 * distance;
     t.hollow_thickness -= 2 * distance;
+    t.magnitude += std::abs(distance);
     return t;
   }
   NodePtr child_;
@@ -411,7 +415,7 @@ class ShellNode final : public SolidNode {
   /// The child grown by the outer distance, without the child grown by the inner one.
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
     const auto outer = child_->express(builder, offset_frame(frame, 1, middle_ + half_));
-    if (!outer) return std::nullopt;
+    if (!outer || builder.full()) return std::nullopt;  // shells of shells are twice as many each time
     const auto inner = child_->express(builder, offset_frame(frame, -1, middle_ - half_));
     if (!inner) return std::nullopt;
     using Kind = ExpressionBuilder::Node::Kind;
@@ -427,6 +431,7 @@ class ShellNode final : public SolidNode {
   static Traits traits_of(const SolidNode& child, double middle, double half) {
     Traits t = above(child);
     t.pieces *= 2;
+    t.magnitude += std::abs(middle) + half;
     // The wall, or a part or hole of the child within it; and what is left of parts and holes beyond it.
     const double s = child.thickness(), h = child.hollow_thickness();
     t.thickness = thinner(2 * half, thinner(s + 2 * (middle + half), h - 2 * (middle - half)));

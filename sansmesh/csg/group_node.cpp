@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -22,19 +23,25 @@ constexpr std::size_t kAskedForLeast = 8;
 constexpr double kGroupSurveyed = 6;
 /// How fast the difference of two values can change whose slopes are 1 at most.
 constexpr double kDifferenceSlope = 2;
-constexpr double kWidened = 1 + 1e-12;
 /// So many points ask the same members.
 constexpr std::size_t kFewPoints = 32;
+/// A member that costs more than this share of the group and is deeper than so many nodes is not asked in the middle of
+/// points before it is asked at all of them.
+constexpr double kHeavyShare = 0.5;
+constexpr int kShallow = 4;
 
+/// A ball around points.
 struct AroundPoints {
   Vec3 center;
   double radius;
+  double rounding;  ///< of the values of a node there
 
-  explicit AroundPoints(std::span<const Vec3> x) {
+  AroundPoints(std::span<const Vec3> x, const SolidNode& node) {
     Box3 box;
     for (const Vec3& p : x) box.extend(p);
-    center = box.center();
-    radius = norm(box.size()) / 2 * kWidened;
+    center = x.size() == 1 ? x[0] : box.center();
+    radius = norm(box.size()) / 2;
+    rounding = value_rounding(node, center, radius);
     if (!std::isfinite(radius)) radius = kUnbounded;
   }
 };
@@ -64,6 +71,8 @@ GroupNode::GroupNode(std::vector<NodePtr> members, double sign)
     first_piece_.push_back(pieces);
     pieces += m->pieces();
   }
+  for (std::uint32_t m = 0; m < members_.size(); ++m)
+    if (members_[m]->depth() > kShallow && members_[m]->cost() > kHeavyShare * cost()) heavy_ = m;
   keep_extents();
   build_clusters();
 }
@@ -77,6 +86,7 @@ SolidNode::Traits GroupNode::traits_of(std::span<const NodePtr> members) {
     t.rise = std::min(t.rise, m->rise());
     t.cost += m->cost();
     t.depth = std::max(t.depth, 1 + m->depth());
+    t.magnitude = std::max(t.magnitude, m->magnitude());
     t.thickness = thinner(t.thickness, m->thickness());
     t.hollow_thickness = thinner(t.hollow_thickness, m->hollow_thickness());
   }
@@ -121,71 +131,114 @@ void GroupNode::build_clusters() {
   }
 }
 
-std::vector<std::uint32_t> GroupNode::candidates(std::span<const Vec3> x, double room) const {
-  const auto [center, radius] = AroundPoints(x);
-  // The smallest value in the middle of the ball.
+// Whatever is left out is farther above the smallest value than both are rounded by: so members that are exactly the
+// smallest ones together are always asked, and the first of them counts, however many points there are.
+
+std::vector<GroupNode::Near> GroupNode::candidates(std::span<const Vec3> x, double room) const {
+  const AroundPoints ball(x, *this);
+  // The smallest value in the middle of the ball, of those that are asked there.
   double smallest = kUnbounded;
+  std::vector<Near> found;
+  const auto far = [&](const Extents& e, double rise, double radius, double most) {
+    return least_value(outside_of(e, ball.center), rise, radius) > most + ball.rounding;
+  };
   for (const Cluster& c : clusters_) {
-    if (least_value(outside_of(c.extents, center), c.rise, 0) >= smallest) continue;
+    if (far(c.extents, c.rise, ball.radius, smallest + ball.radius + room)) continue;
     for (std::uint32_t i = c.first; i < c.last; ++i) {
-      const SolidNode& m = *members_[order_[i]];
-      if (least_value(outside_of(extents_of(order_[i]), center), m.rise(), 0) >= smallest) continue;
-      double value = 0;
-      m.evaluate({&center, 1}, {&value, 1}, {}, {});
-      smallest = std::min(smallest, sign_ * value);
+      const std::uint32_t member = order_[i];
+      const SolidNode& m = *members_[member];
+      const Extents& e = extents_of(member);
+      if (far(e, m.rise(), ball.radius, smallest + ball.radius + room)) continue;
+      found.push_back({member, false, 0});
+      if (member == heavy_ || far(e, m.rise(), 0, smallest)) continue;
+      ask(found.back(), ball.center);
+      smallest = std::min(smallest, found.back().value);
     }
   }
-  const double most = smallest + radius + room;
-  std::vector<std::uint32_t> found;
-  for (const Cluster& c : clusters_) {
-    if (least_value(outside_of(c.extents, center), c.rise, radius) > most) continue;
-    for (std::uint32_t i = c.first; i < c.last; ++i)
-      if (!(least_value(outside_of(extents_of(order_[i]), center), members_[order_[i]]->rise(), radius) > most))
-        found.push_back(order_[i]);
-  }
-  std::sort(found.begin(), found.end());
+  leave_out_far(found, ball.radius, room, ball.rounding, smallest, ball.center);
+  std::sort(found.begin(), found.end(), [](const Near& a, const Near& b) { return a.member < b.member; });
   return found;
 }
 
-void GroupNode::narrow(std::span<const std::uint32_t> candidates, std::span<const Vec3> x, double room,
-                       std::vector<std::uint32_t>& found) const {
-  const auto [center, radius] = AroundPoints(x);
-  found.clear();
+void GroupNode::ask(Near& near, const Vec3& x) const {
+  members_[near.member]->evaluate({&x, 1}, {&near.value, 1}, {}, {});
+  near.value *= sign_;
+  near.asked = true;
+}
+
+void GroupNode::leave_out_far(std::vector<Near>& found, double radius, double room, double rounding, double smallest,
+                              const Vec3& center) const {
+  std::erase_if(found, [&](const Near& n) {
+    // Twice the radius: the smallest one may rise, and the other fall.
+    if (n.asked) return n.value > smallest + 2 * radius + room + rounding;
+    const SolidNode& m = *members_[n.member];
+    return least_value(outside_of(extents_of(n.member), center), m.rise(), radius) >
+           smallest + radius + room + rounding;
+  });
+}
+
+void GroupNode::narrow(std::vector<Near>& found, std::span<const Vec3> x, double room) const {
+  const AroundPoints ball(x, *this);
   double smallest = kUnbounded;
-  std::vector<double> value(candidates.size());
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    members_[candidates[c]]->evaluate({&center, 1}, {&value[c], 1}, {}, {});
-    value[c] *= sign_;
-    smallest = std::min(smallest, value[c]);
+  for (Near& n : found) {
+    n.asked = false;
+    if (n.member == heavy_) continue;
+    ask(n, ball.center);
+    smallest = std::min(smallest, n.value);
   }
-  // Twice the radius: the smallest one may rise, and the other fall. (Rounding is far below what `kWidened` leaves.)
-  for (std::size_t c = 0; c < candidates.size(); ++c)
-    if (!(value[c] > smallest + 2 * radius + room + 1e-12 * std::abs(smallest))) found.push_back(candidates[c]);
+  leave_out_far(found, ball.radius, room, ball.rounding, smallest, ball.center);
+}
+
+void GroupNode::evaluate_one(const Vec3& x, double& value, std::span<Vec3> gradient,
+                             std::span<std::uint32_t> active) const {
+  const double rounding = value_rounding(*this, x, 0);
+  double smallest = kUnbounded, other = 0;
+  std::uint32_t best = kNoMember, piece = 0;
+  Vec3 slope;
+  const auto far = [&](const Extents& e, double rise) {
+    return least_value(outside_of(e, x), rise, 0) > smallest + rounding;
+  };
+  const auto consider = [&](std::uint32_t m) {
+    if (far(extents_of(m), members_[m]->rise())) return;
+    members_[m]->evaluate({&x, 1}, {&other, 1}, std::span(&slope, gradient.size()), std::span(&piece, active.size()));
+    if (best != kNoMember && !(sign_ * other < smallest) && !(sign_ * other == smallest && m < best)) return;
+    best = m, smallest = sign_ * other, value = other;
+    if (!gradient.empty()) gradient[0] = slope;
+    if (!active.empty()) active[0] = first_piece_[m] + piece;
+  };
+  for (const Cluster& c : clusters_) {
+    if (far(c.extents, c.rise)) continue;
+    for (std::uint32_t i = c.first; i < c.last; ++i)
+      if (order_[i] != heavy_) consider(order_[i]);
+  }
+  if (heavy_ != kNoMember) consider(heavy_);
 }
 
 void GroupNode::evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                          std::span<std::uint32_t> active) const {
   if (x.empty()) return;
-  const std::vector<std::uint32_t> near = candidates(x, 0);
-  std::vector<std::uint32_t> asked;
-  std::array<double, kFewPoints> value_of;
-  std::array<Vec3, kFewPoints> slope_of;
-  std::array<std::uint32_t, kFewPoints> piece_of;
+  if (x.size() == 1) return evaluate_one(x[0], values[0], gradients, active);
+  struct Others {
+    std::array<double, kFewPoints> value;
+    std::array<Vec3, kFewPoints> slope;
+    std::array<std::uint32_t, kFewPoints> piece;
+  };
+  const auto others = std::make_unique_for_overwrite<Others>();  // trees may be deep, and the stack is not
+  const std::vector<Near> near = candidates(x, 0);
+  std::vector<Near> asked;
   for (std::size_t begin = 0; begin < x.size(); begin += kFewPoints) {
     const std::size_t n = std::min(kFewPoints, x.size() - begin);
     const auto at = x.subspan(begin, n);
-    const auto value = values.subspan(begin, n), other = std::span(value_of).first(n);
+    const auto value = values.subspan(begin, n), other = std::span(others->value).first(n);
     const auto slope = gradients.empty() ? gradients : gradients.subspan(begin, n);
     const auto piece = active.empty() ? active : active.subspan(begin, n);
-    const auto other_slope = std::span(slope_of).first(slope.size());
-    const auto other_piece = std::span(piece_of).first(piece.size());
-    if (near.size() > 2 && n > 2) {
-      narrow(near, at, 0, asked);
-    } else {
-      asked = near;
-    }
-    for (const std::uint32_t m : asked) {
-      if (m == asked.front()) {
+    const auto other_slope = std::span(others->slope).first(slope.size());
+    const auto other_piece = std::span(others->piece).first(piece.size());
+    asked = near;
+    if (near.size() > 2 && n > 2 && n < x.size()) narrow(asked, at, 0);
+    for (const Near& one : asked) {
+      const std::uint32_t m = one.member;
+      if (m == asked.front().member) {
         members_[m]->evaluate(at, value, slope, piece);
         for (std::uint32_t& p : piece) p += first_piece_[m];
         continue;
@@ -212,22 +265,27 @@ void GroupNode::survey(std::span<const Vec3> x, const SurveyReach& reach, std::s
                        std::span<Surroundings> around, std::span<ValueRange>) const {
   if (x.empty()) return;
   const double room = kGroupSurveyed * reach.detail * kDifferenceSlope;
-  const std::vector<std::uint32_t> near = candidates(x, room);
-  std::vector<std::uint32_t> asked;
-  std::array<double, kFewPoints> value_of, second;  // the second smallest one, with the sign of the group
-  std::array<Surroundings, kFewPoints> around_of;
-  std::array<ValueRange, kFewPoints> unused;
+  struct Others {
+    std::array<double, kFewPoints> value, second;  // the second smallest one, with the sign of the group
+    std::array<Surroundings, kFewPoints> around;
+    std::array<ValueRange, kFewPoints> unused;
+  };
+  const auto others = std::make_unique_for_overwrite<Others>();
+  auto& second = others->second;
+  const std::vector<Near> near = candidates(x, room);
+  std::vector<Near> asked;
   for (std::size_t begin = 0; begin < x.size(); begin += kFewPoints) {
     const std::size_t n = std::min(kFewPoints, x.size() - begin);
     const auto at = x.subspan(begin, n);
-    const auto value = values.subspan(begin, n), other = std::span(value_of).first(n);
-    const auto surroundings = around.subspan(begin, n), other_around = std::span(around_of).first(n);
-    narrow(near, at, room, asked);
+    const auto value = values.subspan(begin, n), other = std::span(others->value).first(n);
+    const auto surroundings = around.subspan(begin, n), other_around = std::span(others->around).first(n);
+    asked = near;
+    if (near.size() > 1 && n < x.size()) narrow(asked, at, room);
     second.fill(kUnbounded);
-    for (const std::uint32_t m : asked) {
-      const bool first = m == asked.front();
-      members_[m]->survey(at, reach, first ? value : other, first ? surroundings : other_around,
-                          std::span(unused).first(n));
+    for (const Near& one : asked) {
+      const bool first = one.member == asked.front().member;
+      members_[one.member]->survey(at, reach, first ? value : other, first ? surroundings : other_around,
+                                   std::span(others->unused).first(n));
       if (first) continue;
       for (std::size_t i = 0; i < n; ++i) {
         const double new_one = sign_ * other[i], old_one = sign_ * value[i];
@@ -235,17 +293,16 @@ void GroupNode::survey(std::span<const Vec3> x, const SurveyReach& reach, std::s
         if (new_one < old_one) value[i] = other[i], surroundings[i] = other_around[i];
       }
     }
-    for (std::size_t i = 0; i < n; ++i) {
-      double gap = second[i] - sign_ * value[i];
-      if (asked.size() < members_.size()) gap = std::min(gap, room);
-      surroundings[i].alone = std::min(surroundings[i].alone, gap / kDifferenceSlope);
-    }
+    // Others may be left out beyond that.
+    for (std::size_t i = 0; i < n; ++i)
+      surroundings[i].alone =
+          std::min(surroundings[i].alone, std::min(second[i] - sign_ * value[i], room) / kDifferenceSlope);
   }
 }
 
 double GroupNode::least(double sign, const Vec3& x, double radius) const {
   double bound = far_value(sign, x, radius);
-  if (members_.size() > kAskedForLeast) return bound;
+  if (members_.size() > kAskedForLeast || depth() > kDeepForLeast) return bound;
   double all = sign == sign_ ? kUnbounded : -kUnbounded;
   for (const NodePtr& m : members_) {
     const double one = m->least(sign, x, radius);

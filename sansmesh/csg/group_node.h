@@ -41,15 +41,29 @@ class GroupNode final : public SolidNode {
   double support_of(const Vec3& n, double sign, bool largest) const;
   const Extents& extents_of(std::uint32_t member) const;
   void build_clusters();
+  /// A member, and the group's sign times its value in the middle of a ball, where it was asked for it.
+  struct Near {
+    std::uint32_t member;
+    bool asked;
+    double value;
+  };
   /// All members, in ascending order, but those whose value is above the smallest one by more than `room` in the whole
   /// ball around these points.
-  std::vector<std::uint32_t> candidates(std::span<const Vec3> x, double room) const;
-  /// Of these, for points closer together: by their values.
-  void narrow(std::span<const std::uint32_t> candidates, std::span<const Vec3> x, double room,
-              std::vector<std::uint32_t>& found) const;
+  std::vector<Near> candidates(std::span<const Vec3> x, double room) const;
+  /// Of these, for points closer together.
+  void narrow(std::vector<Near>& found, std::span<const Vec3> x, double room) const;
+  void ask(Near& near, const Vec3& x) const;
+  void leave_out_far(std::vector<Near>& found, double radius, double room, double rounding, double smallest,
+                     const Vec3& center) const;
+  /// One point asks each member once.
+  void evaluate_one(const Vec3& x, double& value, std::span<Vec3> gradient, std::span<std::uint32_t> active) const;
 
   std::vector<NodePtr> members_;
   double sign_;
+  static constexpr std::uint32_t kNoMember = ~std::uint32_t{0};
+  /// The member that costs most, if it has many nodes itself: each of these is asked in the middle of points for few of
+  /// the groups above it then, or trees as deep as they are large would take their square.
+  std::uint32_t heavy_ = kNoMember;
   std::vector<std::uint32_t> first_piece_;
   std::vector<std::uint32_t> order_;
   std::vector<Cluster> clusters_;

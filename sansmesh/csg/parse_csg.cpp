@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/csg/csg_functions.h"
@@ -17,7 +18,8 @@ namespace {
 using Token = CsgToken;
 using Kind = CsgParameter::Kind;
 
-constexpr int kMaxParentheses = 200;  // of parentheses: the parser calls itself
+/// The parser calls itself in parentheses; solids may be nested as deep (solid_node.cpp).
+constexpr int kMaxParentheses = 1000;
 
 std::string shown(const Token& t) {
   if (t.kind == Token::Kind::end) return "the end";
@@ -83,14 +85,13 @@ class Parser {
   }
 
   Solid primary() {
+    check_cancelled();
     const Token& t = token();
     if (t.is('(')) {
       descend(t);
       ++next_;
       Solid result = sum();
-      if (!accept(')'))
-        csg_error(token().at, fmt::format("expected an operator (| + & -) or ')' for the '(' at {}, found {}", t.at,
-                                          shown(token())));
+      if (!accept(')')) not_closed(t);
       --depth_;
       return result;
     }
@@ -99,18 +100,37 @@ class Parser {
       ++next_;
       return load(t);
     }
+    no_solid(t);
+  }
+
+  // Functions that call themselves have no texts of errors in their frames: there may be a thousand of these.
+
+  [[noreturn, gnu::noinline]] void not_closed(const Token& open) const {
+    csg_error(token().at, fmt::format("expected an operator (| + & -) or ')' for the '(' at {}, found {}", open.at,
+                                      shown(token())));
+  }
+  [[noreturn, gnu::noinline]] static void no_solid(const Token& t) {
     if (t.is('-')) csg_error(t.at, "expected a solid, found '-'; ~ is the complement");
     if (t.kind == Token::Kind::number)
       csg_error(t.at, fmt::format("expected a solid, found {}; numbers may need a name (r={}), file names quotes",
                                   shown(t), t.text));
     csg_error(t.at, fmt::format("expected a solid, found {}", shown(t)));
   }
+  [[noreturn, gnu::noinline]] void no_argument(const CsgFunction& f) const {
+    csg_error(token().at, fmt::format("expected ',' or ')' in {}(…), found {}", f.name, shown(token())));
+  }
+  [[noreturn, gnu::noinline]] void no_name(const CsgFunction& f) const {
+    csg_error(token().at, fmt::format("{}: arguments without a name come before those with one", f.name));
+  }
+  [[noreturn, gnu::noinline]] void too_many(const CsgFunction& f) const {
+    csg_error(token().at, fmt::format("{}: too many arguments: {}", f.name, takes(f)));
+  }
 
-  void descend(const Token& t) {
+  [[gnu::noinline]] void descend(const Token& t) {
     if (++depth_ > kMaxParentheses) csg_error(t.at, fmt::format("nested more than {} deep", kMaxParentheses));
   }
 
-  Solid load(const Token& t) {
+  [[gnu::noinline]] Solid load(const Token& t) {
     const bool far = distances_ > 0 && distance_loader_;
     std::map<std::string, Solid>& loaded = far ? loaded_distances_ : loaded_;
     if (const auto known = loaded.find(t.text); known != loaded.end()) return known->second;
@@ -122,35 +142,37 @@ class Parser {
 
   // ---- calls -------------------------------------------------------------------------------------------------------
 
-  Solid call() {
-    const Token& name = token();
-    const CsgFunction* function = nullptr;
+  [[gnu::noinline]] static const CsgFunction& function_of(const Token& name) {
     std::string known;
     for (const CsgFunction& f : csg_functions()) {
-      if (name.text == f.name) function = &f;
+      if (name.text == f.name) return f;
       known += (known.empty() ? "" : ", ") + std::string(f.name);
     }
-    if (!function) csg_error(name.at, fmt::format("there is no function {}; known are {}", shown(name), known));
+    csg_error(name.at, fmt::format("there is no function {}; known are {}", shown(name), known));
+  }
+
+  Solid call() {
+    const Token& name = token();
+    const CsgFunction* const function = &function_of(name);
     descend(name);
     next_ += 2;
     CsgArguments arguments(*function);
     distances_ += function->distances;
     bool named = false;
     for (std::size_t i = 0, positional = 0; !accept(')'); ++i) {
-      if (i > 0 && !accept(','))
-        csg_error(token().at, fmt::format("expected ',' or ')' in {}(…), found {}", function->name, shown(token())));
+      if (i > 0 && !accept(',')) no_argument(*function);
       if (token().kind == Token::Kind::name && token(1).is('=')) {
         named = true;
         named_argument(*function, arguments);
       } else if (named) {
-        csg_error(token().at, fmt::format("{}: arguments without a name come before those with one", function->name));
+        no_name(*function);
       } else if (arguments.solids.size() < function->most_solids) {
         arguments.solids.push_back(sum());
       } else if (positional < function->parameters.size()) {
         value(*function, positional, arguments, false);
         ++positional;
       } else {
-        csg_error(token().at, fmt::format("{}: too many arguments: {}", function->name, takes(*function)));
+        too_many(*function);
       }
     }
     check(*function, name, arguments);
@@ -164,7 +186,7 @@ class Parser {
            ((token().is('-') || token().is('+')) && token(1).kind == Token::Kind::number);
   }
 
-  void check(const CsgFunction& f, const Token& name, CsgArguments& arguments) const {
+  [[gnu::noinline]] void check(const CsgFunction& f, const Token& name, CsgArguments& arguments) const {
     if (arguments.solids.size() < f.least_solids)
       csg_error(name.at, fmt::format("{} needs {}, as in {}(a, …)", f.name, counted(f.least_solids, "solid"), f.name));
     for (std::size_t i = 0; i < f.parameters.size(); ++i)
@@ -178,7 +200,7 @@ class Parser {
     return "it takes " + list;
   }
 
-  void named_argument(const CsgFunction& f, CsgArguments& arguments) {
+  [[gnu::noinline]] void named_argument(const CsgFunction& f, CsgArguments& arguments) {
     const Token& name = token();
     for (std::size_t i = 0; i < f.parameters.size(); ++i) {
       if (name.text != f.parameters[i].name) continue;
@@ -190,7 +212,7 @@ class Parser {
   }
 
   /// Without a name, a vector may also be three arguments.
-  void value(const CsgFunction& f, std::size_t i, CsgArguments& arguments, bool named) {
+  [[gnu::noinline]] void value(const CsgFunction& f, std::size_t i, CsgArguments& arguments, bool named) {
     const CsgParameter& p = f.parameters[i];
     CsgArgument& a = arguments.values()[i];
     a.given = true;

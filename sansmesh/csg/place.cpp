@@ -17,7 +17,7 @@ namespace {
 class PlacedNode final : public SolidNode {
  public:
   PlacedNode(NodePtr child, const Similarity& map)
-      : SolidNode(traits_of(*child, map.scale)), child_(std::move(child)), map_(map) {
+      : SolidNode(traits_of(*child, map)), child_(std::move(child)), map_(map) {
     keep_extents();
   }
   const NodePtr& child() const { return child_; }
@@ -59,11 +59,12 @@ class PlacedNode final : public SolidNode {
   double hollow_support(const Vec3& n) const override { return placed(n, child_->hollow_support(map_.turn_back(n))); }
 
  private:
-  static Traits traits_of(const SolidNode& child, double scale) {
+  static Traits traits_of(const SolidNode& child, const Similarity& map) {
     Traits t = above(child);
     t.cost += 1;
-    t.thickness *= scale;
-    t.hollow_thickness *= scale;
+    t.thickness *= map.scale;
+    t.hollow_thickness *= map.scale;
+    t.magnitude = t.magnitude * map.scale + norm(map.translation);
     return t;
   }
   void carry(std::span<ValueRange> ranges) const {
@@ -142,9 +143,13 @@ class LeafNode final : public SolidNode {
 };
 
 Solid placed(const Solid& a, const Similarity& map) {
+  if (!(map.scale > 0) || !std::isfinite(map.scale) || !is_finite(map.translation))
+    throw ArgumentError("solids cannot be moved or scaled by lengths that are too large or small for numbers");
   // Placements of placements are one.
-  if (const auto* inner = dynamic_cast<const PlacedNode*>(a.node().get()))
-    return Solid(std::make_shared<PlacedNode>(inner->child(), map * inner->map()));
+  if (const auto* inner = dynamic_cast<const PlacedNode*>(a.node().get())) {
+    const Similarity both = map * inner->map();
+    return placed(Solid(inner->child()), both);
+  }
   return Solid(std::make_shared<PlacedNode>(a.node(), map));
 }
 

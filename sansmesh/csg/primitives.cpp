@@ -52,7 +52,8 @@ class PrimitiveNode final : public SolidNode {
       : SolidNode(Traits{.pieces = shape.pieces(),
                          .rise = shape.rise(),
                          .thickness = shape.thickness(),
-                         .hollow_thickness = shape.hollow_thickness()}),
+                         .hollow_thickness = shape.hollow_thickness(),
+                         .magnitude = shape.magnitude()}),
         shape_(shape) {
     keep_extents();
   }
@@ -122,6 +123,8 @@ struct SmoothShape {
   double rise() const { return 1; }
   double hollow_support(const Vec3&) const { return kUnbounded; }
   double hollow_thickness() const { return kUnbounded; }
+  /// As that of nodes.
+  double magnitude() const { return 0; }
   /// Within this radius of x, at which it is active with this value, the piece is the only one.
   double alone(std::uint32_t, const Vec3&, double) const { return kUnbounded; }
 };
@@ -152,6 +155,7 @@ struct HalfSpace : SmoothShape {
   double support(const Vec3& n) const { return dot(n, normal) > 1 - 1e-14 ? offset : kUnbounded; }
   double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
   double thickness() const { return kUnbounded; }
+  double magnitude() const { return std::abs(offset); }
 };
 
 /// Pieces 0 to 5: the faces −x, +x, −y, … With rounding, 6: what is round.
@@ -228,6 +232,7 @@ struct Pipe : SmoothShape {
   double bend(std::uint32_t, const Vec3&, double, double level) const { return bend_at(radius + level); }
   double support(const Vec3& n) const { return std::abs(dot(n, axis)) < 1e-14 ? dot(n, center) + radius : kUnbounded; }
   double thickness() const { return 2 * radius; }
+  double magnitude() const { return norm(center); }
 };
 
 /// Pieces: the side, the bottom, the top.

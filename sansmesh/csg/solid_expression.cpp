@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/csg/solid.h"
 
 namespace sansmesh {
@@ -198,6 +199,7 @@ class SolidExpression final : public PieceExpression {
   void divide_region(std::uint32_t first) {
     std::vector<std::pair<std::uint32_t, int>> open{{first, 0}};  // the largest come first
     for (std::size_t next = 0; next < open.size(); ++next) {
+      check_cancelled();
       const auto [r, level] = open[next];
       const Region region = regions_[r];
       double radius = std::numeric_limits<double>::infinity();
@@ -327,12 +329,15 @@ std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Functi
   return plane;
 }
 
+bool ExpressionBuilder::full() const { return functions.size() > kMostFunctions; }
+
 std::uint32_t ExpressionBuilder::add(const Node& node) {
   nodes.push_back(node);
   return static_cast<std::uint32_t>(nodes.size() - 1);
 }
 
 std::uint32_t ExpressionBuilder::piece(const SolidNode& node, std::uint32_t number, const ExpressionFrame& frame) {
+  check_cancelled();
   Function function;
   function.node = &node, function.piece = number, function.frame = frame;
   function.frame.shift += frame.tie;
@@ -383,7 +388,7 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const std::vector<NodePt
   std::vector<std::uint32_t> roots;
   for (const NodePtr& m : members) {
     const std::optional<std::uint32_t> root = m->express(*this, inner);
-    if (!root || functions.size() > kMostFunctions) return std::nullopt;
+    if (!root || full()) return std::nullopt;
     roots.push_back(*root);
   }
   while (roots.size() > 1) {  // a balanced tree
@@ -407,7 +412,7 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
   if (!first) return std::nullopt;
   const std::size_t middle = nodes.size();
   const std::optional<std::uint32_t> second = b.express(*this, inner);
-  if (!second || functions.size() > kMostFunctions) return std::nullopt;
+  if (!second || full()) return std::nullopt;
   if (radius == 0) return combine(kind, *first, *second);
 
   // A blend grows with both values: of minima and maxima it is minima and maxima of blends, one for each pair of
@@ -425,6 +430,7 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
     return at.back();
   };
   return copied(of_a, before, [&](std::uint32_t f) {
+    check_cancelled();
     return copied(of_b, middle, [&](std::uint32_t g) {
       Function blend;
       blend.a = f, blend.b = g, blend.radius = radius * frame.map.scale, blend.sign = side;

@@ -14,6 +14,8 @@ namespace {
 /// Evaluation and destruction go as deep as the tree.
 constexpr int kMaxNesting = 1000;
 constexpr std::uint64_t kMaxPieces = 1u << 30;
+/// Rounding of values as a share of the largest length: of a tree with a thousand nodes on the way.
+constexpr double kValueRounding = 2e-12;
 
 }  // namespace
 
@@ -24,7 +26,8 @@ SolidNode::SolidNode(const Traits& traits)
       cost_(traits.cost),
       depth_(traits.depth),
       thickness_(traits.thickness),
-      hollow_thickness_(traits.hollow_thickness) {
+      hollow_thickness_(traits.hollow_thickness),
+      magnitude_(traits.magnitude) {
   if (traits.depth > kMaxNesting)
     throw ArgumentError(fmt::format("solids are nested more than {} deep: combine them in groups", kMaxNesting));
   if (traits.pieces > kMaxPieces) throw ArgumentError("the solid has too many pieces: combine fewer solids");
@@ -37,7 +40,8 @@ SolidNode::Traits SolidNode::above(const SolidNode& child) {
           .cost = child.cost(),
           .depth = child.depth() + 1,
           .thickness = child.thickness(),
-          .hollow_thickness = child.hollow_thickness()};
+          .hollow_thickness = child.hollow_thickness(),
+          .magnitude = child.magnitude()};
 }
 
 void SolidNode::keep_extents() {
@@ -46,6 +50,8 @@ void SolidNode::keep_extents() {
     n[k / 2] = k % 2 ? 1 : -1;
     extents_[k] = support(n);
     hollow_extents_[k] = hollow_support(n);
+    for (const double e : {std::abs(extents_[k]), std::abs(hollow_extents_[k])})
+      if (std::isfinite(e)) magnitude_ = std::max(magnitude_, e);
   }
 }
 
@@ -66,6 +72,10 @@ double SolidNode::far_value(double sign, const Vec3& x, double radius) const {
   double outside = 0;
   for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
   return outside > radius ? rise_ * (outside - radius) : -kUnbounded;
+}
+
+double value_rounding(const SolidNode& node, const Vec3& x, double radius) {
+  return kValueRounding * (std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) + radius + node.magnitude());
 }
 
 double thinner(double a, double b) { return (a > 0) == (b > 0) ? std::min(a, b) : std::max(a, b); }

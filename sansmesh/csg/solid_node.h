@@ -19,6 +19,10 @@ struct ExpressionFrame;
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
+/// Nodes that are deeper tell by their boxes alone what values are at least: each of the nodes above asks for it, and
+/// would look through all that is below.
+constexpr int kDeepForLeast = 12;
+
 /// In place of a piece: the value of the node.
 constexpr std::uint32_t kWholeNode = ~std::uint32_t{0};
 
@@ -76,6 +80,8 @@ class SolidNode {
   double thickness() const { return thickness_; }
   /// Of the thinnest hole: the complement's thickness.
   double hollow_thickness() const { return hollow_thickness_; }
+  /// The largest length that its values are computed from, coordinates of points aside: these are rounded as it is.
+  double magnitude() const { return magnitude_; }
   /// The same from the extents alone: the least effort.
   double far_value(double sign, const Vec3& x, double radius) const;
   const Extents& extents() const { return extents_; }
@@ -89,6 +95,7 @@ class SolidNode {
     double cost = 1;
     int depth = 1;  ///< one more than the deepest child's
     double thickness = kUnbounded, hollow_thickness = kUnbounded;
+    double magnitude = 0;  ///< as far as extents do not tell
   };
   /// Those of a child's parent that has no other.
   static Traits above(const SolidNode& child);
@@ -104,8 +111,12 @@ class SolidNode {
   double cost_;
   int depth_;
   double thickness_, hollow_thickness_;
+  double magnitude_;
   Extents extents_{}, hollow_extents_{};
 };
+
+/// By how much a node's values within `radius` of x may be off through rounding, at most.
+double value_rounding(const SolidNode& node, const Vec3& x, double radius);
 
 /// The smaller one of two thicknesses, of those that are positive.
 double thinner(double a, double b);

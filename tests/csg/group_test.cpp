@@ -72,6 +72,55 @@ TEST(Group, IsWhatItsPartsSay) {
   }
 }
 
+/// Solids with faces in the same planes, and points on the planes half-way between them, where two or more values are
+/// the same to the last digit or differ by it.
+std::vector<Solid> solids_with_ties() {
+  std::vector<Solid> all;
+  Solid row = csg::box({0, 0, 0}, {1, 1, 1}), turned = row, between = csg::complement(row);
+  for (int k = 1; k < 40; ++k) {
+    const Solid next = csg::box({0.1 * k, 0, 0}, {0.1 * k + 1, 1 + 0.1 * (k % 3), 1});
+    row = csg::unite(row, next);
+    between = csg::intersect(between, csg::complement(csg::translate(next, {0.7, 0.1 * k, 0.3})));
+    turned = csg::unite(turned, csg::rotate(csg::sphere({0.3 * k, 0.1, 0}, 0.1 + 0.01 * (k % 4)), {1, 2, 3}, 30 * k));
+  }
+  all = {row, between, turned, csg::rotate(row, {1, 1, 2}, 50, {0.3, 0.1, 7}),
+         csg::scale(csg::translate(between, {1000.1, -300.7, 0.3}), 0.1)};
+  all.push_back(csg::unite(csg::box({-1, -1, -1}, {0.1, 1, 1}), csg::box({0.3, -1, -1}, {1, 1, 1})));
+  all.push_back(csg::intersect(csg::offset(row, 0.1), csg::shell(csg::unite(row, turned), 0.1)));
+  return all;
+}
+
+TEST(Group, TiesAreTheSameForOnePointAsForMany) {
+  std::vector<Vec3> x;
+  for (int i = -3; i < 12; ++i)
+    for (int j = -3; j < 8; ++j)
+      for (int k = -3; k < 8; ++k) x.push_back({0.2 * i, 0.25 * j, 0.3 * k});
+  for (std::size_t i = 0; i < x.size(); i += 7) x[i] = 10 * x[i] + Vec3{0, 0.5, 0.5};
+  std::size_t solid_number = 0;
+  for (const Solid& solid : solids_with_ties()) {
+    SCOPED_TRACE(solid_number++);
+    std::vector<double> value(x.size());
+    std::vector<Vec3> gradient(x.size());
+    std::vector<std::uint32_t> piece(x.size());
+    solid.evaluate(x, value, gradient);
+    solid.active(x, piece);
+    std::size_t differ = 0;
+    for (std::size_t few : {1, 2, 3, 40}) {
+      std::vector<double> v(few);
+      std::vector<Vec3> g(few);
+      std::vector<std::uint32_t> p(few);
+      for (std::size_t first = 0; first + few <= x.size(); first += few) {
+        const auto at = std::span<const Vec3>(x).subspan(first, few);
+        solid.evaluate(at, v, g);
+        solid.active(at, p);
+        for (std::size_t k = 0; k < few; ++k)
+          differ += v[k] != value[first + k] || g[k] != gradient[first + k] || p[k] != piece[first + k];
+      }
+    }
+    EXPECT_EQ(differ, 0u) << "of " << 4 * x.size();
+  }
+}
+
 TEST(Group, SurveysTellHowFarAPieceIsAlone) {
   const Parts parts = many_parts(60, false);
   const std::vector<Vec3> x = random_points(400, 1.5);
@@ -137,6 +186,37 @@ TEST(Group, FewOfAThousandPartsAreAsked) {
     for (std::size_t k = 0; k < 3; ++k) nearest[k] = std::clamp(std::round(x[i][k]), 0.0, 9.0);
     EXPECT_NEAR(value[i], norm(x[i] - nearest) - 0.3, 1e-12);
   }
+}
+
+/// As deep as they come: what takes turns between unions and differences.
+TEST(Group, NestedGroupsAskEachPartAboutOnce) {
+  constexpr std::size_t kDepth = 480;
+  std::atomic<std::size_t> asked = 0;
+  std::vector<Solid> balls;
+  for (std::size_t k = 0; k <= kDepth; ++k)
+    balls.push_back(csg::distance_leaf(std::make_shared<CountedBall>(Vec3{0.001 * static_cast<double>(k), 0, 0},
+                                                                     1 + 0.01 * static_cast<double>(k % 7), asked)));
+  Solid all = balls[0];
+  for (std::size_t k = 1; k <= kDepth; ++k) all = k % 2 ? csg::subtract(all, balls[k]) : csg::unite(all, balls[k]);
+  const std::vector<Vec3> x = random_points(640, 2);
+  std::vector<double> expected = values_of(balls[0], x);
+  for (std::size_t k = 1; k <= kDepth; ++k) {
+    const std::vector<double> next = values_of(balls[k], x);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      expected[i] = k % 2 ? std::max(expected[i], -next[i]) : std::min(expected[i], next[i]);
+  }
+  asked = 0;
+  EXPECT_EQ(values_of(all, x), expected);
+  EXPECT_LT(asked, 3 * kDepth * x.size() / 2);
+  asked = 0;
+  EXPECT_EQ(value_at(all, x[0]), expected[0]);
+  EXPECT_LE(asked, kDepth + 1);
+  std::vector<double> value(x.size());
+  std::vector<Surroundings> around(x.size());
+  asked = 0;
+  all.survey(x, {0.1, 0.3}, value, around);
+  EXPECT_EQ(value, expected);
+  EXPECT_LT(asked, 3 * kDepth * x.size() / 2);
 }
 
 TEST(Group, AnyNumberOfThreads) {

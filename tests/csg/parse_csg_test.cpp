@@ -7,6 +7,7 @@
 
 #include "csg/catalogue.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/field/piece_expression.h"
 
 namespace sansmesh {
 namespace {
@@ -250,6 +251,22 @@ TEST(ParseCsg, HugeAndDeepInputsEndWell) {
     }
   EXPECT_GT(solids, 10);
   EXPECT_GT(errors, 1000);
+}
+
+/// Each change of the operator, and each parenthesis, is one more level of the tree.
+TEST(ParseCsg, DeepExpressionsTakeNoLongerThanTheirParts) {
+  std::string turns = "box(1)", nested(900, '(');
+  for (int i = 0; i < 480; ++i) turns += " - box(2) | box(3)";
+  nested += "sphere(1)";
+  for (int i = 0; i < 900; ++i) nested += i % 2 ? " | box(0.5))" : " - sphere(0.9))";
+  const std::vector<Vec3> x = random_points(500);
+  EXPECT_EQ(values_of(parse_csg(turns, load), x), values_of(parse_csg("box(3)", load), x));
+  EXPECT_EQ(values_of(parse_csg(nested, load), x),
+            values_of(parse_csg("(sphere(1) - sphere(0.9)) | box(0.5)", load), x));
+  // Shells of shells are twice as many surfaces each time.
+  std::string shells = "sphere(1)";
+  for (int i = 0; i < 24; ++i) shells = "shell(" + shells + ", 0.01)";
+  EXPECT_EQ(parse_csg(shells, load).expression(1e-9), nullptr);
 }
 
 }  // namespace
