@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
@@ -59,6 +60,12 @@ constexpr std::size_t kMostPieceBlocks = 3'000'000;
 /// Change of the volume by the rounding of coordinates to floats from which on the mesh would mislead, as a share.
 constexpr double kMostRoundedAway = 0.01;
 
+/// Less across than this, products of lengths are rounded to 0; as a share of the distance from the origin, values are
+/// rounded to what is larger than the mesh error.
+constexpr double kSmallestSolid = 1e-30, kResolvedShare = 1e-11;
+
+double farthest_coordinate(const Vec3& x) { return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}); }
+
 /// Where to look, or an error that says why nowhere.
 Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
   Box3 box = solid.bounds();
@@ -82,6 +89,17 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
     if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargest)
       throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
                                       std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargest));
+  const Vec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (longest < kSmallestSolid)
+    throw DataError(fmt::format("the solid is {:.3g} across: too small for a mesh, which begins at {:.0g}", longest,
+                                kSmallestSolid));
+  const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
+  if (longest < kResolvedShare * away)
+    throw DataError(
+        fmt::format("the solid is {:.3g} across and {:.3g} away from the origin: too far to be told from a "
+                    "point; move it closer",
+                    longest, away));
   return box;
 }
 
@@ -338,6 +356,7 @@ void CsgMeshOptions::validate() const {
 
 TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report) {
+  const CancelScope listening(progress);
   options.validate();
   const Box3 whole_box = box_of(solid, options);
   if (!options.box) return mesh_of(solid, whole_box, options, progress, report);
@@ -346,6 +365,7 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
 }
 
 TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress, CsgMeshReport* report) {
+  const CancelScope listening(progress);
   options.validate();
   const Box3 whole_box = box_of(solid, options);
   return mesh_of(options.box ? cut_off(solid, *options.box) : solid, whole_box, options, progress, report);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -172,6 +173,7 @@ std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const Blo
     ChunkOfBlocks& chunk = found[c];
     const std::size_t end = std::min(open.size(), (c + 1) * kChunkOfBlocks);
     for (std::size_t i = c * kChunkOfBlocks; i < end; ++i) {
+      check_cancelled();
       const OpenBlock& o = open[i];
       const Vec3 center = tree.block_center(o.block);
       const double edge = tree.block_edge(o.block);

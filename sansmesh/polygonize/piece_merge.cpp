@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/editable_surface.h"
 
@@ -178,6 +179,7 @@ struct Merger {
   /// No two vertices that are merged in a pass are neighbours, so that all parts become coarser alike.
   void pass(const std::vector<std::uint32_t>& vertices) {
     for (const std::uint32_t v : vertices) {
+      check_cancelled();
       if (!surface.used(v)) continue;
       if (all.touched[v]) {
         again(v);

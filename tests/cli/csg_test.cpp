@@ -1,6 +1,9 @@
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "run_tool.h"
 #include "sansmesh/io/io.h"
@@ -55,7 +58,34 @@ TEST_F(Csg, ErrorsAreOneLine) {
       {{"csg", "scale(sphere(1), 1e200)", "-o", "a.ply"}, 2, {"1e+200", "1e+30"}},
       {{"csg", "sphere(1)", "-o", "a.ply", "--components", "x\ny"}, 2, {"x\\x0ay"}},
       {{"csg", "sphere(1) - sphere(2)", "-o", "a.ply", "--resolution", "20"}, 1, {"empty"}},
+      {{"csg", "box(1) & translate(box(1), 5, 0, 0)", "-o", "a.ply"}, 1, {"the solid is empty"}},
+      {{"csg", "sphere(1e-300)", "-o", "a.ply"}, 1, {"2e-300 across: too small"}},
+      {{"csg", "scale(scale(sphere(1), 1e-300), 1e-300)", "-o", "a.ply"}, 2, {"too large or small for numbers"}},
+      {{"csg", "mirror(sphere(1), x, offset=1.7e308)", "-o", "a.ply"}, 2, {"too large or small for numbers"}},
+      {{"csg", "translate(sphere(1), 1e30, 0, 0)", "-o", "a.ply"}, 1, {"1e+30 away from the origin: too far"}},
   });
+}
+
+/// However deep the expression is, and however many parts it has.
+TEST_F(Csg, InterruptsAreHeardWithinHalfASecond) {
+  SANSMESH_NOT_SANITIZED("judges time");
+  std::string turns = "box(1)", balls = "sphere(.1)";
+  for (int k = 0; k < 480; ++k) turns += " - box(2) | box(3)";
+  for (int k = 0; k < 3000; ++k)
+    balls += "|sphere(.1,(" + std::to_string(0.7 * std::sin(k)) + "," + std::to_string(0.7 * std::sin(1.3 * k)) + "," +
+             std::to_string(0.7 * std::sin(1.7 * k)) + "))";
+  using Clock = std::chrono::steady_clock;
+  for (const auto& [text, delay] : {std::pair(turns, 100), std::pair(balls, 1000)}) {
+    double best = 1e9;  // other work may keep the tool waiting
+    for (int attempt = 0; attempt < 3 && best > 0.5; ++attempt) {
+      const Clock::time_point begin = Clock::now();
+      const Outcome outcome = run({"csg", text, "-o", "a.ply", "--preview", "a.png"}, SIGTERM, delay);
+      best = std::min(best, std::chrono::duration<double>(Clock::now() - begin).count() - 0.001 * delay);
+      EXPECT_EQ(outcome.code, 130) << outcome.err;
+      EXPECT_EQ(listing(), std::vector<std::string>{});
+    }
+    EXPECT_LT(best, 0.5) << text.substr(0, 40);
+  }
 }
 
 TEST_F(Csg, TellsOfPartsThatAreTooThin) {
