@@ -6,7 +6,9 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/projection.h"
+#include "sansmesh/points/face_shape.h"
 #include "sansmesh/surface/sample_curvature.h"
+#include "sansmesh/surface/vertex_curvature.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -56,11 +58,19 @@ std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, 
 
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress) {
   if (points.size() < kFewestSamples) return nullptr;
+  // Samples of faces lie on flat triangles: the mesh is bent at its vertices.
+  const bool at_vertices = !points.triangles.empty() && use.faces != FaceUse::ignore &&
+                           (use.faces != FaceUse::automatic || face_samples_wanted(points) > 0);
+  CloudUse own = use;
+  if (at_vertices) own.faces = FaceUse::vertices;
   try {
-    const PreparedCloud cloud = prepare_cloud(points, use, progress);
+    const PreparedCloud cloud = prepare_cloud(points, own, progress);
     progress.begin("curvature");
     CurvatureOptions options;
     options.noise = cloud.noise;
+    if (at_vertices)
+      return std::make_unique<SampleCurvature>(
+          cloud.points, estimate_vertex_curvatures(cloud.points, options, progress), cloud.place);
     return std::make_unique<SampleCurvature>(cloud.points, cloud.place, options, progress);
   } catch (const DataError&) {
     return nullptr;  // points that make no surface have silhouettes all the same

@@ -39,8 +39,9 @@ void clean(PointSet& points, std::vector<std::string>& warnings) {
   if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
 }
 
-void check_shape(const PointSet& points) {
-  if (points.size() < kFewest)
+/// `as_mesh`: triangles tell what so few or flat points do not.
+void check_shape(const PointSet& points, bool as_mesh = false) {
+  if (!as_mesh && points.size() < kFewest)
     throw DataError("only " + counted(points.size(), "point") + ": at least " + std::to_string(kFewest) +
                     " are needed");
   switch (classify_shape(points)) {
@@ -51,6 +52,7 @@ void check_shape(const PointSet& points) {
     case CloudShape::line:
       throw DataError("all points lie on one line: there is no surface to reconstruct");
     case CloudShape::plane:
+      if (as_mesh) break;
       throw DataError("all points lie in one plane: a closed surface cannot be reconstructed");
     case CloudShape::volume:
       break;
@@ -70,7 +72,7 @@ bool all_on_faces(const PointSet& mesh) {
 FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
   if (points.triangles.empty() || faces == FaceUse::ignore) return FaceSides::unknown;
   const bool forced = faces == FaceUse::sample;
-  const std::size_t wanted = forced ? kFaceSamples : face_samples_wanted(points);
+  const std::size_t wanted = forced ? kFaceSamples : faces == FaceUse::vertices ? 0 : face_samples_wanted(points);
   FaceSides sides = FaceSides::unknown;
   if (wanted > 0) {
     PointSet samples = sample_faces(points, wanted);
@@ -232,7 +234,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   progress.begin("check samples");
   clean(points, result.warnings);
   result.face_sides = use_faces(points, faces, result.warnings);
-  check_shape(points);
+  check_shape(points, faces == FaceUse::vertices && !points.triangles.empty());
   const Vec3f size = bounds(points).size();
   result.place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
   move_from_input(points, result.place);

@@ -15,8 +15,9 @@
 namespace sansmesh {
 
 /// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
-/// the faces where the vertices are too few or far apart to describe the surface.
-enum class FaceUse { automatic, ignore, sample };
+/// the faces where the vertices are too few or far apart to describe the surface; vertices: these, however few or flat,
+/// and only the sides and normals of the faces, for what is asked at the vertices themselves.
+enum class FaceUse { automatic, ignore, sample, vertices };
 /// Given normals are used, and turned where they are not consistent, point inward or away from known scanners;
 /// as_given: not even looked at; estimate: they are replaced.
 enum class NormalUse { automatic, as_given, estimate };

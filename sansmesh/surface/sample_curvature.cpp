@@ -15,8 +15,13 @@ constexpr float kOnSheet = 0.3f;    // cosine between normals of one sheet, at l
 
 SampleCurvature::SampleCurvature(const PointSet& points, const Placement& place, const CurvatureOptions& options,
                                  Progress& progress)
+    : SampleCurvature(points, estimate_curvatures(points, options, progress), place) {}
+
+SampleCurvature::SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
+                                 const Placement& place)
     : place_(place) {
-  const std::vector<PrincipalCurvatures> curvatures = estimate_curvatures(points, options, progress);
+  if (curvatures.size() != points.size() || points.normals.size() != points.size())
+    throw ArgumentError("SampleCurvature: as many curvatures and normals as points are needed");
   place_.origin = place.to_input(points.origin);
   tree_ = KdTree(points.positions);
   normals_ = points.normals;

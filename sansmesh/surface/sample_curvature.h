@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sansmesh/core/progress.h"
@@ -21,6 +22,8 @@ class SampleCurvature final : public CurvatureField {
   /// Estimates the curvatures of all samples (estimate_curvatures), which lie at `place` in the coordinates of what is
   /// asked. Copies what it needs. Throws ArgumentError for bad options, DataError for a cloud without normals.
   SampleCurvature(const PointSet& points, const Placement& place, const CurvatureOptions& options, Progress& progress);
+  /// With the curvatures at hand, as many as points: those of a mesh's vertices.
+  SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const Placement& place);
   void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override;
 
  private:

@@ -9,6 +9,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
+#include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 
 namespace sansmesh::test {
@@ -139,6 +140,48 @@ TEST_F(SurfaceCommands, CurvatureOfASphere) {
   EXPECT_LT(off_sphere(points, 5), 1e-4) << "points stay where they are";
   const Json gaussian = json_of({"curvature", "ball.ply", "-o", "curved.ply", "--color-by", "gaussian"});
   EXPECT_NEAR(gaussian["gaussian"]["median"].get<double>(), 0.04, 0.002);
+}
+
+TEST_F(SurfaceCommands, CurvatureOfAMeshIsAtItsVertices) {
+  // Flat triangles between few vertices: samples of these would say that nothing is curved.
+  TriangleMesh coarse = octasphere(2);
+  coarse.attributes.set("number", std::vector<float>(coarse.vertices.size(), 7));
+  write_mesh(path("coarse.ply"), coarse);
+  const Json json = json_of({"curvature", "coarse.ply", "-o", "curved.ply"});
+  EXPECT_EQ(json["input"]["points"], coarse.vertices.size());
+  EXPECT_NEAR(json["mean"]["median"].get<double>(), 1, 1e-3);
+  EXPECT_EQ(json["undefined"], 0);
+  EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
+  const TriangleMesh curved = read_mesh(path("curved.ply"));
+  EXPECT_EQ(curved.vertices, coarse.vertices) << "in the order of the file";
+  EXPECT_EQ(curved.triangles, coarse.triangles);
+  EXPECT_TRUE(curved.attributes.find("number"));
+  ASSERT_TRUE(curved.attributes.find<float>("k2"));
+  for (const float k : *curved.attributes.find<float>("k2")) EXPECT_NEAR(k, 1, 1e-3);
+  json_of({"curvature", "coarse.ply", "-o", "table.csv"});
+  EXPECT_EQ(number_rows(path("table.csv")).size(), coarse.vertices.size());
+  EXPECT_EQ(json_of({"curvature", "coarse.ply", "-o", "curved.glb"})["output"]["file"], "curved.glb");
+  write_sphere("ball.ply", 500);
+  expect_failure({"curvature", "ball.ply", "-o", "curved.glb"}, 1, "curved.glb");
+}
+
+TEST_F(SurfaceCommands, CurvatureOfFewOrFlatVertices) {
+  TriangleMesh tetrahedron;
+  tetrahedron.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  tetrahedron.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+  write_mesh(path("tetrahedron.ply"), tetrahedron);
+  EXPECT_EQ(json_of({"curvature", "tetrahedron.ply", "-o", "c.ply"})["input"]["points"], 4);
+  TriangleMesh flat;
+  for (std::uint32_t v = 0; v < 36; ++v) {
+    flat.vertices.push_back({float(v % 6), float(v / 6), 0});
+    if (v % 6 == 5 || v / 6 == 5) continue;
+    flat.triangles.push_back({v, v + 1, v + 7});
+    flat.triangles.push_back({v, v + 7, v + 6});
+  }
+  write_mesh(path("flat.ply"), flat);
+  const Json json = json_of({"curvature", "flat.ply", "-o", "c.ply"});
+  EXPECT_EQ(json["undefined"], 0);
+  EXPECT_NEAR(json["mean"]["q95"].get<double>(), 0, 1e-6);
 }
 
 TEST_F(SurfaceCommands, CurvatureAsATable) {

@@ -1,0 +1,166 @@
+#include "sansmesh/surface/vertex_curvature.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/points/close_points.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/surface/curvature_fit.h"
+
+namespace sansmesh {
+namespace {
+
+using detail::CurvatureFitter;
+
+/// Whole rings are taken until they hold this share of the neighbours wanted.
+constexpr double kMostOfNeighbours = 0.7;
+constexpr int kLeastRings = 2;
+/// Who walks marks what was seen of the whole mesh: it is cut into so many shares, of so many vertices at least.
+constexpr std::size_t kShares = 64, kLeastShare = 2048;
+
+/// The vertices of a mesh by place, and which are joined by edges.
+struct PlaceGraph {
+  std::vector<std::uint32_t> place;  ///< of each vertex: the first one there
+  std::vector<std::uint32_t> first, beside;
+  std::vector<Vec3> normal;  ///< of each place, unit or zero
+
+  explicit PlaceGraph(const PointSet& mesh) : place(places_of(mesh)), normal(mesh.size()) {
+    join(mesh);
+    for (std::size_t v = 0; v < mesh.size(); ++v)
+      if (is_finite(mesh.normals[v])) normal[place[v]] += normalized(Vec3(mesh.normals[v]));
+    for (Vec3& n : normal) n = normalized(n);
+  }
+
+ private:
+  static std::vector<std::uint32_t> places_of(const PointSet& mesh) {
+    const std::vector<std::uint8_t> again = find_duplicates(mesh);
+    if (std::find(again.begin(), again.end(), 1) != again.end()) return close_representatives(mesh.positions, 0);
+    std::vector<std::uint32_t> own(mesh.size());
+    std::iota(own.begin(), own.end(), 0u);
+    return own;
+  }
+
+  void join(const PointSet& mesh) {
+    std::vector<std::uint64_t> pairs;  // both ways
+    for (const auto& t : mesh.triangles) {
+      if (t[0] >= mesh.size() || t[1] >= mesh.size() || t[2] >= mesh.size()) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = place[t[k]], b = place[t[(k + 1) % 3]];
+        if (a == b) continue;
+        pairs.push_back(std::uint64_t{a} << 32 | b);
+        pairs.push_back(std::uint64_t{b} << 32 | a);
+      }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    first.assign(mesh.size() + 1, 0);
+    for (const std::uint64_t p : pairs) ++first[(p >> 32) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    beside.resize(pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) beside[i] = static_cast<std::uint32_t>(pairs[i]);
+  }
+};
+
+/// The rings around one vertex after another.
+class RingWalk {
+ public:
+  explicit RingWalk(const PlaceGraph& graph) : graph_(graph), seen_(graph.place.size(), 0) {}
+
+  /// Neighbours of v from near to far, itself left out: whole rings until there are `enough`, of vertices that
+  /// `keep(w)` allows.
+  template <class Keep>
+  const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep) {
+    if (++round_ == 0) std::fill(seen_.begin(), seen_.end(), 0), round_ = 1;
+    found_.clear();
+    seen_[v] = round_;
+    std::size_t from = 0;
+    const auto visit = [&](std::uint32_t of) {
+      for (std::uint32_t k = graph_.first[of]; k < graph_.first[of + 1]; ++k) {
+        const std::uint32_t w = graph_.beside[k];
+        if (seen_[w] == round_ || !keep(w)) continue;
+        seen_[w] = round_;
+        found_.push_back(w);
+      }
+    };
+    visit(v);
+    for (int ring = 1; from < found_.size() && (ring < kLeastRings || found_.size() < enough); ++ring) {
+      const std::size_t to = found_.size();
+      for (; from < to; ++from) visit(found_[from]);
+    }
+    return found_;
+  }
+
+ private:
+  const PlaceGraph& graph_;
+  std::vector<std::uint32_t> seen_, found_;
+  std::uint32_t round_ = 0;
+};
+
+/// With all unknowns, and fewer where the neighbours do not tell them.
+PrincipalCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
+                                        std::span<const Vec3> offsets, double radius) {
+  for (CurvatureFitter* const fitter : fitters) {
+    fitter->start(normal);
+    for (const Vec3& d : offsets) fitter->add(d);
+    if (!fitter->fit(offsets.size(), radius)) continue;
+    if (const PrincipalCurvatures found = fitter->curvatures(); found.defined) return found;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
+                                                            Progress& progress) {
+  options.validate();
+  if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
+  if (mesh.triangles.empty()) throw DataError("there are no triangles: curvatures of points are those of a cloud");
+  std::size_t enough = 0;
+  if (!options.radius) {
+    const int wanted = options.neighbours.value_or(0) > 0
+                           ? *options.neighbours
+                           : choose_curvature_neighbours(mesh, options.noise ? *options.noise : estimate_noise(mesh));
+    enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
+  }
+  const double within = options.radius ? detail::kReachOverWidth * *options.radius : 0;
+  const PlaceGraph graph(mesh);
+  CurvatureOptions through = options, given = options;
+  through.offset = given.offset = given.refit_normal = false;
+  std::vector<PrincipalCurvatures> result(mesh.size());
+  progress.begin("curvatures", mesh.size());
+  parallel_ranges(0, mesh.size(), kLeastShare + mesh.size() / kShares, [&](std::size_t begin, std::size_t end) {
+    RingWalk walk(graph);
+    CurvatureFitter all(options), no_offset(through), no_slopes(given);
+    CurvatureFitter* const fitters[] = {&all, &no_offset, &no_slopes};
+    std::vector<Vec3> offsets;
+    for (std::size_t v = begin; v < end; ++v) {
+      const Vec3 normal = graph.normal[v];
+      if (graph.place[v] != v || !(squared_norm(normal) > 0)) continue;
+      const Vec3 x(mesh.positions[v]);
+      const auto& around =
+          walk.around(static_cast<std::uint32_t>(v), options.radius ? mesh.size() : enough,
+                      [&](std::uint32_t w) { return !options.radius || norm(Vec3(mesh.positions[w]) - x) <= within; });
+      offsets.clear();
+      double reach = 0;
+      for (const std::uint32_t w : around) {
+        if (dot(normal, graph.normal[w]) < 0) continue;
+        offsets.push_back(Vec3(mesh.positions[w]) - x);
+        reach = std::max(reach, norm(offsets.back()));
+      }
+      result[v] = fit_fewer_and_fewer(fitters, normal, offsets, options.radius ? within : reach);
+    }
+    progress.advance(end - begin);
+  });
+  for (std::size_t v = 0; v < mesh.size(); ++v) result[v] = result[graph.place[v]];
+  progress.finish();
+  return result;
+}
+
+}  // namespace sansmesh
