@@ -26,6 +26,17 @@ constexpr double kNearlyAll = 0.95;
 
 std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
+/// Of signs that neighbours confirm, though not all of them are right.
+std::string uncertain_words(const OrientationReport& r) {
+  std::string why;
+  if (r.doubt > 0)
+    why = fmt::format("around {} of the samples they enclose less or more than a surface does", percent(r.doubt));
+  if (1 - r.agreement > 0.0005)
+    why +=
+        fmt::format("{}{} of what neighbours say contradicts them", why.empty() ? "" : ", ", percent(1 - r.agreement));
+  return "orientation uncertain: " + why;
+}
+
 }  // namespace
 
 CloudScale::CloudScale(const PointSet& points) : spacing(estimate_spacing(points)), noise(measure_noise(points)) {}
@@ -41,7 +52,7 @@ void CloudScale::add_to(Json& json) const {
 
 GivenNormals judge_normals(const OrientationReport& r) {
   GivenNormals given;
-  given.oriented = r.check == OrientationCheck::oriented || r.check == OrientationCheck::inward;
+  given.oriented = (r.check == OrientationCheck::oriented || r.check == OrientationCheck::inward) && r.certain();
   if (r.check == OrientationCheck::missing)
     given.words = "none";
   else if (r.related < kLeastRelated)
@@ -52,6 +63,8 @@ GivenNormals judge_normals(const OrientationReport& r) {
                                                                      "them",
                                                                      percent(1 - r.agreement))
                                                        : std::string());
+  else if (!r.certain())
+    given.words = uncertain_words(r);
   else if (r.open > kNearlyAll)
     given.words = "oriented consistently; the surface is open, it has no outside";
   else if (r.outward > kNearlyAll)
@@ -62,7 +75,8 @@ GivenNormals judge_normals(const OrientationReport& r) {
     given.words = fmt::format("oriented consistently: {} of the samples outward, {} inward, {} in open parts",
                               percent(r.outward), percent(r.inward), percent(r.open));
   given.json = {{"oriented", given.oriented}, {"agreement", r.agreement}, {"related", r.related},
-                {"outward", r.outward},       {"inward", r.inward},       {"open", r.open}};
+                {"outward", r.outward},       {"inward", r.inward},       {"open", r.open},
+                {"certain", r.certain()},     {"doubt", r.doubt}};
   if (r.check == OrientationCheck::missing) given.json = {{"oriented", false}};
   return given;
 }
@@ -80,15 +94,16 @@ GivenNormals judge_normals(const PointSet& points, double noise) {
         noise / spacing, grouped(neighbours), grouped(points.size()));
     return given;
   }
+  const bool consistent = report.check != OrientationCheck::unoriented;
   for (const OrientBy by : kOrientationOrder) {
-    if (by == OrientBy::up && given.oriented) break;  // a guess, where the others know
+    if (by == OrientBy::up && consistent) break;  // a guess, where the others know
     const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
     if (sights.empty()) continue;
     const double away = share_looking_away(points, sights);
     if (away >= kMostLookingAway) continue;
     given.oriented = true;
     given.words = fmt::format("oriented {}, but for {}", orientation_words(by), percent(away));
-    given.json["oriented"] = true;
+    given.json["oriented"] = given.json["certain"] = true;
     given.json["oriented_by"] = orient_by_word(by);
     given.json["looking_away"] = away;
     break;

@@ -12,14 +12,17 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
+#include "sansmesh/points/relation_graph.h"
 #include "sansmesh/points/sign_graph.h"
+#include "sansmesh/points/winding_doubt.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 namespace {
+
+using detail::RelationGraph, detail::join_stretches, detail::join_sure, detail::join_by_votes;
 
 constexpr std::size_t kCheckSamples = 30000;
 constexpr int kExtremeDirections = 64;
@@ -35,186 +38,15 @@ constexpr int kSure[] = {118, 105, 90, 75};
 /// Area vectors of a closed surface sum to zero; half a ball leaves half of its area, terrain nearly all. Above this
 /// share a part is open, and has no outside.
 constexpr double kOpenPart = 0.35;
-/// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
-/// relation across would join them.
-constexpr double kUnseen = 3, kUnseenWithin = 2;
-/// Edges are looked at in stretches of so many samples, which threads share out.
-constexpr std::size_t kEdgeSamples = 32768;
-/// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of
-/// these (in spacings) it can be told from what the shape leaves; above the second one the nearest neighbours are no
-/// longer those along the surface. Noise that is said to be so much less or so much more is not believed.
-constexpr std::size_t kSheetSamples = 5000, kSheetStretch = 16;
-constexpr double kCertainNear = 0.15, kLargestNear = 0.45;
-constexpr double kHiddenNoise = 0.67, kSheetsAsNoise = 1.5, kSheetsWithoutNoise = 2.5;
-/// Mean size of the relations of a sample (of 127) below which its normal says little: a stray, or leaves.
-constexpr int kFirm = 30;
-/// No sample stands for more than so many times the area that its neighbours do: strays would.
-constexpr float kLargestArea = 4;
-
-/// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
-/// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, whether the arc is
-/// flat, round or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets:
-/// these say nothing. Heights below `unseen` count as zero, or noise would look like many sheets.
-float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen) {
-  const Vec3f d = q - p;
-  const float length = norm(d);
-  const float cosine = dot(n, m);
-  if (!(length > 0)) return cosine;
-  const auto slope = [&](const Vec3f& normal) {
-    const float height = dot(normal, d);
-    return std::copysign(std::max(0.0f, std::abs(height) - unseen), height) / length;
-  };
-  const float a = slope(n), b = slope(m);
-  const float mirrored = cosine - 2 * a * b;
-  const float climb = std::abs(mirrored < 0 ? a - b : a + b);
-  return mirrored * std::max(0.0f, 1 - std::max(std::abs(a), std::abs(b))) * std::max(0.0f, 1 - 2 * climb);
-}
-
-std::int8_t quantized(float relation_value) {
-  return static_cast<std::int8_t>(std::lround(std::clamp(relation_value, -1.0f, 1.0f) * 127));
-}
-
-/// The neighbour graph in tree order, and what its edges say.
-class RelationGraph {
- public:
-  /// The tree of the samples' positions stays where it is.
-  RelationGraph(const KdTree& tree, std::span<const Vec3f> normals, int neighbours, double noise)
-      : tree_(tree), degree_(static_cast<std::size_t>(neighbours)) {
-    const std::size_t n = tree_.size();
-    positions_ = tree_.positions();
-    normals_.resize(n);
-    area_.resize(n);
-    neighbours_.resize(n * degree_);
-    relations_.resize(n * degree_);
-    parallel_for(0, n, 16384, [&](std::size_t s) { normals_[s] = normals[tree_.order()[s]]; });
-    const double within = within_sheet(noise);
-    const auto unseen = static_cast<float>(within == noise ? kUnseen * noise : kUnseenWithin * within);
-    tree_.for_each_nearest(degree_ + 1, [&](std::uint32_t s, std::span<const Neighbour> found) {
-      std::size_t count = 0;
-      for (const Neighbour& neighbour : found) {
-        if (neighbour.index == s || count == degree_) continue;
-        neighbours_[s * degree_ + count] = neighbour.index;
-        relations_[s * degree_ + count++] = quantized(
-            relation(positions_[s], normals_[s], positions_[neighbour.index], normals_[neighbour.index], unseen));
-      }
-      for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
-      area_[s] = found.back().squared_distance;
-    });
-    limit_areas();
-  }
-
-  std::size_t size() const { return positions_.size(); }
-  std::size_t degree() const { return degree_; }
-  std::uint32_t neighbour(std::size_t s, std::size_t k) const { return neighbours_[s * degree_ + k]; }
-  int relation_to(std::size_t s, std::size_t k) const { return relations_[s * degree_ + k]; }
-  /// Whether the sample's normal has to do with those of its neighbours.
-  bool firm(std::size_t s) const {
-    int sure = 0;
-    for (std::size_t k = 0; k < degree_; ++k) sure += std::abs(relation_to(s, k));
-    return sure >= kFirm * static_cast<int>(degree_) && squared_norm(normals_[s]) > 0;
-  }
-  const KdTree& tree() const { return tree_; }
-  const std::vector<Vec3f>& positions() const { return positions_; }
-  const std::vector<Vec3f>& normals() const { return normals_; }
-  const std::vector<float>& area() const { return area_; }  ///< up to a common factor
-
- private:
-  /// `noise`, or what the nearest neighbours say of it where that is something else: two sheets that are a few spacings
-  /// apart look like noise in wide neighbourhoods, or hide the noise that each of them has. How far neighbours lie off
-  /// the mean of their tangent planes is noise; what the shape does to it has the other sign at the other end.
-  double within_sheet(double noise) const {
-    std::vector<float> off, reach;
-    const auto look = [&](std::uint32_t s, std::span<const Neighbour> found) {
-      reach.push_back(found.back().squared_distance);
-      for (const Neighbour& neighbour : found) {
-        const std::uint32_t q = neighbour.index;
-        if (q == s) continue;
-        const Vec3f d = positions_[q] - positions_[s];
-        const float same = dot(normals_[s], normals_[q]) < 0 ? -1.0f : 1.0f;
-        off.push_back(std::abs(dot(normals_[s] + normals_[q] * same, d)) * 0.5f);
-      }
-    };
-    const std::size_t step = kSheetStretch * (1 + size() / kSheetSamples);
-    for (std::size_t s = 0; s < size(); s += step)
-      tree_.for_each_nearest(degree_ + 1, s, std::min(s + kSheetStretch, size()), look);
-    if (off.empty()) return noise;
-    const double spacing =
-        std::sqrt(std::numbers::pi * static_cast<double>(median(reach)) / static_cast<double>(degree_));
-    // Normal deviates: differences of two are √2 wide, and half of them are within 0.67 of that.
-    const double near = static_cast<double>(median(off)) / (0.6745 * std::numbers::sqrt2);
-    const bool certain = near > kCertainNear * spacing;
-    const bool hidden = certain && noise < kHiddenNoise * near;
-    const bool sheets = noise > (certain ? kSheetsAsNoise : kSheetsWithoutNoise) * near;
-    return near < kLargestNear * spacing && (hidden || sheets) ? near : noise;
-  }
-
-  void limit_areas() {
-    std::vector<float> some;
-    for (std::size_t s = 0; s < size(); s += 1 + size() / kSheetSamples) some.push_back(area_[s]);
-    if (some.empty()) return;
-    const float large = kLargestArea * median(some);
-    const std::vector<float> raw = area_;
-    parallel_for(0, size(), 8192, [&](std::size_t s) {
-      if (raw[s] <= large) return;  // as most are
-      std::vector<float> around(degree_);
-      for (std::size_t k = 0; k < degree_; ++k) around[k] = raw[neighbour(s, k)];
-      area_[s] = std::min(raw[s], kLargestArea * median(around));
-    });
-  }
-
-  const KdTree& tree_;
-  std::size_t degree_;
-  std::vector<Vec3f> positions_, normals_;
-  std::vector<float> area_;
-  std::vector<std::uint32_t> neighbours_;
-  std::vector<std::int8_t> relations_;
-};
-
-/// An edge of the graph by the sample that it belongs to and its rank there.
-struct Edge {
-  std::uint32_t sample, rank;
-};
-
-/// Calls visit(edge) for those for which keep(sample, rank) is true, in their order; all are asked before.
-template <class Keep, class Visit>
-void visit_edges(const RelationGraph& graph, const Keep& keep, const Visit& visit) {
-  std::vector<std::vector<Edge>> kept((graph.size() + kEdgeSamples - 1) / kEdgeSamples);
-  parallel_for(0, kept.size(), 1, [&](std::size_t c) {
-    const std::size_t last = std::min(graph.size(), (c + 1) * kEdgeSamples);
-    for (std::size_t s = c * kEdgeSamples; s < last; ++s)
-      for (std::size_t k = 0; k < graph.degree(); ++k)
-        if (keep(s, k)) kept[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(k)});
-  });
-  for (std::vector<Edge>& some : kept)
-    for (const Edge& e : std::exchange(some, {})) visit(e);
-}
-
-/// Joins along the edges at least so sure within stretches of the tree, each by itself, in a forest of single samples.
-void join_stretches(const RelationGraph& graph, SignForest& forest, int sure) {
-  parallel_for(0, (graph.size() + kEdgeSamples - 1) / kEdgeSamples, 1, [&](std::size_t c) {
-    const std::size_t first = c * kEdgeSamples, last = std::min(graph.size(), first + kEdgeSamples);
-    for (std::size_t s = first; s < last; ++s)
-      for (std::size_t k = 0; k < graph.degree(); ++k) {
-        const int r = graph.relation_to(s, k);
-        const std::uint32_t q = graph.neighbour(s, k);
-        if (std::abs(r) >= sure && q >= first && q < last) forest.join(static_cast<std::uint32_t>(s), q, r < 0);
-      }
-  });
-  forest.flatten();
-}
-
-/// Joins along all edges at least so sure; the forest is flat before and after. Most of them join what belongs together
-/// already, which all threads see at once.
-void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
-  const auto joins = [&](std::size_t s, std::size_t k) {
-    return std::abs(graph.relation_to(s, k)) >= sure &&
-           forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
-  };
-  visit_edges(graph, joins, [&](const Edge& e) {
-    forest.join(e.sample, graph.neighbour(e.sample, e.rank), graph.relation_to(e.sample, e.rank) < 0);
-  });
-  forest.flatten();
-}
+/// Of what neighbours say: with more agreement there is nothing to be voted on again.
+constexpr double kHardlyContradicted = 0.999;
+/// With so much agreement signs are right unless whole regions are turned, which more doubt than this shows; with less
+/// of it, but not less than the second, where there is hardly any doubt. (48 noisy clouds of known shapes: see
+/// docs/methods/points.md.)
+constexpr double kNoContradiction = 0.9995, kMostDoubtOfSmooth = 0.25;
+constexpr double kLittleContradiction = 0.9955, kMostDoubt = 0.05;
+/// Patches that vote: so many samples next to each other along the tree at least, and so many patches about at most.
+constexpr std::size_t kLeastPatch = 8, kMostPatches = 20000;
 
 /// The way to where each sample of a graph was seen from, and the node behind all others that stands for it: samples
 /// that agree with this one look there.
@@ -289,15 +121,7 @@ void propagate(const RelationGraph& graph, const Sights& sights, SignForest& for
   }
   if (sights.known()) sights.join(forest, kLeastSight);
   forest.flatten();
-  const auto between = [&](std::size_t s, std::size_t k) {
-    return forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
-  };
-  std::vector<SignVote> votes;
-  visit_edges(graph, between, [&](const Edge& e) {
-    const std::int64_t r = graph.relation_to(e.sample, e.rank);
-    votes.push_back({e.sample, graph.neighbour(e.sample, e.rank), r * std::abs(r)});
-  });
-  contract(forest, votes);
+  join_by_votes(graph, forest);
   progress.advance(graph.size());
 }
 
@@ -351,6 +175,24 @@ void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
       if (vote * before[s] < 0) parts.sign[s] = static_cast<std::int8_t>(-before[s]);
     });
   }
+}
+
+/// The signs of a graph's normals. Noise can make even the surest relations contradict each other, and then those that
+/// come first decide for whole regions: votes between small patches hear all of them. Kept is what contradicts less.
+Parts settle_signs(const RelationGraph& graph, const Sights& sights, Progress& progress) {
+  SignForest forest(graph.size() + 1);
+  propagate(graph, sights, forest, progress);
+  Parts parts = collect_parts(graph, sights, forest);
+  polish(graph, sights, parts);
+  if (sights.known()) return parts;
+  const double agreement = graph.agreement(parts.sign);
+  if (agreement >= kHardlyContradicted) return parts;
+  SignForest patches(graph.size() + 1);
+  join_stretches(graph, patches, kSure[0], std::max(kLeastPatch, graph.size() / kMostPatches));
+  join_by_votes(graph, patches);
+  Parts voted = collect_parts(graph, sights, patches);
+  polish(graph, sights, voted);
+  return graph.agreement(voted.sign) > agreement ? voted : parts;
 }
 
 // Points of a Fibonacci lattice on the sphere.
@@ -426,20 +268,9 @@ std::string unknown_sights(OrientBy asked) {
   }
 }
 
-/// The share of what neighbours say, by its weight, that confirms the given signs.
-double agreement_of(const RelationGraph& graph) {
-  double agree = 0, all = 0;
-  for (std::size_t s = 0; s < graph.size(); ++s)
-    for (std::size_t k = 0; k < graph.degree(); ++k) {
-      const double r = graph.relation_to(s, k);
-      all += r * r;
-      if (r > 0) agree += r * r;
-    }
-  return all > 0 ? agree / all : 0;
-}
-
 // The given normals against those oriented anew.
-OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise) {
+OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double noise,
+                        bool with_doubt) {
   Progress silent;
   const KdTree tree(positions);
   const RelationGraph graph(tree, normals, 10, noise);
@@ -475,7 +306,8 @@ OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f>
   const bool systematic = contradiction > 3 * agreement;
   OrientationReport report;
   const auto all = static_cast<double>(graph.size());
-  report.agreement = agreement_of(graph);
+  report.agreement = graph.agreement();
+  if (with_doubt) report.doubt = detail::winding_doubt(graph, parts.part, parts.open, noise);
   std::size_t firm = 0;
   for (std::size_t s = 0; s < graph.size(); ++s) firm += graph.firm(s);
   report.related = static_cast<double>(firm) / all;
@@ -487,6 +319,31 @@ OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f>
       report.related < kLeastRelated)
     report.check = OrientationCheck::unoriented;
   return report;
+}
+
+/// Of the points some that are spread over all of them.
+OrientationReport judge_some(const PointSet& points, std::optional<double> known_noise, bool with_doubt) {
+  if (points.normals.size() != points.size()) return {};
+  std::vector<Vec3f> positions, normals;
+  std::size_t with_normal = 0;
+  for (const Vec3f& n : points.normals) with_normal += squared_norm(n) > 0.25f;
+  if (with_normal * 10 < points.size() || with_normal == 0) return {};
+  // Equal steps through the samples that have a normal.
+  const std::size_t wanted = std::min(with_normal, kCheckSamples);
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(squared_norm(points.normals[i]) > 0.25f)) continue;
+    const std::size_t index = seen++;
+    if ((index + 1) * wanted / with_normal == index * wanted / with_normal || !is_finite(points.positions[i])) continue;
+    positions.push_back(points.positions[i]);
+    normals.push_back(points.normals[i]);
+  }
+  if (positions.empty()) return {};
+  const double noise = known_noise ? *known_noise : estimate_noise(points);
+  const OrientationReport judgement = judge(positions, normals, noise, with_doubt);
+  // The sides of a thin sheet may have been taken for noise.
+  if (judgement.check != OrientationCheck::unoriented || noise == 0) return judgement;
+  return judge(positions, normals, 0, with_doubt);
 }
 
 bool from_air(OrientBy by) { return by == OrientBy::flight || by == OrientBy::up; }
@@ -529,10 +386,7 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
   progress.advance(points.size());
   Sights sights;
   const OrientBy by = choose_sights(points, graph, options.by, noise, sights);
-  SignForest forest(graph.size() + 1);
-  propagate(graph, sights, forest, progress);
-  Parts parts = collect_parts(graph, sights, forest);
-  polish(graph, sights, parts);
+  Parts parts = settle_signs(graph, sights, progress);
   judge_outwardness(graph, parts);
   parallel_for(0, graph.size(), 16384, [&](std::size_t s) {
     const std::uint32_t p = parts.part[s];
@@ -554,32 +408,17 @@ double share_looking_away(const PointSet& points, std::span<const Vec3f> sights)
   return clear > 0 ? static_cast<double>(away) / static_cast<double>(clear) : 0;
 }
 
+bool OrientationReport::certain() const {
+  return agreement >= kNoContradiction ? doubt <= kMostDoubtOfSmooth
+                                       : agreement >= kLittleContradiction && doubt <= kMostDoubt;
+}
+
 OrientationCheck check_orientation(const PointSet& points, std::optional<double> known_noise) {
-  return measure_orientation(points, known_noise).check;
+  return judge_some(points, known_noise, false).check;
 }
 
 OrientationReport measure_orientation(const PointSet& points, std::optional<double> known_noise) {
-  if (points.normals.size() != points.size()) return {};
-  std::vector<Vec3f> positions, normals;
-  std::size_t with_normal = 0;
-  for (const Vec3f& n : points.normals) with_normal += squared_norm(n) > 0.25f;
-  if (with_normal * 10 < points.size() || with_normal == 0) return {};
-  // Equal steps through the samples that have a normal.
-  const std::size_t wanted = std::min(with_normal, kCheckSamples);
-  std::size_t seen = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!(squared_norm(points.normals[i]) > 0.25f)) continue;
-    const std::size_t index = seen++;
-    if ((index + 1) * wanted / with_normal == index * wanted / with_normal || !is_finite(points.positions[i])) continue;
-    positions.push_back(points.positions[i]);
-    normals.push_back(points.normals[i]);
-  }
-  if (positions.empty()) return {};
-  const double noise = known_noise ? *known_noise : estimate_noise(points);
-  const OrientationReport judgement = judge(positions, normals, noise);
-  // The sides of a thin sheet may have been taken for noise.
-  if (judgement.check != OrientationCheck::unoriented || noise == 0) return judgement;
-  return judge(positions, normals, 0);
+  return judge_some(points, known_noise, true);
 }
 
 }  // namespace sansmesh

@@ -31,6 +31,13 @@ struct OrientationReport {
   /// Shares of the samples: in closed parts whose normals point outward, or inward, and in parts that are so far from
   /// closed that they have no outside. They add up to 1.
   double outward = 0, inward = 0, open = 0;
+  /// Share of the samples, in closed parts, around which the normals do not enclose what they should (`winding_doubt`):
+  /// seen from afar, where agreement is between neighbours.
+  double doubt = 0;
+
+  /// Whether signs that are consistent are right, too, for all but a few of the samples: agreement is the better the
+  /// smoother normals are, and noise as large as the shape is thin hides which side is out.
+  bool certain() const;
 };
 
 /// Normals with less agreement, or of which fewer are related, are not oriented.

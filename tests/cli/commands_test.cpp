@@ -235,6 +235,19 @@ TEST_F(Commands, NormalsPointOutward) {
   EXPECT_EQ(run({"normals", "bare.ply", "-o", "with.ply", "--keep"}).code, 1) << "there are none to keep";
 }
 
+TEST_F(Commands, NormalsSayWhereTheirSignsAreUncertain) {
+  // A flat ball whose sides are two noises apart.
+  PointSet flat = sphere(8000, 0.1);
+  for (Vec3f& p : flat.positions) p.z *= 0.15f;
+  flat.normals.clear();
+  write_points(path("flat.ply"), flat);
+  const Outcome outcome = run({"normals", "flat.ply", "-o", "out.ply"});
+  EXPECT_NE(outcome.out.find("checked: orientation uncertain: "), std::string::npos) << outcome.out;
+  const Json json = Json::parse(run({"normals", "flat.ply", "-o", "out.ply", "--json"}).out);
+  EXPECT_FALSE(json["oriented"]);
+  EXPECT_FALSE(json["orientation"]["certain"]);
+}
+
 TEST_F(Commands, UnorientedNormalsAreTurnedWithAWarning) {
   PointSet cloud = sphere(5000);
   for (std::size_t i = 0; i < cloud.size(); i += 2) cloud.normals[i] = -cloud.normals[i];

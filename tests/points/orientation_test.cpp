@@ -142,6 +142,65 @@ TEST(Orientation, SaysWhereNormalsLook) {
   EXPECT_EQ(report.open, 1) << "half a ball has no outside";
 }
 
+/// A ball with two rods, as thin as noise is large in the worst case.
+PointSet ball_with_rods(std::size_t n, float noise, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> g;
+  std::uniform_real_distribution<float> u(0, 1);
+  PointSet points;
+  while (points.size() < n) {
+    Vec3f p, normal;
+    if (u(random) < 0.6f) {
+      normal = random_direction(random);
+      p = normal * 0.5f;
+      if (std::hypot(p.y, p.z) < 0.1f) continue;  // within the rods
+    } else {
+      const float a = 6.2831853f * u(random);
+      normal = {0, std::cos(a), std::sin(a)};
+      p = normal * 0.1f;
+      p.x = (0.49f + 0.8f * u(random)) * (u(random) < 0.5f ? -1.0f : 1.0f);
+    }
+    points.positions.push_back(p + Vec3f{g(random), g(random), g(random)} * noise);
+    points.normals.push_back(normal);
+  }
+  return points;
+}
+
+TEST(Orientation, IsCertainOnlyWhereItIsRight) {
+  std::size_t certain = 0;
+  for (const float noise : {0.0f, 0.01f, 0.02f, 0.03f, 0.045f, 0.06f, 0.08f})
+    for (const bool rods : {false, true}) {
+      PointSet points = rods ? ball_with_rods(8000, noise, 31) : sample_torus(8000, 1, 0.3f, 32);
+      std::mt19937 random(33);
+      std::normal_distribution<float> g(0, noise > 0 ? noise : 1);
+      if (!rods && noise > 0)
+        for (Vec3f& p : points.positions) p += Vec3f{g(random), g(random), g(random)};
+      const std::vector<Vec3f> truth = points.normals;
+      Progress progress;
+      estimate_normals(points, {}, progress);
+      orient_normals(points, {}, progress);
+      const double correct = fraction_correct(points, truth);
+      const OrientationReport report = measure_orientation(points);
+      EXPECT_TRUE(correct > 0.95 || !report.certain()) << noise << (rods ? " rods" : " torus");
+      EXPECT_TRUE(noise > 0.015f || report.certain()) << noise << (rods ? " rods" : " torus");
+      certain += report.certain();
+    }
+  EXPECT_LT(certain, 14u) << "rods that are thinner than the noise have no sides";
+}
+
+TEST(Orientation, RegionsThatAreTurnedRaiseDoubt) {
+  // Along a clean cut hardly any neighbour is contradicted.
+  PointSet points = sample_sphere(20000, 1, 0, 34);
+  EXPECT_TRUE(measure_orientation(points).certain());
+  EXPECT_LT(measure_orientation(points).doubt, 0.01);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points.positions[i].z > 0.2f) points.normals[i] = -points.normals[i];
+  const OrientationReport report = measure_orientation(points);
+  EXPECT_GT(report.agreement, 0.9);
+  EXPECT_GT(report.doubt, 0.3);
+  EXPECT_FALSE(report.certain());
+}
+
 TEST(Orientation, ThinPlatesAreOriented) {
   EXPECT_EQ(check_orientation(sample_box(8000, {1, 1, 0.01f}, 12)), OrientationCheck::oriented);
 }

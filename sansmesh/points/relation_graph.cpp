@@ -1,0 +1,174 @@
+#include "sansmesh/points/relation_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "sansmesh/core/median.h"
+
+namespace sansmesh::detail {
+namespace {
+
+/// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
+/// relation across would join them.
+constexpr double kUnseen = 3, kUnseenWithin = 2;
+/// From about so many samples the noise within sheets is estimated, so many next to each other. Above the first of
+/// these (in spacings) it can be told from what the shape leaves; above the second one the nearest neighbours are no
+/// longer those along the surface. Noise that is said to be so much less or so much more is not believed.
+constexpr std::size_t kSheetSamples = 5000, kSheetStretch = 16;
+constexpr double kCertainNear = 0.15, kLargestNear = 0.45;
+constexpr double kHiddenNoise = 0.67, kSheetsAsNoise = 1.5, kSheetsWithoutNoise = 2.5;
+/// Mean size of the relations of a sample (of 127) below which its normal says little: a stray, or leaves.
+constexpr int kFirm = 30;
+/// No sample stands for more than so many times the area that its neighbours do: strays would.
+constexpr float kLargestArea = 4;
+
+/// How the sign of the normals at both ends of an edge relate: near +1 surely equal, near -1 surely opposite, near 0
+/// unknown. The normals at the ends of an arc mirror each other in the chord's bisecting plane, whether the arc is
+/// flat, round or a crease (König & Gumhold 2009). Edges that climb out of both tangent planes alike join two sheets:
+/// these say nothing. Heights below `unseen` count as zero, or noise would look like many sheets.
+float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, float unseen) {
+  const Vec3f d = q - p;
+  const float length = norm(d);
+  const float cosine = dot(n, m);
+  if (!(length > 0)) return cosine;
+  const auto slope = [&](const Vec3f& normal) {
+    const float height = dot(normal, d);
+    return std::copysign(std::max(0.0f, std::abs(height) - unseen), height) / length;
+  };
+  const float a = slope(n), b = slope(m);
+  const float mirrored = cosine - 2 * a * b;
+  const float climb = std::abs(mirrored < 0 ? a - b : a + b);
+  return mirrored * std::max(0.0f, 1 - std::max(std::abs(a), std::abs(b))) * std::max(0.0f, 1 - 2 * climb);
+}
+
+std::int8_t quantized(float relation_value) {
+  return static_cast<std::int8_t>(std::lround(std::clamp(relation_value, -1.0f, 1.0f) * 127));
+}
+
+}  // namespace
+
+RelationGraph::RelationGraph(const KdTree& tree, std::span<const Vec3f> normals, int neighbours, double noise)
+    : tree_(tree), degree_(static_cast<std::size_t>(neighbours)) {
+  const std::size_t n = tree_.size();
+  positions_ = tree_.positions();
+  normals_.resize(n);
+  area_.resize(n);
+  neighbours_.resize(n * degree_);
+  relations_.resize(n * degree_);
+  parallel_for(0, n, 16384, [&](std::size_t s) { normals_[s] = normals[tree_.order()[s]]; });
+  const double within = within_sheet(noise);
+  const auto unseen = static_cast<float>(within == noise ? kUnseen * noise : kUnseenWithin * within);
+  tree_.for_each_nearest(degree_ + 1, [&](std::uint32_t s, std::span<const Neighbour> found) {
+    std::size_t count = 0;
+    for (const Neighbour& neighbour : found) {
+      if (neighbour.index == s || count == degree_) continue;
+      neighbours_[s * degree_ + count] = neighbour.index;
+      relations_[s * degree_ + count++] = quantized(
+          relation(positions_[s], normals_[s], positions_[neighbour.index], normals_[neighbour.index], unseen));
+    }
+    for (; count < degree_; ++count) neighbours_[s * degree_ + count] = s;  // a loop: says nothing
+    area_[s] = found.back().squared_distance;
+  });
+  limit_areas();
+}
+
+bool RelationGraph::firm(std::size_t s) const {
+  int sure = 0;
+  for (std::size_t k = 0; k < degree_; ++k) sure += std::abs(relation_to(s, k));
+  return sure >= kFirm * static_cast<int>(degree_) && squared_norm(normals_[s]) > 0;
+}
+
+double RelationGraph::agreement() const { return agreement({}); }
+
+double RelationGraph::agreement(std::span<const std::int8_t> sign) const {
+  double agree = 0, all = 0;
+  for (std::size_t s = 0; s < size(); ++s)
+    for (std::size_t k = 0; k < degree_; ++k) {
+      const double r = relation_to(s, k);
+      all += r * r;
+      const bool opposite = !sign.empty() && sign[s] != sign[neighbour(s, k)];
+      if (opposite ? r < 0 : r > 0) agree += r * r;
+    }
+  return all > 0 ? agree / all : 0;
+}
+
+double RelationGraph::within_sheet(double noise) const {
+  std::vector<float> off, reach;
+  const auto look = [&](std::uint32_t s, std::span<const Neighbour> found) {
+    reach.push_back(found.back().squared_distance);
+    for (const Neighbour& neighbour : found) {
+      const std::uint32_t q = neighbour.index;
+      if (q == s) continue;
+      const Vec3f d = positions_[q] - positions_[s];
+      const float same = dot(normals_[s], normals_[q]) < 0 ? -1.0f : 1.0f;
+      off.push_back(std::abs(dot(normals_[s] + normals_[q] * same, d)) * 0.5f);
+    }
+  };
+  const std::size_t step = kSheetStretch * (1 + size() / kSheetSamples);
+  for (std::size_t s = 0; s < size(); s += step)
+    tree_.for_each_nearest(degree_ + 1, s, std::min(s + kSheetStretch, size()), look);
+  if (off.empty()) return noise;
+  const double spacing =
+      std::sqrt(std::numbers::pi * static_cast<double>(median(reach)) / static_cast<double>(degree_));
+  // Normal deviates: differences of two are √2 wide, and half of them are within 0.67 of that.
+  const double near = static_cast<double>(median(off)) / (0.6745 * std::numbers::sqrt2);
+  const bool certain = near > kCertainNear * spacing;
+  const bool hidden = certain && noise < kHiddenNoise * near;
+  const bool sheets = noise > (certain ? kSheetsAsNoise : kSheetsWithoutNoise) * near;
+  return near < kLargestNear * spacing && (hidden || sheets) ? near : noise;
+}
+
+void RelationGraph::limit_areas() {
+  std::vector<float> some;
+  for (std::size_t s = 0; s < size(); s += 1 + size() / kSheetSamples) some.push_back(area_[s]);
+  if (some.empty()) return;
+  const float large = kLargestArea * median(some);
+  const std::vector<float> raw = area_;
+  parallel_for(0, size(), 8192, [&](std::size_t s) {
+    if (raw[s] <= large) return;  // as most are
+    std::vector<float> around(degree_);
+    for (std::size_t k = 0; k < degree_; ++k) around[k] = raw[neighbour(s, k)];
+    area_[s] = std::min(raw[s], kLargestArea * median(around));
+  });
+}
+
+void join_stretches(const RelationGraph& graph, SignForest& forest, int sure, std::size_t stretch) {
+  const std::size_t several = stretch < kEdgeSamples ? kEdgeSamples / stretch : 1, stretches = several * stretch;
+  parallel_for(0, (graph.size() + stretches - 1) / stretches, 1, [&](std::size_t c) {
+    const std::size_t begin = c * stretches, end = std::min(graph.size(), begin + stretches);
+    for (std::size_t s = begin; s < end; ++s)
+      for (std::size_t k = 0; k < graph.degree(); ++k) {
+        const int r = graph.relation_to(s, k);
+        const std::uint32_t q = graph.neighbour(s, k);
+        if (std::abs(r) >= sure && q / stretch == s / stretch) forest.join(static_cast<std::uint32_t>(s), q, r < 0);
+      }
+  });
+  forest.flatten();
+}
+
+void join_sure(const RelationGraph& graph, SignForest& forest, int sure) {
+  const auto joins = [&](std::size_t s, std::size_t k) {
+    return std::abs(graph.relation_to(s, k)) >= sure &&
+           forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
+  };
+  visit_edges(graph, joins, [&](const RelationEdge& e) {
+    forest.join(e.sample, graph.neighbour(e.sample, e.rank), graph.relation_to(e.sample, e.rank) < 0);
+  });
+  forest.flatten();
+}
+
+void join_by_votes(const RelationGraph& graph, SignForest& forest) {
+  const auto between = [&](std::size_t s, std::size_t k) {
+    return forest.flat_root(static_cast<std::uint32_t>(s)).index != forest.flat_root(graph.neighbour(s, k)).index;
+  };
+  std::vector<SignVote> votes;
+  visit_edges(graph, between, [&](const RelationEdge& e) {
+    const std::int64_t r = graph.relation_to(e.sample, e.rank);
+    votes.push_back({e.sample, graph.neighbour(e.sample, e.rank), r * std::abs(r)});
+  });
+  contract(forest, votes);
+}
+
+}  // namespace sansmesh::detail
