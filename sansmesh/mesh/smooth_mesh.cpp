@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_quality.h"
@@ -36,6 +37,8 @@ constexpr double kCreaseOverNoise = 2.5, kLeastCrease = 12, kMostCrease = 35;
 /// The volume is corrected again where this share was missing, so often at most, until this is.
 constexpr double kFewPercent = 0.03, kKeptVolume = 1e-6;
 constexpr int kMostCorrections = 60;
+/// Mean square of the sine between a direction and the planes around a vertex, from which on the vertex moves along it.
+constexpr double kLeastTurn = 0.02;
 constexpr double kRadians = std::numbers::pi / 180;
 
 double cotangent_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
@@ -145,9 +148,38 @@ double mean_square_reach(const SmoothState& s) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-/// Moves all vertices by the same distance along the normals, so that the volume becomes what it was, to first order;
-/// what was missing before, as a share.
-double restore_volume_once(SmoothState& s, const std::vector<Vec3>& before) {
+/// How each vertex moves when the planes of its triangles move outward by one: along the normal, and farther where they
+/// form a crease. Across directions in which these hardly differ nothing is known, and nothing moves.
+std::vector<Vec3> steps_of_planes(const SmoothState& s) {
+  struct Sums {
+    Vec3 a, b, c, right;
+    double area = 0;
+  };
+  std::vector<Sums> sums(s.x.size());
+  for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
+    if (!is_whole(s.mesh, s.mesh.triangles[i])) continue;
+    const Vec3 doubled = cross(s.at(i, 1) - s.at(i, 0), s.at(i, 2) - s.at(i, 0)), n = normalized(doubled);
+    const double area = norm(doubled);
+    for (const std::uint32_t corner : s.mesh.triangles[i]) {
+      Sums& v = sums[s.edges.place[corner]];
+      v.a += n * (n.x * area), v.b += n * (n.y * area), v.c += n * (n.z * area);
+      v.right += doubled;
+      v.area += area;
+    }
+  }
+  std::vector<Vec3> steps(s.x.size());
+  for (std::size_t v = 0; v < steps.size(); ++v) {
+    const Sums& of = sums[v];
+    if (!(of.area > 0)) continue;
+    const double least = kLeastTurn * of.area;
+    steps[v] = Matrix3{of.a + Vec3{least, 0, 0}, of.b + Vec3{0, least, 0}, of.c + Vec3{0, 0, least}}.solve(of.right);
+  }
+  return steps;
+}
+
+/// Moves all vertices by the same distance along the normals, or with `creases` the planes of all triangles, so that
+/// the volume becomes what it was, to first order; what was missing before, as a share.
+double restore_volume_once(SmoothState& s, const std::vector<Vec3>& before, bool creases) {
   std::vector<Vec3> gradient(s.x.size());
   double lost = 0, wanted = 0;
   const auto volume = [&](const std::vector<Vec3>& x, const Triangle& t) {
@@ -162,18 +194,20 @@ double restore_volume_once(SmoothState& s, const std::vector<Vec3>& before) {
     const Vec3 doubled = cross(s.x[t[1]] - s.x[t[0]], s.x[t[2]] - s.x[t[0]]);
     for (const std::uint32_t v : t) gradient[v] += doubled / 6;
   }
+  std::vector<Vec3> steps;
+  if (creases) steps = steps_of_planes(s);
   double sum = 0;
-  for (const Vec3& g : gradient) sum += norm(g);
+  for (std::size_t v = 0; v < s.x.size(); ++v) sum += creases ? dot(gradient[v], steps[v]) : norm(gradient[v]);
   if (!(sum > 0) || wanted == 0) return 0;
-  for (std::size_t v = 0; v < s.x.size(); ++v) s.x[v] += normalized(gradient[v]) * (lost / sum);
+  for (std::size_t v = 0; v < s.x.size(); ++v) s.x[v] += (creases ? steps[v] : normalized(gradient[v])) * (lost / sum);
   return std::abs(lost / wanted);
 }
 
 /// Once is enough for fine meshes; coarse ones lose so much that the first step goes far too far.
-void restore_volume(SmoothState& s, const std::vector<Vec3>& before) {
-  if (restore_volume_once(s, before) < kFewPercent) return;
+void restore_volume(SmoothState& s, const std::vector<Vec3>& before, bool creases) {
+  if (restore_volume_once(s, before, creases) < kFewPercent) return;
   for (int k = 0; k < kMostCorrections; ++k)
-    if (restore_volume_once(s, before) < kKeptVolume) return;
+    if (restore_volume_once(s, before, creases) < kKeptVolume) return;
 }
 
 void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, SmoothReport& report, Progress& progress) {
@@ -199,7 +233,7 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
     s.step(-back, moved);
     progress.advance();
   }
-  if (closed) restore_volume(s, s.start);
+  if (closed) restore_volume(s, s.start, false);
 }
 
 /// Triangles that share a vertex, and their normals.
@@ -233,7 +267,8 @@ double crease_from_noise(const SmoothState& s, const FaceNormals& faces) {
   return std::clamp(kCreaseOverNoise * median(angles) / kRadians, kLeastCrease, kMostCrease);
 }
 
-void filter_normals(SmoothState& s, const SmoothOptions& options, SmoothReport& report, Progress& progress) {
+void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, SmoothReport& report,
+                    Progress& progress) {
   const std::size_t n = s.mesh.triangles.size();
   const int rounds = options.iterations.value_or(kUsualRounds);
   report.iterations = rounds;
@@ -296,6 +331,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, SmoothReport& 
     s.x.swap(moved);
     progress.advance();
   }
+  if (closed) restore_volume(s, s.start, true);
 }
 
 void renew_normals(TriangleMesh& mesh) {
@@ -347,7 +383,7 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   };
   report.volume_before = measure(report.area_before);
   if (options.creases)
-    filter_normals(s, options, report, progress);
+    filter_normals(s, options, report.volume_before.has_value(), report, progress);
   else
     filter_waves(s, options, report.volume_before.has_value(), report, progress);
   double squares = 0;

@@ -8,6 +8,7 @@
 #include <random>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/refine_edges.h"
@@ -108,6 +109,49 @@ TEST(SmoothMesh, CreasesStayWhereAsked) {
   EXPECT_GT(report.crease_angle, 0);
   EXPECT_LT(rms_off_cube(sharp), 0.5 * rms_off_cube(noisy));
   EXPECT_LT(rms_off_cube(sharp), 0.7 * rms_off_cube(round));
+}
+
+/// A closed prism over a polygon (counter-clockwise, seen by +z) that is made of triangles, with small triangles.
+TriangleMesh fine_prism(const std::vector<std::pair<double, double>>& outline, const std::vector<Triangle>& inside,
+                        double depth, double longest) {
+  TriangleMesh mesh;
+  const auto n = static_cast<std::uint32_t>(outline.size());
+  for (const double z : {0.0, depth})
+    for (const auto& [x, y] : outline) mesh.vertices.push_back(Vec3f(Vec3{x, y, z}));
+  for (const Triangle& t : inside) {
+    mesh.triangles.push_back({t[2], t[1], t[0]});
+    mesh.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  }
+  for (std::uint32_t a = 0; a < n; ++a) {
+    const std::uint32_t b = (a + 1) % n;
+    mesh.triangles.push_back({a, b, b + n});
+    mesh.triangles.push_back({a, b + n, a + n});
+  }
+  refine_edges(mesh, longest);
+  return mesh;
+}
+
+TEST(SmoothMesh, CreasesKeepTheVolumeToo) {
+  // Two leaves at an angle, as thin as two edges are long; a box; a cylinder. The noise is a third of an edge.
+  const std::vector<std::pair<double, double>> hinge_outline{{0, 0}, {1, 0}, {1, 0.1}, {0.1, 0.1}, {0.1, 1}, {0, 1}};
+  const std::vector<Triangle> hinge_inside{{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}};
+  const TriangleMesh hinge = fine_prism(hinge_outline, hinge_inside, 1, 0.06);
+  std::vector<std::pair<double, double>> circle;
+  std::vector<Triangle> fan;
+  for (std::uint32_t k = 0; k < 24; ++k) {
+    circle.push_back({0.5 * std::cos(k * std::numbers::pi / 12), 0.5 * std::sin(k * std::numbers::pi / 12)});
+    if (k >= 2) fan.push_back({0, k - 1, k});
+  }
+  for (const auto& [name, mesh, noise] : {std::tuple("hinge", hinge, 0.02), std::tuple("box", fine_cube(), 0.05),
+                                          std::tuple("cylinder", fine_prism(circle, fan, 1, 0.12), 0.03)}) {
+    TriangleMesh smooth = shaken(mesh, noise);
+    Progress progress;
+    SmoothOptions options;
+    options.creases = true;
+    const SmoothReport report = smooth_mesh(smooth, options, progress);
+    ASSERT_TRUE(report.volume_before && report.volume_after) << name;
+    EXPECT_NEAR(*report.volume_after / *report.volume_before, 1, 0.002) << name;
+  }
 }
 
 TEST(SmoothMesh, BordersStayAndSeamsDoNotOpen) {
