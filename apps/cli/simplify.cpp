@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "commands.h"
@@ -24,8 +25,10 @@ constexpr double kFirstError = 1e-5;
 constexpr double kUsualRatio = 0.5;
 /// Of the diagonal: who is farther off is told so.
 constexpr double kMuch = 0.01;
-/// Shapes of the triangles made, best first: worse ones only if a number of triangles wants them.
+/// Shapes of the triangles made, best first: worse ones only if a number of triangles wants them, or where so few of
+/// better ones are far off and worse ones are not, or have no more than this share of the distance.
 constexpr double kShapes[] = {0.3, 0.1, 0};
+constexpr double kWorthIt = 0.7;
 
 struct SimplifyArguments {
   std::string input;
@@ -35,8 +38,78 @@ struct SimplifyArguments {
   std::optional<double> shape;
 };
 
+/// A mesh made of the original, and how far they are from each other.
+struct Simplified {
+  TriangleMesh mesh;
+  SurfaceDistance distance;
+  double shape = 0;  ///< least one of the triangles made
+
+  double farthest() const { return std::max(distance.to_reference.max, distance.from_reference.max); }
+  double rms() const { return std::max(distance.to_reference.rms, distance.from_reference.rms); }
+  bool far_off() const { return distance.diagonal > 0 && farthest() > kMuch * distance.diagonal; }
+};
+
+/// From the shape with this index in kShapes on, or that which was asked for.
+Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const TriangleMesh& original,
+                         const SimplifyArguments& a, SimplifyOptions options, Progress& progress) {
+  progress.begin("simplify");
+  for (std::size_t k = first_shape; k < std::size(kShapes); ++k) {
+    options.least_shape = a.shape.value_or(kShapes[k]);
+    if (options.error > 0) simplify_mesh(mesh, options, progress);
+    if (a.shape || a.error || mesh.triangles.size() <= options.triangles) break;
+  }
+  Simplified made{std::move(mesh), {}, options.least_shape};
+  made.distance = measure_distance(made.mesh, original, DistanceOptions{}, progress);
+  return made;
+}
+
 Json json_of_distance(const OneWayDistance& d) {
   return {{"mean", d.mean}, {"rms", d.rms}, {"p95", d.p95}, {"max", d.max}};
+}
+
+std::string far_off_words(const SimplifyArguments& a, const Simplified& made) {
+  const char* remedy = "; --error says how far off they may be";
+  if (a.error) remedy = "";
+  if (a.shape.value_or(0) > 0) remedy = "; --shape 0 makes thinner ones, which may come nearer";
+  const SurfaceDistance& d = made.distance;
+  return fmt::format("up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} are too few for all of its shape{}",
+                     length(made.farthest()), d.percent(made.farthest()), d.percent(made.rms()),
+                     counted(made.mesh.triangles.size(), "triangle"), remedy);
+}
+
+/// `first_farthest`: how far off the best shapes were.
+void report_simplified(const SimplifyArguments& a, const TriangleMesh& original, const JoinedPlaces& places,
+                       const Simplified& best, double first_farthest, Console& console) {
+  console.say(fmt::format("{}: {}, {} vertices", a.input, counted(original.triangles.size(), "triangle"),
+                          grouped(original.vertices.size())));
+  const SurfaceDistance& d = best.distance;
+  const TriangleMesh& mesh = best.mesh;
+  const MeshTopology t = measure_topology(mesh);
+  const auto line = [&](const char* title, const OneWayDistance& one) {
+    const auto percent = [&](double x) { return fmt::format("{} ({:.4f} %)", length(x), d.percent(x)); };
+    console.say(
+        fmt::format("{:<16}mean {}, rms {}, max {}", title, percent(one.mean), percent(one.rms), percent(one.max)));
+  };
+  console.say(fmt::format("{}: {} ({:.2f} %), {} vertices, {}", a.output.file,
+                          counted(mesh.triangles.size(), "triangle"),
+                          100.0 * static_cast<double>(mesh.triangles.size()) /
+                              static_cast<double>(std::max<std::size_t>(original.triangles.size(), 1)),
+                          grouped(mesh.vertices.size()), border_words(t)));
+  line("to original", d.to_reference);
+  line("from original", d.from_reference);
+  console.say("(in brackets: % of the diagonal of the original's bounding box)");
+  if (best.farthest() < first_farthest)
+    console.say(fmt::format("worse triangles than usual: as good ones as can be would be up to {} off",
+                            length(first_farthest)));
+  console.say_json(
+      {{"input", {{"file", a.input}, {"vertices", original.vertices.size()}, {"triangles", original.triangles.size()}}},
+       {"joined_vertices", places.joined},
+       {"to_original", json_of_distance(d.to_reference)},
+       {"from_original", json_of_distance(d.from_reference)},
+       {"diagonal", d.diagonal},
+       {"least_shape", best.shape},
+       {"output", output_json(a.output.file, mesh, t)}});
+  console.print_timings();
 }
 
 void run_simplify(const SimplifyArguments& a, Console& console) {
@@ -65,56 +138,26 @@ void run_simplify(const SimplifyArguments& a, Console& console) {
   if (!a.error)
     options.triangles = a.triangles.value_or(static_cast<std::size_t>(
         std::max(4.0, std::round(a.ratio.value_or(kUsualRatio) * static_cast<double>(original.triangles.size())))));
-  progress.begin("simplify");
-  for (const double shape : kShapes) {
-    options.least_shape = a.shape.value_or(shape);
-    if (options.error > 0) simplify_mesh(mesh, options, progress);
-    if (a.shape || a.error || mesh.triangles.size() <= options.triangles) break;
+  Simplified best = simplify_from(0, mesh, original, a, options, progress);
+  const double first_farthest = best.farthest();
+  for (std::size_t k = 1; k < std::size(kShapes) && best.far_off() && !a.shape && !a.error; ++k) {
+    Simplified other = simplify_from(k, mesh, original, a, options, progress);
+    if (other.farthest() < kWorthIt * best.farthest()) best = std::move(other);
   }
-  const MeshTopology t = measure_topology(mesh);
-  if (options.triangles > 0 && mesh.triangles.size() > options.triangles)
+  const MeshTopology t = measure_topology(best.mesh);
+  if (options.triangles > 0 && best.mesh.triangles.size() > options.triangles)
     warnings.push_back(fmt::format("{} instead of the {} triangles asked for: no other edge can go{}",
-                                   grouped(mesh.triangles.size()), grouped(options.triangles),
+                                   grouped(best.mesh.triangles.size()), grouped(options.triangles),
                                    t.nonmanifold_edges > 0 ? fmt::format(" ({} of three triangles or more stay)",
                                                                          counted(t.nonmanifold_edges, "edge"))
                                                            : ", or the shape would change"));
-  DistanceOptions sampling;
-  const SurfaceDistance d = measure_distance(mesh, original, sampling, progress);
-  const double farthest = std::max(d.to_reference.max, d.from_reference.max);
-  if (d.diagonal > 0 && farthest > kMuch * d.diagonal)
-    warnings.push_back(fmt::format(
-        "up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} are too few for all of its shape{}",
-        length(farthest), 100 * farthest / d.diagonal,
-        100 * std::max(d.to_reference.rms, d.from_reference.rms) / d.diagonal,
-        counted(mesh.triangles.size(), "triangle"), a.error ? "" : "; --error says how far off they may be"));
-  for (std::string& line : loss_words(read, a.output.file, mesh)) warnings.push_back(std::move(line));
+  if (best.far_off()) warnings.push_back(far_off_words(a, best));
+  for (std::string& line : loss_words(read, a.output.file, best.mesh)) warnings.push_back(std::move(line));
   console.warn(a.input, warnings);
-  a.output.write(mesh, progress);
+  a.output.write(best.mesh, progress);
   progress.finish();
 
-  console.say(fmt::format("{}: {}, {} vertices", a.input, counted(original.triangles.size(), "triangle"),
-                          grouped(original.vertices.size())));
-  const auto line = [&](const char* title, const OneWayDistance& one) {
-    const auto percent = [&](double x) { return fmt::format("{} ({:.4f} %)", length(x), d.percent(x)); };
-    console.say(
-        fmt::format("{:<16}mean {}, rms {}, max {}", title, percent(one.mean), percent(one.rms), percent(one.max)));
-  };
-  console.say(fmt::format("{}: {} ({:.2f} %), {} vertices, {}", a.output.file,
-                          counted(mesh.triangles.size(), "triangle"),
-                          100.0 * static_cast<double>(mesh.triangles.size()) /
-                              static_cast<double>(std::max<std::size_t>(original.triangles.size(), 1)),
-                          grouped(mesh.vertices.size()), border_words(t)));
-  line("to original", d.to_reference);
-  line("from original", d.from_reference);
-  console.say("(in brackets: % of the diagonal of the original's bounding box)");
-  console.say_json(
-      {{"input", {{"file", a.input}, {"vertices", original.vertices.size()}, {"triangles", original.triangles.size()}}},
-       {"joined_vertices", places.joined},
-       {"to_original", json_of_distance(d.to_reference)},
-       {"from_original", json_of_distance(d.from_reference)},
-       {"diagonal", d.diagonal},
-       {"output", output_json(a.output.file, mesh, t)}});
-  console.print_timings();
+  report_simplified(a, original, places, best, first_farthest, console);
 }
 
 }  // namespace

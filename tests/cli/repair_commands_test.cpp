@@ -89,6 +89,35 @@ TEST_F(RepairCommands, Simplify) {
   expect_failure({"simplify", "fine.ply", "-o", "x.ply", "--ratio", "0.2", "--error", "1"}, 2, "--error");
 }
 
+TEST_F(RepairCommands, SimplifyChoosesWhatIsNearer) {
+  // A long thin wedge: triangles with good angles are far too many for it.
+  TriangleMesh wedge;
+  constexpr std::uint32_t kRow = 3, kRows = 400;
+  for (std::uint32_t k = 0; k < kRows; ++k) {
+    const float x = 0.05f * float(k), lift = 0.4f * std::sin(0.35f * x);
+    wedge.vertices.insert(wedge.vertices.end(), {{x, 0, lift}, {x, 0.01f, lift + 0.3f}, {x, -0.01f, lift + 0.3f}});
+    if (k == 0) continue;
+    for (std::uint32_t j = 0; j < kRow; ++j) {
+      const std::uint32_t a = (k - 1) * kRow + j, b = (k - 1) * kRow + (j + 1) % kRow;
+      wedge.triangles.push_back({a, a + kRow, b + kRow});
+      wedge.triangles.push_back({a, b + kRow, b});
+    }
+  }
+  write_mesh(path("wedge.ply"), wedge);
+  const auto farthest = [](const Json& json) {
+    return std::max(json["to_original"]["max"].get<double>(), json["from_original"]["max"].get<double>());
+  };
+  const Json chosen = json_of({"simplify", "wedge.ply", "-o", "chosen.ply", "--triangles", "300"});
+  const Json any = json_of({"simplify", "wedge.ply", "-o", "any.ply", "--triangles", "300", "--shape", "0"});
+  EXPECT_LE(farthest(chosen), 1.5 * farthest(any));
+  const Json good = json_of({"simplify", "wedge.ply", "-o", "good.ply", "--triangles", "300", "--shape", "0.3"});
+  EXPECT_GE(farthest(good), farthest(chosen));
+  for (const Json& warning : good["warnings"]) {
+    const auto words = warning.get<std::string>();
+    EXPECT_TRUE(words.find("too few") == std::string::npos || words.find("--shape 0") != std::string::npos) << words;
+  }
+}
+
 TEST_F(RepairCommands, Smooth) {
   TriangleMesh mesh = octasphere(4);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) mesh.vertices[v] *= v % 2 ? 1.01f : 0.99f;
