@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/point_set.h"
@@ -17,8 +18,6 @@ namespace {
 
 constexpr std::size_t kTransformed = 1 << 15;
 constexpr double kFlat = 1e-12;  // of the determinant of the directions
-// Squares of floats beyond would overflow, or vanish.
-constexpr double kFarthest = 1e18, kSmallest = 1e-18;
 
 void check_invertible(const AffineMap& map) {
   if (!is_finite(map.x) || !is_finite(map.y) || !is_finite(map.z) || !is_finite(map.shift))
@@ -37,10 +36,10 @@ void check_reach(const std::vector<Vec3f>& positions, const Vec3& origin, const 
   double farthest = 0;
   for (const Vec3f& p : positions) farthest = std::fmax(farthest, norm(Vec3(p)));
   const double length = norm(map.x) + norm(map.y) + norm(map.z);
-  if (!(farthest * length + norm(map(origin)) <= kFarthest))
+  if (!(farthest * length + norm(map(origin)) <= kLargestCoordinate))
     throw ArgumentError("a transformation throws positions beyond 1e18");
-  if (farthest > kSmallest && !(farthest * length > kSmallest))
-    throw ArgumentError("a transformation shrinks everything to less than 1e-18");
+  if (farthest > kSmallestExtent && !(farthest * length > kSmallestExtent))
+    throw ArgumentError("a transformation shrinks everything to less than 1e-12");
 }
 
 void turn_positions(std::vector<Vec3f>& positions, const AffineMap& map) {

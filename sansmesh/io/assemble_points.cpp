@@ -106,6 +106,15 @@ Vec3 choose_origin(const Box3& box, std::vector<Vec3>& some) {
   return choose_origin(strays ? most : box);
 }
 
+void check_extent(const Input& in, const Box3& box) {
+  if (box.empty()) return;
+  const Vec3 size = box.size();
+  const double extent = std::max({size.x, size.y, size.z});
+  if (extent > 0 && extent < in.smallest_extent)
+    in.fail(fmt::format("extends over {:.3g} only, and {:g} is needed: write its coordinates in a smaller unit", extent,
+                        in.smallest_extent));
+}
+
 void set_scanner(PointSet& points, const Vec3& towards) {
   Box3 box;
   for (const Vec3f& p : points.positions) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/io/input.h"
@@ -13,7 +14,7 @@
 namespace sansmesh::io {
 
 /// Coordinates beyond this are treated like non-finite ones: their squares would overflow a float.
-inline constexpr double largest_coordinate = 1e18;
+inline constexpr double largest_coordinate = kLargestCoordinate;
 
 /// Origin of a cloud in `box`: per axis zero where coordinates are at most 4 diagonals of the box away from zero,
 /// else the centre rounded to a power-of-two grid near the size of the box, so that float coordinates stay exact.
@@ -27,6 +28,9 @@ Vec3 choose_origin(const Box3& box, std::vector<Vec3>& some);
 /// the last one, of any others the hundredth part of a unit. Where not, an origin in the middle is tried unless the
 /// input demands one; what is lost even so is a warning. `some` positions stand for all, in world coordinates.
 void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin);
+
+/// Throws FileError where points in `box` extend over less than the input's smallest extent, but over something.
+void check_extent(const Input& in, const Box3& box);
 
 /// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, to be
 /// removed by `finish`.
@@ -55,6 +59,7 @@ void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) 
           return b;
         },
         [](Box3 a, const Box3& b) { return a.extend(b), a; });
+    check_extent(in, box);
     points.origin = choose_origin(box, some);
   }
   keep_resolution(in, some, points.origin);

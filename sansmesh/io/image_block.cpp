@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/text_scanner.h"
@@ -18,6 +20,9 @@ constexpr std::size_t most_on_axis = std::size_t{1} << 24;
 void complete_steps(const Input& in, const ImageLayout& layout, std::array<Vec3, 3>& step) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (!is_finite(step[k])) in.fail("its header gives a spacing or direction that is not a number");
+    const double longest = std::max({std::abs(step[k].x), std::abs(step[k].y), std::abs(step[k].z)});
+    if (longest > kLargestOfVolume || (longest > 0 && longest < 1e-9 * kSmallestOfVolume))
+      in.fail(fmt::format("its header gives a spacing of {:g}: write it in another unit", longest));
     if (norm(step[k]) > 0) continue;
     if (layout.dims[k] > 1) in.fail("its header gives an axis no spacing");
     const Vec3 across = normalized(cross(step[(k + 1) % 3], step[(k + 2) % 3]));

@@ -17,6 +17,7 @@ struct Input {
   std::string_view bytes;
   ReadReport& report;
   std::optional<Vec3> origin = {};  ///< that the cloud is to have, for the sake of others; else chosen for it
+  double smallest_extent = 0;       ///< of a cloud that is not a single place; for one whose origin is chosen
 
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// "truncated: 1,234 bytes are missing".

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sansmesh/core/length_limits.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/merge_points.h"
 #include "sansmesh/io/names.h"
@@ -78,9 +79,10 @@ const Format* format_of_name(const std::string& file) {
   return by_name;
 }
 
-PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin = {}) {
+PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin,
+                  double smallest_extent) {
   const io::FileContent content(file);
-  const Input in{file, content.bytes(), report, origin};
+  const Input in{file, content.bytes(), report, origin, smallest_extent};
   const std::string name = io::ending(file);
   const Format* const by_name = format_of_name(file);
   const Format* const by_content = format_of_content(in.bytes);
@@ -107,7 +109,12 @@ PointSet read_points(const std::string& file, ReadReport* report) {
   ReadReport own;
   ReadReport& r = report ? *report : own;
   r = {};
-  return read_any(file, r);
+  return read_any(file, r, {}, kSmallestExtent);
+}
+
+PointSet io::read_points_of_volume(const std::string& file, ReadReport& report) {
+  report = {};
+  return read_any(file, report, {}, kSmallestOfVolume);
 }
 
 PolylineSet read_lines(const std::string& file) {
@@ -130,7 +137,7 @@ PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) 
     ReadReport of_file;
     std::optional<Vec3> origin;
     if (!parts.empty()) origin = parts[0].origin;
-    parts.push_back(read_any(file, of_file, origin));
+    parts.push_back(read_any(file, of_file, origin, kSmallestExtent));
     if (parts.back().triangles.empty() != parts[0].triangles.empty()) {
       const bool mesh = parts[0].triangles.empty();
       throw FileError(file, (mesh ? "holds faces and " : "holds no faces, but ") + printable(files[0], 200) +

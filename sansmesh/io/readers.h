@@ -16,6 +16,8 @@ PointSet read_pcd(const Input& in);
 PointSet read_las(const Input& in);
 PointSet read_vtp(const Input& in);
 PointSet read_conf(const Input& in);
+/// read_points, of points that may extend over less than those of a cloud: volumes are computed in double.
+PointSet read_points_of_volume(const std::string& file, ReadReport& report);
 /// The lines of such a file; an empty set where it has none.
 PolylineSet read_vtp_lines(const Input& in);
 

@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid.h"
@@ -62,7 +63,7 @@ constexpr double kMostRoundedAway = 0.01;
 
 /// Less across than this, products of lengths are rounded to 0; as a share of the distance from the origin, values are
 /// rounded to what is larger than the mesh error.
-constexpr double kSmallestSolid = 1e-30, kResolvedShare = 1e-11;
+constexpr double kResolvedShare = 1e-11;
 
 double farthest_coordinate(const Vec3& x) { return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}); }
 
@@ -84,16 +85,15 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
     throw ArgumentError(fmt::format(
         "the solid is not known to end in the directions {}: intersect it with a box, or give a `box` to cut it off",
         endless));
-  constexpr double kLargest = 1e30;  // vertices are floats, and products of two lengths must be, too
   for (std::size_t k = 0; k < 3; ++k)
-    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargest)
+    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestOfSolid)
       throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
-                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargest));
+                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestOfSolid));
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
-  if (longest < kSmallestSolid)
+  if (longest < kSmallestOfSolid)
     throw DataError(fmt::format("the solid is {:.3g} across: too small for a mesh, which begins at {:.0g}", longest,
-                                kSmallestSolid));
+                                kSmallestOfSolid));
   const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
   if (longest < kResolvedShare * away)
     throw DataError(

@@ -1,5 +1,7 @@
 #include "sansmesh/render/painter.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,6 +32,8 @@ constexpr float kOcclusionReach = 0.5f;  // of the diagonal: rooms are lit insid
 constexpr float kLightSpread = 0.13f;    // radius of the key light as seen from the subject, radians
 constexpr int kExposureRays = 4;         // a sample at least, where they are all that there is to see
 constexpr float kBounce = 0.22f;         // light that what blocks the sky sends instead
+constexpr float kFarthestLook = 1e9f;    // of the middle of the picture from what is drawn, which is about 1 large
+constexpr double kMostZoom = 1e9;
 
 /// Rays of a block, and their answers.
 struct Batch {
@@ -112,11 +116,18 @@ Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, 
   double factor = options.zoom;
   if (options.look_at) {
     const Vec3f place = frame.to_picture(*options.look_at);
+    // Rays that begin farther away lead nowhere in float.
+    if (!(norm(place - middle) <= kFarthestLook))
+      throw ArgumentError("`look_at` lies too far away from everything that could be seen");
     look_at(camera, place);
     if (options.look_radius)
       factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth), *options.look_radius / frame.size,
                             kPictureMargin);
   }
+  if (!(factor >= 1 / kMostZoom && factor <= kMostZoom))
+    throw ArgumentError(
+        fmt::format("`look_radius` makes the picture {:.3g} times as large: from {:g} to {:g} is possible", factor,
+                    1 / kMostZoom, kMostZoom));
   if (factor != 1) zoom(camera, factor);
   return camera;
 }
