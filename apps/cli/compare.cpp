@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/mesh/refine_edges.h"
@@ -79,7 +80,7 @@ void say_histogram(const DistanceMap& map, Console& console) {
   const double most = *std::max_element(s.histogram.begin(), s.histogram.end());
   const double low = map.has_sides ? -s.range : 0, width = (s.range - low) / static_cast<double>(s.histogram.size());
   const auto line = [&](const std::string& where, double share) {
-    const int bar = most > 0 ? static_cast<int>(std::lround(std::min(50.0, 50 * share / most))) : 0;
+    const int bar = most > 0 ? index_in<int>(std::round(50 * share / most), 0, 50) : 0;
     console.say(fmt::format("{:>23} {:8.3f} % {:#<{}}", where, 100 * share, "", bar));
   };
   if (map.has_sides) line(fmt::format("below {:.4g}", low), s.below_range);

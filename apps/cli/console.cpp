@@ -9,6 +9,7 @@
 
 #include "flags.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "standard_output.h"
 
 namespace sansmesh::cli {
@@ -101,7 +102,7 @@ void Console::print_timings() {
 void Console::draw(const std::string& stage, double fraction) {
   if (!terminal_ || now() - started_ < kBarDelay) return;
   constexpr int width = 30;
-  const int full = static_cast<int>(fraction * width);
+  const int full = index_in<int>(fraction * width, 0, width);
   print_err(fmt::format("\r\033[K{:<24} [{:#<{}}{:<{}}] {:3.0f} %", stage, "", full, "", width - full, 100 * fraction));
   drawn_ = true;
 }

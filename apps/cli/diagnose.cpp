@@ -10,6 +10,7 @@
 #include "option_groups.h"
 #include "place_pictures.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
@@ -31,7 +32,7 @@ struct DiagnoseArguments {
 
 /// To a hundredth of its radius, however far from the origin it is.
 std::string where(const SuspiciousPlace& p) {
-  const int digits = std::clamp(static_cast<int>(std::ceil(2 - std::log10(std::max(1e-300, p.radius)))), 0, 12);
+  const int digits = index_in<int>(std::ceil(2 - std::log10(std::max(1e-300, p.radius))), 0, 12);
   return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", p.position.x, digits, p.position.y, digits, p.position.z, digits);
 }
 

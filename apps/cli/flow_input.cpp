@@ -16,6 +16,7 @@
 #include "option_groups.h"
 #include "option_values.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/io/io.h"
@@ -79,7 +80,7 @@ std::uint64_t usual_memory() {
   double most = pages > 0 && page > 0 ? pages * page : 4.0 * kGib;
   // Of a container; the file holds a word where there is no limit.
   if (double limit = 0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) most = std::min(most, limit);
-  return static_cast<std::uint64_t>(most / 4);
+  return whole_part<std::uint64_t>(most / 4);
 }
 
 /// The steps of a series, read one at a time.
@@ -262,7 +263,7 @@ void OpenFlow::open_series(Console& console) {
                                                    volume.report().options, std::move(step));
   FlowSeriesOptions options;
   options.interpolation = input_.interpolation;
-  options.memory = input_.memory ? static_cast<std::uint64_t>(std::min(*input_.memory * kGib, 1e18)) : usual_memory();
+  options.memory = input_.memory ? whole_part<std::uint64_t>(*input_.memory * kGib) : usual_memory();
   try {
     field_ = flow_in_time(
         std::move(times), [reader](std::size_t i) { return reader->read(i); }, options);

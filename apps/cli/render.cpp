@@ -13,6 +13,7 @@
 #include "option_values.h"
 #include "picture_curvature.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/sample_confidence.h"
 
@@ -28,7 +29,7 @@ void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
   for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
     const double known = confidence->number(v);
     const Vec3f color = confidence_color(std::isfinite(known) ? static_cast<float>(std::clamp(known, 0.0, 1.0)) : 0.0f);
-    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(255 * color[k]));
+    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = index_in<std::uint8_t>(std::round(255 * color[k]), 0, 255);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_text.h"
@@ -64,7 +65,7 @@ std::vector<CutPlane> chosen_planes(const SectionArguments& a, const Box3& box) 
     // As many as reach to the other end of the box.
     const double start = a.start.value_or(*a.step > 0 ? box.lower[k] + 0.5 * *a.step : box.upper[k] + 0.5 * *a.step);
     const double left = ((*a.step > 0 ? box.upper[k] : box.lower[k]) - start) / *a.step;
-    series = plane_series(axis, start, *a.step, left < 0 ? 1 : static_cast<int>(std::min(left, 1e6)) + 1);
+    series = plane_series(axis, start, *a.step, 1 + index_in<int>(left, 0, 1000000));
   } else {
     series = plane_series(axis, a.start.value_or(box.lower[k] + 0.5 * a.step.value_or(0)), a.step.value_or(1),
                           a.count.value_or(1));

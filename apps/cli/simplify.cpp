@@ -10,6 +10,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_distance.h"
@@ -136,8 +137,9 @@ void run_simplify(const SimplifyArguments& a, Console& console) {
   const double diagonal = bounds(mesh).diagonal();
   options.error = a.error.value_or(kFirstError * diagonal);
   if (!a.error)
-    options.triangles = a.triangles.value_or(static_cast<std::size_t>(
-        std::max(4.0, std::round(a.ratio.value_or(kUsualRatio) * static_cast<double>(original.triangles.size())))));
+    options.triangles = a.triangles.value_or(index_in<std::size_t>(
+        std::round(a.ratio.value_or(kUsualRatio) * static_cast<double>(original.triangles.size())), 4,
+        std::max<std::size_t>(4, original.triangles.size())));
   Simplified best = simplify_from(0, mesh, original, a, options, progress);
   const double first_farthest = best.farthest();
   for (std::size_t k = 1; k < std::size(kShapes) && best.far_off() && !a.shape && !a.error; ++k) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/csg/solid_expression.h"
 
@@ -59,7 +60,7 @@ double least_value(double outside, double rise, double radius) {
 }
 
 std::uint32_t morton_cell_of(double x, double lower, double size) {
-  return size > 0 ? static_cast<std::uint32_t>(std::clamp((x - lower) / size, 0.0, 1.0) * 1023) : 0;
+  return size > 0 ? index_in<std::uint32_t>((x - lower) / size * 1023, 0, 1023) : 0;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid_node.h"
@@ -27,7 +28,7 @@ constexpr std::size_t kSlab = std::size_t{1} << 18;
 
 /// The numbers of these points along a Morton curve.
 std::vector<std::uint64_t> order_of_places(std::span<const Vec3> x) {
-  constexpr double kCells = 1023;
+  constexpr std::uint32_t kCells = 1023;
   Box3 box;
   for (const Vec3& p : x)
     if (is_finite(p)) box.extend(p);
@@ -37,7 +38,7 @@ std::vector<std::uint64_t> order_of_places(std::span<const Vec3> x) {
   parallel_for(0, x.size(), 4096, [&](std::size_t i) {
     std::array<std::uint32_t, 3> cell{};
     for (std::size_t k = 0; k < 3 && is_finite(x[i]); ++k)
-      cell[k] = static_cast<std::uint32_t>(std::clamp((x[i][k] - box.lower[k]) * scale[k], 0.0, kCells));
+      cell[k] = index_in<std::uint32_t>((x[i][k] - box.lower[k]) * scale[k], 0, kCells);
     order[i] = morton_code(cell[0], cell[1], cell[2]) << 32 | i;
   });
   parallel_sort(order);

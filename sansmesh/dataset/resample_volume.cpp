@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -27,7 +28,7 @@ std::array<std::size_t, 3> sizes_of(const Vec3& extent, const ResampleOptions& o
   const double step = longest / static_cast<double>(size - 1);
   std::array<std::size_t, 3> sizes{};
   for (std::size_t k = 0; k < 3; ++k)
-    sizes[k] = step > 0 ? 1 + static_cast<std::size_t>(std::lround(extent[k] / step)) : 1;
+    sizes[k] = step > 0 ? 1 + index_in<std::size_t>(std::round(extent[k] / step), 0, size - 1) : 1;
   return sizes;
 }
 

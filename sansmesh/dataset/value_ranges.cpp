@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/binary_scale.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
@@ -56,7 +57,7 @@ std::vector<std::uint32_t> along_curve(std::size_t n, const Box3& box, At&& at) 
     std::uint32_t cell[3];
     for (std::size_t k = 0; k < 3; ++k) {
       const double t = size[k] > 0 ? (x[k] - box.lower[k]) / size[k] : 0;
-      cell[k] = static_cast<std::uint32_t>(std::clamp(t, 0.0, 1.0) * 0x1fffff);
+      cell[k] = index_in<std::uint32_t>(t * 0x1fffff, 0, 0x1fffff);
     }
     keys[i] = {morton_code(cell[0], cell[1], cell[2]), static_cast<std::uint32_t>(i)};
   });

@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
@@ -648,7 +649,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   for (std::size_t i = 0; i < places.centers.size(); ++i) {
     // Feet of the samples next to the surface and, where points are to be dense, of places around these.
     const double ratio = 2 * static_cast<double>(spacings[i]) / apart;
-    const int along = static_cast<int>(std::clamp(std::ceil(ratio), 1.0, 2.0 * kMostAlong));
+    const int along = index_in<int>(std::ceil(ratio), 1, 2 * kMostAlong);
     const float step = spacings[i] / static_cast<float>(along), first = 0.5f * static_cast<float>(1 - along);
     for (int a = 0; a < along; ++a)
       for (int b = 0; b < along; ++b)

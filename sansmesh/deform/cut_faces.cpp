@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/planar_fill.h"
 
@@ -147,7 +148,7 @@ class FaceMaker {
     for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
       const double a = corners[i], b = corners[i + 1];
       const double way = line ? b - a : (b - a) * border[static_cast<std::size_t>(a) % border.size()].length;
-      const int n = std::max(1, static_cast<int>(std::ceil(way / length_)));
+      const int n = std::max(1, whole_part<int>(std::ceil(way / length_)));
       for (int k = i == 0 ? 1 : 0; k < n; ++k)
         chain.push_back(shared(at_border({from.border, a + (b - a) * k / n}), like));
     }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -182,8 +183,8 @@ void DisplacementMap::images(std::span<const Box3> boxes, std::span<Box3> found)
       const double end = static_cast<double>(sizes_[k] - 1);
       const auto cell = [&](double x) { return std::clamp((x - box_.lower[k]) / spacing_[k], 0.0, end); };
       // A cell more than division by the spacing says: that rounds.
-      first[k] = static_cast<std::size_t>(std::max(0.0, std::floor(cell(boxes[n].lower[k]) - 1e-9)));
-      last[k] = static_cast<std::size_t>(std::min(end, std::ceil(cell(boxes[n].upper[k]) + 1e-9)));
+      first[k] = index_in<std::size_t>(std::floor(cell(boxes[n].lower[k]) - 1e-9), 0, sizes_[k] - 1);
+      last[k] = index_in<std::size_t>(std::ceil(cell(boxes[n].upper[k]) + 1e-9), 0, sizes_[k] - 1);
     }
     const Box3f bounds = bounds_of_points(first, last);
     if (bounds.empty()) return;
@@ -204,7 +205,7 @@ std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t longest) {
   std::array<std::size_t, 3> sizes{2, 2, 2};
   for (std::size_t k = 0; k < 3 && most > 0; ++k)
     sizes[k] = std::max<std::size_t>(
-        2, static_cast<std::size_t>(std::lround(static_cast<double>(longest - 1) * size[k] / most)) + 1);
+        2, index_in<std::size_t>(std::round(static_cast<double>(longest - 1) * size[k] / most), 0, longest - 1) + 1);
   return sizes;
 }
 

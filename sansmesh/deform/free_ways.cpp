@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -36,7 +37,7 @@ FreeWays::FreeWays(const TriangleSheet& sheet, const Box3& box, int cells) : she
   const Vec3 center = box.center();
   Vec3 half;
   for (std::size_t k = 0; k < 3; ++k) {
-    n_[k] = static_cast<std::size_t>(std::max(1.0, std::ceil(size[k] / spacing_ - 1e-9))) + 1;
+    n_[k] = index_in<std::size_t>(std::ceil(size[k] / spacing_ - 1e-9), 1, static_cast<std::size_t>(cells)) + 1;
     half[k] = 0.5 * spacing_ * static_cast<double>(n_[k] - 1);
   }
   box_ = {center - half, center + half};
@@ -60,8 +61,8 @@ FreeWays::FreeWays(const TriangleSheet& sheet, const Box3& box, int cells) : she
                    high = (around.upper[k] - box_.lower[k]) / spacing_ + 1e-9;
       const double most = static_cast<double>(n_[k] - 2);
       outside = outside || high < 0 || low > most + 1;
-      first[k] = static_cast<std::size_t>(std::clamp(std::floor(low), 0.0, most));
-      last[k] = static_cast<std::size_t>(std::clamp(std::floor(high), 0.0, most));
+      first[k] = index_in<std::size_t>(std::floor(low), 0, n_[k] - 2);
+      last[k] = index_in<std::size_t>(std::floor(high), 0, n_[k] - 2);
     }
     if (outside) continue;
     for (std::size_t z = first[2]; z <= last[2]; ++z)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/simd_targets.h"
 // After simd_targets.h, which says what the library holds.
 #include "sansmesh/deform/weight_power-inl.h"
@@ -21,6 +22,7 @@ constexpr std::array<double, kHalfRule> kRuleWeight{0.2491470458134028, 0.233492
                                                     0.1600783285433462, 0.1069393259953184, 0.0471753363865118};
 /// Length of the stretches that one rule covers, for alpha up to 1; peaks are narrower by the root of alpha beyond.
 constexpr double kPanel = 2;
+constexpr std::size_t kMostPanels = 4096;  // more than the longest segment has, seen from next to it
 /// Directions weigh as if they were so far from the place that they are no heavier than this at their own handle, in
 /// units of 1 / reach^(2 alpha): beyond that they would drown what the other handles say of the turn about them.
 constexpr double kMostOfDirection = 1e8;
@@ -101,8 +103,8 @@ struct NodeMaker {
     near.square = std::max(near.square, std::pow(on_segment(setup.options.alpha) * length, 2));
     const double ratio = std::sqrt(near.square) / length;
     const double first = std::asinh(-near.at / ratio), last = std::asinh((1 - near.at) / ratio);
-    const auto panels = static_cast<std::size_t>(
-        std::max(1.0, std::ceil((last - first) * std::sqrt(std::max(1.0, setup.options.alpha)) / kPanel)));
+    const auto panels = index_in<std::size_t>(
+        std::ceil((last - first) * std::sqrt(std::max(1.0, setup.options.alpha)) / kPanel), 1, kMostPanels);
     const double half = (last - first) / 2 / static_cast<double>(panels);
     // Ways around cuts from few places, the same for all x: cuts may keep something for each place.
     std::array<Detour, kDetourPlaces> detours;

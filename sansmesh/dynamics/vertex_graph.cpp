@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
@@ -100,9 +101,8 @@ std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x) {
   std::vector<KeyIndex> keys(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3 q = (x[i] - box.lower) * scale;
-    keys[i] = {
-        morton_code(static_cast<std::uint32_t>(q.x), static_cast<std::uint32_t>(q.y), static_cast<std::uint32_t>(q.z)),
-        static_cast<unsigned>(i)};
+    const auto cell = [](double at) { return index_in<std::uint32_t>(at, 0, 2097151); };
+    keys[i] = {morton_code(cell(q.x), cell(q.y), cell(q.z)), static_cast<unsigned>(i)};
   }
   parallel_sort(keys);
   std::vector<std::uint32_t> order(x.size());

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -144,7 +145,7 @@ void DeformedField::ranges(std::span<const Vec3> x, double radius, std::span<Val
   };
   std::vector<SourceBall> balls;
   const auto add = [&](std::size_t i, const Vec3& middle, double times) {
-    balls.push_back({i, middle, static_cast<int>(std::ceil(4 * std::log2(times * stretch[i].most)))});
+    balls.push_back({i, middle, whole_part<int>(std::ceil(4 * std::log2(times * stretch[i].most)))});
   };
   for (std::size_t i = 0; i < n; ++i) {
     add(i, p.source[i], 1);

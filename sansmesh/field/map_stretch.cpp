@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/field/inverse_map.h"
 
 namespace sansmesh {
@@ -100,7 +101,7 @@ MapStretch::MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes) 
   const double longest = std::max({size.x, size.y, size.z});
   for (std::size_t k = 0; k < 3; ++k) {
     const double cells = longest > 0 ? std::ceil(static_cast<double>(nodes - 1) * size[k] / longest - 1e-9) : 0;
-    counts_[k] = 1 + static_cast<std::size_t>(std::max(cells, size[k] > 0 ? 1.0 : 0.0));
+    counts_[k] = 1 + index_in<std::size_t>(cells, size[k] > 0 ? 1 : 0, nodes);
     inverse_[k] = size[k] > 0 ? static_cast<double>(counts_[k] - 1) / size[k] : 0;
   }
   std::vector<Vec3> x;
@@ -173,8 +174,8 @@ MapStretch::Range MapStretch::around(const Vec3& x, double radius) const {
     const double most = static_cast<double>(counts_[k] - 1);
     const double low = std::floor((x[k] - radius - box_.lower[k]) * inverse_[k]) - 1;
     const double high = std::ceil((x[k] + radius - box_.lower[k]) * inverse_[k]) + 1;
-    first[k] = static_cast<std::size_t>(std::clamp(low, 0.0, most));
-    last[k] = static_cast<std::size_t>(std::clamp(high, 0.0, most));
+    first[k] = index_in<std::size_t>(low, 0, counts_[k] - 1);
+    last[k] = index_in<std::size_t>(high, 0, counts_[k] - 1);
     count *= last[k] - first[k] + 1;
   }
   Range range{std::numeric_limits<double>::infinity(), 0};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 
 namespace sansmesh {
 namespace {
@@ -47,7 +48,7 @@ class ReleasedSheet {
       FlowPoint point;
       point.position = particles_.positions[i], point.velocity = particles_.velocities[i];
       point.s = s_[i], point.t = streak_ ? released(row_[i]) : end_;
-      point.front = static_cast<std::int32_t>(std::lround(row_[i] / row_spacing_));
+      point.front = whole_part<std::int32_t>(std::round(row_[i] / row_spacing_));
       point.particle = static_cast<std::uint32_t>(i);
       sheet_.points.push_back(point);
       if (particles_.ends[i]) ++sheet_.report.ends[static_cast<std::size_t>(*particles_.ends[i])];
@@ -99,8 +100,8 @@ class ReleasedSheet {
     }
     if (options_.most_points / 2 < n) throw ArgumentError("`most_points` must be at least twice `seeds`");
     const std::size_t room = (options_.most_points - n) / std::max<std::size_t>(n, 2);
-    const auto most = static_cast<double>(std::min(options_.most_fronts, room));
-    const auto rows = static_cast<std::size_t>(std::clamp(std::ceil(row_extent_ / step * (1 - 1e-9)), 1.0, most));
+    const std::size_t most = std::max<std::size_t>(1, std::min(options_.most_fronts, room));
+    const auto rows = index_in<std::size_t>(std::ceil(row_extent_ / step * (1 - 1e-9)), 1, most);
     row_spacing_ = row_extent_ / static_cast<double>(rows);
     sheet_.report.fronts = rows + 1;
     std::vector<double> s, row;

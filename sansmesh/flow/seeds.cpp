@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 
 namespace sansmesh {
 namespace {
@@ -60,9 +61,7 @@ std::vector<Vec3> in_box(const Box3& box, std::size_t n) {
     for (std::size_t k = 0; k < 3; ++k) thin[k] = thin[k] || size[k] < 0.5 * step;
   }
   std::size_t counts[3];
-  for (std::size_t k = 0; k < 3; ++k)
-    counts[k] =
-        thin[k] ? 1 : static_cast<std::size_t>(std::clamp(std::round(size[k] / step), 1.0, static_cast<double>(n)));
+  for (std::size_t k = 0; k < 3; ++k) counts[k] = thin[k] ? 1 : index_in<std::size_t>(std::round(size[k] / step), 1, n);
   std::vector<Vec3> points;
   for (std::size_t k = 0; k < counts[2]; ++k)
     for (std::size_t j = 0; j < counts[1]; ++j)

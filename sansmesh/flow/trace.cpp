@@ -9,6 +9,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -310,7 +311,7 @@ int parts_of(const Step& step, double sag) {
   const double sign = step.to < step.from ? -1 : 1;  // velocities point against steps backward
   const double turn = norm(ways[1] - ways[0] * sign) + norm(ways[2] - ways[1]) + norm(ways[3] * sign - ways[2]);
   const double parts = std::max(turn / kTurn, std::sqrt(norm(chord) * turn / (8 * sag)));
-  return static_cast<int>(std::clamp(std::ceil(parts), 1.0, kMostPartsOfStep));
+  return index_in<int>(std::ceil(parts), 1, kMostPartsOfStep);
 }
 
 /// What goes with the particles that are followed; see Limits.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
@@ -175,10 +176,8 @@ struct MeshField::Parts {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order(seen.size());
     for (std::uint32_t i = 0; i < seen.size(); ++i) {
       const Vec3 cell = (Vec3(seen[i].position) - box.lower) * (1e6 / std::max(diagonal, 1e-300));
-      order[i] = {morton_code(static_cast<std::uint32_t>(std::max(0.0, cell.x)),
-                              static_cast<std::uint32_t>(std::max(0.0, cell.y)),
-                              static_cast<std::uint32_t>(std::max(0.0, cell.z))),
-                  i};
+      const auto at = [](double x) { return index_in<std::uint32_t>(x, 0, 1000000); };
+      order[i] = {morton_code(at(cell.x), at(cell.y), at(cell.z)), i};
     }
     std::sort(order.begin(), order.end());
     std::vector<OrientedPatch> along(seen.size());

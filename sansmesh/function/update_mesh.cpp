@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
@@ -57,8 +58,8 @@ double largest_block(const detail::FunctionCut& cut, const Box3& box) {
   for (const Vec3& seed : cut.meshing.seeds) {
     if (!box.contains(seed)) continue;
     const Vec3 p = (seed - tree.lower()) * scale;
-    const std::int64_t at = tree.find(tree.depth(), static_cast<std::int64_t>(p.x), static_cast<std::int64_t>(p.y),
-                                      static_cast<std::int64_t>(p.z));
+    const std::int64_t at = tree.find(tree.depth(), whole_part<std::int64_t>(p.x), whole_part<std::int64_t>(p.y),
+                                      whole_part<std::int64_t>(p.z));
     if (at >= 0) largest = std::max(largest, tree.block_edge(static_cast<std::size_t>(at)));
   }
   return largest;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
@@ -134,10 +135,9 @@ void Animation::write(const std::string& file) const {
   put_chunk(bytes, "acTL", chunk);
   std::uint32_t sequence = 0;
   // Seconds as a fraction of 16 bits each.
-  const std::uint32_t bottom = rate_ >= 1
-                                   ? static_cast<std::uint32_t>(std::lround(rate_ >= 60 ? 60000 : 1000 * rate_))
-                                   : static_cast<std::uint32_t>(std::clamp(std::floor(65000 * rate_), 1.0, 1000.0));
-  const auto top = static_cast<std::uint32_t>(std::clamp(std::lround(bottom / rate_), 1l, 65535l));
+  const std::uint32_t bottom = rate_ >= 1 ? index_in<std::uint32_t>(std::round(1000 * rate_), 1000, 60000)
+                                          : index_in<std::uint32_t>(65000 * rate_, 1, 1000);
+  const auto top = index_in<std::uint32_t>(std::round(bottom / rate_), 1, 65535);
   for (std::size_t k = 0; k < frames_.size(); ++k) {
     const Frame& f = frames_[k];
     chunk.clear();

@@ -3,13 +3,12 @@
 
 #include <cstdint>
 
+#include "sansmesh/core/index_in.h"
+
 namespace sansmesh::io {
 
 /// 0..255: value · scale, rounded and clamped.
-inline std::uint8_t to_byte(double value, double scale) {
-  const double v = value * scale + 0.5;
-  return static_cast<std::uint8_t>(v >= 255 ? 255 : v > 0 ? v : 0);
-}
+inline std::uint8_t to_byte(double value, double scale) { return index_in<std::uint8_t>(value * scale + 0.5, 0, 255); }
 
 /// Factor that brings colour values whose largest is `largest` to 0..255: they are fractions if none exceeds 1 and
 /// `fractional` says that they may be, have 16 bits if some exceed 255, else 8.

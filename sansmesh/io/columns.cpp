@@ -10,6 +10,7 @@
 #include <set>
 #include <variant>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/color_bytes.h"
@@ -48,12 +49,10 @@ constexpr std::size_t kMostAttributes = 4096;
 /// The number as it is, or the nearest that T has; 0 for what is not a number where T has no such.
 template <class T>
 T nearest_value(double v) {
-  if constexpr (std::is_floating_point_v<T>) return static_cast<T>(v);
-  if (std::isnan(v)) return 0;
-  // 2^63 and 2^64 are doubles, the largest integers of 64 bits are not.
-  if (v >= static_cast<double>(std::numeric_limits<T>::max())) return std::numeric_limits<T>::max();
-  if (v <= static_cast<double>(std::numeric_limits<T>::min())) return std::numeric_limits<T>::min();
-  return static_cast<T>(std::nearbyint(v));
+  if constexpr (std::is_floating_point_v<T>)
+    return static_cast<T>(v);
+  else
+    return whole_part<T>(std::nearbyint(v));
 }
 
 /// "velocity", 2 for "velocity_2"; nothing for a name without a number, or with one that begins with 0.

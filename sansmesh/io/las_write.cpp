@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/output.h"
 
@@ -120,7 +121,7 @@ LasScale las_scale(const PointSet& points) {
     farthest = std::max({farthest, std::abs(s.box.upper[k]), std::abs(s.box.lower[k])});
   }
   extent = std::max(extent, farthest * 1e-9);
-  if (extent > 0) s.step = power_of_ten(static_cast<int>(std::floor(std::log10(extent * 0x1p-26))));
+  if (extent > 0) s.step = power_of_ten(index_in<int>(std::floor(std::log10(extent * 0x1p-26)), -300, 300));
   const double coarse = s.step * 1e7;
   for (std::size_t k = 0; k < 3; ++k) s.offset[k] = std::round(s.box.center()[k] / coarse) * coarse;
   return s;
@@ -216,7 +217,7 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
   append_rows(parts, n, record, [&](std::size_t i, char* p) {
     const Vec3 x = points.origin + Vec3(points.positions[i]);
     for (std::size_t k = 0; k < 3; ++k)
-      p = put_bytes(p, static_cast<std::int32_t>(std::llround((x[k] - scale.offset[k]) / scale.step)));
+      p = put_bytes(p, whole_part<std::int32_t>(std::round((x[k] - scale.offset[k]) / scale.step)));
     p = put_bytes(p, value_of<std::uint16_t>(f.intensity, i));
     const auto number = value_of<unsigned>(f.return_number, i), returns = value_of<unsigned>(f.returns, i);
     const auto flags = value_of<unsigned>(f.synthetic, i);

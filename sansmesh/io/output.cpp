@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "sansmesh/core/cancel_scope.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/io/names.h"
 
 namespace sansmesh::io {
@@ -104,7 +105,7 @@ WorldCoordinates::WorldCoordinates(const Vec3& origin, const std::vector<Vec3f>&
   const double extent = std::max<double>(box.diagonal(), farthest * 0x1p-40);
   if (!(extent > 0)) return;
   float_loss_ = farthest * 0x1p-24 / extent;
-  decimals_ = std::clamp(static_cast<int>(std::ceil(-std::log10(extent * 0x1p-26))), 0, 17);
+  decimals_ = index_in<int>(std::ceil(-std::log10(extent * 0x1p-26)), 0, 17);
 }
 
 char* WorldCoordinates::put(char* p, std::size_t i, char separator) const {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/color_bytes.h"
@@ -39,7 +40,13 @@ struct Array {
   std::vector<std::int64_t> integers() const {
     std::vector<std::int64_t> v(count());
     with_loader(type, swap, [&](auto at) {
-      for (std::size_t i = 0; i < v.size(); ++i) v[i] = static_cast<std::int64_t>(at(bytes.data() + i * size_of(type)));
+      for (std::size_t i = 0; i < v.size(); ++i) {
+        const auto number = at(bytes.data() + i * size_of(type));
+        if constexpr (std::is_floating_point_v<std::decay_t<decltype(number)>>)
+          v[i] = whole_part<std::int64_t>(number);
+        else
+          v[i] = static_cast<std::int64_t>(number);
+      }
     });
     return v;
   }

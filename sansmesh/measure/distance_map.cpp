@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -130,7 +131,7 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
     else if (x.distance > s.range)
       s.above_range += x.weight / total;
     else
-      s.histogram[width > 0   ? std::min(kHistogramBins - 1, static_cast<std::size_t>((x.distance - low) / width))
+      s.histogram[width > 0   ? index_in<std::size_t>((x.distance - low) / width, 0, kHistogramBins - 1)
                   : has_sides ? kHistogramBins / 2
                               : 0] += x.weight / total;
   }

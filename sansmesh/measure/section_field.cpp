@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
@@ -54,8 +55,9 @@ class PlaneLattice {
  public:
   PlaneLattice(const ScalarField& field, const CutPlane& plane, const Rectangle& r, const Box3& box, int resolution)
       : plane_(plane), u0_(r.u0), v0_(r.v0), step_(std::max(r.u1 - r.u0, r.v1 - r.v0) / resolution) {
-    columns_ = 1 + static_cast<std::size_t>(std::ceil((r.u1 - r.u0) / step_ - 1e-9));
-    rows_ = 1 + static_cast<std::size_t>(std::ceil((r.v1 - r.v0) / step_ - 1e-9));
+    const auto most = static_cast<std::size_t>(resolution);
+    columns_ = 1 + index_in<std::size_t>(std::ceil((r.u1 - r.u0) / step_ - 1e-9), 0, most);
+    rows_ = 1 + index_in<std::size_t>(std::ceil((r.v1 - r.v0) / step_ - 1e-9), 0, most);
     values_.assign(columns_ * rows_, NAN);
     // Nodes just off the box by rounding belong to it.
     const double slack = 1e-9 * step_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 
 namespace sansmesh {
 namespace {
@@ -108,9 +109,8 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
   width += 2 * margin, height += 2 * margin;
 
   const std::size_t count = std::max<std::size_t>(1, sections.size());
-  const auto columns = std::min<std::size_t>(
-      count,
-      static_cast<std::size_t>(std::max(1.0, std::round(std::sqrt(static_cast<double>(count) * height / width)))));
+  const auto columns =
+      index_in<std::size_t>(std::round(std::sqrt(static_cast<double>(count) * height / width)), 1, count);
   const std::size_t rows = (count + columns - 1) / columns;
   // Pixels in a length of the model.
   const double scale =

@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
@@ -18,7 +19,7 @@ std::vector<std::uint32_t> order_in_space(const EdgeCollapses& mesh) {
   std::vector<KeyIndex> keys(mesh.x.size());
   parallel_for(0, keys.size(), 8192, [&](std::size_t v) {
     const Vec3 at = (mesh.x[v] - box.lower) * scale;
-    const auto cell = [](double c) { return static_cast<std::uint32_t>(c); };
+    const auto cell = [](double c) { return index_in<std::uint32_t>(c, 0, 0x1fffff); };
     keys[v] = {morton_code(cell(at.x), cell(at.y), cell(at.z)), static_cast<unsigned>(v)};
   });
   parallel_sort(keys);

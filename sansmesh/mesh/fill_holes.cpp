@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/hole_patch.h"
@@ -288,10 +289,10 @@ void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling&
       }
     }
     if (!mesh.normals.empty()) mesh.normals.push_back(Vec3f(normalized(normal)));
-    if (!mesh.colors.empty())
-      mesh.colors.push_back({static_cast<std::uint8_t>(std::lround(color.x)),
-                             static_cast<std::uint8_t>(std::lround(color.y)),
-                             static_cast<std::uint8_t>(std::lround(color.z))});
+    if (!mesh.colors.empty()) {
+      const auto byte = [](double c) { return index_in<std::uint8_t>(std::round(c), 0, 255); };
+      mesh.colors.push_back({byte(color.x), byte(color.y), byte(color.z)});
+    }
   }
   if (!mesh.attributes.empty()) {
     const AttributeTable mixed = mesh.attributes.blended(share, rows, weights);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
+
 namespace sansmesh {
 namespace {
 
@@ -45,8 +47,9 @@ std::uint32_t append_vertex_between(TriangleMesh& mesh, std::uint32_t a, std::ui
   if (!mesh.colors.empty()) {
     std::array<std::uint8_t, 3> color{};
     for (std::size_t k = 0; k < 3; ++k)
-      color[k] = static_cast<std::uint8_t>(
-          std::lround(static_cast<float>(mesh.colors[a][k]) * (1 - t) + static_cast<float>(mesh.colors[b][k]) * t));
+      color[k] = index_in<std::uint8_t>(
+          std::round(static_cast<float>(mesh.colors[a][k]) * (1 - t) + static_cast<float>(mesh.colors[b][k]) * t), 0,
+          255);
     mesh.colors.push_back(color);
   }
   mesh.attributes.append_between(a, b, t);

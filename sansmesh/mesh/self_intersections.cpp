@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -25,7 +26,7 @@ struct BoxesOfTriangles {
       const Vec3f middle = (of_triangle[t].lower + of_triangle[t].upper) * 0.5f - all.lower;
       std::uint64_t key = 0;
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto cell = static_cast<std::uint64_t>(std::clamp(middle[k] / widest, 0.0f, 1.0f) * 1048575.0f);
+        const auto cell = std::uint64_t{index_in<std::uint32_t>(middle[k] / widest * 1048575.0f, 0, 1048575)};
         for (std::size_t bit = 0; bit < 20; ++bit) key |= (cell >> bit & 1u) << (3 * bit + k);
       }
       keys[t] = {key, static_cast<unsigned>(t)};

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/collapse_patches.h"
 #include "sansmesh/mesh/edge_collapses.h"
@@ -247,7 +248,7 @@ bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress&
     merge(
         3, [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[v][k]); },
         [&](std::size_t v, std::size_t k, double value) {
-          mesh.colors[v][k] = static_cast<std::uint8_t>(std::lround(value));
+          mesh.colors[v][k] = index_in<std::uint8_t>(std::round(value), 0, 255);
         });
   AttributeTable attributes;
   if (!mesh.attributes.empty()) {

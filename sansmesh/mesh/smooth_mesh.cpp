@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
@@ -222,7 +223,7 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
     const double back = 1 / (1 / there - pass);
     const double wanted = kHalving / (there * back * pass * pass);
     report.shortened = wanted > kMostIterations;
-    steps = static_cast<int>(std::clamp(std::round(wanted), 1.0, 1.0 * kMostIterations));
+    steps = index_in<int>(std::round(wanted), 1, kMostIterations);
   }
   report.iterations = steps;
   const double back = 1 / (1 / there - pass);

@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -121,7 +122,7 @@ class TubeMaker {
     }
     const Vec3 axis = squared_norm(across) > kReversed ? normalized(across) : section.u;
     const double angle = std::atan2(norm(across), cosine);
-    const int steps = std::max(1, static_cast<int>(std::ceil(angle / kTurn - 1e-9)));
+    const int steps = std::max(1, whole_part<int>(std::ceil(angle / kTurn - 1e-9)));
     join(ring, straight_ring(x, section, row, part), part);
     const CrossSection first = section;
     const std::vector<std::uint32_t> first_ring = ring;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/components.h"
@@ -169,8 +170,7 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
   mesh.colors.resize(mesh.vertices.size());
   parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
     const Vec3 color = mean_color(samples, points.colors, mesh.vertices[v]);
-    for (std::size_t c = 0; c < 3; ++c)
-      mesh.colors[v][c] = static_cast<std::uint8_t>(std::clamp(color[c] + 0.5, 0.0, 255.0));
+    for (std::size_t c = 0; c < 3; ++c) mesh.colors[v][c] = index_in<std::uint8_t>(color[c] + 0.5, 0, 255);
   });
 }
 

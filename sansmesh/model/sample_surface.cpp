@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/points/duplicates.h"
@@ -200,14 +201,15 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   double squares = 0;
   for (std::size_t i = 0; i < samples; ++i)
     if (roots[i].found) squares += static_cast<double>(balls.radii[i]) * static_cast<double>(balls.radii[i]);
-  const double per_square = kSpare * static_cast<double>(count) / squares;
+  const double all = kSpare * static_cast<double>(count), per_square = all / squares;
+  const std::size_t most = 1 + whole_part<std::size_t>(all);
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < samples; ++i) {
     if (!roots[i].found) continue;
     Vec3 t, b;
     tangent_frame(roots[i].normal, t, b);
     const double ball = static_cast<double>(balls.radii[i]), radius = kCore * ball;
-    const auto around = static_cast<std::size_t>(std::ceil(std::max(1.0, per_square * ball * ball)));
+    const auto around = index_in<std::size_t>(std::ceil(per_square * ball * ball), 1, most);
     for (std::size_t k = 0; k < around; ++k) {
       const double r = radius * std::sqrt(static_cast<double>(k) / static_cast<double>(around));
       const double angle = kGoldenAngle * static_cast<double>(k) + static_cast<double>(i);

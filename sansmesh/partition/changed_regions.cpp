@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "sansmesh/core/boxes.h"
+#include "sansmesh/core/index_in.h"
 
 namespace sansmesh {
 namespace {
@@ -23,7 +24,7 @@ std::vector<Box3f> joined_in_cells(const std::vector<Box3f>& boxes, const Box3f&
     std::size_t cell = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const float x = (box.center()[k] - cube.lower[k]) / (cube.upper[k] - cube.lower[k]) * static_cast<float>(cells);
-      cell = cell * n + static_cast<std::size_t>(std::clamp(std::floor(x), 0.0f, static_cast<float>(cells - 1)));
+      cell = cell * n + index_in<std::size_t>(x, 0, cells - 1);
     }
     of_cell[cell].extend(box);
   }

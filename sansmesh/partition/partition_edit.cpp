@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/assemble.h"
@@ -135,7 +136,7 @@ SampleTree tree_around(const PartitionData& data, std::span<const BlockKey> bloc
   constexpr int kCells = 1 << kGridLevel;
   std::vector<std::uint8_t> marked(static_cast<std::size_t>(kCells) * kCells * kCells, 0);
   const float scale = static_cast<float>(kCells) / data.edge;
-  const auto cell = [&](float x) { return std::clamp(static_cast<int>(x * scale), 0, kCells - 1); };
+  const auto cell = [&](float x) { return index_in<int>(x * scale, 0, kCells - 1); };
   for (const BlockKey& b : blocks) {
     const Cube c = cube_of(data, b.level, b.code);
     const Vec3f low = c.lower - data.lower - Vec3f{1, 1, 1} * (kMargin * c.edge);

@@ -1,4 +1,5 @@
 // Batches of points against the supports that reach them: gather supports with the box tree, then SIMD over points.
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/partition_evaluate.cpp"
@@ -362,7 +363,7 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
   std::vector<std::uint32_t> order;
   const auto code = [&](std::size_t i) {
     const Vec3f p = (local(i) - data.lower) * (1024.0f / data.edge);
-    const auto clamp = [](float v) { return static_cast<std::uint32_t>(v > 0 ? std::min(v, 1023.0f) : 0); };
+    const auto clamp = [](float v) { return index_in<std::uint32_t>(v, 0, 1023); };
     return morton_code(clamp(p.x), clamp(p.y), clamp(p.z));
   };
   if (n > kTile) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
@@ -81,9 +82,9 @@ SampleTree::SampleTree(std::vector<Vec3f> positions, std::vector<Vec3f> normals,
 
 std::uint64_t SampleTree::code_of(const Vec3f& at) const {
   const float scale = static_cast<float>(1u << sort_depth_) / edge_;
-  const float top = static_cast<float>((1u << sort_depth_) - 1);
+  const std::uint32_t top = (1u << sort_depth_) - 1;
   const Vec3f p = (at - lower_) * scale;
-  const auto clamp = [&](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, top)); };
+  const auto clamp = [&](float v) { return index_in<std::uint32_t>(v, 0, top); };
   return morton_code(clamp(p.x), clamp(p.y), clamp(p.z));
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
@@ -67,10 +68,11 @@ bool same_sheet(const PartitionData& data, std::span<const Vec3f> places, std::u
 std::vector<std::uint32_t> count_samples(const PartitionData& data, std::span<const Vec3f> samples) {
   const int depth = data.basis.sort_depth;
   std::vector<std::uint64_t> code(samples.size());
-  const float scale = static_cast<float>(1u << depth) / data.edge, most = static_cast<float>((1u << depth) - 1);
+  const float scale = static_cast<float>(1u << depth) / data.edge;
+  const std::uint32_t most = (1u << depth) - 1;
   parallel_for(0, code.size(), 16384, [&](std::size_t i) {
     const Vec3f p = (samples[i] - data.lower) * scale;
-    const auto cell = [&](float x) { return static_cast<std::uint32_t>(std::clamp(x, 0.0f, most)); };
+    const auto cell = [&](float x) { return index_in<std::uint32_t>(x, 0, most); };
     code[i] = morton_code(cell(p.x), cell(p.y), cell(p.z));
   });
   // Rounding of the cells may differ in the last bit from that of the order.

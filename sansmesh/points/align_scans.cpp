@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
@@ -163,8 +164,8 @@ void measure_scan(const PointSet& points, Scan& scan) {
   scan.noise = kDeviationOfMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   if (scan.spacing > 0)
     scan.neighbours =
-        std::min(kMostOfQuadric, kOfQuadric + static_cast<std::size_t>(std::min(
-                                                  kMorePerNoise * scan.noise / scan.spacing, 1.0 * kMostOfQuadric)));
+        std::min(kMostOfQuadric,
+                 kOfQuadric + index_in<std::size_t>(kMorePerNoise * scan.noise / scan.spacing, 0, kMostOfQuadric));
 }
 
 bool box_near(const Box3& box, const Vec3& q, double reach) {

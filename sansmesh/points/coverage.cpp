@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
@@ -31,12 +32,12 @@ std::vector<Vec3f> thinned(std::span<const Vec3f> samples, double cell) {
   Box3f box;
   for (const Vec3f& p : samples) box.extend(p);
   std::vector<KeyIndex> cells(samples.size());
-  static constexpr double kMostCells = 2097151;  // 21 bits each
+  static constexpr std::uint64_t kMostCells = 2097151;  // 21 bits each
   const Vec3 size(box.size());
   const double edge = std::max(cell, std::max({size.x, size.y, size.z}) / kMostCells);
   parallel_for(0, samples.size(), 16384, [&](std::size_t i) {
     const Vec3 p = Vec3(samples[i] - box.lower) * (1 / edge);
-    const auto at = [](double v) { return static_cast<std::uint64_t>(std::clamp(v, 0.0, kMostCells)); };
+    const auto at = [](double v) { return index_in<std::uint64_t>(v, 0, kMostCells); };
     cells[i] = {at(p.x) << 42 | at(p.y) << 21 | at(p.z), static_cast<std::uint32_t>(i)};
   });
   parallel_sort(cells);

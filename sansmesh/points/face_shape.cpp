@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
@@ -201,7 +202,7 @@ std::size_t face_samples_wanted(const PointSet& mesh) {
   const std::size_t most = std::max(kFaceSamples, kMostOfVertex * mesh.size());
   const double spacing = thin.thickness / (kAcross * thin.share);
   const double wanted = static_cast<double>(kLeastOfVertex * mesh.size()) + density.area / (spacing * spacing);
-  return static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
+  return index_in<std::size_t>(wanted, 0, most);
 }
 
 }  // namespace sansmesh

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -68,8 +69,8 @@ Columns make_columns(std::span<const Vec3f> positions, const Box3f& box, double 
         Keys keys;
         for (std::size_t i = begin; i < end; ++i) {
           const auto cell = [&](float at, float lower) {
-            return static_cast<std::uint64_t>(
-                std::max(0.0, (static_cast<double>(at) - static_cast<double>(lower)) / edge));
+            return std::uint64_t{
+                whole_part<std::uint32_t>((static_cast<double>(at) - static_cast<double>(lower)) / edge)};
           };
           const Vec3f& p = positions[i];
           if (!is_finite(p)) continue;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/search/kd_tree.h"
@@ -68,7 +69,7 @@ class BallGrid {
   static constexpr int kResolution = 256;
 
   std::array<int, 3> cell_of(const Vec3f& p) const {
-    const auto clamp = [](float t) { return static_cast<int>(std::min(std::max(t, 0.0f), float(kResolution - 1))); };
+    const auto clamp = [](float t) { return index_in<int>(t, 0, kResolution - 1); };
     return {clamp((p.x - box_.lower.x) * scale_), clamp((p.y - box_.lower.y) * scale_),
             clamp((p.z - box_.lower.z) * scale_)};
   }
@@ -88,7 +89,7 @@ class BallGrid {
 std::vector<float> choose_radii(const KdTree& coarse, double ratio, std::span<const Vec3f> centers, std::size_t size) {
   const double wanted = static_cast<double>(size) / ratio;
   // The centre finds itself where every sample is in the tree.
-  const auto k = static_cast<std::size_t>(std::max(wanted * 1.2, 6.0)) + 2;
+  const auto k = std::max<std::size_t>(6, whole_part<std::size_t>(wanted * 1.2)) + 2;
   std::vector<float> radii(centers.size());
   parallel_for(0, centers.size(), 16, [&](std::size_t c) {
     std::vector<Neighbour> found(k);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
@@ -132,7 +133,7 @@ int choose_neighbours(double spacing, double noise) {
   // A plane through k samples spaced s apart and σ off it is tilted by about 2σ√π/(s k): three degrees would need
   // k = 70 σ/s if the nearest samples were not those with the nearest heights. Tried: the error is least at 100-150.
   const double ratio = spacing > 0 ? noise / spacing : 0;
-  return static_cast<int>(std::clamp(110 * ratio, double(kCleanNeighbours), double(kMostNeighbours)));
+  return index_in<int>(110 * ratio, kCleanNeighbours, kMostNeighbours);
 }
 
 void estimate_normals(PointSet& points, const NormalOptions& options, Progress& progress) {

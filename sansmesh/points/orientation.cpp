@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/relation_graph.h"
@@ -171,7 +172,7 @@ void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
         vote += r * std::abs(r) * before[graph.neighbour(s, k)];
       }
       if (parts.seen && *parts.seen == parts.part[s])
-        vote += std::lround(weight * sights.cosine(s) * std::abs(sights.cosine(s)));
+        vote += whole_part<long>(std::round(weight * sights.cosine(s) * std::abs(sights.cosine(s))));
       if (vote * before[s] < 0) parts.sign[s] = static_cast<std::int8_t>(-before[s]);
     });
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
+
 namespace sansmesh {
 namespace {
 
@@ -89,8 +91,8 @@ std::vector<std::uint32_t> poisson_discs(std::span<const Vec3> points, double ra
   // away that its number would not fit.
   const double edge = radius * (1 + 1e-4);
   const auto cell = [edge](double v) {
-    constexpr double kFarthest = 0x1p60;
-    return static_cast<std::int64_t>(std::floor(std::fmax(-kFarthest, std::fmin(v / edge, kFarthest))));
+    constexpr std::int64_t kFarthest = std::int64_t{1} << 60;
+    return index_in<std::int64_t>(std::floor(v / edge), -kFarthest, kFarthest);
   };
   for (std::size_t k = 0, i = 0; k < n; ++k, i = (i + stride) % n) {
     const Vec3& p = points[i];

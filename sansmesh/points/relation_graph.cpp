@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 
 namespace sansmesh::detail {
@@ -44,7 +45,7 @@ float relation(const Vec3f& p, const Vec3f& n, const Vec3f& q, const Vec3f& m, f
 }
 
 std::int8_t quantized(float relation_value) {
-  return static_cast<std::int8_t>(std::lround(std::clamp(relation_value, -1.0f, 1.0f) * 127));
+  return whole_part<std::int8_t>(std::round(std::clamp(relation_value, -1.0f, 1.0f) * 127));
 }
 
 }  // namespace

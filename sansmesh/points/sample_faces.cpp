@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -88,7 +89,7 @@ PointSet sample_faces(const PointSet& mesh, std::size_t count) {
       const float mixed = (1 - s.u - s.v) * static_cast<float>(mesh.colors[t[0]][k]) +
                           s.u * static_cast<float>(mesh.colors[t[1]][k]) +
                           s.v * static_cast<float>(mesh.colors[t[2]][k]);
-      cloud.colors[i][k] = static_cast<std::uint8_t>(std::lround(mixed));
+      cloud.colors[i][k] = index_in<std::uint8_t>(std::round(mixed), 0, 255);
     }
   });
   carry_attributes(mesh, samples, cloud);

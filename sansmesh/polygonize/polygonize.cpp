@@ -11,6 +11,7 @@
 
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/simplify.h"
@@ -238,8 +239,8 @@ struct Extraction {
     std::vector<std::int64_t> at(seeds.size());
     parallel_for(0, seeds.size(), 4096, [&](std::size_t i) {
       const Vec3 p = (seeds[i] - tree.lower()) * scale;
-      at[i] = tree.find(tree.depth(), static_cast<std::int64_t>(std::floor(p.x)),
-                        static_cast<std::int64_t>(std::floor(p.y)), static_cast<std::int64_t>(std::floor(p.z)));
+      at[i] = tree.find(tree.depth(), whole_part<std::int64_t>(std::floor(p.x)),
+                        whole_part<std::int64_t>(std::floor(p.y)), whole_part<std::int64_t>(std::floor(p.z)));
       if (at[i] >= 0 && (!in_region(static_cast<std::size_t>(at[i])) || out_of_domain(static_cast<std::size_t>(at[i]))))
         at[i] = -1;
     });

@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/baked_kernels.h"
 #include "sansmesh/render/value_histogram.h"
@@ -100,7 +101,7 @@ struct BakedVolume::State {
     for (std::size_t k = 0; k < 3; ++k) size[k] = std::max(size[k], 1e-4 * longest);
     box = {center - size * 0.5, center + size * 0.5};
     for (std::size_t k = 0; k < 3; ++k) {
-      counts[k] = std::max(1, static_cast<int>(std::lround(kRootsAlong * size[k] / longest)));
+      counts[k] = index_in<int>(std::round(kRootsAlong * size[k] / longest), 1, kRootsAlong);
       root[k] = size[k] / counts[k];
     }
     report.least = std::numeric_limits<double>::infinity(), report.most = -report.least;
@@ -561,7 +562,7 @@ void BakedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> foun
     int low[3], high[3];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto root_of = [&](double x) {
-        return static_cast<int>(std::clamp(std::floor((x - s.box.lower[k]) / s.root[k]), 0.0, s.counts[k] - 1.0));
+        return index_in<int>((x - s.box.lower[k]) / s.root[k], 0, s.counts[k] - 1);
       };
       low[k] = root_of(boxes[i].lower[k]), high[k] = root_of(boxes[i].upper[k]);
     }

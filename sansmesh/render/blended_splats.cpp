@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/painter.h"
@@ -146,7 +147,7 @@ void BlendedScene::closest(const EyeRays& rays, std::span<std::optional<SurfaceP
     const PicturePlace place = camera_.seen(rays.origin(i) + (camera_.parallel ? 0.0f : 1.0f) * rays.directions[i]);
     const float x = (place.x + 1) * 0.5f * width, y = (1 - place.y) * 0.5f * height;
     const float left = std::floor(x), top = std::floor(y);
-    const std::span<const SplatLayer> layers = layers_.at(static_cast<int>(left), static_cast<int>(top));
+    const std::span<const SplatLayer> layers = layers_.at(whole_part<int>(left), whole_part<int>(top));
     if (layers.empty()) continue;
     // Each ray of the pixel stands for a part of its cover, and takes the layer that most of that part is of.
     const float first = part * (std::floor((y - top) * n) * n + std::floor((x - left) * n)), last = first + part;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/field/curvature_field.h"
 
@@ -98,7 +99,7 @@ class CrestInk {
   template <class Value>
   std::optional<float> between(const Texel& here, float x, float y, const Value& value) const {
     const float left = std::floor(x), top = std::floor(y);
-    const int u = static_cast<int>(left), v = static_cast<int>(top);
+    const int u = index_in<int>(left, -1, map_.width), v = index_in<int>(top, -1, map_.height);
     if (u < 0 || v < 0 || u + 1 >= map_.width || v + 1 >= map_.height) return std::nullopt;
     const float fx = x - left, fy = y - top, apart = kTangentGap * kCrestReach * footprint(here);
     float sum = 0;

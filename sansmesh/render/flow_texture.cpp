@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -38,8 +39,8 @@ float solid_noise(const Vec3f& at, float size) {
     const float scale = std::exp2(-(low + static_cast<float>(octave)));
     std::array<std::int32_t, 3> cell;
     // Off the origin: planes through it would lie between cells.
-    for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<std::int32_t>(std::floor((at[k] + 8) * scale + 0.37f));
-    sum += (octave == 0 ? 1 - t : t) * cell_noise(cell, static_cast<std::int32_t>(low) + octave);
+    for (std::size_t k = 0; k < 3; ++k) cell[k] = whole_part<std::int32_t>(std::floor((at[k] + 8) * scale + 0.37f));
+    sum += (octave == 0 ? 1 - t : t) * cell_noise(cell, index_in<std::int32_t>(low, -200, 200) + octave);
   }
   return sum / std::sqrt(t * t + (1 - t) * (1 - t));
 }
@@ -116,9 +117,8 @@ std::size_t FlowTexture::slot(const Vec3f& origin, const Vec3f& direction) const
   const float ahead = camera_.shrink(-dot(way, camera_.backward));
   const float u = dot(way, camera_.right) / (ahead * camera_.half_width),
               v = dot(way, camera_.up) / (ahead * camera_.half_height);
-  const int x = static_cast<int>(std::floor(0.5f * (1 + u) * static_cast<float>(width_))),
-            y = static_cast<int>(std::floor(0.5f * (1 - v) * static_cast<float>(height_)));
-  return slot(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1));
+  return slot(index_in<int>(0.5f * (1 + u) * static_cast<float>(width_), 0, width_ - 1),
+              index_in<int>(0.5f * (1 - v) * static_cast<float>(height_), 0, height_ - 1));
 }
 
 FlowTexture::Entry FlowTexture::entry(const SurfacePoint& point, const Vec3f& place) const {

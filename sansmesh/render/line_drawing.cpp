@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/crest_lines.h"
 
@@ -114,10 +115,10 @@ class EdgeInk {
 
   /// A disc of rays around a place of the grid.
   void stamp(const RayGrid& grid, float cx, float cy, std::vector<std::uint8_t>& mask) const {
-    const int left = std::max(grid.left, static_cast<int>(std::ceil(cx - radius_)));
-    const int right = std::min(grid.left + grid.wide - 1, static_cast<int>(std::floor(cx + radius_)));
-    const int top = std::max(grid.top, static_cast<int>(std::ceil(cy - radius_)));
-    const int bottom = std::min(grid.top + grid.high - 1, static_cast<int>(std::floor(cy + radius_)));
+    const int left = index_in<int>(std::ceil(cx - radius_), grid.left, grid.left + grid.wide);
+    const int right = index_in<int>(std::floor(cx + radius_), grid.left - 1, grid.left + grid.wide - 1);
+    const int top = index_in<int>(std::ceil(cy - radius_), grid.top, grid.top + grid.high);
+    const int bottom = index_in<int>(std::floor(cy + radius_), grid.top - 1, grid.top + grid.high - 1);
     for (int y = top; y <= bottom; ++y)
       for (int x = left; x <= right; ++x) {
         const float dx = static_cast<float>(x) - cx, dy = static_cast<float>(y) - cy;

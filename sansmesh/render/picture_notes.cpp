@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/stroke_text.h"
@@ -99,8 +100,8 @@ Rgba ink_on(double lightness) {
 /// What can be read on a part of the picture, wherever that shows more than background.
 Rgba ink_within(const Image& image, double left, double top, double right, double bottom) {
   double sum = 0, weight = 0;
-  for (int y = std::max(0, static_cast<int>(top)); y < std::min<double>(image.height, bottom); ++y)
-    for (int x = std::max(0, static_cast<int>(left)); x < std::min<double>(image.width, right); ++x)
+  for (int y = index_in<int>(top, 0, image.height); y < std::min<double>(image.height, bottom); ++y)
+    for (int x = index_in<int>(left, 0, image.width); x < std::min<double>(image.width, right); ++x)
       sum += lightness_of(image.at(x, y)), weight += 1;
   return weight > 0 ? ink_on(sum / weight) : ink_for(image);
 }
@@ -109,9 +110,8 @@ Rgba ink_within(const Image& image, double left, double top, double right, doubl
 Rgba plate_within(Image& image, double left, double top, double right, double bottom) {
   constexpr float kBusy = 0.12f, kPlate = 0.8f;
   const Rgba ink = ink_within(image, left, top, right, bottom);
-  const int x0 = std::max(0, static_cast<int>(left)), y0 = std::max(0, static_cast<int>(top));
-  const int x1 = static_cast<int>(std::min<double>(image.width, right));
-  const int y1 = static_cast<int>(std::min<double>(image.height, bottom));
+  const int x0 = index_in<int>(left, 0, image.width), y0 = index_in<int>(top, 0, image.height);
+  const int x1 = index_in<int>(right, 0, image.width), y1 = index_in<int>(bottom, 0, image.height);
   double least = 1, most = 0;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
@@ -193,7 +193,7 @@ std::string tick_text(double value, double step) {
   if (value == 0) {
     text = "0";
   } else if (size >= 1e5 || size < 1e-3) {
-    const auto power = [](double v) { return static_cast<int>(std::floor(std::log10(std::abs(v)) + 1e-9)); };
+    const auto power = [](double v) { return whole_part<int>(std::floor(std::log10(std::abs(v)) + 1e-9)); };
     const int digits = power(value) - power(step);
     text = fmt::format("{:.{}e}", value, std::clamp(digits, 0, 6));
     // 1.5e-07 is 1.5e-7.
@@ -202,7 +202,7 @@ std::string tick_text(double value, double step) {
     exponent.erase(0, std::min(exponent.find_first_not_of('0'), exponent.size() - 1));
     text = text.substr(0, e) + "e" + (text[e + 1] == '-' ? "-" : "") + exponent;
   } else {
-    const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(std::abs(step)) - 0.01)), 0, 9);
+    const int digits = index_in<int>(std::ceil(-std::log10(std::abs(step)) - 0.01), 0, 9);
     text = fmt::format("{:.{}f}", value, digits);
   }
   for (std::size_t at = 0; (at = text.find('-', at)) != std::string::npos;) text.replace(at, 1, "\u2212");
@@ -354,7 +354,7 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
     if (nx * (0.5 * (a.first + b.first) - middle->first) + ny * (0.5 * (a.second + b.second) - middle->second) < 0)
       nx = -nx, ny = -ny;
     const std::vector<double> ticks =
-        round_ticks(box.lower[axis], box.upper[axis], std::clamp(static_cast<int>(length / (7 * text)), 1, 6));
+        round_ticks(box.lower[axis], box.upper[axis], index_in<int>(length / (7 * text), 1, 6));
     const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : box.upper[axis] - box.lower[axis];
     double widest = 0;
     const auto write = [&](double x, double y, const std::string& what) {

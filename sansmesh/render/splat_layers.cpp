@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/splat_footprint.h"
 
@@ -111,9 +112,7 @@ class SplatRaster {
  private:
   /// Pixels whose middles the footprint reaches.
   static PixelRange range(const SplatFootprint& f, const PixelRange& within) {
-    const auto low = [](float v, int least, int most) {
-      return static_cast<int>(std::clamp(std::ceil(v), static_cast<float>(least), static_cast<float>(most)));
-    };
+    const auto low = [](float v, int least, int most) { return index_in<int>(std::ceil(v), least, most); };
     return {
         low(f.x - f.reach_x - 0.5f, within.left, within.right), low(f.y - f.reach_y - 0.5f, within.top, within.bottom),
         low(f.x + f.reach_x + 0.5f, within.left, within.right), low(f.y + f.reach_y + 0.5f, within.top, within.bottom)};

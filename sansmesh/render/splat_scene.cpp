@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/mesh/vertex_corners.h"
@@ -17,7 +18,7 @@ namespace {
 
 constexpr float kRadius = 0.75f;  // of a disc, over h
 constexpr float kGamma = 0.5f;
-constexpr float kMostFronts = 100;
+constexpr std::int32_t kMostFronts = 100;
 constexpr float kLift = 0.5f;  // over h: rays towards the light start above the neighbours' discs
 constexpr float kSteepestSplat = 0.1f;
 
@@ -90,8 +91,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
     splats.normals.push_back(normals[v]);
     splats.spacings.push_back(spacings[v]);
     splats.fronts.push_back(fronts[v]);
-    splats.reaches.push_back(1 +
-                             static_cast<std::int32_t>(std::min(kMostFronts, 2 * kRadius * spacings[v] * slopes[v])));
+    splats.reaches.push_back(1 + index_in<std::int32_t>(2 * kRadius * spacings[v] * slopes[v], 0, kMostFronts));
     if (!vectors.empty()) splats.vectors.push_back(vectors[v]);
     Vec3f color = options.surface_color;
     if (colored) color = {from_byte(mesh.colors[v][0]), from_byte(mesh.colors[v][1]), from_byte(mesh.colors[v][2])};

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
+
 namespace sansmesh {
 namespace {
 
@@ -196,9 +198,7 @@ void draw_chains(Image& image, const std::vector<Spots>& chains, double width, c
     for (const auto& [x, y] : chain)
       x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
   const double rim = 0.5 * width + 1;
-  const auto pixel = [](double at, int most) {
-    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(most)));
-  };
+  const auto pixel = [](double at, int most) { return index_in<int>(at, 0, most); };
   for (int y = pixel(y0 - rim, image.height); y < pixel(y1 + rim + 1, image.height); ++y)
     for (int x = pixel(x0 - rim, image.width); x < pixel(x1 + rim + 1, image.width); ++x) {
       double nearest = 1e30;
@@ -216,7 +216,7 @@ void draw_chains(Image& image, const std::vector<Spots>& chains, double width, c
 void draw_line(Image& image, double x0, double y0, double x1, double y1, double width, const Rgba& ink) {
   if (!(std::isfinite(x0) && std::isfinite(y0) && std::isfinite(x1) && std::isfinite(y1))) return;
   // Piece by piece, so that slanted lines do not visit the whole of their box.
-  const int pieces = std::max(1, static_cast<int>(std::min(4096.0, std::hypot(x1 - x0, y1 - y0) / 32)));
+  const int pieces = index_in<int>(std::hypot(x1 - x0, y1 - y0) / 32, 1, 4096);
   if (pieces == 1 || ink[3] < 1) return draw_chains(image, {{{x0, y0}, {x1, y1}}}, width, ink);
   for (int i = 0; i < pieces; ++i) {
     const double a = i / double(pieces), b = (i + 1) / double(pieces);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/render/lighting.h"
 
 namespace sansmesh {
@@ -50,7 +51,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
       const Vec3 color = light(0.5 * (a + b));
       sum.depth += depth, sum.red += depth * color.x, sum.green += depth * color.y, sum.blue += depth * color.z;
     }
-    if (b == std::floor(b)) entries_[static_cast<std::size_t>(std::clamp(b, 0.0, double(kBins)))] = sum;
+    if (b == std::floor(b)) entries_[index_in<std::size_t>(b, 0, kBins)] = sum;
   }
   const auto outer = [&](double value) {
     const double depth = colors_only ? 1 : mean_depth(function.opacity(value), function.opacity(value));
@@ -63,7 +64,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
 TransferTable::Entry TransferTable::density(double place) const {
   if (place < 0) return below_;
   if (place >= kBins) return above_;
-  const auto bin = static_cast<std::size_t>(place);
+  const auto bin = static_cast<std::size_t>(index_in<int>(place, 0, kBins - 1));
   const Entry &a = entries_[bin], &b = entries_[bin + 1];
   return {b.depth - a.depth, b.red - a.red, b.green - a.green, b.blue - a.blue};
 }
@@ -72,7 +73,7 @@ bool TransferTable::clear(double a, double b) const {
   const double first = place(a), last = place(b);
   if (first < 0 && below_.depth > 0) return false;
   if (last > kBins && above_.depth > 0) return false;
-  const auto bin = [](double p) { return static_cast<std::size_t>(std::clamp(p, 0.0, kBins - 1.0)); };
+  const auto bin = [](double p) { return index_in<std::size_t>(p, 0, kBins - 1); };
   return entries_[bin(last) + 1].depth == entries_[bin(first)].depth;
 }
 

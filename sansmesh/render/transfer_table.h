@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/render/transfer_function.h"
 
@@ -31,8 +32,7 @@ class TransferTable {
   double scale() const { return scale_; }
   Entry at(double place) const {
     const double inside = place < 0 ? 0 : place > kBins ? kBins : place;
-    int bin = static_cast<int>(inside);
-    if (bin >= kBins) bin = kBins - 1;
+    const int bin = index_in<int>(inside, 0, kBins - 1);
     const double t = inside - bin;
     const Entry &a = entries_[static_cast<std::size_t>(bin)], &b = entries_[static_cast<std::size_t>(bin) + 1];
     Entry e{a.depth + t * (b.depth - a.depth), a.red + t * (b.red - a.red), a.green + t * (b.green - a.green),

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 
 namespace sansmesh {
 namespace {
@@ -21,7 +22,7 @@ std::vector<Vec3> lattice_points(const Box3& box, std::size_t points) {
   const double edge = std::cbrt(std::max(size.x, floor) * std::max(size.y, floor) * std::max(size.z, floor) /
                                 static_cast<double>(points));
   std::array<std::size_t, 3> n{};
-  for (std::size_t k = 0; k < 3; ++k) n[k] = std::max<std::size_t>(1, static_cast<std::size_t>(size[k] / edge));
+  for (std::size_t k = 0; k < 3; ++k) n[k] = index_in<std::size_t>(size[k] / edge, 1, 100 * points);
   std::vector<Vec3> x;
   x.reserve(n[0] * n[1] * n[2]);
   for (std::size_t k = 0; k < n[2]; ++k)
@@ -92,8 +93,7 @@ ValueHistogram value_histogram(std::span<const double> values, std::span<const d
   const double scale = h.upper > h.lower ? ValueHistogram::kBins / (h.upper - h.lower) : 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) continue;
-    const double place = std::clamp((values[i] - h.lower) * scale, 0.0, ValueHistogram::kBins - 1.0);
-    const auto bin = static_cast<std::size_t>(place);
+    const auto bin = index_in<std::size_t>((values[i] - h.lower) * scale, 0, ValueHistogram::kBins - 1);
     h.share[bin] += 1;
     if (!gradients.empty() && std::isfinite(gradients[i])) h.steepness[bin] += gradients[i];
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
 
 namespace sansmesh {
 namespace {
@@ -42,7 +43,7 @@ VolumeCells::VolumeCells(const VolumeField& field, const VolumeField* other, Pro
   const double typical = found[found.size() / 4];
   const double edge = std::max(longest / kMostCells, std::min(longest / 4, kCellSpacings * typical));
   for (std::size_t k = 0; k < 3; ++k) {
-    counts_[k] = std::max(1, static_cast<int>(std::ceil(size[k] / edge - 1e-9)));
+    counts_[k] = index_in<int>(std::ceil(size[k] / edge - 1e-9), 1, kMostCells);
     edge_[k] = size[k] / counts_[k], inverse_[k] = counts_[k] / size[k];
   }
   const auto total = static_cast<std::size_t>(counts_[0]) * static_cast<std::size_t>(counts_[1]) *
@@ -102,8 +103,8 @@ void VolumeCells::find_ranges(const VolumeField& field, std::vector<ValueRange>&
   for (std::size_t c = 0; c < total; ++c) {
     if (ranges[c].least > -kInfinity) continue;
     const double need = std::ceil(std::max({edge_.x, edge_.y, edge_.z}) / (1.2 * spacing(c)));
-    if (need > kMostPoints) continue;
-    jobs.push_back({c, std::max(2, static_cast<int>(need))});
+    if (!(need <= kMostPoints)) continue;
+    jobs.push_back({c, index_in<int>(need, 2, kMostPoints)});
     sum += static_cast<std::size_t>(jobs.back().points * jobs.back().points * jobs.back().points);
   }
   if (sum > kBudget) return;

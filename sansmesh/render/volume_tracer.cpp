@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "sansmesh/core/binary_scale.h"
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/render/pixel.h"
 
 namespace sansmesh {
@@ -412,7 +413,7 @@ void VolumeTracer::absorb(Walk& walk, const Sample& a, const Sample& b, double f
   if (mean == 0 && bend < 0.5) return;
   const double depth = mean * extinction_ * d * (to - from);
   const double wish = 1 + bend * (16.0 / TransferTable::kBins) + span * (6.0 / TransferTable::kBins) + 2 * depth;
-  const int pieces = std::min(kMostPieces, static_cast<int>(wish));
+  const int pieces = index_in<int>(wish, 1, kMostPieces);
   const double piece = (to - from) / pieces, length = piece * d * extinction_;
 
   double v = separate_ ? value(from) : u;

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <span>
 
+#include "sansmesh/core/index_in.h"
+
 namespace sansmesh {
 
 /// The number of the interval between ascending knots (two or more) that holds x: knots belong to the one above them.
@@ -16,7 +18,7 @@ inline std::size_t interval_of(std::span<const double> knots, bool uniform, doub
   if (x >= knots[last]) return last;
   if (!uniform) return static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), x) - knots.begin()) - 1;
   const double step = (knots.back() - knots.front()) / static_cast<double>(knots.size() - 1);
-  std::size_t i = std::min(last, static_cast<std::size_t>((x - knots.front()) / step));
+  std::size_t i = index_in<std::size_t>((x - knots.front()) / step, 0, last);
   while (i > 0 && x < knots[i]) --i;  // the quotient is rounded
   while (i < last && x >= knots[i + 1]) ++i;
   return i;

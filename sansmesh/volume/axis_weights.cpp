@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/volume/axis_interval.h"
 
 namespace sansmesh::detail {
@@ -86,7 +87,7 @@ void SincAxis::weights(double x, AxisWeights& out) const {
   constexpr double kPi = std::numbers::pi;
   const auto n = static_cast<std::ptrdiff_t>(count_);
   const double at = (x - start_) / step_;
-  const auto i = static_cast<std::ptrdiff_t>(std::clamp(std::floor(at), 0.0, static_cast<double>(n - 2)));
+  const auto i = index_in<std::ptrdiff_t>(at, 0, n - 2);
   const std::ptrdiff_t first = std::clamp<std::ptrdiff_t>(i - kSincReach + 1, 0, std::max<std::ptrdiff_t>(0, n - 8));
   out.first = static_cast<std::size_t>(first);
   out.count = static_cast<std::size_t>(std::min<std::ptrdiff_t>(n, 8));

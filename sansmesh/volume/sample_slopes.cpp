@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/sample_gradients.h"
 #include "sansmesh/volume/volume_values.h"
@@ -67,7 +68,7 @@ void look_around(const Lattice& l, std::size_t sample, double reach, const Look&
   const auto s = steps(l, at);
   Indices first{}, last{};
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto wide = static_cast<std::size_t>(std::clamp(reach / s[a], 1.0, 4.0));
+    const auto wide = index_in<std::size_t>(reach / s[a], 1, 4);
     first[a] = at[a] > wide ? at[a] - wide : 0;
     last[a] = std::min(at[a] + wide, l.axes[a].size() - 1);
   }

@@ -34,6 +34,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/io/vtk/linear_cells.h"
 
 namespace sansmesh::io {
@@ -340,7 +341,7 @@ std::vector<std::uint8_t> covered_cells(vtkOverlappingAMR& amr, unsigned level, 
     double coarse[3], fine[3];
     amr.GetSpacing(level, coarse);
     amr.GetSpacing(level + 1, fine);
-    ratio = fine[0] > 0 ? static_cast<int>(std::lround(coarse[0] / fine[0])) : 2;
+    ratio = fine[0] > 0 ? whole_part<int>(std::round(coarse[0] / fine[0])) : 2;
   }
   const vtkAMRBox box = amr.GetAMRBox(level, index);
   int dims[3];
