@@ -34,7 +34,8 @@ class FaceMaker {
  public:
   FaceMaker(TriangleMesh& mesh, const PlanarOccluder& cut, double edge_length, bool inward)
       : mesh_(mesh), cut_(cut), length_(edge_length), inward_(inward) {
-    for (const Vec3f& v : mesh.vertices) box_.extend(mesh.origin + Vec3(v));
+    for (const Vec3f& v : mesh.vertices)
+      if (is_finite(v)) box_.extend(mesh.origin + Vec3(v));
     const double room = 1e-3 * box_.diagonal();
     box_.lower -= Vec3{room, room, room}, box_.upper += Vec3{room, room, room};
   }

@@ -7,6 +7,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/deform/cut_faces.h"
 #include "sansmesh/deform/slit.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh {
@@ -24,17 +25,6 @@ double mean_edge(const TriangleMesh& mesh) {
       if (std::isfinite(length)) sum += length, n += 1;
     }
   return n > 0 ? sum / n : 0;
-}
-
-double enclosed_volume(const TriangleMesh& mesh) {
-  const Vec3 from(mesh.vertices.front());
-  double sum = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 a = Vec3(mesh.vertices[t[0]]) - from, b = Vec3(mesh.vertices[t[1]]) - from,
-               c = Vec3(mesh.vertices[t[2]]) - from;
-    sum += dot(a, cross(b, c)) / 6;
-  }
-  return sum;
 }
 
 /// Along the axes along which the mesh is farther from its origin than it is large the origin moves to its middle:
@@ -68,7 +58,7 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   r = {};
   const bool solid = options.close && measure_topology(mesh).closed();
   const double length = options.face_edges.value_or(solid ? kFaceEdges * mean_edge(mesh) : 0);
-  const bool inward = solid && enclosed_volume(mesh) < 0;
+  const bool inward = solid && measure_size(mesh).volume < 0;
   bool closed = solid;  // still
   if (!cuts.empty()) bring_origin_near(mesh);
   for (std::size_t i = 0; i < cuts.size(); ++i) {

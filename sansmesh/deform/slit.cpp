@@ -65,10 +65,11 @@ class SlitMaker {
   };
 
   Vec3 world(std::uint32_t v) const { return mesh_.origin + Vec3(mesh_.vertices[v]); }
+  static bool three_corners(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
   bool good(const Triangle& t) const {
     for (const std::uint32_t v : t)
       if (v >= mesh_.vertices.size() || !is_finite(mesh_.vertices[v])) return false;
-    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    return three_corners(t);
   }
 
   /// Of all edges where the cut crosses them, but for places at vertices that are on the cut.
@@ -391,12 +392,15 @@ class SlitMaker {
   }
 
   /// Doubles vertices: corners that meet at a vertex stay together as far as edges that are not cut join them.
+  /// Triangles with a corner that is nowhere join, too, but do not tell the sides of a cut.
   void part(Slit& slit) {
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around;  // triangles
     for (const std::uint64_t e : cut_edges_) around[smaller_end(e)], around[larger_end(e)];
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      if (!three_corners(mesh_.triangles[i])) continue;
       for (const std::uint32_t v : mesh_.triangles[i])
         if (const auto at = around.find(v); at != around.end()) at->second.push_back(i);
+    }
     std::vector<std::uint32_t> vertices;
     vertices.reserve(around.size());
     for (const auto& entry : around) vertices.push_back(entry.first);
@@ -428,20 +432,20 @@ class SlitMaker {
         Vec3 sum;
         double n = 0;
         for (std::uint32_t k = 0; k < fan.size(); ++k) {
-          if (groups.find(k) != g) continue;
           const Triangle& t = before[fan[k]];
+          if (groups.find(k) != g || !good(t)) continue;
           sum += (Vec3(mesh_.vertices[t[0]]) + Vec3(mesh_.vertices[t[1]]) + Vec3(mesh_.vertices[t[2]])) / 3.0;
           n += 1;
         }
         aside.push_back(copy);
-        offsets.push_back(offset_to(v, sum / n - Vec3(mesh_.vertices[v])));
+        offsets.push_back(n > 0 ? offset_to(v, sum / n - Vec3(mesh_.vertices[v])) : Vec3f{});
       }
     }
     set_cut_sides(mesh_, aside, offsets);
 
     std::unordered_map<std::uint64_t, std::size_t> index;
     for (std::size_t i = 0; i < before.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t k = 0; k < 3 && good(before[i]); ++k) {
         const std::uint64_t key = slit_key(before[i][k], before[i][(k + 1) % 3]);
         if (cut_edges_.count(key) == 0) continue;
         const Triangle& t = mesh_.triangles[i];

@@ -1,6 +1,7 @@
 // Meshes opened along cuts, and the faces that close them again.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/planar_fill.h"
 #include "support/mesh_checks.h"
@@ -351,6 +353,54 @@ TEST(OpenMesh, AttributesAreMixed) {
   const TriangleMesh open = open_along_cuts(mesh, Cuts{half_plane({0.31, 0, 0}, {0.1, 0.2, 1}, {1, 0, 0.1})});
   const std::vector<float>& now = *open.attributes.find<float>("x");
   for (std::size_t v = 0; v < now.size(); ++v) EXPECT_NEAR(now[v], open.vertices[v].x + 2 * open.vertices[v].z, 1e-5);
+}
+
+/// A vertex of the mesh near a place.
+std::uint32_t vertex_near(const TriangleMesh& mesh, const Vec3f& place) {
+  const auto nearest = std::min_element(
+      mesh.vertices.begin(), mesh.vertices.end(),
+      [&](const Vec3f& a, const Vec3f& b) { return squared_norm(a - place) < squared_norm(b - place); });
+  return static_cast<std::uint32_t>(nearest - mesh.vertices.begin());
+}
+
+TEST(OpenMesh, CornersThatAreNowhereTellNoSides) {
+  const Cuts cuts{half_plane({0.31, 0, 0}, {0, 0, 1}, {1, 0, 0})};  // along edges of the sphere
+  OpenMeshReport whole, report;
+  open_along_cuts(test::octasphere(4), cuts, {}, &whole);
+  for (const float nowhere : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    TriangleMesh mesh = test::octasphere(4);
+    mesh.vertices[vertex_near(mesh, {0.9f, 0.1f, 0.06f})] = {0, nowhere, 0};  // beside the cut
+    const TriangleMesh opened = open_along_cuts(mesh, cuts, {}, &report);
+    EXPECT_EQ(report.edges, whole.edges);
+    EXPECT_EQ(report.doubled, whole.doubled);
+    const std::vector<float>& sides = *opened.attributes.find<float>(kCutSide);
+    EXPECT_TRUE(std::all_of(sides.begin(), sides.end(), [](float s) { return std::isfinite(s); }));
+    EXPECT_EQ(measure_topology(opened).boundary_loops, 1u);
+    EXPECT_TRUE(measure_topology(opened).manifold());
+  }
+}
+
+TEST(OpenMesh, TrianglesThatAreNoneChangeNothing) {
+  OpenMeshOptions options;
+  options.close = true;
+  const Cuts cuts{whole_plane({0, 0, 0}, {0, 0, 1})};  // along edges of the sphere
+  TriangleMesh mesh = test::octasphere(3);
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  OpenMeshReport report;
+  const TriangleMesh closed = open_along_cuts(mesh, cuts, options, &report);
+  ASSERT_EQ(report.unclosed, 0u);
+  // Corners that do not exist, and edges instead of triangles, some along the cut.
+  const std::uint32_t on = vertex_near(mesh, {1, 0, 0}), next = vertex_near(mesh, {0.98f, 0.19f, 0}), far = 1u << 31;
+  const std::vector<Triangle> none{{on, next, far}, {far, on, far + 1}, {on, next, next}, {next, on, on}};
+  mesh.triangles.insert(mesh.triangles.begin(), none.begin(), none.end());
+  const TriangleMesh more = open_along_cuts(mesh, cuts, options, &report);
+  EXPECT_EQ(report.unclosed, 0u);
+  EXPECT_TRUE(measure_topology(more).closed());
+  EXPECT_EQ(measure_topology(more).components, 2u);
+  EXPECT_EQ(more.triangles.size(), closed.triangles.size() + none.size());
+  EXPECT_NEAR(measure_size(more).volume, measure_size(closed).volume, 1e-6);
+  const TriangleMesh moved = deform_mesh(more, Parting({0, 0, 0}, {0, 0, 1}, 0.5));
+  EXPECT_NEAR(measure_size(moved).volume, measure_size(closed).volume, 1e-4);
 }
 
 TEST(OpenMesh, BadOptionsAreRefused) {
