@@ -34,6 +34,7 @@ namespace {
 
 constexpr double kUsualTime = 2, kUsualRate = 25;
 constexpr double kMostFrames = 100000, kMostSteps = 1e8;
+constexpr double kManyUnsettled = 0.1;                ///< of the steps
 constexpr double kMostBytes = 8e9;                    ///< of frames in memory
 constexpr double kLeastSize = 1e-6, kMostSize = 1e9;  ///< of bodies, m
 
@@ -109,7 +110,7 @@ std::size_t steps_a_frame(const FrameTimes& times, double step) {
 
 /// What the steps took, all together.
 struct SimulationTotals {
-  std::size_t steps = 0, halvings = 0;
+  std::size_t steps = 0, halvings = 0, unsettled = 0;
   std::uint64_t iterations = 0;
   double seconds = 0, shortest = std::numeric_limits<double>::infinity();
   int most_contacts = 0;
@@ -136,6 +137,7 @@ SimulationTotals simulate(SoftBody& body, const FrameTimes& times, std::size_t s
       const StepReport r = body.advance(h);
       ++t.steps;
       t.halvings += static_cast<std::size_t>(r.halvings);
+      t.unsettled += r.unsettled > 0;
       t.iterations += static_cast<std::uint64_t>(r.iterations);
       t.shortest = std::min(t.shortest, r.shortest);
       t.most_contacts = std::max(t.most_contacts, r.contacts);
@@ -277,6 +279,10 @@ void run_simulate(SimulateArguments& a, Console& console) {
         {fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge; a "
                      "smaller --step, or less stiffness, is quicker",
                      grouped(totals.halvings), totals.shortest)});
+  if (static_cast<double>(totals.unsettled) > kManyUnsettled * static_cast<double>(totals.steps))
+    console.warn(
+        {fmt::format("contacts were still changing at the end of {} of {} steps: a smaller --step lets them settle",
+                     grouped(totals.unsettled), grouped(totals.steps))});
   std::vector<std::string> files = write_outputs(a, motion, *surface, script.scene, draw, console);
   if (!a.energies.empty()) {
     write_text(a.energies, totals.table);
@@ -325,6 +331,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
                     {"steps", totals.steps},
                     {"iterations", totals.iterations},
                     {"halvings", totals.halvings},
+                    {"unsettled", totals.unsettled},
                     {"shortest_step", totals.shortest},
                     {"most_contacts", totals.most_contacts},
                     {"seconds", totals.seconds},

@@ -117,11 +117,12 @@ bool ImplicitStepper::revise_contacts(const BodyState& body, double h) {
       }
       if (touch.obstacle == VertexTouch::kNone) return false;
       // Sticks if friction could stop it, were it alone: what is fast must not be stopped to learn its load.
-      const double into = -dot(out, wanted_[i]);
+      // What began inside may be on its way out.
+      const double into = -dot(out, wanted_[i]), pressed = std::max(0.0, into);
       const Vec3 along = wanted_[i] + out * into;
       const double speed = norm(along);
       const double friction = body.obstacles.friction(static_cast<std::size_t>(touch.obstacle));
-      if (friction > 0 && speed > friction * into) touch.sliding = true, touch.drag = along / -speed;
+      if (friction > 0 && speed > friction * pressed) touch.sliding = true, touch.drag = along / -speed;
       return true;
     }
     const Vec3 push = reaction_[i] - right_[i], normal = constraints_[i].normal;
@@ -215,7 +216,11 @@ bool ImplicitStepper::part(BodyState& body, double h, StepReport& report) {
     }
     const bool settled = body.obstacles.empty() || !revise_contacts(body, h);
     if (settled && held.empty() && falls()) keep_momentum();
-    if (settled || pass == kContactPasses) break;
+    if (settled) break;
+    if (pass == kContactPasses) {
+      report.unsettled += 1;
+      break;
+    }
   }
   take_over(body, h, held, report);
   return true;

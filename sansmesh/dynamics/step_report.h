@@ -12,6 +12,7 @@ struct StepReport {
   int solves = 0;       ///< systems, more than parts where contacts were found or lost
   int iterations = 0;   ///< of conjugate gradients, all together; 0 of explicit methods
   int contacts = 0;     ///< vertices that touch obstacles at its end
+  int unsettled = 0;    ///< parts after whose last system contacts would still change
 };
 
 }  // namespace sansmesh

@@ -167,6 +167,25 @@ TEST(Contact, WhatIsHeldStaysInObstacles) {
   }
 }
 
+TEST(Contact, WhatBeginsInsideMayBeOnItsWayOut) {
+  for (const double friction : {0.0, 0.3, 2.0}) {
+    for (const Vec3& velocity : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{0.5, 0, 1}}) {
+      SCOPED_TRACE(testing::Message() << friction << ' ' << velocity.x << ' ' << velocity.z);
+      DynamicsScene scene;
+      scene.floors.push_back({{0, 0, 0}, {0, 0, 1}, friction});
+      const TetMesh mesh = cube(-0.25);
+      SoftBody body(mesh, of_rubber(DynamicsIntegrator::implicit_euler), scene);
+      body.set_state(mesh.vertices, std::vector<Vec3>(mesh.vertices.size(), velocity));
+      for (int k = 0; k < 20; ++k) {
+        body.step();
+        ASSERT_GE(lowest(body), -1e-9);
+      }
+      for (const Vec3& p : body.positions()) EXPECT_TRUE(is_finite(p));
+      EXPECT_LT(norm(test::center_of(body)), 5);
+    }
+  }
+}
+
 TEST(Contact, FloorsDoNotHoldWhatIsPulledUp) {
   SoftBodyOptions options = of_rubber(DynamicsIntegrator::implicit_euler);
   DynamicsScene scene;
