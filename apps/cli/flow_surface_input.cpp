@@ -71,7 +71,10 @@ FlowSurface trace_flow_surface(const FlowSurfaceInput& a, const OpenFlow& flow, 
     FlowSurface surface = flow_surface(flow.field(), {seeds.points, seeds.closed}, o, console.progress());
     if (!surface.report.complete)
       console.warn(a.flow.volume.name(),
-                   {"ended after as many fronts or particles as are allowed: --time or --length gives an end"});
+                   {surface.report.moments_meet
+                        ? "ended where fronts are so near in time that their moments are the same number: a --start "
+                          "nearer to 0 tells them apart"
+                        : "ended after as many fronts or particles as are allowed: --time or --length gives an end"});
     if (const std::size_t outside = surface.report.ends[static_cast<std::size_t>(TraceEnd::outside)]; outside > 0)
       console.warn(a.flow.volume.name(), {fmt::format("{} of {} began outside of the flow", grouped(outside),
                                                       counted(surface.report.particles, "particle"))});

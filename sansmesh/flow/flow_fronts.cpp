@@ -91,8 +91,13 @@ class Fronts {
       // Whole steps to the end, none that is a sliver.
       const double left = std::abs(end - t), steps = std::ceil(left / (share_ * step) * (1 - 1e-9));
       const double to = steps <= 1 ? end : t + sign * (std::isfinite(left) ? left / steps : share_ * step);
-      if (to == t) break;
-      t = advance(t, to, step, end);
+      // Moments so near to each other are the same number.
+      const double next = to == t ? t : advance(t, to, step, end);
+      if (next == t) {
+        sheet_.report.complete = false, sheet_.report.moments_meet = true;
+        break;
+      }
+      t = next;
       progress.advance();
     }
     for (const auto& e : particles_.ends)

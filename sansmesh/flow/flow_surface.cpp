@@ -1,5 +1,7 @@
 #include "sansmesh/flow/flow_surface.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -15,6 +17,13 @@ namespace sansmesh {
 namespace {
 
 constexpr double kMostDiagonals = 5;  // where nothing else ends a surface
+
+[[noreturn]] void throw_that_moments_meet(double start) {
+  throw ArgumentError(
+      fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same "
+                  "number",
+                  start));
+}
 
 bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
 
@@ -107,6 +116,8 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     known.start = std::isfinite(first) ? first : 0;
   }
   if (!times.contains(*known.start)) throw ArgumentError("`start` must lie in the times of the flow");
+  if (const double begin = *known.start; begin + known.duration == begin || begin - known.duration == begin)
+    throw_that_moments_meet(begin);
   FlowSurface surface;
   FlowSheet sheet;
   const auto end_somewhere = [&] {
@@ -129,6 +140,8 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     sheet = is_released(options.kind) ? released_sheet(field, curve, known, progress)
                                       : advance_fronts(field, curve, known, progress);
   }
+  if (sheet.report.moments_meet && (sheet.triangles.empty() || is_released(options.kind)))
+    throw_that_moments_meet(*known.start);
   if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or part before they go on together");
   tidy_sheet(sheet);
   surface.report = sheet.report;

@@ -78,7 +78,8 @@ struct FlowSurfaceReport {
   std::size_t tears = 0;              ///< pairs of neighbours that were parted although both went on
   std::size_t fronts = 0;             ///< the seeds included; of streak and time surfaces rows
   std::array<std::size_t, 6> ends{};  ///< of particles, by TraceEnd
-  bool complete = true;               ///< false: `most_points` or `most_fronts` ended it
+  bool complete = true;               ///< false: `most_points`, `most_fronts` or `moments_meet` ended it
+  bool moments_meet = false;          ///< fronts were so near in time that their moments are the same number
   double spacing = 0;                 ///< Δ₀
 };
 

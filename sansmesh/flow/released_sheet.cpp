@@ -103,6 +103,7 @@ class ReleasedSheet {
     const std::size_t most = std::max<std::size_t>(1, std::min(options_.most_fronts, room));
     const auto rows = index_in<std::size_t>(std::ceil(row_extent_ / step * (1 - 1e-9)), 1, most);
     row_spacing_ = row_extent_ / static_cast<double>(rows);
+    sheet_.report.moments_meet = streak_ && released(row_spacing_) == end_;
     sheet_.report.fronts = rows + 1;
     std::vector<double> s, row;
     for (std::size_t k = 0; k <= rows; ++k)

@@ -710,6 +710,44 @@ TEST(FlowSurface, EndsWhereParticlesAreFasterThanFrontsCanFollow) {
   EXPECT_GT(surface.report.fronts, 30u);
 }
 
+/// Along x: slow at first, then faster and faster.
+class FasterFlow final : public VectorField {
+ public:
+  Box3 bounds() const override { return {{0, 0, 0}, {100, 1, 1}}; }
+  void evaluate(std::span<const Vec3> x, std::span<const double>, std::span<Vec3> vectors,
+                std::span<std::uint8_t> inside, std::span<Jacobian>) const override {
+    for (std::size_t i = 0; i < x.size(); ++i) vectors[i] = {std::exp(std::max(x[i].x, 0.0)), 0, 0}, inside[i] = 1;
+  }
+};
+
+TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
+  FlowSurfaceOptions options;
+  options.seeds = 3, options.length = 90, options.start = 0.0;
+  const SeedCurve seeds = seed_line({0, 0, 0.5}, {0, 1, 0.5});
+  const auto surface = [&] {
+    Progress progress;
+    return flow_surface(FasterFlow(), seeds, options, progress);
+  };
+  // At x fronts are e^-x / 2 apart, and moments 2^-33 there.
+  options.start = 1 << 20;
+  const FlowSurface ended = surface();
+  EXPECT_FALSE(ended.report.complete);
+  EXPECT_TRUE(ended.report.moments_meet);
+  EXPECT_GT(ended.report.fronts, 30u);
+  for (const FlowPoint& p : ended.points) EXPECT_LT(p.position.x, 33 * std::log(2.0) + 3);
+  // From here on no front is another moment.
+  options.start = 1e15, options.front_step = 1e-3;
+  EXPECT_THROW(surface(), ArgumentError);
+  options.duration = 1e-3;
+  EXPECT_THROW(surface(), ArgumentError);
+  for (const FlowSurfaceKind kind : {FlowSurfaceKind::path, FlowSurfaceKind::streak, FlowSurfaceKind::time}) {
+    options.kind = kind, options.sweep = {0.1, 0, 0};
+    EXPECT_THROW(surface(), ArgumentError);
+  }
+  options.kind = FlowSurfaceKind::streak, options.duration = 0.5;
+  EXPECT_THROW(surface(), ArgumentError);
+}
+
 TEST(FlowSurface, EndsWhereAFlowMixesWithoutAnEnd) {
   FlowSurfaceOptions options = surface_for(1e9, 60);
   options.most_points = 3000;
