@@ -14,6 +14,43 @@ namespace {
 constexpr double kTurn = 0.5;     // least cosine between a triangle's normals before and after
 constexpr double kNoArea = 1e-6;  // twice the area / Σ l²: below, rounding decides where the normal points
 
+using Link = std::array<std::uint32_t, 2>;  // the neighbours of a vertex in a triangle, the one after it first
+
+/// The fan that triangles with these links are. only_with(w, end): the only one of them whose neighbour at that end is
+/// w; their number if there is none, or several.
+template <class OnlyWith>
+EdgeCollapses::Fan fan_of_links(std::span<const Link> link, const OnlyWith& only_with) {
+  using Fan = EdgeCollapses::Fan;
+  const std::size_t n = link.size();
+  std::size_t start = 0, starts = 0;
+  for (std::size_t k = 0; k < n; ++k)
+    if (only_with(link[k][0], 1) == n) start = k, ++starts;
+  if (starts > 1) return Fan::none;
+  std::size_t here = start;
+  for (std::size_t steps = 1; steps <= n; ++steps) {
+    const std::uint32_t last = link[here][1];
+    if (starts == 0 && last == link[start][0]) return steps == n && steps >= 3 ? Fan::closed : Fan::none;
+    if (starts == 1 && steps == n) return Fan::open;
+    here = only_with(last, 0);
+    if (here == n || here == start) break;
+  }
+  return Fan::none;
+}
+
+/// The same for any number of links.
+EdgeCollapses::Fan fan_of_many(std::span<const Link> link) {
+  std::array<std::vector<std::pair<std::uint32_t, std::size_t>>, 2> by;  // neighbour and triangle, in order
+  for (std::size_t end = 0; end < 2; ++end) {
+    for (std::size_t k = 0; k < link.size(); ++k) by[end].emplace_back(link[k][end], k);
+    std::sort(by[end].begin(), by[end].end());
+  }
+  return fan_of_links(link, [&](std::uint32_t w, std::size_t end) {
+    const auto first = std::lower_bound(by[end].begin(), by[end].end(), std::pair(w, std::size_t{0}));
+    const auto last = std::lower_bound(first, by[end].end(), std::pair(w + 1, std::size_t{0}));
+    return last - first == 1 ? first->second : link.size();
+  });
+}
+
 }  // namespace
 
 EdgeCollapses::EdgeCollapses(const SimplifyOptions& o, std::size_t vertices, std::vector<Triangle> all)
@@ -81,6 +118,16 @@ void EdgeCollapses::prepare(std::uint32_t v) {
   fixed[v] = fan == Fan::none;
   border[v] = fan == Fan::open;
   quadric[v] = {};
+  std::vector<std::uint32_t> met;  // neighbours, as often as there are triangles with them; to count in rings is slow
+  if (border[v] && crowded(v)) {
+    for (const std::uint32_t i : ring(v)) met.insert(met.end(), {after(triangles[i], v), before(triangles[i], v)});
+    std::sort(met.begin(), met.end());
+  }
+  const auto at_border = [&](std::uint32_t w) {
+    if (met.empty()) return triangles_at(v, w) == 1;
+    const auto [begin, end] = std::equal_range(met.begin(), met.end(), w);
+    return end - begin == 1;
+  };
   for (const std::uint32_t i : ring(v)) {
     const Triangle& t = triangles[i];
     const Vec3 area = cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
@@ -95,7 +142,7 @@ void EdgeCollapses::prepare(std::uint32_t v) {
     quadric[v].add_plane(n, dot(n, x[t[0]]), size);
     if (!border[v]) continue;
     for (const std::uint32_t w : {after(t, v), before(t, v)}) {
-      if (triangles_at(v, w) != 1) continue;
+      if (!at_border(w)) continue;
       const Vec3 along = x[w] - x[v], m = normalized(cross(along, n));
       // The border counts in full: it adds to the error, but not to what that is a mean over.
       const double weight = quadric[v].weight;
@@ -106,30 +153,32 @@ void EdgeCollapses::prepare(std::uint32_t v) {
 }
 
 EdgeCollapses::Fan EdgeCollapses::fan_of(std::uint32_t v) const {
-  std::array<std::array<std::uint32_t, 2>, kMostRing> link;
   const auto r = ring(v);
-  if (r.empty() || r.size() > kMostRing) return Fan::none;
-  for (std::size_t k = 0; k < r.size(); ++k) link[k] = {after(triangles[r[k]], v), before(triangles[r[k]], v)};
-  // The only triangle whose first or last neighbour is w; r.size() if there is none, or several.
-  const auto only_with = [&](std::uint32_t w, std::size_t end) {
+  if (r.empty()) return Fan::none;
+  const auto link_of = [&](std::uint32_t i) { return Link{after(triangles[i], v), before(triangles[i], v)}; };
+  if (crowded(v)) {
+    std::vector<Link> link;
+    link.reserve(r.size());
+    for (const std::uint32_t i : r) link.push_back(link_of(i));
+    return fan_of_many(link);
+  }
+  std::array<Link, kMostRing> link;
+  for (std::size_t k = 0; k < r.size(); ++k) link[k] = link_of(r[k]);
+  return fan_of_links(std::span<const Link>(link).first(r.size()), [&](std::uint32_t w, std::size_t end) {
     std::size_t found = r.size(), count = 0;
     for (std::size_t k = 0; k < r.size(); ++k)
       if (link[k][end] == w) found = k, ++count;
     return count == 1 ? found : r.size();
-  };
-  std::size_t start = 0, starts = 0;
-  for (std::size_t k = 0; k < r.size(); ++k)
-    if (only_with(link[k][0], 1) == r.size()) start = k, ++starts;
-  if (starts > 1) return Fan::none;
-  std::size_t here = start;
-  for (std::size_t steps = 1; steps <= r.size(); ++steps) {
-    const std::uint32_t last = link[here][1];
-    if (starts == 0 && last == link[start][0]) return steps == r.size() && steps >= 3 ? Fan::closed : Fan::none;
-    if (starts == 1 && steps == r.size()) return Fan::open;
-    here = only_with(last, 0);
-    if (here == r.size() || here == start) break;
+  });
+}
+
+void EdgeCollapses::note_crowded() {
+  waits.clear();
+  for (std::uint32_t v = 0; v < x.size(); ++v) {
+    if (!crowded(v) || fixed[v]) continue;
+    waits.resize(x.size(), 0);
+    waits[v] = 1;
   }
-  return Fan::none;
 }
 
 std::size_t EdgeCollapses::neighbours_of(std::uint32_t v, Neighbours& found) const {
@@ -199,14 +248,14 @@ bool EdgeCollapses::possible(std::uint32_t a, const Collapse& c) const {
 void EdgeCollapses::find_cheapest(std::uint32_t v) {
   to[v] = kNoVertex;
   blocked[v] = 0;
-  if (fixed[v]) return;
+  if (fixed[v] || crowded(v)) return;
   std::array<Collapse, kMostRing + 1> all;
   Neighbours neighbours;
   const std::size_t count = neighbours_of(v, neighbours);
   std::size_t n = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t w = neighbours[k];
-    if (w < v || fixed[w] || !(quadric[v].weight + quadric[w].weight > 0)) continue;
+    if (w < v || fixed[w] || crowded(w) || !(quadric[v].weight + quadric[w].weight > 0)) continue;
     all[n] = measure(v, w);
     const double most = limit.empty() ? error : std::min<double>(error, std::min(limit[v], limit[w]));
     n += all[n].cost <= most * most;
@@ -278,6 +327,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
 void EdgeCollapses::collapse_in_turn() {
   using Entry = std::pair<std::uint64_t, std::uint32_t>;
   std::vector<Entry> entries;
+  note_crowded();
   for (std::uint32_t v = 0; v < x.size(); ++v) {
     find_cheapest(v);
     if (to[v] != kNoVertex) entries.emplace_back(key(v), v);
@@ -320,6 +370,7 @@ void EdgeCollapses::collapse_in_turn() {
         } else if (blocked[u] && !std::exchange(is_later[u], std::uint8_t{1})) {
           later.push_back(u);
         }
+    free_waiting(w, look);
   }
 }
 

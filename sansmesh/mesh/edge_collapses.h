@@ -42,6 +42,7 @@ struct EdgeCollapses {
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
   std::vector<std::uint8_t> blocked;  ///< a cheaper one would have spoilt the shape: worth another try after changes
+  std::vector<std::uint8_t> waits;    ///< crowded and not fixed; empty if none is
   std::size_t left, left_triangles;
 
   EdgeCollapses(const SimplifyOptions& o, std::size_t vertices, std::vector<Triangle> all);
@@ -60,6 +61,25 @@ struct EdgeCollapses {
 
   /// Leaves out the triangles that went, and makes the rings anew.
   void pack_triangles();
+
+  /// Too many triangles to be merged: until collapses around it leave few enough it waits.
+  bool crowded(std::uint32_t v) const { return valence[v] > kMostRing; }
+
+  /// Fills in `waits`.
+  void note_crowded();
+
+  /// Where another vertex merged into w: calls look(u) for those that do not wait any more, and for their neighbours.
+  template <class Look>
+  void free_waiting(std::uint32_t w, const Look& look) {
+    if (waits.empty()) return;
+    for (const std::uint32_t i : ring(w))
+      for (const std::uint32_t u : triangles[i]) {
+        if (waits[u] == 0 || crowded(u)) continue;
+        waits[u] = 0;
+        for (const std::uint32_t k : ring(u))
+          for (const std::uint32_t n : triangles[k]) look(n);
+      }
+  }
 
   /// The quadric of a vertex. Those of a border have planes along it, too, across the surface. Vertices whose triangles
   /// are not one fan stay: what is not manifold. So do those of a triangle without area: it has no plane to hold them,

@@ -68,6 +68,7 @@ struct Simplifier : detail::EdgeCollapses {
       if (merged_into[v] == kNoVertex) changed.push_back(v);
     const std::size_t many = changed.size();
     std::vector<std::uint8_t> flag(x.size(), 0);
+    note_crowded();
     end_claim.resize(x.size(), kNoKey), ring_claim.resize(x.size(), kNoKey);
     for (int round = 0; round < kMostRounds; ++round) {
       progress.check();
@@ -128,6 +129,7 @@ struct Simplifier : detail::EdgeCollapses {
         for (const std::uint32_t r : ring(kept[i]))
           for (const std::uint32_t w : triangles[r])
             if (to[w] == chosen[i] || to[w] == kept[i] || blocked[w]) change(w);
+        free_waiting(kept[i], change);
       }
       for (const std::uint32_t v : changed) flag[v] = 0;
       left -= count, left_triangles -= gone;

@@ -30,14 +30,17 @@ struct Thinner {
     return sum > 0 ? 2 * std::sqrt(3.0) * norm(normal) / sum : 0;
   }
 
-  /// Reads the ring of v: triangle k lies between neighbours k and k + 1. False if nothing can be done there.
-  bool gather(std::uint32_t v) {
-    if (surface.on_border(v) || mesh.rank[v] == 0) return false;
+  enum class Found { nothing, later, merged };
+
+  /// Reads the ring of v: triangle k lies between neighbours k and k + 1. `nothing` if nothing can be done there,
+  /// `later` if it has too many neighbours, of which others may merge; else `merged`.
+  Found gather(std::uint32_t v) {
+    if (surface.on_border(v) || mesh.rank[v] == 0) return Found::nothing;
     n = 0;
-    bool fine = true;
+    bool fine = true, crowded = false;
     surface.around(v, [&](std::uint32_t h) {
       if (n == kMostRing) {
-        fine = false;
+        crowded = true;
         return;
       }
       leaving[n] = h;
@@ -47,15 +50,16 @@ struct Thinner {
       fine = fine && piece[n] != PieceMesh::kNone;
       ++n;
     });
-    if (!fine || n < 3) return false;
+    if (!fine || n < 3) return Found::nothing;
+    if (crowded) return Found::later;
     for (std::size_t k = 0; k < n; ++k) {
       const Vec3 &a = spoke[k], &b = spoke[(k + 1) % n];
       area[k] = cross(a, b);
       // Triangles without height have no plane that could hold them, and none that they could leave.
       const double longest = std::max({squared_norm(a), squared_norm(b), squared_norm(b - a)});
-      if (!(squared_norm(area[k]) > error * error * longest)) return false;
+      if (!(squared_norm(area[k]) > error * error * longest)) return Found::nothing;
     }
-    return true;
+    return Found::merged;
   }
 
   /// Whether merging v into neighbour k moves no triangle out of its plane and changes no piece.
@@ -83,10 +87,8 @@ struct Thinner {
     return least;
   }
 
-  enum class Found { nothing, later, merged };
-
   Found merge(std::uint32_t v) {
-    if (!gather(v)) return Found::nothing;
+    if (const Found found = gather(v); found != Found::merged) return found;
     double least = kThinLeastShape;
     bool asked = false, flat = false;
     double best = 0;

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "sansmesh/core/error.h"
@@ -134,6 +136,79 @@ TEST(Simplify, StraightBordersNeedTheirCornersOnly) {
           EXPECT_LT(nearest, 1e-4f);
         }
   }
+}
+
+/// Triangles from a hub to each pair of neighbours among `rim`.
+TriangleMesh wheel(const Vec3f& hub, const std::vector<Vec3f>& rim, bool closed) {
+  TriangleMesh mesh;
+  mesh.vertices = {hub};
+  mesh.vertices.insert(mesh.vertices.end(), rim.begin(), rim.end());
+  const auto n = static_cast<std::uint32_t>(rim.size());
+  for (std::uint32_t i = 0; i + (closed ? 0 : 1) < n; ++i) mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % n});
+  return mesh;
+}
+
+/// 4 × n places along the border of a square with edge 2, from (1, −1) on.
+std::vector<Vec3f> square_rim(int n) {
+  std::vector<Vec3f> rim;
+  for (int side = 0; side < 4; ++side)
+    for (int k = 0; k < n; ++k) {
+      const float along = 2 * static_cast<float>(k) / static_cast<float>(n) - 1;
+      const Vec3f at{1, along, 0};
+      const float x[4] = {at.x, -at.y, -at.x, at.y}, y[4] = {at.y, at.x, -at.y, -at.x};
+      rim.push_back({x[side], y[side], 0});
+    }
+  return rim;
+}
+
+TEST(Simplify, HubsOfManySpokesGoOnceTheyHaveFew) {
+  for (const int n : {2, 10, 40}) {
+    const TriangleMesh square = simplified(wheel({0.1f, 0.2f, 0}, square_rim(n), true), 1e-6);
+    EXPECT_EQ(square.triangles.size(), 2u) << n;
+    EXPECT_NEAR(measure_quality(square).area, 4, 1e-5);
+    // The hub lies on the border: half of the square.
+    std::vector<Vec3f> half = square_rim(n);
+    std::rotate(half.begin(), half.begin() + n / 2, half.end());
+    half.resize(static_cast<std::size_t>(2 * n) + 1);
+    const TriangleMesh rectangle = simplified(wheel({0, 0, 0}, half, false), 1e-6);
+    EXPECT_EQ(rectangle.triangles.size(), 2u) << n;
+    EXPECT_NEAR(measure_quality(rectangle).area, 2, 1e-5);
+    // A corner stays, however many its spokes.
+    const TriangleMesh pyramid = simplified(wheel({0.1f, 0.2f, 1}, square_rim(n), true), 1e-6);
+    EXPECT_EQ(pyramid.triangles.size(), 4u) << n;
+  }
+  // Two hubs of as many spokes as there are places on the equator: a ball.
+  const TriangleMesh ball = [] {
+    TriangleMesh mesh;
+    constexpr std::uint32_t n = 60, rows = 31;
+    for (std::uint32_t r = 0; r < rows; ++r)
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const double up = std::numbers::pi * ((r + 1.0) / (rows + 1) - 0.5), turn = 2 * std::numbers::pi * k / n;
+        mesh.vertices.push_back(
+            Vec3f(Vec3{std::cos(up) * std::cos(turn), std::cos(up) * std::sin(turn), std::sin(up)}));
+      }
+    const auto south = static_cast<std::uint32_t>(mesh.vertices.size()), north = south + 1;
+    mesh.vertices.push_back({0, 0, -1}), mesh.vertices.push_back({0, 0, 1});
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t l = (k + 1) % n;
+      mesh.triangles.push_back({south, l, k});
+      mesh.triangles.push_back({north, (rows - 1) * n + k, (rows - 1) * n + l});
+      for (std::uint32_t r = 0; r + 1 < rows; ++r) {
+        const std::uint32_t a = r * n + k, b = r * n + l;
+        mesh.triangles.push_back({a, b, b + n});
+        mesh.triangles.push_back({a, b + n, a + n});
+      }
+    }
+    return mesh;
+  }();
+  test::expect_equal_for_any_threads([&] { return simplified(ball, 1e-2).vertices; });
+  const TriangleMesh few = simplified(ball, 1e-2);
+  EXPECT_TRUE(measure_topology(few).closed());
+  EXPECT_LT(distance(few, ball).from_reference.mean, 2e-2);
+  std::vector<int> valence(few.vertices.size(), 0);
+  for (const Triangle& t : few.triangles)
+    for (const std::uint32_t v : t) ++valence[v];
+  EXPECT_LE(*std::max_element(valence.begin(), valence.end()), 24);
 }
 
 TEST(Simplify, BordersStayWithinTheError) {
