@@ -148,11 +148,13 @@ Vec3 VolumeTracer::world(const Walk& walk, double t) const {
   return volume_.frame.center + (walk.origin + walk.direction * t) * volume_.frame.size;
 }
 
+double VolumeTracer::footprint(double t) const { return static_cast<double>(footprint_) * (parallel_ ? 1 : t); }
+
 double VolumeTracer::step_at(std::size_t cell, double t) const {
   const Vec3& edge = volume_.cells->edge();
   const double most = std::min({edge.x, edge.y, edge.z}) / volume_.frame.size;
   const double step = options_.step * volume_.cells->spacing(cell) / volume_.frame.size;
-  return std::max(std::min(step, most), 0.5 * static_cast<double>(footprint_) * (parallel_ ? 1 : t));
+  return std::max(std::min(step, most), 0.5 * footprint(t));
 }
 
 /// Goes on to the volume behind, through the surfaces on the way there; false: there is none, or nothing more to see.
@@ -227,8 +229,7 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
 bool VolumeTracer::too_far(const Walk& walk, const Sample& now) const {
   const Sample& before = walk.before;
   const double d = now.t - before.t;
-  if (d < 0.5 * static_cast<double>(footprint_) * now.t ||
-      d < kShortest * step_at(volume_.cells->cell(world(walk, before.t)), before.t))
+  if (d < 0.5 * footprint(now.t) || d < kShortest * step_at(volume_.cells->cell(world(walk, before.t)), before.t))
     return false;
   const double rise = now.value - before.value;
   const double bend = std::max(std::abs(before.slope * d - rise), std::abs(now.slope * d - rise));
@@ -320,7 +321,7 @@ void VolumeTracer::gap_face(Walk& walk, const Sample& sample) const {
 bool VolumeTracer::may_pass_face(const Walk& walk, const Sample& now) const {
   const Sample& before = walk.before;
   const double d = now.t - before.t;
-  if ((before.gap > 0) != (now.gap > 0) || d < 0.5 * static_cast<double>(footprint_) * now.t) return false;
+  if ((before.gap > 0) != (now.gap > 0) || d < 0.5 * footprint(now.t)) return false;
   const double side = now.gap > 0 ? -1 : 1;  // going up is towards a face
   const double rise = side * before.gap_slope, fall = side * now.gap_slope;
   if (!(rise > 0) || !(fall < 0)) return false;
@@ -350,7 +351,7 @@ std::size_t VolumeTracer::find_faces(Scratch& s) const {
   for (std::size_t k = 0; k < open.size(); ++k) open[k] = k;
   std::vector<Vec3> x;
   std::vector<double> gaps;
-  const auto beside = [&](const Face& f) { return kBesideFace * static_cast<double>(footprint_) * f.high; };
+  const auto beside = [&](const Face& f) { return kBesideFace * footprint(f.high); };
   for (int round = 0; round < 4 * kRootRounds && !open.empty(); ++round) {
     x.clear();
     for (const std::size_t k : open) x.push_back(world(s.walks[s.active[faces[k].i]], faces[k].t));
@@ -543,7 +544,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
       } else {
         root.high = now.t, root.high_value = value;
       }
-      const double tolerance = std::max(1e-4 * root.d, 0.01 * static_cast<double>(footprint_) * now.t);
+      const double tolerance = std::max(1e-4 * root.d, 0.01 * footprint(now.t));
       double next = slope != 0 ? now.t - value / slope : now.t;
       const double change = std::abs(next - now.t);
       if ((slope != 0 && change < tolerance && next >= root.low - tolerance && next <= root.high + tolerance) ||

@@ -59,6 +59,7 @@ class VolumeTracer {
   void find_layers(const EyeRays& rays, Scratch& scratch) const;
   bool next_stretch(Walk& walk, const Scratch& scratch) const;
   bool next_place(Walk& walk, const Scratch& scratch) const;
+  double footprint(double t) const;  ///< of a pixel at distance t
   double step_at(std::size_t cell, double t) const;
   bool too_far(const Walk& walk, const Sample& now) const;
   std::size_t evaluate(Scratch& scratch) const;

@@ -50,17 +50,23 @@ VolumePictureOptions gap_pixel(double opacity, double length) {
   return options;
 }
 
-std::array<float, 4> ray_along(const VolumeSubject& subject, const VolumePictureOptions& options, const Vec3& a,
-                               const Vec3& b) {
+std::array<float, 4> light_from(const VolumeSubject& subject, const VolumePictureOptions& options, const Vec3& from,
+                                const Vec3& direction, double half_width, bool parallel) {
   Progress progress;
   const VolumePicture picture(subject, progress);
-  const Vec3 d = normalized(b - a);
   Camera camera;
-  camera.position = Vec3f((a - d * 2 - picture.frame().center) / picture.frame().size);
-  camera.backward = Vec3f(-d);
+  camera.position = Vec3f((from - picture.frame().center) / picture.frame().size);
+  camera.backward = Vec3f(-direction);
   tangent_frame(camera.backward, camera.right, camera.up);
-  camera.half_width = camera.half_height = 1e-4f;
+  camera.half_width = camera.half_height = static_cast<float>(half_width);
+  camera.parallel = parallel;
   return picture.light(camera, options, progress).at(0, 0);
+}
+
+std::array<float, 4> ray_along(const VolumeSubject& subject, const VolumePictureOptions& options, const Vec3& a,
+                               const Vec3& b) {
+  const Vec3 d = normalized(b - a);
+  return light_from(subject, options, a - d * 2, d, 1e-4, false);
 }
 
 TEST(VolumeGap, NothingIsSeenInGaps) {
@@ -136,6 +142,46 @@ TEST(VolumeGap, FacesOfIsoSurfacesShowWhatIsNotBelowTheLeast) {
   EXPECT_EQ(ray_along(subject, options, {0, 0.3, 0.3}, {1, 0.3, 0.3})[3], 1);
   options.cut_faces = false;
   EXPECT_EQ(ray_along(subject, options, {0, 0.7, 0.3}, {1, 0.7, 0.3})[3], 1);
+}
+
+TEST(VolumeGap, ParallelRaysSeeTheSameFromAnyDistance) {
+  // Pixels are 0.01 wide, samples 0.03 apart.
+  const auto seen = [](const VolumeSubject& subject, const VolumePictureOptions& options, double distance) {
+    return light_from(subject, options, {-distance, 0.45, 0.3}, {1, 0, 0}, 0.005, true);
+  };
+  const auto expect_same = [&](const VolumeSubject& subject, const VolumePictureOptions& options) {
+    const auto near = seen(subject, options, 1);
+    for (const double distance : {20.0, 1000.0}) {
+      const auto far = seen(subject, options, distance);
+      for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(far[k], near[k], 1e-4) << distance << ' ' << k;
+    }
+  };
+  // An iso-surface seen through black fog, which tells how far it is.
+  const FormulaVolume ball = test::ball_volume({0.5, 0.4, 0.4});
+  VolumePictureOptions through = gap_pixel(0.9, 0.1);
+  through.transfer->colors = {{0, {0, 0, 0}}, {1, {0, 0, 0}}};
+  through.isos = {{0.3, Vec3f{1, 1, 1}, 1}}, through.step = 3;
+  expect_same({&ball, nullptr, nullptr, {}}, through);
+  // A layer at a wall, an eighth as thick as samples are apart.
+  FormulaVolume wall = constant_volume(0);
+  wall.value = [](const Vec3& x) { return std::exp((x.x - 1) / 0.004); };
+  wall.gradient = [](const Vec3& x) { return Vec3{std::exp((x.x - 1) / 0.004) / 0.004, 0, 0}; };
+  VolumePictureOptions layer = gap_pixel(0, 0.004);
+  layer.transfer->opacities = {{0, 0}, {1, 0.6}};
+  expect_same({&wall, nullptr, nullptr, {}}, layer);
+  // The face behind a gap by its colour, and a slice between two gaps.
+  const FormulaVolume ramp = test::linear_volume({1, 0, 0});
+  const FormulaGap gap = slab({1, 0, 0}, 0.4, 0.02);
+  VolumeSubject subject{&ramp, nullptr, nullptr, {}};
+  subject.gap = &gap;
+  expect_same(subject, gap_pixel(0.01, 1));
+  FormulaGap slice;  // all but |x − 0.52| < 0.003
+  slice.depth = [](const Vec3& x) { return std::abs(x.x - 0.52) - 0.003; };
+  slice.slope = [](const Vec3& x) { return Vec3{x.x > 0.52 ? 1.0 : -1.0, 0, 0}; };
+  subject.gap = &slice;
+  VolumePictureOptions sliced = gap_pixel(0.3, 0.005);
+  sliced.cut_faces = false;
+  expect_same(subject, sliced);
 }
 
 TEST(VolumeGap, WithoutAnyNothingChanges) {
