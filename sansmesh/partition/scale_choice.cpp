@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 
 #include "sansmesh/core/error.h"
@@ -277,9 +278,11 @@ void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
 
 /// Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
 /// that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood; finer levels
-/// are given up. Returns how even it is: its standard deviation where there is little over the median.
+/// are given up. Where no balls are so wide it is the coarsest level that tells of noise, since those above say
+/// nothing. Returns how even it is: its standard deviation where there is little over the median.
 double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   double evenness = 0;
+  std::optional<int> told;  // the last level that did
   for (;; --choice.finest) {
     pool_noise(fitter, choice);
     const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
@@ -295,6 +298,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
     if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
+      told = choice.finest;
       choice.variance = *middle;
       const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
       std::nth_element(noises.begin(), low, middle + 1);
@@ -302,7 +306,10 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       const double most = fitter.height > 0 ? kMostTallNoise : kMostNoise;
       if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
     }
-    if (choice.finest <= 2) break;
+    if (choice.finest <= 2) {
+      choice.finest = told.value_or(choice.finest);
+      break;
+    }
   }
   spread_noise(fitter, choice);
   return evenness;
