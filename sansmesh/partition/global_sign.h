@@ -6,18 +6,9 @@
 #include <vector>
 
 #include "sansmesh/core/vec.h"
-#include "sansmesh/search/box_levels.h"
+#include "sansmesh/partition/far_tree.h"
 
 namespace sansmesh {
-
-/// A small oriented piece of surface: area vector = unit outward normal × area.
-struct OrientedPatch {
-  Vec3f position;
-  Vec3f area;
-  /// Least share in the estimate of the distance (length²): a patch that is much smaller than its neighbours would make
-  /// that estimate drop steeply close to it.
-  float least = 0;
-};
 
 /// Area of {x : ⟨x − point, normal⟩ = 0} within the cube [lower, lower + edge]³. Patches cut out of the cells that they
 /// pass through tile a surface whatever the density of its samples.
@@ -30,7 +21,8 @@ struct FarValue {
 };
 
 /// Far field of a set of patches: w(x) = Σ ⟨p − x, a⟩ / (4π ‖p − x‖³) is about 1 inside, 0 outside and 1/2 on the
-/// surface and on the membrane that closes a hole (Barill et al. 2018). Groups of patches far away count as one dipole.
+/// surface and on the membrane that closes a hole (Barill et al. 2018). Groups of patches far away count as one, by
+/// their sums and the first and second moments of these about their middle: to about 0.1 % of 1, 0.5 % at most.
 /// Patches that bound no solid have a far field all the same: the side of the nearest ones.
 class GlobalSign {
  public:
@@ -39,7 +31,7 @@ class GlobalSign {
   /// sums of 1/r⁶ stay in the range of float only in such a unit. `open`: they bound no solid.
   explicit GlobalSign(std::span<const OrientedPatch> patches, float unit = 1, bool open = false);
 
-  bool empty() const { return levels_.empty(); }
+  bool empty() const { return tree_.levels.empty(); }
 
   /// Closed: (1 − 2 w) · d, negative inside; d is a smooth estimate of the distance to the nearest patches (exact for a
   /// plane). Finite everywhere, with a continuous gradient but where w passes 0 or 1, and no steeper than a distance by
@@ -52,16 +44,10 @@ class GlobalSign {
   /// The winding number alone.
   void winding_number(std::span<const Vec3f> x, std::span<float> values) const;
 
-  /// Eight siblings side by side. radius < 0 marks an unused place.
-  struct Octet {
-    float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth], ax[kTreeWidth], ay[kTreeWidth], az[kTreeWidth];
-    float area[kTreeWidth], radius[kTreeWidth];
-  };
-
  private:
   float unit_ = 1;
   bool open_ = false;
-  std::vector<std::vector<Octet>> levels_;  ///< eight_wide_levels over the patches
+  FarTree tree_;
 };
 
 /// The far field of patches some of which bound solids and some of which do not: each kind by itself, the nearer one

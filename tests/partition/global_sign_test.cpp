@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <random>
 
+#include "sansmesh/core/morton.h"
 #include "support/clouds.h"
 
 namespace sansmesh {
@@ -46,8 +49,8 @@ TEST(GlobalSign, WindingNumberIsOneInsideAndZeroOutside) {
   const std::vector<Vec3f> x{{0, 0, 0}, {0.5f, 0.2f, -0.3f}, {0, 0, 0.85f}, {0, 0, 1.15f}, {2, 1, 0}, {100, 0, 0}};
   std::vector<float> w(x.size());
   sign.winding_number(x, w);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(w[i], 1, 0.06) << i;
-  for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(w[i], 0, 0.06) << i;
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(w[i], 1, 0.02) << i;
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(w[i], 0, 0.02) << i;
 }
 
 TEST(GlobalSign, DistanceIsRightNearTheSurfaceAndSignedEverywhere) {
@@ -63,18 +66,105 @@ TEST(GlobalSign, DistanceIsRightNearTheSurfaceAndSignedEverywhere) {
   EXPECT_NEAR(d[4], 0.1, 0.02);
 }
 
-TEST(GlobalSign, GroupsAgreeWithTheSumOverAllPatches) {
-  const auto patches = sphere_patches(3000);
-  const GlobalSign sign(patches);
-  for (const Vec3f x : {Vec3f{0.1f, 0.4f, 0.2f}, Vec3f{0, 0, 1.3f}, Vec3f{-1.5f, 0.3f, 0.4f}}) {
-    double sum = 0;
+/// Neighbours in space become neighbours in the list.
+std::vector<OrientedPatch> in_order(std::vector<OrientedPatch> patches) {
+  const auto code = [](const OrientedPatch& p) {
+    const auto cell = [](float c) { return static_cast<std::uint32_t>((c + 4) * 0x1p17f); };
+    return morton_code(cell(p.position.x), cell(p.position.y), cell(p.position.z));
+  };
+  std::sort(patches.begin(), patches.end(),
+            [&](const OrientedPatch& a, const OrientedPatch& b) { return code(a) < code(b); });
+  return patches;
+}
+
+/// Stretched along the axes by `by`: still closed.
+std::vector<OrientedPatch> stretched(std::vector<OrientedPatch> patches, const Vec3f& by) {
+  for (OrientedPatch& p : patches)
+    for (std::size_t k = 0; k < 3; ++k) p.position[k] *= by[k], p.area[k] *= by.x * by.y * by.z / by[k];
+  return in_order(std::move(patches));
+}
+
+/// The sums over all patches one by one, discs that they are.
+struct AllPatches {
+  double winding = 0, distance = 0, closed = 0, open = 0;
+
+  AllPatches(const std::vector<OrientedPatch>& patches, const Vec3f& x) {
+    double dipole = 0, dipole_open = 0, fourth = 0, sixth = 0;
     for (const OrientedPatch& p : patches) {
-      const Vec3 d(p.position - x);
-      sum += dot(d, Vec3(p.area)) / std::pow(squared_norm(d), 1.5);
+      const Vec3 d(p.position - x), a(p.area);
+      const double area = norm(a), r2 = squared_norm(d) + 0.25 * area;
+      dipole += dot(d, a) / std::pow(r2, 1.5), dipole_open += dot(d, a) / std::pow(r2, 3);
+      fourth += area / std::pow(r2, 2), sixth += area / std::pow(r2, 3);
     }
-    float w = 0;
-    sign.winding_number(std::span<const Vec3f>(&x, 1), std::span<float>(&w, 1));
-    EXPECT_NEAR(w, sum / (4 * std::numbers::pi), 0.03);
+    winding = dipole / (4 * std::numbers::pi), distance = std::sqrt(0.5 * fourth / sixth);
+    closed = std::clamp(1 - 2 * winding, -1.0, 1.0) * distance, open = -dipole_open / sixth;
+  }
+};
+
+/// Root of the mean squared and largest difference.
+struct FarError {
+  double sum = 0, most = 0, n = 0;
+  void add(double e) { sum += e * e, most = std::max(most, std::abs(e)), n += 1; }
+  double mean() const { return std::sqrt(sum / n); }
+};
+
+TEST(GlobalSign, GroupsAgreeWithTheSumOverAllPatches) {
+  for (const Vec3f& by : {Vec3f{1, 1, 1}, Vec3f{1, 0.5f, 0.2f}})
+    for (const std::size_t n : {3000u, 20000u}) {
+      SCOPED_TRACE(testing::Message() << by.z << ' ' << n);
+      const auto patches = stretched(sphere_patches(n), by);
+      const GlobalSign sign(patches), sheet(patches, 1, true);
+      std::vector<Vec3f> x;
+      for (std::size_t i = 0; i < n; i += n / 120)
+        for (const float far : {-0.1f, -0.02f, 0.05f, 0.3f, 1.5f})
+          x.push_back(patches[i].position + normalized(patches[i].area) * far);
+      std::vector<float> w(x.size()), closed(x.size()), open(x.size());
+      sign.winding_number(x, w), sign.signed_distance(x, closed), sheet.signed_distance(x, open);
+      FarError of_winding, of_closed, of_open;
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const AllPatches all(patches, x[i]);
+        of_winding.add(static_cast<double>(w[i]) - all.winding);
+        of_closed.add((static_cast<double>(closed[i]) - all.closed) / all.distance);
+        of_open.add((static_cast<double>(open[i]) - all.open) / all.distance);
+      }
+      EXPECT_LT(of_winding.most, 0.005);
+      EXPECT_LT(of_winding.mean(), 0.0015);
+      EXPECT_LT(of_closed.mean(), 0.008);
+      EXPECT_LT(of_open.mean(), 0.012);
+    }
+}
+
+TEST(GlobalSign, GroupsFromAfarAreOfThirdOrder) {
+  // Groups have their place, and first and second moments about it: what is left falls with the cube of the distance.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<OrientedPatch> patches;
+  for (int i = 0; i < 64; ++i) {
+    const Vec3f p{uniform(random), uniform(random), uniform(random)};
+    const Vec3f a{uniform(random), uniform(random), uniform(random) + 2};
+    patches.push_back({p, a * 0.02f});
+  }
+  patches = in_order(std::move(patches));
+  const GlobalSign sign(patches), sheet(patches, 1, true);
+  std::vector<Vec3f> directions;
+  for (int i = 0; i < 200; ++i)
+    directions.push_back(normalized(Vec3f{uniform(random), uniform(random), uniform(random)}));
+  std::array<FarError, 3> before;
+  for (const float r : {5.0f, 10.0f, 20.0f}) {
+    std::array<FarError, 3> now;
+    for (const Vec3f& d : directions) {
+      const Vec3f x = d * r;
+      float w = 0, closed = 0, open = 0;
+      const std::span<const Vec3f> at(&x, 1);
+      sign.winding_number(at, {&w, 1}), sign.signed_distance(at, {&closed, 1}), sheet.signed_distance(at, {&open, 1});
+      const AllPatches all(patches, x);
+      now[0].add((static_cast<double>(w) - all.winding) * squared_norm(Vec3(x)));  // falls as 1/r² itself
+      now[1].add((static_cast<double>(closed) - all.closed) / all.distance);
+      now[2].add((static_cast<double>(open) - all.open) / all.distance);
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      if (r > 5) EXPECT_LT(now[k].mean(), before[k].mean() / 5.5) << r << ' ' << k;
+    before = now;
   }
 }
 

@@ -1,0 +1,44 @@
+// Patches of a surface in groups of eight, stacked, with what a group needs to count as one from afar.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/search/box_levels.h"
+
+namespace sansmesh {
+
+/// A small oriented piece of surface: area vector = unit outward normal × area.
+struct OrientedPatch {
+  Vec3f position;
+  Vec3f area;
+  /// Least share in the estimate of the distance (length²): a patch that is much smaller than its neighbours would make
+  /// that estimate drop steeply close to it.
+  float least = 0;
+};
+
+struct FarTree {
+  /// Eight siblings side by side. radius < 0 marks an unused place.
+  struct Octet {
+    float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth], ax[kTreeWidth], ay[kTreeWidth], az[kTreeWidth];
+    float area[kTreeWidth], radius[kTreeWidth];
+  };
+  /// Of eight groups side by side: sums over the patches p with area vectors a and weights w, where d leads from the
+  /// group's place to p and a patch has the variance s = w / 4 along each axis. Symmetric parts.
+  struct Moments {
+    float first[6][kTreeWidth];    ///< d ⊗ a: xx, xy, xz, yy, yz, zz
+    float second[10][kTreeWidth];  ///< d ⊗ d ⊗ a: xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz
+    float turned[3][kTreeWidth];   ///< ⟨d, d⟩ a + 2 ⟨d, a⟩ d + s a
+    float spread[6][kTreeWidth];   ///< w d ⊗ d: xx, xy, xz, yy, yz, zz
+    float size[kTreeWidth];        ///< w ⟨d, d⟩ + w s
+  };
+
+  std::vector<std::vector<Octet>> levels;     ///< eight_wide_levels over the patches
+  std::vector<std::vector<Moments>> moments;  ///< of the octets of level 1 and above
+};
+
+/// Of the patches that have an area and a place, all in units of `unit`.
+FarTree far_tree(std::span<const OrientedPatch> patches, float unit);
+
+}  // namespace sansmesh
