@@ -49,7 +49,9 @@ Row row_of(std::string_view line, char separator) {
   return row;
 }
 
-std::vector<Vec3> from_table(const std::string& file, std::string_view bytes) {
+}  // namespace
+
+std::vector<Vec3> parse_point_table(std::string_view bytes, const std::string& file) {
   std::vector<Vec3> points;
   std::array<std::size_t, 3> column{0, 1, 2};
   io::TextScanner text(bytes);
@@ -79,13 +81,8 @@ std::vector<Vec3> from_table(const std::string& file, std::string_view bytes) {
   return points;
 }
 
-}  // namespace
-
 std::vector<Vec3> read_point_table(const std::string& file) {
-  if (is_table(file)) {
-    const io::FileContent content(file);
-    return from_table(file, content.bytes());
-  }
+  if (is_table(file)) return parse_point_table(io::FileContent(file).bytes(), file);
   const PointSet set = read_points(file);
   std::vector<Vec3> points;
   points.reserve(set.size());

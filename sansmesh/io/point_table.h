@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/core/vec.h"
@@ -12,5 +13,7 @@ namespace sansmesh {
 /// points that read_points knows. In tables `nan` and empty fields are NaN. Throws FileError where the file is missing,
 /// holds no rows, or a row is not one of numbers (with its line).
 std::vector<Vec3> read_point_table(const std::string& file);
+/// The same of the text of a table; `file` is named in errors.
+std::vector<Vec3> parse_point_table(std::string_view text, const std::string& file);
 
 }  // namespace sansmesh

@@ -59,9 +59,9 @@ std::vector<double> numbers_of_json(const std::string& file, std::string_view by
 
 }  // namespace
 
-AffineMap read_transform(const std::string& file) {
-  const io::FileContent content(file);
-  std::string_view bytes = content.bytes();
+AffineMap read_transform(const std::string& file) { return parse_transform(io::FileContent(file).bytes(), file); }
+
+AffineMap parse_transform(std::string_view bytes, const std::string& file) {
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // with which some editors begin every text
   const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
   const bool json = begin != std::string_view::npos && (bytes[begin] == '[' || bytes[begin] == '{');

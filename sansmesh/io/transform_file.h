@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "sansmesh/data/affine_map.h"
 
@@ -12,6 +13,8 @@ namespace sansmesh {
 /// JSON: a list of rows, a list of 12 or 16 numbers row by row, or an object with such a list as its `matrix`. Throws
 /// FileError where there is no such thing, where the last row is another, or where the matrix has no inverse.
 AffineMap read_transform(const std::string& file);
+/// The same of a text; `file` is named in errors.
+AffineMap parse_transform(std::string_view text, const std::string& file);
 
 /// Writes 4 rows of 4 numbers, the shortest that read back as the same; with the ending .json as {"matrix": [rows]}.
 /// Throws FileError.

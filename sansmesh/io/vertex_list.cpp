@@ -11,9 +11,12 @@
 namespace sansmesh {
 
 std::vector<std::uint64_t> read_vertex_list(const std::string& file) {
-  const io::FileContent content(file);
+  return parse_vertex_list(io::FileContent(file).bytes(), file);
+}
+
+std::vector<std::uint64_t> parse_vertex_list(std::string_view bytes, const std::string& file) {
   std::vector<std::uint64_t> numbers;
-  io::TextScanner text(content.bytes());
+  io::TextScanner text(bytes);
   for (std::size_t line = 1; !text.at_end(); ++line) {
     const std::string_view all = text.line();
     std::string row(all.substr(0, all.find('#')));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sansmesh {
@@ -11,5 +12,7 @@ namespace sansmesh {
 /// are as the file has them (Vega counts vertices from 1 on). Throws FileError where it is missing, empty, or holds
 /// anything else.
 std::vector<std::uint64_t> read_vertex_list(const std::string& file);
+/// The same of a text; `file` is named in errors.
+std::vector<std::uint64_t> parse_vertex_list(std::string_view text, const std::string& file);
 
 }  // namespace sansmesh
