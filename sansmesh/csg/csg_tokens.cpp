@@ -117,7 +117,7 @@ std::vector<CsgToken> csg_tokens(std::string_view text) {
 }
 
 void csg_error(std::size_t at, const std::string& cause) {
-  throw ArgumentError(fmt::format("expression at {}: {}", at, cause));
+  throw ArgumentError(fmt::format("expression at {}: {}", at, printable(cause, 400)));
 }
 
 }  // namespace sansmesh

@@ -132,8 +132,8 @@ ArrayChoice VolumeDataset::choose(const std::string& text, const std::string& op
     if (error != std::errc() || end != word.data() + word.size()) k = components;
   }
   if (k >= components)
-    throw ArgumentError(fmt::format("`{}`: '{}' names no component: {} has {} (0 to {}, or magnitude)", option, text,
-                                    choice.array, components, components - 1));
+    throw ArgumentError(fmt::format("`{}`: '{}' names no component: {} has {} (0 to {}, or magnitude)", option,
+                                    printable(text, 60), printable(choice.array, 60), components, components - 1));
   choice.component = k;
   return choice;
 }
@@ -211,7 +211,7 @@ std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text) {
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), name.value);
   if (name.file.empty() || name.array.empty() || error != std::errc() || end != value.data() + value.size() ||
       !std::isfinite(name.value))
-    throw ArgumentError(fmt::format("'{}' is no isosurface: those are written FILE[ARRAY=VALUE]", text));
+    throw ArgumentError(fmt::format("'{}' is no isosurface: those are written FILE[ARRAY=VALUE]", printable(text, 80)));
   return name;
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostSeeds = 1e8;
 
 [[noreturn]] void fail(std::string_view text, const std::string& why) {
-  throw ArgumentError("seeds \"" + std::string(text) + "\": " + why);
+  throw ArgumentError("seeds \"" + printable(text, 200) + "\": " + printable(why, 400));
 }
 
 std::string_view trimmed(std::string_view s) {

@@ -92,7 +92,7 @@ const SurfaceMethodInfo& surface_method_info(SurfaceMethod method) {
 SurfaceMethod surface_method(std::string_view name) {
   for (const SurfaceMethodInfo& info : kMethods)
     if (name == info.name) return info.method;
-  throw ArgumentError("unknown surface '" + std::string(name) + "': known are " + surface_method_names());
+  throw ArgumentError("unknown surface '" + printable(name, 40) + "': known are " + surface_method_names());
 }
 
 std::string surface_method_names() {

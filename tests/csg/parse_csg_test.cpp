@@ -8,6 +8,7 @@
 #include "csg/catalogue.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/piece_expression.h"
+#include "support/clean_text.h"
 
 namespace sansmesh {
 namespace {
@@ -267,6 +268,19 @@ TEST(ParseCsg, DeepExpressionsTakeNoLongerThanTheirParts) {
   std::string shells = "sphere(1)";
   for (int i = 0; i < 24; ++i) shells = "shell(" + shells + ", 0.01)";
   EXPECT_EQ(parse_csg(shells, load).expression(1e-9), nullptr);
+}
+
+TEST(ParseCsg, MessagesQuoteAnythingInOnePrintableLine) {
+  for (const std::string& text :
+       {std::string("sphere(1) 'a\x05\n\xff'"), "sphere(1e9" + std::string(10000, '9') + ")"}) {
+    try {
+      parse_csg(text, load);
+      FAIL();
+    } catch (const ArgumentError& error) {
+      EXPECT_TRUE(test::is_clean(error.what()));
+      EXPECT_LT(std::string(error.what()).size(), 1000u);
+    }
+  }
 }
 
 }  // namespace

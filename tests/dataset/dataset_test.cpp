@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "support/clean_text.h"
 #include "volume/volume_grids.h"
 
 namespace sansmesh {
@@ -118,6 +119,16 @@ TEST(IsosurfaceName, IsAFileWithAnArrayAndAValueInBrackets) {
   EXPECT_FALSE(parse_isosurface_name("scan[3]"));
   for (const char* bad : {"data.vtu[Temp=]", "data.vtu[=3]", "[Temp=3]", "data.vtu[Temp=3x]", "data.vtu[Temp=nan]"})
     EXPECT_THROW(parse_isosurface_name(bad), ArgumentError) << bad;
+}
+
+TEST(IsosurfaceName, MessagesQuoteAnythingInOnePrintableLine) {
+  try {
+    parse_isosurface_name("data.vtu[T\x05\n\xff=" + std::string(10000, 'x') + "]");
+    FAIL();
+  } catch (const ArgumentError& error) {
+    EXPECT_TRUE(test::is_clean(error.what()));
+    EXPECT_LT(std::string(error.what()).size(), 1000u);
+  }
 }
 
 }  // namespace

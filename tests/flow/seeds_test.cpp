@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sansmesh/core/error.h"
+#include "support/clean_text.h"
 
 namespace sansmesh {
 namespace {
@@ -59,6 +60,17 @@ TEST(Seeds, MistakesAreNamed) {
                                  "line(0,0,x, 1,0,0, 5)", "sphere(1)", "circle(0,0,0, 0,0,0, 1, 8)", "points()",
                                  "point(1,1,1);", "point(1,1,1);points(a.csv)", "box(nan)", "box(1e12)"})
     EXPECT_THROW(parse_seeds(text, kBox), ArgumentError) << text;
+}
+
+TEST(Seeds, MessagesQuoteAnythingInOnePrintableLine) {
+  const std::string text = "line(0,0,\x05\n\xff" + std::string(10000, 'x') + ", 1,0,0, 5)";
+  try {
+    parse_seeds(text, kBox);
+    FAIL();
+  } catch (const ArgumentError& error) {
+    EXPECT_TRUE(test::is_clean(error.what()));
+    EXPECT_LT(std::string(error.what()).size(), 1000u);
+  }
 }
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "measure/measure_shapes.h"
 #include "sansmesh/core/error.h"
 #include "support/any_threads.h"
+#include "support/clean_text.h"
 
 namespace sansmesh {
 namespace {
@@ -229,6 +231,16 @@ TEST(CutPlane, TextIsReadAndWritten) {
   ASSERT_EQ(spread.size(), 4u);
   EXPECT_DOUBLE_EQ(spread[0].offset, 2);
   EXPECT_DOUBLE_EQ(spread[3].offset, 8);
+}
+
+TEST(CutPlane, MessagesQuoteAnythingInOnePrintableLine) {
+  try {
+    parse_plane("z=\x05\n\xff" + std::string(10000, 'x'));
+    FAIL();
+  } catch (const ArgumentError& error) {
+    EXPECT_TRUE(test::is_clean(error.what()));
+    EXPECT_LT(std::string(error.what()).size(), 1000u);
+  }
 }
 
 }  // namespace
