@@ -1,5 +1,5 @@
 // A command of the tool: how it is spelled, and what happens when it was chosen. Each command's source has a function
-// add_NAME(app) that declares its options and returns it; main.cpp lists them.
+// add_NAME(app) that declares its options and returns it; command_table.cpp lists them.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace sansmesh::cli {
 
 struct Command {
-  CommandLine* line;  ///< the subcommand, with its own options; those of every command are added by main.cpp
+  CommandLine* line;  ///< the subcommand, with its own options; those of every command are added by command_table.cpp
   /// Called once after parsing. Its arguments live in what it has captured. Errors are thrown.
   std::function<void(Console&)> run;
 };

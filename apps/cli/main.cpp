@@ -1,4 +1,4 @@
-// The command line: which commands there are, what all of them have, and which exit code says what went wrong.
+// The command line: runs a command, and which exit code says what went wrong.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "commands.h"
+#include "command_table.h"
 #include "flags.h"
 #include "help_text.h"
 #include "interrupt.h"
@@ -26,35 +26,6 @@ namespace {
 
 constexpr int kFailed = 1;  // a file or its data
 constexpr int kUsage = 2;   // the command line
-
-constexpr const char* kExamples = R"(
-Examples:
-  sansmesh reconstruct scan.ply -o surface.ply
-  sansmesh reconstruct scan.ply -o surface.glb --preview surface.png
-  sansmesh evaluate surface.ply reference.ply
-  sansmesh help COMMAND
-
-Lengths are in the unit of the input. What is not given is chosen from the data.
-Exit codes: 0 done, 1 a file or its data is at fault, 2 the command line is, 130 interrupted.)";
-
-/// What every command can be told.
-struct CommonArguments {
-  ConsoleOptions console;
-  int threads = 0;
-};
-
-void add_common(CommandLine& line, CommonArguments& common) {
-  line.add_flag("--json", common.console.json, "Print the results as one JSON object");
-  line.add_flag("--verbose", common.console.verbose, "Print the time that each stage took");
-  line.add_flag("--quiet", common.console.quiet, "Print errors and nothing else");
-  line.add_option("--threads", common.threads, "Number of threads; results do not depend on it [all cores]")
-      .within(1, ThreadScope::kMost)
-      .type_name("COUNT");
-  line.add_flag_callback(
-      "-h,--help", [] {}, "Print what can be said to the command");
-  line.add_flag_callback(
-      "-V,--version", [] {}, "Print the version");
-}
 
 /// The command of a part of the table that has no commands of its own.
 const Command& command_of_line(const std::vector<Command>& commands, const CommandLine& line) {
@@ -126,17 +97,7 @@ std::string words_of(const std::exception& error) {
 int run_line(int argc, char** argv) {
   CommonArguments common;
   CommandLine line("Surfaces and volumes straight from samples.", "sansmesh");
-  line.footer(kExamples);
-  add_common(line, common);
-  std::vector<Command> commands = {add_reconstruct(line), add_normals(line), add_evaluate(line),  add_info(line),
-                                   add_render(line),      add_project(line), add_curvature(line), add_advise(line),
-                                   add_fit(line),         add_mesh(line),    add_eval(line),      add_edit(line),
-                                   add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
-                                   add_csg(line),         add_deform(line),  add_simulate(line),  add_convert(line),
-                                   add_align(line),       add_fill(line),    add_simplify(line),  add_smooth(line)};
-  for (Command& command : add_volume(line)) commands.push_back(std::move(command));
-  for (Command& command : add_flow(line)) commands.push_back(std::move(command));
-  for (const auto add : {add_help, add_completion, add_manual}) commands.push_back(add(line));
+  const std::vector<Command> commands = add_commands(line, common);
   const CommandLine* chosen = &line;
   try {
     const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});

@@ -1,0 +1,19 @@
+// The table of all commands, and the options that all of them have.
+#pragma once
+
+#include <vector>
+
+#include "command.h"
+
+namespace sansmesh::cli {
+
+/// What every command can be told.
+struct CommonArguments {
+  ConsoleOptions console;
+  int threads = 0;
+};
+
+/// Declares the commands and their options. `line` is the whole tool; it and `common` live until a command has run.
+std::vector<Command> add_commands(CommandLine& line, CommonArguments& common);
+
+}  // namespace sansmesh::cli
