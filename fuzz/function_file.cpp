@@ -3,8 +3,6 @@
 // so that what the checksums guard is fuzzed as well.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include "sansmesh/core/error.h"
@@ -12,20 +10,14 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/section_file.h"
-#include "support/clean_text.h"
 #include "support/section_bytes.h"
+#include "target.h"
 
 using namespace sansmesh;
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
 namespace {
-
-void require(bool ok, const char* what) {
-  if (ok) return;
-  std::fprintf(stderr, "fuzz_function_file: %s\n", what);
-  std::abort();
-}
 
 void use(const SurfaceFunction& function) {
   const Box3 box = function.field.bounds();
@@ -43,14 +35,14 @@ void use(const SurfaceFunction& function) {
   std::vector<Vec3> gradients(places.size());
   function.field.evaluate(places, values, gradients);
   for (std::size_t i = 0; i < places.size(); ++i)
-    require(std::isfinite(values[i]) && is_finite(gradients[i]), "a value or gradient is not finite");
+    fuzz::demand(std::isfinite(values[i]) && is_finite(gradients[i]), "a value or gradient is not finite");
 
   BlockTree blocks = function.field.mesh_blocks(0.05 * size.x);
   blocks.balance();
-  require(blocks.leaves().size() * 8 >= blocks.size(), "the blocks are no tree");
+  fuzz::demand(blocks.leaves().size() * 8 >= blocks.size(), "the blocks are no tree");
   const PointSet& samples = *function.samples;
-  require(samples.normals.size() == samples.size(), "samples without normals");
-  require(samples.colors.empty() || samples.colors.size() == samples.size(), "colours of other samples");
+  fuzz::demand(samples.normals.size() == samples.size(), "samples without normals");
+  fuzz::demand(samples.colors.empty() || samples.colors.size() == samples.size(), "colours of other samples");
 }
 
 void read(const std::string& bytes) {
@@ -61,8 +53,8 @@ void read(const std::string& bytes) {
   try {
     use(read_function(SectionFile("fuzz.smf", owner, {static_cast<const char*>(owner.get()), bytes.size()})));
   } catch (const FileError& error) {
-    const std::string what = error.what();
-    require(what.starts_with("fuzz.smf: ") && test::is_clean(what), "an error that is not one printable line");
+    fuzz::demand(std::string_view(error.what()).starts_with("fuzz.smf: "), "an error that does not name the file");
+    fuzz::check_message(error.what());
   }
 }
 
