@@ -7,6 +7,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_agreement.h"
+#include "sansmesh/volume/sample_set.h"
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/stencil_fit.h"
 
@@ -81,7 +82,7 @@ class EdgeSupport {
   /// The sample whose edges are asked for, with its star.
   void set(const Vec3& x, const StarMetric& metric, std::span<const std::uint32_t> star) {
     x_ = x, metric_ = metric;
-    gather(star, behind_);
+    behind_.begin(star);
   }
 
   /// How doubtful a correction is in the middle of the edge of length u (local) to sample j: 0 where samples go on
@@ -93,7 +94,7 @@ class EdgeSupport {
     Reach reach = reach_of(behind_, e * -1.0, 0);
     if (reach.known() >= 1) return 0;
     volume_.star(j, star_);
-    gather(star_, ahead_);
+    ahead_.begin(star_);
     const Reach other = reach_of(ahead_, e, 1);
     reach = {std::max(reach.first, other.first), std::max(reach.second, other.second)};
     if (reach.second < kNone || reach.known() >= 1) return 0;
@@ -106,23 +107,46 @@ class EdgeSupport {
     double first = 0, second = 0;
     double known() const { return std::max(first / kNear, second / kFar); }
   };
+  /// The samples of a star, and those of their stars that are not among them, each once: places in the metric.
   struct Rings {
+    std::vector<std::uint32_t> star;
     std::vector<Vec3> first, second;
+    bool has_first = false, has_second = false;
+
+    void begin(std::span<const std::uint32_t> of) {
+      star.assign(of.begin(), of.end());
+      has_first = has_second = false;
+    }
   };
 
-  void gather(std::span<const std::uint32_t> star, Rings& rings) {
-    rings.first.clear(), rings.second.clear();
-    for (const std::uint32_t k : star) {
-      rings.first.push_back(metric_(volume_.position(k) - x_));
-      volume_.star(k, next_);
-      for (const std::uint32_t l : next_) rings.second.push_back(metric_(volume_.position(l) - x_));
-    }
+  Vec3 place(std::uint32_t sample) const { return metric_(volume_.position(sample) - x_); }
+
+  void find_first(Rings& rings) const {
+    rings.first.clear();
+    for (const std::uint32_t k : rings.star) rings.first.push_back(place(k));
+    rings.has_first = true;
   }
 
-  static Reach reach_of(const Rings& rings, const Vec3& e, double end) {
+  void find_second(Rings& rings) {
+    rings.second.clear();
+    seen_.clear();
+    for (const std::uint32_t k : rings.star) seen_.insert(k);
+    for (const std::uint32_t k : rings.star) {
+      volume_.star(k, next_);
+      for (const std::uint32_t l : next_)
+        if (seen_.insert(l)) rings.second.push_back(place(l));
+    }
+    rings.has_second = true;
+  }
+
+  /// Where the star alone reaches far enough, nobody asks for the ring after it.
+  Reach reach_of(Rings& rings, const Vec3& e, double end) {
+    if (!rings.has_first) find_first(rings);
     Reach reach;
     for (const Vec3& u : rings.first) reach.first = std::max(reach.first, dot(u, e) - end);
     reach.second = reach.first;
+    if (reach.known() >= 1) return reach;
+    if (!rings.has_second) find_second(rings);
     for (const Vec3& u : rings.second) reach.second = std::max(reach.second, dot(u, e) - end);
     return reach;
   }
@@ -131,6 +155,7 @@ class EdgeSupport {
   Vec3 x_;
   StarMetric metric_;
   Rings behind_, ahead_;
+  SampleSet seen_;
   std::vector<std::uint32_t> star_, next_;
 };
 
