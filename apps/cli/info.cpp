@@ -39,6 +39,12 @@ const char* shape_word(CloudShape shape) {
   return "";
 }
 
+/// What a cloud spans; of parts so far apart that it seems to be less than it is, that.
+std::string span_words(const PointSet& points) {
+  if (const auto parts = find_far_parts(points)) return fmt::format("parts {:.3g} apart", parts->apart);
+  return shape_word(classify_shape(points));
+}
+
 void run_function_info(const std::string& file, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
@@ -149,7 +155,7 @@ void run_info(const CloudInput& input, Console& console) {
   const Box3f box = bounds(points);
   const auto [lower, upper] = Placement{points.origin}.to_input(box);
   const std::size_t duplicates = points.size() - count_unique(points);
-  const CloudShape shape = classify_shape(points);
+  const std::string shape = span_words(points);
   const CloudScale scale(points);
   const GivenNormals normals = judge_normals(points, scale.noise.deviation);
   const OrientBy orient_by = first_known_orientation(points, scale.noise.deviation);
@@ -161,7 +167,7 @@ void run_info(const CloudInput& input, Console& console) {
   console.say(fmt::format("{:<12}{} × {} × {}, from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "box",
                           length(size[0]), length(size[1]), length(size[2]), lower[0], lower[1], lower[2], upper[0],
                           upper[1], upper[2]));
-  console.say(fmt::format("{:<12}{}", "spans", shape_word(shape)));
+  console.say(fmt::format("{:<12}{}", "spans", shape));
   console.say(fmt::format("{:<12}{}", "spacing", length(scale.spacing)));
   console.say(fmt::format("{:<12}{}", "noise", scale.noise_words()));
   console.say(fmt::format("{:<12}{}{}", "normals", normals.words,
@@ -184,7 +190,7 @@ void run_info(const CloudInput& input, Console& console) {
   json["duplicates"] = duplicates;
   json["lower"] = {lower[0], lower[1], lower[2]};
   json["upper"] = {upper[0], upper[1], upper[2]};
-  json["spans"] = shape_word(shape);
+  json["spans"] = shape;
   scale.add_to(json);
   json["normals"] = normals.words;
   json["orientation"] = normals.json;

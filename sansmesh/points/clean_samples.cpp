@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sansmesh/points/duplicates.h"
@@ -15,7 +16,8 @@ constexpr float kMargin = 2;  // extents of the box between the quantiles
 constexpr std::size_t kBoxSamples = 100000;
 constexpr double kManyDuplicates = 0.01;
 
-/// The box of nearly all samples, with a wide margin.
+/// The box of nearly all samples, with a wide margin. Where nearly all lie at one place it holds everything: the others
+/// are not far away from a cloud, they are the cloud.
 Box3f main_box(const PointSet& points) {
   const std::size_t stride = 1 + points.size() / kBoxSamples;
   std::vector<float> values((points.size() + stride - 1) / stride);
@@ -30,7 +32,8 @@ Box3f main_box(const PointSet& points) {
     box.upper[k] = *(values.end() - 1 - cut);
     extent = std::max(extent, box.upper[k] - box.lower[k]);
   }
-  const Vec3f margin = Vec3f{1, 1, 1} * (kMargin * extent);
+  const float wide = extent > 0 ? kMargin * extent : std::numeric_limits<float>::infinity();
+  const Vec3f margin{wide, wide, wide};
   return {box.lower - margin, box.upper + margin};
 }
 

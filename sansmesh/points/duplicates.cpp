@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "sansmesh/core/parallel.h"
 
@@ -25,7 +26,7 @@ std::uint64_t hash_of(const Vec3f& p) {
 
 // Finite samples in the order of a hash of their position: duplicates come together, the lowest index first.
 // Different positions with the same hash must be told apart by the code that walks along a run.
-std::vector<KeyIndex> by_position(const std::vector<Vec3f>& positions) {
+std::vector<KeyIndex> by_position(std::span<const Vec3f> positions) {
   std::vector<KeyIndex> keys;
   keys.reserve(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
@@ -36,7 +37,7 @@ std::vector<KeyIndex> by_position(const std::vector<Vec3f>& positions) {
 
 // Calls duplicate(index) for every finite sample that equals one of lower index; returns the number of the others.
 template <class Duplicate>
-std::size_t for_each_duplicate(const std::vector<Vec3f>& positions, const Duplicate& duplicate) {
+std::size_t for_each_duplicate(std::span<const Vec3f> positions, const Duplicate& duplicate) {
   const std::vector<KeyIndex> keys = by_position(positions);
   std::size_t unique = 0;
   std::vector<std::uint32_t> run;
@@ -56,13 +57,10 @@ std::size_t for_each_duplicate(const std::vector<Vec3f>& positions, const Duplic
   return unique;
 }
 
-}  // namespace
+/// Smaller clouds are looked at as a whole.
+constexpr std::size_t kFewestSampled = 100000;
 
-double duplicate_share(const PointSet& points) {
-  const std::uint64_t mask = points.size() < 100000 ? 0 : 63;
-  std::vector<std::uint64_t> hashes;
-  for (const Vec3f& p : points.positions)
-    if (const std::uint64_t hash = hash_of(p); is_finite(p) && (hash >> 32 & mask) == 0) hashes.push_back(hash);
+double repeated_share(std::vector<std::uint64_t> hashes) {
   if (hashes.empty()) return 0;
   const auto count = static_cast<double>(hashes.size());
   std::sort(hashes.begin(), hashes.end());
@@ -70,8 +68,34 @@ double duplicate_share(const PointSet& points) {
   return 1 - static_cast<double>(unique) / count;
 }
 
+}  // namespace
+
+double duplicate_share(const PointSet& points) {
+  const std::uint64_t mask = points.size() < kFewestSampled ? 0 : 63;
+  std::vector<std::uint64_t> hashes;
+  for (const Vec3f& p : points.positions)
+    if (const std::uint64_t hash = hash_of(p); is_finite(p) && (hash >> 32 & mask) == 0) hashes.push_back(hash);
+  double share = repeated_share(std::move(hashes));
+  if (mask != 0) {
+    std::vector<std::uint64_t> others;
+    for (std::size_t i = 0; i < points.size(); i += 64)
+      if (is_finite(points.positions[i])) others.push_back(hash_of(points.positions[i]));
+    share = std::max(share, repeated_share(std::move(others)));
+  }
+  return share;
+}
+
 std::size_t count_unique(const PointSet& points) {
   return for_each_duplicate(points.positions, [](std::uint32_t) {});
+}
+
+std::vector<Vec3f> different_positions(std::span<const Vec3f> positions) {
+  std::vector<std::uint8_t> again(positions.size());
+  std::vector<Vec3f> result;
+  result.reserve(for_each_duplicate(positions, [&](std::uint32_t i) { again[i] = 1; }));
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (!again[i] && is_finite(positions[i])) result.push_back(positions[i]);
+  return result;
 }
 
 std::vector<std::uint8_t> find_duplicates(const PointSet& points) {

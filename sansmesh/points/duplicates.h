@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sansmesh/data/point_set.h"
@@ -12,9 +13,13 @@ namespace sansmesh {
 /// Number of different finite positions (-0 equals 0).
 std::size_t count_unique(const PointSet& points);
 
-/// About which share of the samples repeats the position of another one: counted over one position in 64, chosen by the
-/// position, or over all of a small cloud.
+/// About which share of the samples repeats the position of another one: counted over all of a small cloud; else over
+/// one position in 64, chosen by the position, which tells of pairs, or over every 64th sample, which tells of
+/// positions that very many samples share.
 double duplicate_share(const PointSet& points);
+
+/// The finite positions, each once, in their order.
+std::vector<Vec3f> different_positions(std::span<const Vec3f> positions);
 
 /// 1 where the position equals that of a sample of lower index (or is not finite), 0 elsewhere.
 std::vector<std::uint8_t> find_duplicates(const PointSet& points);

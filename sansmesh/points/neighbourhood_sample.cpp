@@ -3,18 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <utility>
 
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/points/duplicates.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
 namespace {
 
 constexpr std::size_t kSearchChunk = 65536;
+constexpr std::size_t kMostParts = 64;  ///< of the cloud, each of which keeps the nearest samples of every ball
 constexpr std::size_t kCoarse = 30000;  ///< samples of the tree that tells the local density
+/// Samples lie in a pile where one position has this many of those looked at, and this share of them.
+constexpr std::size_t kLookedAt = 4096, kPile = 32;
+constexpr double kPileShare = 0.01;
 
 // One finite sample from each of `count` equal stretches of the file order, at a fixed pseudo-random place in it:
 // even over scan lines, yet blind to their period.
@@ -106,26 +113,66 @@ std::vector<float> choose_radii(const KdTree& coarse, double ratio, std::span<co
   return radii;
 }
 
-struct FoundOffset {
-  std::uint32_t ball;
-  Vec3f offset;
+bool nearer(const Vec3f& a, const Vec3f& b) {
+  const float da = squared_norm(a), db = squared_norm(b);
+  if (da != db) return da < db;
+  if (a.x != b.x) return a.x < b.x;
+  return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+/// The `size` nearest of all different offsets that are added, however many these are: clusters may put all of a cloud
+/// into one ball. Which ones they are does not depend on the order in which they come.
+class NearestOffsets {
+ public:
+  /// `limit`: the squared radius of the ball.
+  void add(const Vec3f& offset, float limit, std::size_t size) {
+    if (!(squared_norm(offset) <= std::min(limit, farthest_))) return;
+    if (!offsets_.empty() && offsets_.back() == offset) return;
+    offsets_.push_back(offset);
+    if (offsets_.size() >= 2 * size + kRoom) shrink(size);
+  }
+  void add(const NearestOffsets& other, std::size_t size) {
+    for (const Vec3f& o : other.offsets_) add(o, farthest_, size);
+  }
+  /// In ascending order.
+  std::span<const Vec3f> sorted(std::size_t size) {
+    shrink(size);
+    return offsets_;
+  }
+
+ private:
+  static constexpr std::size_t kRoom = 16;
+
+  void shrink(std::size_t size) {
+    std::sort(offsets_.begin(), offsets_.end(), nearer);
+    offsets_.erase(std::unique(offsets_.begin(), offsets_.end()), offsets_.end());
+    if (offsets_.size() < size) return;
+    offsets_.resize(size);
+    farthest_ = squared_norm(offsets_.back());
+  }
+
+  std::vector<Vec3f> offsets_;
+  float farthest_ = std::numeric_limits<float>::infinity();
 };
 
-Neighbourhood sort_neighbourhood(const Vec3f& place, std::vector<Vec3f>& offsets, std::size_t size) {
-  const auto nearer = [](const Vec3f& a, const Vec3f& b) {
-    const float da = squared_norm(a), db = squared_norm(b);
-    if (da != db) return da < db;
-    if (a.x != b.x) return a.x < b.x;
-    return a.y != b.y ? a.y < b.y : a.z < b.z;
-  };
-  std::sort(offsets.begin(), offsets.end(), nearer);
-  offsets.erase(std::unique(offsets.begin(), offsets.end()), offsets.end());
+Neighbourhood as_neighbourhood(const Vec3f& place, std::span<const Vec3f> offsets) {
   Neighbourhood result;
   result.place = place;
-  result.offsets.assign(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(std::min(size, offsets.size())));
-  result.distances.reserve(result.offsets.size());
-  for (const Vec3f& o : result.offsets) result.distances.push_back(norm(o));
+  result.offsets.assign(offsets.begin(), offsets.end());
+  result.distances.reserve(offsets.size());
+  for (const Vec3f& o : offsets) result.distances.push_back(norm(o));
   return result;
+}
+
+/// Whether one position stands for many samples, as the zeros of a depth camera do: neighbours are none of these.
+bool lies_in_piles(std::span<const Vec3f> points) {
+  std::vector<Vec3f> some = stratified(points, kLookedAt, 3);
+  if (some.size() < kPile) return false;
+  std::sort(some.begin(), some.end(), nearer);
+  const std::size_t many = std::max(kPile, static_cast<std::size_t>(kPileShare * static_cast<double>(some.size())));
+  for (std::size_t i = many; i <= some.size(); ++i)
+    if (some[i - many] == some[i - 1]) return true;
+  return false;
 }
 
 }  // namespace
@@ -145,6 +192,7 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
         return a;
       });
   if (box.empty() || places == 0 || size == 0) return {};
+  if (lies_in_piles(points)) return sample_neighbourhoods(different_positions(points), places, size);
 
   const std::vector<Vec3f> coarse_points = stratified(points, kCoarse, 1);
   const std::vector<Vec3f> centers = stratified(points, places, 0x5a5a5a5a);
@@ -154,22 +202,23 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const BallGrid grid(box, sorted[sorted.size() / 2], centers, radii);
 
-  std::vector<std::vector<FoundOffset>> parts((n + kSearchChunk - 1) / kSearchChunk);
+  const std::size_t chunk = std::max(kSearchChunk, (n + kMostParts - 1) / kMostParts);
+  std::vector<std::vector<NearestOffsets>> parts((n + chunk - 1) / chunk);
   parallel_for(0, parts.size(), 1, [&](std::size_t c) {
-    for (std::size_t i = c * kSearchChunk; i < std::min(n, (c + 1) * kSearchChunk); ++i) {
+    parts[c].resize(centers.size());
+    for (std::size_t i = c * chunk; i < std::min(n, (c + 1) * chunk); ++i) {
       if (!is_finite(points[i])) continue;
       grid.for_each_ball(points[i], [&](std::uint32_t ball) {
-        const Vec3f offset = points[i] - centers[ball];
-        if (squared_norm(offset) <= radii[ball] * radii[ball]) parts[c].push_back({ball, offset});
+        parts[c][ball].add(points[i] - centers[ball], radii[ball] * radii[ball], size);
       });
     }
   });
-  std::vector<std::vector<Vec3f>> offsets(centers.size());
-  for (const auto& part : parts)
-    for (const FoundOffset& candidate : part) offsets[candidate.ball].push_back(candidate.offset);
   std::vector<Neighbourhood> result(centers.size());
-  parallel_for(0, centers.size(), 8,
-               [&](std::size_t c) { result[c] = sort_neighbourhood(centers[c], offsets[c], size); });
+  parallel_for(0, centers.size(), 8, [&](std::size_t c) {
+    NearestOffsets all = std::move(parts[0][c]);
+    for (std::size_t p = 1; p < parts.size(); ++p) all.add(parts[p][c], size);
+    result[c] = as_neighbourhood(centers[c], all.sorted(size));
+  });
   return result;
 }
 

@@ -18,7 +18,8 @@ struct Neighbourhood {
 
 /// Neighbourhoods of about `size` samples (at most; sometimes fewer) around `places` samples chosen evenly over the
 /// file order, always the same ones. One pass over the cloud: about 10 ns per sample and 100 ns per neighbour; no tree
-/// over all samples is built. Non-finite samples are ignored.
+/// over all samples is built. Non-finite samples are ignored. Memory is that of the neighbourhoods, wherever the
+/// samples lie; where many of them share a position, each position counts as one sample.
 std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size);
 
 }  // namespace sansmesh

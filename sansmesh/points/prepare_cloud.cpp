@@ -39,12 +39,19 @@ void clean(PointSet& points, std::vector<std::string>& warnings) {
   if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
 }
 
-/// `as_mesh`: triangles tell what so few or flat points do not.
-void check_shape(const PointSet& points, bool as_mesh = false) {
+/// `unit`: a length of 1 in the input. `as_mesh`: triangles tell what so few or flat points do not.
+void check_shape(const PointSet& points, double unit, bool as_mesh = false) {
+  const CloudShape shape = classify_shape(points);
+  const bool flat = shape == CloudShape::line || shape == CloudShape::plane;
+  if (const auto parts = flat && !as_mesh ? find_far_parts(points) : std::nullopt)
+    throw DataError(
+        fmt::format("the points lie in parts that are {:.3g} apart and at most {:.3g} large: too far from each other "
+                    "for one surface",
+                    unit * parts->apart, unit * parts->size));
   if (!as_mesh && points.size() < kFewest)
     throw DataError("only " + counted(points.size(), "point") + ": at least " + std::to_string(kFewest) +
                     " are needed");
-  switch (classify_shape(points)) {
+  switch (shape) {
     case CloudShape::empty:
       throw DataError("no finite points");
     case CloudShape::point:
@@ -234,7 +241,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   progress.begin("check samples");
   clean(points, result.warnings);
   result.face_sides = use_faces(points, faces, result.warnings);
-  check_shape(points, faces == FaceUse::vertices && !points.triangles.empty());
+  check_shape(points, 1, faces == FaceUse::vertices && !points.triangles.empty());
   const Vec3f size = bounds(points).size();
   result.place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
   move_from_input(points, result.place);
@@ -251,7 +258,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
     const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
     if (count > 0) {
       remove_samples(result.points, outliers);
-      check_shape(result.points);
+      check_shape(result.points, result.place.to_input(1.0));
       result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
     }
   }

@@ -80,6 +80,9 @@ class Search {
     for (std::size_t i = 0; i < n; ++i) {
       if (!(DistanceOf(sorted[i]) <= DistanceOf(keys_[last_]))) break;
       const std::size_t child = node * kLeaf + (sorted[i] & 7);
+      // Of equal distance lower slots win, and a child has none below its first: heaps of points at one place are not
+      // searched for more of the same.
+      if (kSlots && ((sorted[i] >> 32 << 32) | child << (3 * (level + 1))) >= keys_[last_]) break;
       if (level == 0)
         Leaf(child);
       else

@@ -83,12 +83,9 @@ detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOpti
 /// Kolluri's weights divide by the number of samples within h of the sample, itself included.
 std::vector<float> shares_of_crowds(const SurfaceSamples& samples, const std::vector<float>& widths) {
   std::vector<float> shares(samples.size());
-  parallel_ranges(0, samples.size(), 1024, [&](std::size_t first, std::size_t last) {
-    std::vector<Neighbour> near;
-    for (std::size_t i = first; i < last; ++i) {
-      samples.tree.within(samples.positions[i], widths[i], near);
-      shares[i] = 1 / std::max(1.0f, static_cast<float>(near.size()));
-    }
+  parallel_for(0, samples.size(), 1024, [&](std::size_t i) {
+    const std::size_t crowd = samples.tree.count_within(samples.positions[i], widths[i]);
+    shares[i] = 1 / std::max(1.0f, static_cast<float>(crowd));
   });
   return shares;
 }

@@ -65,5 +65,15 @@ TEST(CleanSamples, TakesOutDuplicatesWhereTheyAreMany) {
   EXPECT_EQ(clean_samples(few).duplicates, 0u);
 }
 
+TEST(CleanSamples, WhatIsBesideManyAtOnePlaceIsNotFarAway) {
+  PointSet cloud = test::sphere(300);
+  cloud.positions.insert(cloud.positions.begin() + 50, 200000, Vec3f{});
+  cloud.normals.insert(cloud.normals.begin() + 50, 200000, Vec3f{0, 0, 1});
+  const SampleCleaning cleaning = clean_samples(cloud);
+  EXPECT_EQ(cleaning.far_away, 0u);
+  EXPECT_EQ(cleaning.duplicates, 199999u);
+  EXPECT_EQ(cloud.size(), 301u);
+}
+
 }  // namespace
 }  // namespace sansmesh

@@ -44,12 +44,24 @@ TEST(ClosePoints, RepresentativesAreApartAndNobodyIsFarFromTheirs) {
   EXPECT_THROW(close_representatives(points, std::nan("")), ArgumentError);
 }
 
-TEST(ClosePoints, ComponentsAreThoseOfBruteForceLargestFirst) {
-  const std::vector<Vec3f> points = random_points(3000);
-  const double distance = 0.045;
+TEST(ClosePoints, ComponentsOfHeapsOfPoints) {
+  // A hundred thousand points at one place, as many in a cluster, and two rows of points that end at each.
+  std::vector<Vec3f> points(100000, Vec3f{0, 0, 0});
+  for (const Vec3f& p : random_points(100000)) points.push_back(p * 1e-7f + Vec3f{10, 0, 0});
+  for (int k = 1; k < 5; ++k) {
+    points.push_back({static_cast<float>(k), 0, 0});
+    points.push_back({static_cast<float>(10 - k), 0, 0});
+  }
   Progress progress;
-  const CloudComponents found = find_cloud_components(points, distance, progress);
-  ASSERT_GT(found.size(), 10u);
+  const CloudComponents apart = find_cloud_components(points, 1.1, progress);
+  EXPECT_EQ(apart.points, (std::vector<std::size_t>{100004, 100004}));
+  points.push_back({5, 0, 0});
+  EXPECT_EQ(find_cloud_components(points, 1.1, progress).size(), 1u);
+  EXPECT_EQ(find_cloud_components(points, 0, progress).points[0], 100000u);
+}
+
+/// Whether the parts are those that flooding finds.
+void expect_flooded(const std::vector<Vec3f>& points, double distance, const CloudComponents& found) {
   EXPECT_TRUE(std::is_sorted(found.points.rbegin(), found.points.rend()));
   std::vector<std::size_t> count(found.size());
   for (const std::uint32_t c : found.of_point) ++count[c];
@@ -70,6 +82,20 @@ TEST(ClosePoints, ComponentsAreThoseOfBruteForceLargestFirst) {
     }
   }
   EXPECT_EQ(parts, found.size());
+}
+
+TEST(ClosePoints, ComponentsAreThoseOfBruteForceLargestFirst) {
+  std::vector<Vec3f> points = random_points(3000);
+  points.insert(points.end(), 100, points[17]);
+  // Of distances that hold next to nothing, a few points, a hundred of them and all.
+  for (const double distance : {0.0, 0.01, 0.045, 0.2, 3.0}) {
+    Progress progress;
+    const CloudComponents found = find_cloud_components(points, distance, progress);
+    if (distance < 0.05) {
+      EXPECT_GT(found.size(), 10u);
+    }
+    expect_flooded(points, distance, found);
+  }
 }
 
 TEST(Subsample, TakesSoManyEvenlyAndAlwaysTheSame) {

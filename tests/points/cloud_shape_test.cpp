@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "points/shapes.h"
@@ -40,6 +41,39 @@ TEST(CloudShape, DoesNotDependOnScaleRotationOrPlace) {
       EXPECT_EQ(classify_shape(moved_box(Vec3f{1, 1, 1e-3f} * scale, at)), CloudShape::volume);
       EXPECT_EQ(classify_shape(moved_box(Vec3f{1, 1e-3f, 1e-3f} * scale, at)), CloudShape::volume);
     }
+}
+
+TEST(CloudShape, PartsFarFromEachOtherAreNoLine) {
+  const PointSet box = sample_box(500, {1, 1, 1}, 1);
+  EXPECT_FALSE(find_far_parts(box));
+  PointSet two = box;
+  for (const Vec3f& p : box.positions) two.positions.push_back(p + Vec3f{1e9f, 0, 0});
+  EXPECT_EQ(classify_shape(two), CloudShape::line) << "as far as extents tell";
+  const auto parts = find_far_parts(two);
+  ASSERT_TRUE(parts);
+  EXPECT_NEAR(parts->apart, 1e9, 1e3);
+  EXPECT_NEAR(parts->size, 2 * std::sqrt(3.0), 0.5);
+  // Where neither is near zero, float keeps none of their points apart.
+  PointSet both;
+  for (const Vec3f& p : box.positions) {
+    both.positions.push_back(p * 40.0f + Vec3f{1e9f, 0, 0});
+    both.positions.push_back(p * 40.0f - Vec3f{1e9f, 0, 0});
+  }
+  EXPECT_TRUE(find_far_parts(both));
+}
+
+TEST(CloudShape, LinesAndPlanesWithGapsAreWhatTheyAre) {
+  PointSet line, plane;
+  for (int i = 0; i < 100; ++i) {
+    const float at = static_cast<float>(i < 50 ? i : i + 1000);
+    line.positions.push_back({at, 2 * at, 5});
+    for (int j = 0; j < 10; ++j) plane.positions.push_back({at, static_cast<float>(j), 7});
+  }
+  EXPECT_FALSE(find_far_parts(line));
+  EXPECT_FALSE(find_far_parts(plane));
+  EXPECT_FALSE(find_far_parts(cloud({{0, 0, 0}, {1, 0, 0}})));
+  EXPECT_FALSE(find_far_parts(cloud({{0, 0, 0}, {1e9f, 0, 0}, {0, 0, 0}})));
+  EXPECT_FALSE(find_far_parts({}));
 }
 
 }  // namespace

@@ -17,6 +17,27 @@ TEST(Duplicates, AreMarkedAfterTheFirst) {
   EXPECT_EQ(count_unique({}), 0u);
 }
 
+TEST(Duplicates, ShareOfManyAtOnePlaceAndOfPairs) {
+  PointSet points = sample_box(150000, {1, 1, 1}, 1);
+  EXPECT_LT(duplicate_share(points), 0.001);
+  PointSet pairs = points;
+  pairs.positions.insert(pairs.positions.end(), points.positions.begin(), points.positions.end());
+  EXPECT_NEAR(duplicate_share(pairs), 0.5, 0.05);
+  // One position is in a sample of positions or, mostly, is not.
+  for (const Vec3f& place : {Vec3f{0, 0, 0}, Vec3f{1, 2, 3}, Vec3f{0.3f, -5, 1e-3f}}) {
+    PointSet camera = points;
+    camera.positions.insert(camera.positions.begin() + 1000, 50000, place);
+    EXPECT_NEAR(duplicate_share(camera), 0.25, 0.05);
+  }
+}
+
+TEST(Duplicates, DifferentPositionsKeepTheirOrder) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  const PointSet points = cloud({{3, 4, 5}, {nan, 0, 0}, {0, 1, 2}, {3, 4, 5}, {-0.0f, 1, 2}, {1, 1, 1}});
+  EXPECT_EQ(different_positions(points.positions), (std::vector<Vec3f>{{3, 4, 5}, {0, 1, 2}, {1, 1, 1}}));
+  EXPECT_TRUE(different_positions({}).empty());
+}
+
 TEST(Duplicates, CountOnALattice) {
   PointSet points;
   for (int i = 0; i < 30000; ++i)
