@@ -22,7 +22,7 @@ void check_adf_size(const Input& in) {
   const std::string_view end = head.substr(at + 4 + kRoot);
   const std::uint64_t size =
       4096 * number(end.substr(0, kBlockDigits)) + number(end.substr(kBlockDigits, kOffsetDigits));
-  if (in.bytes.size() < size) in.fail_truncated(size - in.bytes.size());
+  if (in.bytes.size() < size) in.fail_short(size, in.bytes.size());
 }
 
 }  // namespace sansmesh::io

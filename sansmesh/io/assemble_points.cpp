@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "sansmesh/core/number_words.h"
 
@@ -50,6 +51,24 @@ double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
   const auto strays = static_cast<std::ptrdiff_t>(kLostShare * static_cast<double>(some.size()));
   std::nth_element(losses.begin(), losses.end() - 1 - strays, losses.end());
   return *(losses.end() - 1 - strays);
+}
+
+/// Positions that are not known, and those that are too far away: as place_positions marks them.
+std::pair<std::size_t, std::size_t> count_lost(const PointSet& points) {
+  using Counts = std::pair<std::size_t, std::size_t>;
+  return parallel_reduce(
+      points.size(), 1 << 16, Counts{},
+      [&](std::size_t first, std::size_t last) {
+        Counts c;
+        for (std::size_t i = first; i < last; ++i) {
+          const Vec3f& p = points.positions[i];
+          if (!is_finite(p)) ++(std::isinf(p.x) ? c.second : c.first);
+        }
+        return c;
+      },
+      [](const Counts& a, const Counts& b) {
+        return Counts{a.first + b.first, a.second + b.second};
+      });
 }
 
 }  // namespace
@@ -149,21 +168,23 @@ void finish(const Input& in, PointSet& points) {
         fmt::format("a face refers to {}, but there are only {} points (0 to {})", which, grouped(n), grouped(n - 1)));
   }
 
-  const std::size_t lost = parallel_reduce(
-      n, 1 << 16, std::size_t{0},
-      [&](std::size_t first, std::size_t last) {
-        std::size_t count = 0;
-        for (std::size_t i = first; i < last; ++i) count += !is_finite(points.positions[i]);
-        return count;
-      },
-      [](std::size_t a, std::size_t b) { return a + b; });
-  if (lost == n) in.fail(fmt::format("holds no points with finite coordinates (0 of {})", grouped(n)));
+  const auto [unknown, beyond] = count_lost(points);
+  const std::size_t lost = unknown + beyond;
+  if (lost == n && beyond == 0) in.fail(fmt::format("holds no points with finite coordinates (0 of {})", grouped(n)));
+  if (lost == n)
+    in.fail(fmt::format("holds no points that can be used: {} of {} {} farther than {:g} from zero{}", grouped(beyond),
+                        grouped(n), beyond == 1 ? "lies" : "lie", largest_coordinate,
+                        unknown > 0 ? ", the others are not finite" : ""));
   if (lost > 0) {
     std::vector<std::uint8_t> gone(n);
     for (std::size_t i = 0; i < n; ++i) gone[i] = !is_finite(points.positions[i]);
     const std::size_t before = points.triangles.size();
     remove_samples(points, gone);
-    in.warn(fmt::format("{} of {} points are not finite and were left out", grouped(lost), grouped(n)));
+    if (unknown > 0)
+      in.warn(fmt::format("{} of {} points are not finite and were left out", grouped(unknown), grouped(n)));
+    if (beyond > 0)
+      in.warn(fmt::format("{} of {} points lie farther than {:g} from zero and were left out", grouped(beyond),
+                          grouped(n), largest_coordinate));
     if (before > points.triangles.size()) {
       in.warn(fmt::format("{} of {} triangles referred to them and were left out",
                           grouped(before - points.triangles.size()), grouped(before)));

@@ -13,7 +13,7 @@
 
 namespace sansmesh::io {
 
-/// Coordinates beyond this are treated like non-finite ones: their squares would overflow a float.
+/// Points with coordinates beyond this are left out as non-finite ones are: their squares would overflow a float.
 inline constexpr double largest_coordinate = kLargestCoordinate;
 
 /// Origin of a cloud in `box`: per axis zero where coordinates are at most 4 diagonals of the box away from zero,
@@ -32,8 +32,8 @@ void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin);
 /// Throws FileError where points in `box` extend over less than the input's smallest extent, but over something.
 void check_extent(const Input& in, const Box3& box);
 
-/// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, to be
-/// removed by `finish`.
+/// Fills in origin and positions from at(i) -> Vec3 (world, double). Positions that are not finite become NaN, those
+/// too far away infinite, both to be removed by `finish`.
 template <class At>
 void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) {
   const auto usable = [](const Vec3& p) {
@@ -64,16 +64,19 @@ void place_positions(const Input& in, PointSet& points, std::size_t n, At&& at) 
   }
   keep_resolution(in, some, points.origin);
   points.positions.resize(n);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   parallel_for(0, n, chunk, [&](std::size_t i) {
     const Vec3 p = at(i);
-    points.positions[i] = usable(p) ? Vec3f(p - points.origin) : Vec3f{nan, nan, nan};
+    if (usable(p))
+      points.positions[i] = Vec3f(p - points.origin);
+    else
+      points.positions[i] = is_finite(p) ? Vec3f{infinity, infinity, infinity} : Vec3f{nan, nan, nan};
   });
 }
 
-/// Last step of every reader: checks the triangles' indices, drops non-finite points (with a warning) and the
-/// triangles on them, makes normals unit (zero where they have no direction) and removes attributes that say nothing.
-/// Throws FileError if no points remain or an index is out of range.
+/// Last step of every reader: checks the triangles' indices, drops points that are not finite or too far away (with a
+/// warning) and the triangles on them, makes normals unit (zero where they have no direction) and removes attributes
+/// that say nothing. Throws FileError if no points remain or an index is out of range.
 void finish(const Input& in, PointSet& points);
 
 /// Marks the whole cloud as one scan whose scanner stands far away in direction `towards` (unit): parallel rays.

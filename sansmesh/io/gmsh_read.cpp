@@ -110,6 +110,9 @@ constexpr GmshElement kGmshElements[] = {
     {29, 20, 4, nullptr},    {30, 35, 4, nullptr},        {31, 56, 4, nullptr},       {92, 64, 8, nullptr},
     {93, 125, 8, nullptr}};
 
+/// Arrays have a number for each node or element, sections of data may name but a few of these.
+constexpr std::uint64_t kMostNumbersPerByte = 16;
+
 CellShape shape_of_corners(std::size_t corners) {
   return corners == 4   ? CellShape::tetrahedron
          : corners == 5 ? CellShape::pyramid
@@ -435,9 +438,14 @@ class GmshFile {
     const std::vector<std::uint64_t>& cells = flat ? flat_numbers_ : cell_numbers_;
     cells_.give_to(block, result);
     std::map<std::uint64_t, std::size_t> nodes, elements;
+    std::uint64_t numbers = 0;
     for (const Data& d : data_) {
       auto& place = d.of_nodes ? nodes : elements;
       const std::vector<std::uint64_t>& all = d.of_nodes ? tags_ : cells;
+      numbers += all.size() * d.components;
+      if (numbers > kMostNumbersPerByte * in_.bytes.size())
+        in_.fail(fmt::format("its arrays would have {} numbers or more, of which its {} bytes hold next to nothing",
+                             grouped(numbers), grouped(in_.bytes.size())));
       if (place.empty())
         for (std::size_t k = 0; k < all.size(); ++k) place.emplace(all[k], k);
       if (!all.empty()) give_data(d, all.size(), place, d.of_nodes ? block.point_arrays : block.cell_arrays);

@@ -8,6 +8,7 @@
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/binary.h"
+#include "sansmesh/io/inflate.h"
 #include "sansmesh/io/text_scanner.h"
 
 namespace sansmesh::io {
@@ -96,10 +97,21 @@ AttributeValues decode_values(const char* bytes, std::size_t count, NumberType t
   });
 }
 
+std::vector<char> unpack_values(const Input& data, std::uint64_t needed, std::uint64_t most) {
+  const std::uint64_t there = data.bytes.size() * kMostExpansion;
+  if (needed > there)
+    data.fail(fmt::format("truncated: its header announces {} bytes of numbers, but its {} packed ones hold {} at most",
+                          grouped(needed), grouped(data.bytes.size()), grouped(there)));
+  Inflated inflated = inflate_bytes(data.file, data.bytes, needed, most);
+  if (!inflated.complete) data.fail("truncated: its compressed numbers end early");
+  return std::move(inflated.bytes);
+}
+
 AttributeValues parse_values(const Input& in, std::string_view text, std::size_t count, NumberType type) {
   // A number takes at least one character and one between it and the next.
   if (count > text.size() / 2 + 1)
-    in.fail(fmt::format("truncated: has no room for the {} numbers of its header", grouped(count)));
+    in.fail(fmt::format("truncated: has no room for the {} numbers of its header in {} characters", grouped(count),
+                        grouped(text.size())));
   return with_loader(type, false, [&](auto at) {
     using T = typename decltype(at)::Value;
     std::vector<T> values(count);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "sansmesh/data/grid_data.h"
 #include "sansmesh/io/input.h"
@@ -27,8 +28,12 @@ GridBlock image_block(const Input& in, const ImageLayout& layout);
 /// `count` numbers at `bytes`, which must be long enough.
 AttributeValues decode_values(const char* bytes, std::size_t count, NumberType type, bool big_endian);
 
-/// The same from text, separated by blanks, line ends or commas. Throws FileError where there are fewer, or what stands
-/// there is not a number of that type.
+/// The numbers of an image that `data` holds packed: `needed` bytes, `most` at most. Throws FileError, before memory is
+/// taken, where so few packed ones cannot hold that many, and where they end early.
+std::vector<char> unpack_values(const Input& data, std::uint64_t needed, std::uint64_t most);
+
+/// The same as decode_values from text, separated by blanks, line ends or commas. Throws FileError where there are
+/// fewer, or what stands there is not a number of that type.
 AttributeValues parse_values(const Input& in, std::string_view text, std::size_t count, NumberType type);
 
 }  // namespace sansmesh::io

@@ -10,6 +10,11 @@
 #include "sansmesh/core/number_words.h"
 
 namespace sansmesh::io {
+namespace {
+
+constexpr std::size_t kRoomForTheEnd = 64, kFirstRoom = std::size_t{1} << 16;
+
+}  // namespace
 
 Inflated inflate_bytes(const std::string& file, std::string_view packed, std::size_t expected, std::size_t limit) {
   Inflated result;
@@ -19,13 +24,15 @@ Inflated inflate_bytes(const std::string& file, std::string_view packed, std::si
     z_stream& z;
     ~End() { inflateEnd(&z); }
   } end{z};
-  result.bytes.resize(std::clamp<std::size_t>(expected, 256, limit));
+  // Room for what is expected and for the end to be noticed; pages of it are taken only where bytes are written.
+  result.bytes.reserve(std::min({expected, limit, packed.size() * kMostExpansion}) + kRoomForTheEnd);
   std::size_t used = 0, consumed = 0;
   for (;;) {
     check_cancelled();
     if (used == result.bytes.size()) {
       if (used >= limit) throw FileError(file, fmt::format("unpacks to more than {} bytes, refused", grouped(limit)));
-      result.bytes.resize(std::min(limit, used * 2));
+      const std::size_t room = result.bytes.capacity(), next = std::max(kFirstRoom, used * 2);
+      result.bytes.resize(std::min(limit, used < room ? std::min(room, next) : next));
     }
     const std::size_t in_now = std::min<std::size_t>(packed.size() - consumed, 1u << 22);  // else nobody hears
     const std::size_t out_now = std::min<std::size_t>(result.bytes.size() - used, 1u << 30);

@@ -22,6 +22,8 @@ struct Input {
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// "truncated: 1,234 bytes are missing".
   [[noreturn]] void fail_truncated(std::uint64_t missing_bytes, bool at_least = false) const;
+  /// The same with what the file announces and holds: "truncated: 3 bytes are missing (of 24, 21 are there)".
+  [[noreturn]] void fail_short(std::uint64_t announced_bytes, std::uint64_t held_bytes, bool at_least = false) const;
   void warn(const std::string& remark) const { report.warnings.push_back(printable(remark)); }
   /// Something in the file for which the data has no place.
   void unread(const std::string& what) const { report.unread.push_back(printable(what, 80)); }

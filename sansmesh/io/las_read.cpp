@@ -271,10 +271,10 @@ PointSet read_las(const Input& in) {
     in.fail(fmt::format("malformed LAS header: records of {} bytes for point format {}", record, format_byte));
   }
   if (count == 0) in.fail("holds no points");
-  if (begin > size) in.fail_truncated(begin - size, true);
+  if (begin > size) in.fail_short(begin, size, true);
   if (count > (size - begin) / record) {
     if (count > (std::uint64_t{1} << 40)) in.fail(fmt::format("malformed LAS header: announces {} points", count));
-    in.fail_truncated(count * record - (size - begin));
+    in.fail_short(count * record, size - begin);
   }
   Vec3 scale, offset;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -180,9 +180,12 @@ class MeditBytes {
   /// Where the next keyword stands; 0 after the last.
   std::int64_t place() { return version_ > 2 ? whole8() : whole4(); }
   void go(std::int64_t place) {
-    if (place < 0 || static_cast<std::uint64_t>(place) > in_.bytes.size() || static_cast<std::size_t>(place) <= start_)
-      in_.fail("truncated, or damaged: a keyword lies outside of it");
-    start_ = at_ = static_cast<std::size_t>(place);
+    if (place < 0 || static_cast<std::uint64_t>(place) > in_.bytes.size())
+      in_.fail(fmt::format("truncated, or damaged: a keyword lies outside of it, at byte {} of {}", place,
+                           grouped(in_.bytes.size())));
+    if (static_cast<std::size_t>(place) < at_)
+      in_.fail(fmt::format("damaged: a keyword lies at byte {}, among what comes before it", place));
+    at_ = static_cast<std::size_t>(place);
   }
   std::size_t count(const char* of, std::size_t numbers) {
     const std::int64_t n = whole();
@@ -198,7 +201,7 @@ class MeditBytes {
     return in_.bytes.data() + at_ - bytes;
   }
   const Input& in_;
-  std::size_t at_ = 0, start_ = 0;
+  std::size_t at_ = 0;
   std::int64_t version_ = 1;
   bool swap_ = false;
 };

@@ -4,7 +4,6 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/header_fields.h"
 #include "sansmesh/io/image_block.h"
-#include "sansmesh/io/inflate.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/time_steps.h"
@@ -147,15 +146,11 @@ GridData read_metaimage(const Input& in, std::size_t step) {
   std::vector<char> unpacked;
   if (packed) {
     // Another byte more would show that there is more than the header says.
-    Inflated inflated = inflate_bytes(data_name, bytes, count * size_of(*type), count * 8 + 1);
-    if (!inflated.complete) data.fail("truncated: its compressed numbers end early");
-    unpacked = std::move(inflated.bytes);
+    unpacked = unpack_values(data, count * size_of(*type), count * 8 + 1);
     bytes = {unpacked.data(), unpacked.size()};
   }
   if (bytes.size() == count * 8) type = met_type(*type_name, true);
 
-  GridData result;
-  result.blocks.push_back(image_block(in, meta_layout(fields, axes, *sizes)));
   AttributeValues values;
   const std::size_t of_step = count / steps;
   if (text) {
@@ -172,11 +167,13 @@ GridData read_metaimage(const Input& in, std::size_t step) {
     }
   } else {
     const std::uint64_t needed = count * size_of(*type);
-    if (bytes.size() < needed) data.fail_truncated(needed - bytes.size());
+    if (bytes.size() < needed) data.fail_short(needed, bytes.size());
     if (bytes.size() > needed)
       in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
     values = decode_values(bytes.data() + step * of_step * size_of(*type), of_step, *type, big);
   }
+  GridData result;
+  result.blocks.push_back(image_block(in, meta_layout(fields, axes, *sizes)));
   result.blocks[0].point_arrays.set({"value", std::move(values), static_cast<std::size_t>(channels)});
   result.format = "MetaImage";
   return result;

@@ -118,12 +118,12 @@ class NekFile {
     std::uint64_t needed = kNekHeader + 4;
     constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
     if (h_.elements > kMost) in.fail("its header gives more numbers than there can be");
-    if (h_.elements > in.bytes.size() / 4) in.fail_truncated(h_.elements * 4 + needed - in.bytes.size(), true);
+    if (h_.elements > in.bytes.size() / 4) in.fail_short(h_.elements * 4 + needed, in.bytes.size(), true);
     needed += 4 * h_.elements;
     if (field * h_.numbers() > 0 && h_.elements > kMost / (field * h_.numbers()))
       in.fail("its header gives more numbers than there can be");
     needed += h_.elements * field * h_.numbers();
-    if (in.bytes.size() < needed) in.fail_truncated(needed - in.bytes.size());
+    if (in.bytes.size() < needed) in.fail_short(needed, in.bytes.size());
     // In space the least and the most of each field in each element may follow.
     const std::uint64_t more = in.bytes.size() - needed, bounds = h_.elements * 8 * h_.numbers();
     if (more != 0 && more != bounds)
@@ -274,6 +274,9 @@ void add_nek_cells(const NekFields<T>& fields, GridBlock& block) {
 /// Places from another step: its elements may stand in another order.
 template <class T>
 void take_nek_places(const Input& in, const NekFields<T>& from, NekFields<T>& to) {
+  if (to.elements.size() > from.elements.size())  // some of them twice
+    in.fail(fmt::format("one of its steps has {} elements, the one with their coordinates {}",
+                        grouped(to.elements.size()), grouped(from.elements.size())));
   std::map<std::uint32_t, std::size_t> where;
   for (std::size_t e = 0; e < from.elements.size(); ++e) where[from.elements[e]] = e;
   const std::size_t n = 3 * from.header.points();

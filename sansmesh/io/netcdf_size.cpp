@@ -105,7 +105,7 @@ void check_netcdf_size(const Input& in) {
     end = std::max(end, first_record + records * record);
   }
   // The padding of the last array need not be there.
-  if (end > in.bytes.size() + 3) in.fail_truncated(end - in.bytes.size());
+  if (end > in.bytes.size() + 3) in.fail_short(end, in.bytes.size());
 }
 
 }  // namespace sansmesh::io

@@ -5,7 +5,6 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/header_fields.h"
 #include "sansmesh/io/image_block.h"
-#include "sansmesh/io/inflate.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/time_steps.h"
@@ -329,10 +328,8 @@ GridData read_nrrd(const Input& in, std::size_t step) {
     values = parse_values(data, bytes, count, *type);
   } else {
     if (gzip && bytes.starts_with("\x1f\x8b")) {  // a data file of its own has been unpacked on opening
-      Inflated inflated =
-          inflate_bytes(data_name, bytes, count * size_of(*type), count * size_of(*type) + (std::size_t{1} << 20));
-      if (!inflated.complete) data.fail("truncated: its compressed numbers end early");
-      unpacked = std::move(inflated.bytes);
+      const std::uint64_t needed = count * size_of(*type);
+      unpacked = unpack_values({data_name, bytes, in.report}, needed, needed + (std::uint64_t{1} << 20));
       bytes = {unpacked.data(), unpacked.size()};
     } else if (gzip && header.files.empty()) {
       data.fail("its numbers are not compressed as its header says, or truncated");
@@ -344,7 +341,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
     }
     skip_bytes();
     const std::uint64_t needed = count * size_of(*type);
-    if (bytes.size() < needed) data.fail_truncated(needed - bytes.size());
+    if (bytes.size() < needed) data.fail_short(needed, bytes.size());
     if (bytes.size() > needed)
       in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
     const std::string* const endian = fields.find({"endian"});

@@ -144,7 +144,7 @@ PcdHeader parse_header(const Input& in) {
 void refuse_too_many(const Input& in, const PcdHeader& h, std::uint64_t bytes_each, std::size_t have) {
   if (h.points <= have / bytes_each) return;
   if (h.points > (std::uint64_t{1} << 40)) in.fail(fmt::format("malformed PCD header: announces {} points", h.points));
-  in.fail_truncated(h.points * bytes_each - have, h.data == "ascii");
+  in.fail_short(h.points * bytes_each, have, h.data == "ascii");
 }
 
 /// Packed colours: red, green and blue in bits 16-23, 8-15 and 0-7.
@@ -208,7 +208,7 @@ void read_records(const Input& in, const PcdHeader& h, PointSet& points) {
   if (by_field) {
     if (h.body.size() < 8) in.fail_truncated(8 - h.body.size(), true);
     const std::size_t packed = load<std::uint32_t>(base), size = load<std::uint32_t>(base + 4);
-    if (packed > h.body.size() - 8) in.fail_truncated(packed - (h.body.size() - 8));
+    if (packed > h.body.size() - 8) in.fail_short(packed, h.body.size() - 8);
     // No stream of LZF expands further than 264 bytes from 3.
     if (size / 88 > packed) in.fail("damaged compressed data (announces more than it can hold)");
     refuse_too_many(in, h, h.record, size);

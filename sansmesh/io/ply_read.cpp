@@ -117,8 +117,9 @@ auto columns_of(const Element& e, const std::vector<double>& table) {
 void check_room(const Input& in, const Element& e, std::size_t least, std::size_t have, bool exact) {
   if (e.count <= have / least) return;
   const double missing = static_cast<double>(e.count) * static_cast<double>(least) - static_cast<double>(have);
-  if (missing > 1e15) in.fail(fmt::format("announces {} {} records, far more than the file holds", e.count, e.name));
-  in.fail_truncated(static_cast<std::uint64_t>(missing), !exact);
+  if (missing > 1e15)
+    in.fail(fmt::format("announces {} {} records, far more than its {} bytes hold", e.count, e.name, grouped(have)));
+  in.fail_short(e.count * least, have, !exact);
 }
 
 /// An index given as a number of any type; -1 where it has no integer.

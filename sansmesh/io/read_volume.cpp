@@ -17,6 +17,7 @@
 #include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/io/vtk_module.h"
+#include "sansmesh/io/vtk_size.h"
 #include "sansmesh/io/vtk_xml.h"
 
 namespace sansmesh {
@@ -213,9 +214,11 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       return read_collection(in, options, report);
     case VolumeFormat::vtk_xml:
       if (xml_type.empty()) in.fail("is not a file of VTK's in XML, as its ending says it should be");
+      io::check_vtk_xml_size(in);
       return by_vtk(io::VtkFormat::xml);
     case VolumeFormat::vtk_legacy:
       if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
+      io::check_vtk_legacy_size(in);
       return by_vtk(io::VtkFormat::legacy);
     case VolumeFormat::exodus:
       if (in.bytes.starts_with("CDF")) io::check_netcdf_size(in);

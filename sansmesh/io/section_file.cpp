@@ -148,12 +148,15 @@ void SectionFile::open(std::string_view bytes, const SectionFormat& format) {
   if (bytes.size() != header.file_size)
     fail(fmt::format("damaged: {} bytes follow after its end", grouped(bytes.size() - header.file_size)));
 
+  std::uint64_t all = 0;
   for (const Entry& e : table) {
     const std::string name = name_of(e);
     if (!is_name(name) || find(name) || e.element_size == 0 || e.bytes % e.element_size != 0 ||
         e.offset % kAlignment != 0 || e.offset < table_end || e.offset > bytes.size() ||
         e.bytes > bytes.size() - e.offset)
       fail("damaged: its table of contents makes no sense");
+    all += e.bytes;
+    if (all > bytes.size()) fail("damaged: its sections lie on each other");
     sections_.push_back({name, e.element_size, bytes.substr(e.offset, e.bytes)});
   }
   std::vector<std::uint8_t> right(table.size());

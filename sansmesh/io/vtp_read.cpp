@@ -212,7 +212,7 @@ class VtpReader {
       array.swap = swap_;
       std::size_t offset = 0;
       if (!TextScanner(tag["offset"]).number(offset)) in_.fail("malformed VTP: an array without its offset");
-      if (offset > appended_.size()) in_.fail_truncated(offset - appended_.size(), true);
+      if (offset > appended_.size()) in_.fail_short(offset, appended_.size(), true);
       const std::string_view data = appended_.substr(offset);
       if (appended_base64_) {
         const std::vector<char> bytes = decode_base64(data.substr(0, base64_extent(data)));
@@ -292,12 +292,13 @@ class VtpReader {
 
   /// Header and data → data. Uncompressed: bytes. Compressed: blocks, bytes per block, bytes of the last one (0 =
   /// full), packed bytes of each.
-  void unpack(Array& array, std::string_view data) const {
+  void unpack(Array& array, std::string_view data) {
     const std::size_t size = wide_header_ ? 8 : 4;
     if (compressor_.empty()) {
       const std::uint64_t bytes = header_value(data, 0);
       data.remove_prefix(size);
-      if (bytes > data.size()) in_.fail_truncated(bytes - data.size(), true);
+      if (bytes > data.size()) in_.fail_short(bytes, data.size(), true);
+      count_taken(bytes);
       array.bytes.assign(data.begin(), data.begin() + static_cast<std::ptrdiff_t>(bytes));
       return;
     }
@@ -308,18 +309,40 @@ class VtpReader {
       in_.fail("truncated or damaged: an array announces more blocks than the file holds");
     }
     std::size_t at = size * (3 + static_cast<std::size_t>(blocks));
+    const auto packed_size = [&](std::uint64_t b) { return header_value(data, 3 + static_cast<std::size_t>(b)); };
+    const auto wanted_size = [&](std::uint64_t b) {
+      return static_cast<std::size_t>(b + 1 == blocks && partial > 0 ? partial : block);
+    };
+    std::uint64_t all = 0, end = at;
     for (std::uint64_t b = 0; b < blocks; ++b) {
-      const std::uint64_t packed = header_value(data, 3 + static_cast<std::size_t>(b));
-      if (at > data.size() || packed > data.size() - at) in_.fail("truncated: ends inside the blocks of an array");
-      const std::size_t wanted = static_cast<std::size_t>(b + 1 == blocks && partial > 0 ? partial : block);
-      // Deflate cannot expand further than 1032:1.
-      if (wanted / 1032 > packed) in_.fail("damaged compressed data (announces more than it can hold)");
+      const std::uint64_t packed = packed_size(b), wanted = wanted_size(b);
+      if (end > data.size() || packed > data.size() - end)
+        in_.fail(fmt::format("truncated: ends inside the blocks of an array (block {} of {} has {} bytes)",
+                             grouped(b + 1), grouped(blocks), grouped(packed)));
+      if (wanted > packed * kMostExpansion)
+        in_.fail(fmt::format("damaged compressed data: a block announces {} bytes, more than its {} packed ones hold",
+                             grouped(wanted), grouped(packed)));
+      all += wanted, end += packed;
+    }
+    count_taken(end);
+    array.bytes.reserve(all);
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+      const std::uint64_t packed = packed_size(b);
+      const std::size_t wanted = wanted_size(b);
       const Inflated out =
           inflate_bytes(in_.file, data.substr(at, static_cast<std::size_t>(packed)), wanted + 1, wanted + 1);
       if (!out.complete || out.bytes.size() != wanted) in_.fail("damaged compressed data (a block has another size)");
       array.bytes.insert(array.bytes.end(), out.bytes.begin(), out.bytes.end());
       at += static_cast<std::size_t>(packed);
     }
+  }
+
+  /// No two arrays stand in the same bytes: else a small file would hold as much as one likes.
+  void count_taken(std::uint64_t bytes) {
+    taken_ += bytes;
+    if (taken_ > in_.bytes.size())
+      in_.fail(fmt::format("malformed VTP: its arrays lie on each other: they take at least {} of its {} bytes",
+                           grouped(taken_), grouped(in_.bytes.size())));
   }
 
   void add_piece() {
@@ -411,6 +434,7 @@ class VtpReader {
   const Input& in_;
   bool swap_ = false, wide_header_ = false, appended_base64_ = false, lines_wanted_ = false;
   std::string_view compressor_, appended_;
+  std::uint64_t taken_ = 0;  ///< bytes of all arrays so far
   Piece piece_;
   std::vector<Piece> pieces_;
 };

@@ -3,6 +3,8 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,6 +30,8 @@ inline const std::string kOwl = source_file("examples/data/owl.vtp");
 struct Outcome {
   int code = -1;
   std::string out, err;
+  long peak_megabytes = 0;  ///< most memory at a time; at least what this process has
+  double cpu_seconds = 0;
   long lines_of_error() const { return std::count(err.begin(), err.end(), '\n'); }
 };
 
@@ -110,9 +114,13 @@ class ToolTest : public ::testing::Test {
   }
   Outcome outcome_of(pid_t child) const {
     int status = 0;
-    ::waitpid(child, &status, 0);
+    rusage used{};
+    ::wait4(child, &status, 0, &used);
+    const auto seconds = [](const timeval& t) {
+      return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), slurp(path("captured-out")),
-            slurp(path("captured-err"))};
+            slurp(path("captured-err")), used.ru_maxrss / 1024, seconds(used.ru_utime) + seconds(used.ru_stime)};
   }
 
   /// Runs the tool in the folder; sends `signal` after `delay_ms` unless 0.

@@ -160,9 +160,12 @@ TEST_F(Table, OriginInTheMiddleWhereZeroWouldLoseDecimals) {
 TEST_F(Table, NotFinite) {
   const PointSet p = read("a.xyz", "nan 0 0\n1 2 3\n1e999 0 0\n4 5 6\n0 -inf 0\n1e-999 -0.0 1e30\n");
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
-  ASSERT_EQ(report_.warnings.size(), 1u);
-  EXPECT_EQ(report_.warnings[0], "4 of 6 points are not finite and were left out");
+  ASSERT_EQ(report_.warnings.size(), 2u);
+  EXPECT_EQ(report_.warnings[0], "3 of 6 points are not finite and were left out");
+  EXPECT_EQ(report_.warnings[1], "1 of 6 points lie farther than 1e+18 from zero and were left out");
   refuse("nan nan nan\nnan nan nan\n", "no points with finite coordinates");
+  refuse("1e30 0 0\n0 1e30 0\n", "no points that can be used: 2 of 2 lie farther than 1e+18 from zero");
+  refuse("1e30 0 0\nnan 0 0\n", "1 of 2 lies farther than 1e+18 from zero, the others are not finite");
 }
 
 TEST_F(Table, BadRows) {

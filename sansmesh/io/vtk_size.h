@@ -1,0 +1,15 @@
+// Files of VTK's formats that promise more numbers than they hold: VTK's readers make room for what is promised.
+#pragma once
+
+#include "sansmesh/io/input.h"
+
+namespace sansmesh::io {
+
+/// Throws FileError where a file of VTK's in XML is too short for the arrays of its header, or for those of the files
+/// that it names.
+void check_vtk_xml_size(const Input& in);
+
+/// The same for the legacy format.
+void check_vtk_legacy_size(const Input& in);
+
+}  // namespace sansmesh::io
