@@ -13,7 +13,7 @@
 namespace sansmesh::test {
 namespace {
 
-double wave(const Vec3& x) { return 1.5 + std::sin(2 * x.x + 0.3) * std::cos(1.7 * x.y) + std::exp(-x.z) * x.x; }
+double wave_of_magnitude(const Vec3& x) { return 1.5 + std::sin(2 * x.x + 0.3) * std::cos(1.7 * x.y) + std::exp(-x.z) * x.x; }
 
 std::vector<double> answers(const GridData& data, ReconstructionMethod method, bool slopes) {
   const auto volume = volume_of(data);
@@ -30,12 +30,12 @@ std::vector<double> answers(const GridData& data, ReconstructionMethod method, b
 TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
   for (const ReconstructionInfo& info : reconstruction_methods()) {
     const bool anywhere = info.grids == "all";
-    const std::vector<double> expected = answers(lattice_grid({6, 5, 7}, wave), info.method, true);
+    const std::vector<double> expected = answers(lattice_grid({6, 5, 7}, wave_of_magnitude), info.method, true);
     const std::vector<double> near =
-        anywhere ? answers(scattered_grid(60, wave), info.method, false) : std::vector<double>();
+        anywhere ? answers(scattered_grid(60, wave_of_magnitude), info.method, false) : std::vector<double>();
     for (const double factor : {0x1p120, 0x1p980, 0x1p-130, 0x1p-980}) {
       SCOPED_TRACE(std::string(info.name) + " " + std::to_string(std::ilogb(factor)));
-      const VolumeFunction scaled = [&](const Vec3& x) { return factor * wave(x); };
+      const VolumeFunction scaled = [&](const Vec3& x) { return factor * wave_of_magnitude(x); };
       const std::vector<double> found = answers(lattice_grid({6, 5, 7}, scaled), info.method, true);
       for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], factor * expected[i]) << i;
       if (!anywhere) continue;
@@ -46,10 +46,10 @@ TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
 }
 
 TEST(Magnitudes, OfComponentsDiffer) {
-  GridData data = lattice_grid({6, 6, 6}, wave);
+  GridData data = lattice_grid({6, 6, 6}, wave_of_magnitude);
   std::vector<double> both;
   for (std::size_t i = 0; i < 216; ++i) {
-    const double v = wave(block_point(data.blocks[0], i));
+    const double v = wave_of_magnitude(block_point(data.blocks[0], i));
     both.insert(both.end(), {v, 0x1p700 * v, 0x1p-700 * v});
   }
   data.blocks[0].point_arrays.set("both", both, 3);
@@ -60,7 +60,7 @@ TEST(Magnitudes, OfComponentsDiffer) {
   std::vector<double> values(3 * x.size());
   field->evaluate(x, {values, {}, {}, {}});
   for (std::size_t i = 0; i < x.size(); ++i) {
-    EXPECT_NEAR(values[3 * i], wave(x[i]), 0.01);
+    EXPECT_NEAR(values[3 * i], wave_of_magnitude(x[i]), 0.01);
     EXPECT_EQ(values[3 * i + 1], 0x1p700 * values[3 * i]);
     EXPECT_EQ(values[3 * i + 2], 0x1p-700 * values[3 * i]);
   }
@@ -68,7 +68,7 @@ TEST(Magnitudes, OfComponentsDiffer) {
 
 TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
   const auto traits_of = [](double factor) {
-    const auto volume = volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave(x); }));
+    const auto volume = volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave_of_magnitude(x); }));
     Progress progress;
     return measure_volume_traits(*volume, volume_values(*volume, "f"), progress);
   };
@@ -95,7 +95,7 @@ TEST(Magnitudes, WithoutARightAnswerAreErrors) {
   EXPECT_NE(error_of([](const Vec3& x) { return 1e-310 * x.x; }, linear).find("too small"), std::string::npos);
   EXPECT_NE(error_of([](const Vec3&) { return std::nan(""); }, linear).find("no finite value"), std::string::npos);
   // A single number beside which all others vanish.
-  const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave(x); };
+  const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave_of_magnitude(x); };
   EXPECT_NE(error_of(spike, detail).find("`fill_values`"), std::string::npos);
   EXPECT_EQ(error_of(spike, linear), "");
 }
