@@ -22,7 +22,8 @@ constexpr double kFarAway = 100;
 constexpr int kMostDecimals = 9;
 constexpr double kLostShare = 1e-3;
 /// Loss that matters where the numbers do not tell their resolution: large lengths are of surveys, in metres or feet.
-constexpr double kLostLength = 1e-2;
+/// Larger ones than the Earth has, in metres, are of other things.
+constexpr double kLostLength = 1e-2, kLargestSurvey = 4e7;
 
 /// The unit of the last decimal of all numbers: 0.01 for 12.25, 3 and -7.1; nothing where some have more decimals.
 std::optional<double> decimal_resolution(std::span<const Vec3> some) {
@@ -82,6 +83,7 @@ void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin) 
   if (loss <= most) return;
   Box3 box;
   for (const Vec3& p : some) box.extend(p);
+  if (!resolution && box.diagonal() > kLargestSurvey) return;
   if (!in.origin) {
     const double grid = std::exp2(std::floor(std::log2(box.diagonal())) - 1);
     Vec3 middle;

@@ -60,6 +60,9 @@ std::size_t for_each_duplicate(std::span<const Vec3f> positions, const Duplicate
 /// Smaller clouds are looked at as a whole.
 constexpr std::size_t kFewestSampled = 100000;
 
+/// One in so many is looked at of larger ones; a place that holds so many of these is counted for itself.
+constexpr std::size_t kSampledOf = 64, kManyAtOnePlace = 8;
+
 double repeated_share(std::vector<std::uint64_t> hashes) {
   if (hashes.empty()) return 0;
   const auto count = static_cast<double>(hashes.size());
@@ -68,21 +71,41 @@ double repeated_share(std::vector<std::uint64_t> hashes) {
   return 1 - static_cast<double>(unique) / count;
 }
 
+/// Hashes of the places that many samples share, ascending: one of so many samples tells.
+std::vector<std::uint64_t> crowded_places(const PointSet& points) {
+  std::vector<std::uint64_t> some, crowded;
+  for (std::size_t i = 0; i < points.size(); i += kSampledOf)
+    if (is_finite(points.positions[i])) some.push_back(hash_of(points.positions[i]));
+  std::sort(some.begin(), some.end());
+  for (std::size_t first = 0, last = 0; first < some.size(); first = last) {
+    while (last < some.size() && some[last] == some[first]) ++last;
+    if (last - first >= kManyAtOnePlace) crowded.push_back(some[first]);
+  }
+  return crowded;
+}
+
 }  // namespace
 
 double duplicate_share(const PointSet& points) {
-  const std::uint64_t mask = points.size() < kFewestSampled ? 0 : 63;
+  const bool whole = points.size() < kFewestSampled;
+  const std::uint64_t mask = whole ? 0 : kSampledOf - 1;
+  // Chosen by its place, a crowd would be counted as a whole or not at all.
+  const std::vector<std::uint64_t> crowded = whole ? std::vector<std::uint64_t>() : crowded_places(points);
+  std::size_t finite = 0, in_crowds = 0;
   std::vector<std::uint64_t> hashes;
-  for (const Vec3f& p : points.positions)
-    if (const std::uint64_t hash = hash_of(p); is_finite(p) && (hash >> 32 & mask) == 0) hashes.push_back(hash);
-  double share = repeated_share(std::move(hashes));
-  if (mask != 0) {
-    std::vector<std::uint64_t> others;
-    for (std::size_t i = 0; i < points.size(); i += 64)
-      if (is_finite(points.positions[i])) others.push_back(hash_of(points.positions[i]));
-    share = std::max(share, repeated_share(std::move(others)));
+  for (const Vec3f& p : points.positions) {
+    if (!is_finite(p)) continue;
+    ++finite;
+    const std::uint64_t hash = hash_of(p);
+    if (std::binary_search(crowded.begin(), crowded.end(), hash))
+      ++in_crowds;
+    else if ((hash >> 32 & mask) == 0)
+      hashes.push_back(hash);
   }
-  return share;
+  if (finite == 0) return 0;
+  const auto all = static_cast<double>(finite);
+  return static_cast<double>(in_crowds - crowded.size()) / all +
+         static_cast<double>(finite - in_crowds) / all * repeated_share(std::move(hashes));
 }
 
 std::size_t count_unique(const PointSet& points) {

@@ -99,7 +99,7 @@ TEST(EditScript, WhatIsWrongIsNamed) {
   };
   const auto select = [&](const std::string& text) { return step(R"({"degree":1,"select":{)" + text + "}}"); };
   const Case cases[] = {
-      {"", "not JSON"},
+      {"", "not JSON", ""},
       {"{", "not JSON", "line 1"},
       {"version 1", "not JSON", "line 1, column 1"},
       {std::string(1 << 20, '['), "not JSON", "line 1"},

@@ -220,7 +220,7 @@ TEST(Vtp, BadFiles) {
   refuse(with_first_word({.format = "appended"}, 0xfffffff0u, 0), "truncated");
   const Vtp packed{.format = "appended", .compressed = true};
   refuse(with_first_word(packed, 0xfffffff0u, 0), "announces more");
-  refuse(with_first_word(packed, 0xfffffff0u, 4), "announces more");
+  refuse(with_first_word(packed, 0xfffffff0u, 4), "a block announces");
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST_F(Table, WideSurveysSayWhatTheyLose) {
   EXPECT_TRUE(report_.warnings.empty());
   read("a.xyz", survey(1e7, 1e6));
   ASSERT_EQ(report_.warnings.size(), 1u);
-  EXPECT_TRUE(report_.warnings[0].starts_with("coordinates are rounded by up to 0.016, the file has steps of 0.001"))
+  EXPECT_TRUE(report_.warnings[0].starts_with("coordinates are rounded by up to 0.009, the file has steps of 0.001"))
       << report_.warnings[0];
   // Steps of a metre over a continent lose nothing.
   std::string metres;

@@ -13,7 +13,9 @@
 namespace sansmesh::test {
 namespace {
 
-double wave_of_magnitude(const Vec3& x) { return 1.5 + std::sin(2 * x.x + 0.3) * std::cos(1.7 * x.y) + std::exp(-x.z) * x.x; }
+double wave_of_magnitude(const Vec3& x) {
+  return 1.5 + std::sin(2 * x.x + 0.3) * std::cos(1.7 * x.y) + std::exp(-x.z) * x.x;
+}
 
 std::vector<double> answers(const GridData& data, ReconstructionMethod method, bool slopes) {
   const auto volume = volume_of(data);
@@ -68,7 +70,8 @@ TEST(Magnitudes, OfComponentsDiffer) {
 
 TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
   const auto traits_of = [](double factor) {
-    const auto volume = volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave_of_magnitude(x); }));
+    const auto volume =
+        volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave_of_magnitude(x); }));
     Progress progress;
     return measure_volume_traits(*volume, volume_values(*volume, "f"), progress);
   };
