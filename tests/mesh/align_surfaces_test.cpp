@@ -83,6 +83,32 @@ TEST(AlignSurfaces, NearStartToTheLastDigits) {
   EXPECT_EQ(found.start, AlignStart::as_it_lies);
 }
 
+TEST(AlignSurfaces, NoiseIsNoOtherShapeAndAMirrorImageIs) {
+  const TriangleMesh fixed = potato();
+  const auto aligned = [&](TriangleMesh moving) {
+    transform(moving, far_motion(100));
+    Progress progress;
+    return align_surfaces(moving, fixed, {}, progress);
+  };
+  for (const TriangleMesh& part : {potato(), side_of(potato(), {1, 0.3f, 0}, -0.2f)}) {
+    const SurfaceAlignment noisy = aligned(noisy_points(part, 0.02f));
+    EXPECT_TRUE(noisy.found);
+    EXPECT_LT(noisy.differing, kOtherShape / 2) << "1 % of the diagonal is noise";
+    EXPECT_FALSE(noisy.mirror_image_fits);
+  }
+  TriangleMesh mirrored = noisy_points(fixed, 0.005f);
+  for (Vec3f& v : mirrored.vertices) v.x = -v.x;
+  const SurfaceAlignment other = aligned(mirrored);
+  EXPECT_GT(other.differing, 2 * kOtherShape);
+  EXPECT_TRUE(other.mirror_image_fits);
+  // Neither the same shape nor its mirror image.
+  TriangleMesh longer = fixed;
+  for (Vec3f& v : longer.vertices) v.y *= 1.15f;
+  const SurfaceAlignment stretched = aligned(longer);
+  EXPECT_GT(stretched.differing, 2 * kOtherShape);
+  EXPECT_FALSE(stretched.mirror_image_fits);
+}
+
 TEST(AlignSurfaces, NoisyPointsFromAnywhereOnAnyThreads) {
   const TriangleMesh fixed = potato(4), own = noisy_points(potato(5), 0.01f);
   TriangleMesh moving = own;
