@@ -29,11 +29,10 @@ class Planes final : public PieceExpression {
   }
   std::uint32_t least(std::uint32_t a, std::uint32_t b) { return add({Kind::least, a, b}); }
   std::uint32_t greatest(std::uint32_t a, std::uint32_t b) { return add({Kind::greatest, a, b}); }
-  /// The cube from −1 to 1.
-  std::uint32_t cube() {
-    std::uint32_t all = plane({1, 0, 0}, {1, 0, 0});
+  std::uint32_t cube(const Vec3& center = {}, double half = 1) {
+    std::uint32_t all = plane({1, 0, 0}, center + Vec3{half, 0, 0});
     for (const Vec3& n : {Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}})
-      all = greatest(all, plane(n, n));
+      all = greatest(all, plane(n, center + half * n));
     return all;
   }
 
@@ -96,7 +95,7 @@ constexpr Vec3 kTip{0.1234, 0.0567, 0.0345};
 TEST(PieceCut, SidesOfManyPartsMeetOneSide) {
   for (const int count : {20, 130, 240}) {
     Planes field;
-    const std::uint32_t within = field.greatest(field.cube(), field.plane({0.1, 0.2, 1}, kTip));
+    const std::uint32_t within = field.greatest(field.cube(kTip, 0.008), field.plane({0.1, 0.2, 1}, kTip));
     std::uint32_t any = 0;
     for (int k = 0; k < count; ++k) {
       const std::uint32_t one = field.plane({1, 0.1, 0.05}, kTip + Vec3{1e-5 * k, 0, 0});
