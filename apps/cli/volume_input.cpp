@@ -190,7 +190,7 @@ std::shared_ptr<const SampledVolume> OpenVolume::samples() {
     samples_ = dataset_->arrays().empty() ? dataset_->volume(Association::points, console_.progress())
                                           : dataset_->volume(choice_.array, console_.progress());
   } catch (const DataError& error) {
-    throw FileError(input_.name(), error.what());
+    throw FileError(input_.name(), console_.in_flags(error.what()));
   }
   return samples_;
 }
@@ -206,7 +206,7 @@ std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) 
     fitted_ = true;
     console_.warn(input_.name(), report.notes);
   } catch (const DataError& error) {
-    throw FileError(input_.name(), error.what());
+    throw FileError(input_.name(), console_.in_flags(error.what()));
   }
   return field;
 }
@@ -223,7 +223,7 @@ FittedVolume OpenVolume::fit(bool all) {
     fitted = dataset_->fit(choice_.array, options_for(choice_.array), all, console_.progress(), &report_);
     fitted_ = true;
   } catch (const DataError& error) {
-    throw FileError(input_.name(), error.what());
+    throw FileError(input_.name(), console_.in_flags(error.what()));
   }
   console_.warn(input_.name(), report_.notes);
   return fitted;
@@ -252,7 +252,7 @@ std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {
     return std::make_shared<const Isosurface>(
         samples(), values, [&](std::size_t i) { return sample_value(i); }, value);
   } catch (const DataError& error) {
-    throw FileError(input_.name(), error.what());
+    throw FileError(input_.name(), console_.in_flags(error.what()));
   }
 }
 
@@ -263,7 +263,7 @@ const VolumeTraits& OpenVolume::traits() {
       dataset_->default_array();  // there must be one
       traits_ = measure_volume_traits(*volume, volume_values(*volume, choice_.array), console_.progress());
     } catch (const DataError& error) {
-      throw FileError(input_.name(), error.what());
+      throw FileError(input_.name(), console_.in_flags(error.what()));
     }
     suited_ = choose_reconstruction(*volume, *traits_);
   }

@@ -32,16 +32,16 @@ std::vector<double> answers(const GridData& data, ReconstructionMethod method, b
 TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
   for (const ReconstructionInfo& info : reconstruction_methods()) {
     const bool anywhere = info.grids == "all";
-    const std::vector<double> expected = answers(lattice_grid({6, 5, 7}, wave_of_magnitude), info.method, true);
+    const std::vector<double> expected = answers(lattice_grid({5, 4, 6}, wave_of_magnitude), info.method, true);
     const std::vector<double> near =
-        anywhere ? answers(scattered_grid(60, wave_of_magnitude), info.method, false) : std::vector<double>();
-    for (const double factor : {0x1p120, 0x1p980, 0x1p-130, 0x1p-980}) {
+        anywhere ? answers(scattered_grid(40, wave_of_magnitude), info.method, false) : std::vector<double>();
+    for (const double factor : {0x1p980, 0x1p-130}) {
       SCOPED_TRACE(std::string(info.name) + " " + std::to_string(std::ilogb(factor)));
       const VolumeFunction scaled = [&](const Vec3& x) { return factor * wave_of_magnitude(x); };
-      const std::vector<double> found = answers(lattice_grid({6, 5, 7}, scaled), info.method, true);
+      const std::vector<double> found = answers(lattice_grid({5, 4, 6}, scaled), info.method, true);
       for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], factor * expected[i]) << i;
       if (!anywhere) continue;
-      const std::vector<double> far = answers(scattered_grid(60, scaled), info.method, false);
+      const std::vector<double> far = answers(scattered_grid(40, scaled), info.method, false);
       for (std::size_t i = 0; i < far.size(); ++i) ASSERT_EQ(far[i], factor * near[i]) << i;
     }
   }
