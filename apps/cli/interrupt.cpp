@@ -20,7 +20,7 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr long kGrace = 250'000'000;  // nanoseconds
+constexpr long kGrace = 150'000'000;  // nanoseconds
 
 sem_t signals;
 std::atomic<int> signal_count{0};

@@ -10,7 +10,7 @@ namespace sansmesh::cli {
 
 constexpr int kInterrupted = 130;  ///< exit code, as shells have it for Ctrl-C
 
-/// From now on the first signal cancels the work, and ends the program if that has not ended by itself a quarter of a
+/// From now on the first signal cancels the work, and ends the program if that has not ended by itself a sixth of a
 /// second later (in a reader of another library, say); the second ends it at once. Either way no file is left half
 /// written. The third is the system's.
 void listen_for_interrupts();
