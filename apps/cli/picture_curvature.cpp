@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "sansmesh/core/error.h"
@@ -56,21 +57,29 @@ std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, 
   return std::make_unique<SampleCurvature>(model.points(), Placement{}, options, progress);
 }
 
+std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudUse& use, Progress& progress) {
+  if (mesh.triangles.empty() || use.faces == FaceUse::ignore) return std::nullopt;
+  if (use.faces == FaceUse::automatic && face_samples_wanted(mesh) == 0) return std::nullopt;
+  CloudUse own = use;
+  own.faces = FaceUse::vertices;
+  PreparedCloud cloud = prepare_cloud(mesh, own, progress);
+  progress.begin("curvature");
+  CurvatureOptions options;
+  options.noise = cloud.noise;
+  CurvedVertices made{std::move(cloud.points), cloud.place, {}};
+  made.curvatures = estimate_vertex_curvatures(made.points, options, progress);
+  return made;
+}
+
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress) {
   if (points.size() < kFewestSamples) return nullptr;
-  // Samples of faces lie on flat triangles: the mesh is bent at its vertices.
-  const bool at_vertices = !points.triangles.empty() && use.faces != FaceUse::ignore &&
-                           (use.faces != FaceUse::automatic || face_samples_wanted(points) > 0);
-  CloudUse own = use;
-  if (at_vertices) own.faces = FaceUse::vertices;
   try {
-    const PreparedCloud cloud = prepare_cloud(points, own, progress);
+    if (const auto mesh = curved_vertices(points, use, progress))
+      return std::make_unique<SampleCurvature>(mesh->points, mesh->curvatures, mesh->place);
+    const PreparedCloud cloud = prepare_cloud(points, use, progress);
     progress.begin("curvature");
     CurvatureOptions options;
     options.noise = cloud.noise;
-    if (at_vertices)
-      return std::make_unique<SampleCurvature>(
-          cloud.points, estimate_vertex_curvatures(cloud.points, options, progress), cloud.place);
     return std::make_unique<SampleCurvature>(cloud.points, cloud.place, options, progress);
   } catch (const DataError&) {
     return nullptr;  // points that make no surface have silhouettes all the same

@@ -3,13 +3,17 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "sansmesh/core/progress.h"
+#include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/field/curvature_field.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/surface/curvature.h"
 
 namespace sansmesh::cli {
 
@@ -25,6 +29,17 @@ std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, 
 
 /// The same, estimated at the samples: over more of them than the surface's own weights, so that crests are calmer.
 std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress);
+
+/// A mesh with the curvatures at its vertices, in coordinates of its own.
+struct CurvedVertices {
+  PointSet points;
+  Placement place;
+  std::vector<PrincipalCurvatures> curvatures;
+};
+
+/// For a mesh of whose faces `use` makes samples: these lie on flat triangles, and the mesh is bent at its vertices.
+/// Nothing for others. Throws DataError where they make no surface.
+std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudUse& use, Progress& progress);
 
 /// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);

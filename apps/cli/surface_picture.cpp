@@ -21,7 +21,9 @@
 namespace sansmesh::cli {
 namespace {
 
-std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model, Progress& progress,
+/// `mesh`: that whose faces were sampled, if any.
+std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceModel& model,
+                                        std::optional<CurvedVertices> mesh, Progress& progress,
                                         std::optional<ColorBar>& bar) {
   if (a.color_by.empty()) return nullptr;
   const Placement& place = model.place();
@@ -36,7 +38,16 @@ std::unique_ptr<ColorField> make_colors(const RenderArguments& a, const SurfaceM
   if (a.color_range) o.range = curvature_range(*a.color_range, o.quantity, place.unit);
   o.curvature.noise = place.from_input(model.report().noise);
   progress.begin("curvature");
-  auto colors = std::make_unique<CurvatureColors>(model.points(), o, progress);
+  std::unique_ptr<CurvatureColors> colors;
+  if (mesh) {
+    const auto scale = static_cast<float>(place.unit / mesh->place.unit);
+    for (PrincipalCurvatures& c : mesh->curvatures) c.k1 *= scale, c.k2 *= scale;
+    move_to_input(mesh->points, mesh->place);
+    move_from_input(mesh->points, place);
+    colors = std::make_unique<CurvatureColors>(mesh->points, mesh->curvatures, o);
+  } else {
+    colors = std::make_unique<CurvatureColors>(model.points(), o, progress);
+  }
   // The range is that of all but a few of the samples, or what was asked for.
   bar = curvature_bar(o.quantity, curvature_range(colors->range(), o.quantity, 1 / place.unit), a.unit, true);
   return colors;
@@ -86,9 +97,10 @@ class SurfacePainter {
   std::optional<SurfaceCaster> caster_;
 };
 
-/// The surface of a function file, or that of samples.
+/// The surface of a function file, or that of samples. `mesh`: with the curvatures that colours are asked for, where
+/// the samples are of its faces.
 SurfaceModel read_model(const RenderArguments& arguments, std::optional<ReadCloud>& given, ReadReport& read,
-                        Console& console) {
+                        std::optional<CurvedVertices>& mesh, Console& console) {
   Progress& progress = console.progress();
   if (given) {
     read = given->read;
@@ -100,7 +112,9 @@ SurfaceModel read_model(const RenderArguments& arguments, std::optional<ReadClou
     read.format = "function";
     return make_surface_model(read_function(arguments.input.files[0]));
   }
-  PreparedCloud cloud = prepare_cloud(arguments.input.read(console, read), arguments.cloud, progress);
+  PointSet points = arguments.input.read(console, read);
+  if (is_curvature(arguments.color_by)) mesh = curved_vertices(points, arguments.cloud, progress);
+  PreparedCloud cloud = prepare_cloud(std::move(points), arguments.cloud, progress);
   return arguments.surface ? make_surface_model(std::move(cloud), *arguments.surface, progress)
                            : make_suited_surface(std::move(cloud), progress);
 }
@@ -118,12 +132,13 @@ void run_surface_picture(const RenderArguments& arguments, Console& console, std
   ReadReport read;
   std::vector<std::string> files;
   try {
-    const SurfaceModel model = read_model(arguments, cloud, read, console);
+    std::optional<CurvedVertices> mesh;
+    const SurfaceModel model = read_model(arguments, cloud, read, mesh, console);
     console.warn(arguments.input.name(), model.warnings());
     move_from_input(options, model.place());
     Image written;
     std::optional<ColorBar> bar;
-    const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, progress, bar);
+    const std::unique_ptr<ColorField> curvature = make_colors(arguments, model, std::move(mesh), progress, bar);
     if (arguments.no_bar) bar.reset();
     leave_room(options, bar);
     const ColorField* colors = curvature ? curvature.get() : options.use_colors ? model.colors() : nullptr;

@@ -39,9 +39,14 @@ void CurvatureColorOptions::validate() const {
   curvature.validate();
 }
 
-CurvatureColors::CurvatureColors(const PointSet& points, const CurvatureColorOptions& options, Progress& progress) {
+CurvatureColors::CurvatureColors(const PointSet& points, const CurvatureColorOptions& options, Progress& progress)
+    : CurvatureColors(points, estimate_curvatures(points, options.curvature, progress), options) {}
+
+CurvatureColors::CurvatureColors(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
+                                 const CurvatureColorOptions& options) {
   options.validate();
-  const std::vector<PrincipalCurvatures> curvatures = estimate_curvatures(points, options.curvature, progress);
+  if (curvatures.size() != points.size() || points.normals.size() != points.size())
+    throw ArgumentError("CurvatureColors: as many curvatures and normals as points are needed");
   tree_ = KdTree(points.positions);
   normals_ = points.normals;
   values_.resize(curvatures.size());

@@ -34,6 +34,9 @@ class CurvatureColors : public ColorField {
   /// Estimates the curvatures of all samples. Copies what it needs. Throws ArgumentError for bad options, DataError for
   /// a cloud without normals.
   CurvatureColors(const PointSet& points, const CurvatureColorOptions& options, Progress& progress);
+  /// With the curvatures at hand, as many as points: those of a mesh's vertices.
+  CurvatureColors(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
+                  const CurvatureColorOptions& options);
 
   void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const override;
 
