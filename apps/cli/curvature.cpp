@@ -85,11 +85,12 @@ CurvedInput curvatures_of(PointSet given, const CurvatureArguments& arguments, C
   PreparedCloud cloud = prepare_cloud(std::move(samples), use, progress);
   console.warn(arguments.input.name(), cloud.warnings);
   CurvatureOptions options = arguments.options;
-  options.noise = cloud.noise;  // known unless normals are taken as given
+  // Known unless normals are taken as given.
+  options.noise = is_mesh ? known_noise(cloud.points) : *cloud.noise;
   if (options.radius) options.radius = cloud.place.from_input(*options.radius);
   progress.begin("curvature");
   CurvedInput made;
-  made.noise = cloud.place.to_input(*cloud.noise);
+  made.noise = cloud.place.to_input(*options.noise);
   made.curvatures = is_mesh ? estimate_vertex_curvatures(cloud.points, options, progress)
                             : estimate_curvatures(cloud.points, options, progress);
   const auto unit = static_cast<float>(cloud.place.unit);

@@ -64,10 +64,8 @@ std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudU
   own.faces = FaceUse::vertices;
   PreparedCloud cloud = prepare_cloud(mesh, own, progress);
   progress.begin("curvature");
-  CurvatureOptions options;
-  options.noise = cloud.noise;
   CurvedVertices made{std::move(cloud.points), cloud.place, {}};
-  made.curvatures = estimate_vertex_curvatures(made.points, options, progress);
+  made.curvatures = estimate_vertex_curvatures(made.points, {}, progress);
   return made;
 }
 

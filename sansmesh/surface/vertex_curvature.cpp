@@ -20,8 +20,10 @@ namespace {
 using detail::CurvatureFitter;
 
 /// Whole rings are taken until they hold this share of the neighbours wanted.
-constexpr double kMostOfNeighbours = 0.7;
+constexpr double kMostOfNeighbours = 0.9;
 constexpr int kLeastRings = 2;
+/// Cosine between normals from which on downwards a vertex along the edges is on the other side: round a thin rim.
+constexpr double kRoundTheRim = -0.25;
 /// Who walks marks what was seen of the whole mesh: it is cut into so many shares, of so many vertices at least.
 constexpr std::size_t kShares = 64, kLeastShare = 2048;
 
@@ -117,6 +119,11 @@ PrincipalCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitter
 
 }  // namespace
 
+double known_noise(const PointSet& mesh) {
+  const NoiseEstimate noise = measure_noise(mesh);
+  return noise.known ? noise.deviation : 0;
+}
+
 std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
                                                             Progress& progress) {
   options.validate();
@@ -124,9 +131,9 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
   if (mesh.triangles.empty()) throw DataError("there are no triangles: curvatures of points are those of a cloud");
   std::size_t enough = 0;
   if (!options.radius) {
-    const int wanted = options.neighbours.value_or(0) > 0
+    const int wanted = options.neighbours
                            ? *options.neighbours
-                           : choose_curvature_neighbours(mesh, options.noise ? *options.noise : estimate_noise(mesh));
+                           : choose_curvature_neighbours(mesh, options.noise ? *options.noise : known_noise(mesh));
     enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
   }
   const double within = options.radius ? detail::kReachOverWidth * *options.radius : 0;
@@ -150,7 +157,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
       offsets.clear();
       double reach = 0;
       for (const std::uint32_t w : around) {
-        if (dot(normal, graph.normal[w]) < 0) continue;
+        if (dot(normal, graph.normal[w]) < kRoundTheRim) continue;
         offsets.push_back(Vec3(mesh.positions[w]) - x);
         reach = std::max(reach, norm(offsets.back()));
       }
