@@ -18,8 +18,9 @@ namespace {
 constexpr std::size_t kStrays = 1000, kFewestWithStrays = 20;
 constexpr double kFarAway = 100;
 
-/// Decimals that a file may have on purpose, and the share of its numbers that may be strays.
-constexpr int kMostDecimals = 9;
+/// Decimals that matter: more are written of floats, whose last digits mean nothing; and the share of its numbers that
+/// may be strays.
+constexpr int kMostDecimals = 4;
 constexpr double kLostShare = 1e-3;
 /// Loss that matters where the numbers do not tell their resolution: large lengths are of surveys, in metres or feet.
 /// Larger ones than the Earth has, in metres, are of other things.
