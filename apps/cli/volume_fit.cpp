@@ -1,7 +1,7 @@
 // sansmesh volume fit: a volume with its reconstruction, ready for all that comes after.
 #include <fmt/format.h>
 
-#include <filesystem>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,6 +9,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/io/output_batch.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -30,8 +31,7 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   write_volume_file(a.output, fitted);
   console.progress().finish();
 
-  std::error_code unknown;
-  const auto bytes = std::filesystem::file_size(a.output, unknown);
+  const std::uint64_t bytes = written_size(a.output);
   const std::size_t samples = fitted.volume->size();
   const std::vector<std::size_t> by_degree = fitted.coefficients.by_degree();
   volume.say_method();
@@ -39,7 +39,7 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   if (!by_degree.empty())
     console.say(fmt::format("polynomials of degree 0 to {}: {}", by_degree.size() - 1, fmt::join(by_degree, ", ")));
   console.say(fmt::format("{}: {}, {:.3g} MB{}", a.output, counted(fitted.arrays.size(), "array"),
-                          unknown ? 0.0 : static_cast<double>(bytes) / 1e6,
+                          static_cast<double>(bytes) / 1e6,
                           fitted.coefficients.empty() ? "; this method has no coefficients to keep" : ""));
   std::vector<std::string> arrays;
   arrays.reserve(fitted.arrays.size());

@@ -288,6 +288,16 @@ void OutputBatch::commit() {
   if (!within_another_) files_->commit();
 }
 
+std::uint64_t written_size(const std::string& file) {
+  std::filesystem::path path = file;
+  if (current_batch)
+    for (const OutputBatch::Files::Waiting& w : current_batch->waiting)
+      if (w.file == file) path = w.staged;
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  return unknown ? 0 : size;
+}
+
 std::size_t OutputBatch::waiting() const { return files_->waiting.size(); }
 bool OutputBatch::used_standard_output() const { return files_->standard_output; }
 

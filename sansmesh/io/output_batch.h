@@ -1,6 +1,7 @@
 // Files that appear together or not at all.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ class OutputBatch {
   std::shared_ptr<Files> files_;
   bool within_another_ = false;
 };
+
+/// Bytes of a file that the calling thread has written, be it in place or waiting in a batch; 0 where that is not known.
+std::uint64_t written_size(const std::string& file);
 
 /// For programs that end in the middle of their work: removes what waits in the batches of all threads, which cannot
 /// write any more, and returns the names of the files that these batches had put in place already. Programs that are

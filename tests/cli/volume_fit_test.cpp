@@ -79,6 +79,8 @@ TEST_F(VolumeFit, ItsFileAnswersLikeTheData) {
   EXPECT_NE(run({"info", "balls.smv"}).out.find(", spherical)"), std::string::npos);
   const Outcome info = run({"info", "heat.smv"});
   EXPECT_NE(info.out.find("heat by linear"), std::string::npos) << info.out;
+  const Outcome fit = run({"volume", "fit", "data.csv", "--array", "heat", "-o", "heat.smv"});
+  EXPECT_EQ(fit.out.find(" 0 MB"), std::string::npos) << fit.out;
 }
 
 TEST_F(VolumeFit, EveryCommandTakesItsFile) {
