@@ -12,7 +12,9 @@ constexpr std::size_t kSizeChunk = 16384;
 }  // namespace
 
 MeshSize measure_size(const TriangleMesh& mesh) {
-  const Box3f box = bounds(mesh);
+  Box3f box;
+  for (const Vec3f& v : mesh.vertices)
+    if (is_finite(v)) box.extend(v);
   // Volumes are summed relative to the middle, which loses the least to rounding.
   const Vec3 middle = box.empty() ? Vec3{} : Vec3(box.center());
   const std::size_t n = mesh.vertices.size();

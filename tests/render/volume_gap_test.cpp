@@ -145,15 +145,15 @@ TEST(VolumeGap, FacesOfIsoSurfacesShowWhatIsNotBelowTheLeast) {
 }
 
 TEST(VolumeGap, ParallelRaysSeeTheSameFromAnyDistance) {
-  // Pixels are 0.01 wide, samples 0.03 apart.
+  // Pixels are 0.001 wide, samples 0.03 apart.
   const auto seen = [](const VolumeSubject& subject, const VolumePictureOptions& options, double distance) {
-    return light_from(subject, options, {-distance, 0.45, 0.3}, {1, 0, 0}, 0.005, true);
+    return light_from(subject, options, {-distance, 0.45, 0.3}, {1, 0, 0}, 0.0005, true);
   };
   const auto expect_same = [&](const VolumeSubject& subject, const VolumePictureOptions& options) {
     const auto near = seen(subject, options, 1);
     for (const double distance : {20.0, 1000.0}) {
       const auto far = seen(subject, options, distance);
-      for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(far[k], near[k], 1e-4) << distance << ' ' << k;
+      for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(far[k], near[k], 1e-3) << distance << ' ' << k;
     }
   };
   // An iso-surface seen through black fog, which tells how far it is.
