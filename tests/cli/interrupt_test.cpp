@@ -2,8 +2,10 @@
 #include <sys/stat.h>
 
 #include <chrono>
-#include <cmath>
+#include <csignal>
+#include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "run_tool.h"
@@ -19,12 +21,23 @@ constexpr double kSecondsToEnd = kAddressSanitizer || kThreadSanitizer ? 10 : 2;
 
 class Interrupts : public ToolTest {
  protected:
+  /// Before the tool is loaded a signal ends it as it ends any program: /proc says when it has a handler.
+  static void wait_until_heard(pid_t child, int signal) {
+    for (int tries = 0; tries < 3000; ++tries) {
+      std::istringstream status(slurp("/proc/" + std::to_string(child) + "/status"));
+      for (std::string line; std::getline(status, line);)
+        if (line.starts_with("SigCgt:") && (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    ADD_FAILURE() << "the tool never listens";
+  }
   /// The command hears the signal, says so in a line and leaves the folder as it was.
   void expect_heard(const std::vector<std::string>& arguments, int signal, int delay_ms, int again = 0) {
     std::string shown;
     for (const std::string& a : arguments) shown += a + " ";
     const auto before = listing();
     const pid_t child = start(arguments, [] {});
+    wait_until_heard(child, signal);
     std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
     const auto begin = std::chrono::steady_clock::now();
     ::kill(child, signal);
