@@ -168,7 +168,7 @@ PointSet ball_with_rods(std::size_t n, float noise, unsigned seed) {
 
 TEST(Orientation, IsCertainOnlyWhereItIsRight) {
   std::size_t certain = 0;
-  for (const float noise : {0.0f, 0.01f, 0.02f, 0.03f, 0.045f, 0.06f, 0.08f})
+  for (const float noise : {0.0f, 0.02f, 0.045f, 0.08f})
     for (const bool rods : {false, true}) {
       PointSet points = rods ? ball_with_rods(8000, noise, 31) : sample_torus(8000, 1, 0.3f, 32);
       std::mt19937 random(33);
@@ -185,7 +185,7 @@ TEST(Orientation, IsCertainOnlyWhereItIsRight) {
       EXPECT_TRUE(noise > 0.015f || report.certain()) << noise << (rods ? " rods" : " torus");
       certain += report.certain();
     }
-  EXPECT_LT(certain, 14u) << "rods that are thinner than the noise have no sides";
+  EXPECT_LT(certain, 8u) << "rods that are thinner than the noise have no sides";
 }
 
 TEST(Orientation, RegionsThatAreTurnedRaiseDoubt) {
