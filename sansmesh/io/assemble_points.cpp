@@ -84,7 +84,7 @@ void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin) 
   if (loss <= most) return;
   Box3 box;
   for (const Vec3& p : some) box.extend(p);
-  if (!resolution && box.diagonal() > kLargestSurvey) return;
+  if (box.diagonal() > kLargestSurvey) return;
   if (!in.origin) {
     const double grid = std::exp2(std::floor(std::log2(box.diagonal())) - 1);
     Vec3 middle;
