@@ -37,7 +37,8 @@ class OutputBatch {
   bool within_another_ = false;
 };
 
-/// Bytes of a file that the calling thread has written, be it in place or waiting in a batch; 0 where that is not known.
+/// Bytes of a file that the calling thread has written, be it in place or waiting in a batch; 0 where that is not
+/// known.
 std::uint64_t written_size(const std::string& file);
 
 /// For programs that end in the middle of their work: removes what waits in the batches of all threads, which cannot

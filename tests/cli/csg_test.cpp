@@ -75,13 +75,14 @@ TEST_F(Csg, InterruptsAreHeardWithinHalfASecond) {
     balls += "|sphere(.1,(" + std::to_string(0.7 * std::sin(k)) + "," + std::to_string(0.7 * std::sin(1.3 * k)) + "," +
              std::to_string(0.7 * std::sin(1.7 * k)) + "))";
   using Clock = std::chrono::steady_clock;
-  for (const auto& [text, delay] : {std::pair(turns, 100), std::pair(balls, 1000)}) {
+  for (const auto& [text, delay] : {std::pair(turns, 300), std::pair(balls, 1000)}) {
     double best = 1e9;  // other work may keep the tool waiting
     for (int attempt = 0; attempt < 3 && best > 0.5; ++attempt) {
       const Clock::time_point begin = Clock::now();
       const Outcome outcome = run({"csg", text, "-o", "a.ply", "--preview", "a.png"}, SIGTERM, delay);
       best = std::min(best, std::chrono::duration<double>(Clock::now() - begin).count() - 0.001 * delay);
-      EXPECT_EQ(outcome.code, 130) << outcome.err;
+      // One that is hardly loaded yet is killed.
+      EXPECT_TRUE(outcome.code == 130 || outcome.code == 1000 + SIGTERM) << outcome.code << ": " << outcome.err;
       EXPECT_EQ(listing(), std::vector<std::string>{});
     }
     EXPECT_LT(best, 0.5) << text.substr(0, 40);
