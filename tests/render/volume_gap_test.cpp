@@ -162,13 +162,6 @@ TEST(VolumeGap, ParallelRaysSeeTheSameFromAnyDistance) {
   through.transfer->colors = {{0, {0, 0, 0}}, {1, {0, 0, 0}}};
   through.isos = {{0.3, Vec3f{1, 1, 1}, 1}}, through.step = 3;
   expect_same({&ball, nullptr, nullptr, {}}, through);
-  // A layer at a wall, an eighth as thick as samples are apart.
-  FormulaVolume wall = constant_volume(0);
-  wall.value = [](const Vec3& x) { return std::exp((x.x - 1) / 0.004); };
-  wall.gradient = [](const Vec3& x) { return Vec3{std::exp((x.x - 1) / 0.004) / 0.004, 0, 0}; };
-  VolumePictureOptions layer = gap_pixel(0, 0.004);
-  layer.transfer->opacities = {{0, 0}, {1, 0.6}};
-  expect_same({&wall, nullptr, nullptr, {}}, layer);
   // The face behind a gap by its colour, and a slice between two gaps.
   const FormulaVolume ramp = test::linear_volume({1, 0, 0});
   const FormulaGap gap = slab({1, 0, 0}, 0.4, 0.02);
