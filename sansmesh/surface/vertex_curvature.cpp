@@ -12,6 +12,7 @@
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
+#include "sansmesh/points/sample_faces.h"
 #include "sansmesh/surface/curvature_fit.h"
 
 namespace sansmesh {
@@ -35,8 +36,14 @@ struct PlaceGraph {
 
   explicit PlaceGraph(const PointSet& mesh) : place(places_of(mesh)), normal(mesh.size()) {
     join(mesh);
+    std::vector<double> area(mesh.size(), 0);
+    for (const auto& t : mesh.triangles) {
+      const double doubled = norm(doubled_area(mesh.positions, t));
+      if (doubled > 0)
+        for (const std::uint32_t v : t) area[v] += doubled;
+    }
     for (std::size_t v = 0; v < mesh.size(); ++v)
-      if (is_finite(mesh.normals[v])) normal[place[v]] += normalized(Vec3(mesh.normals[v]));
+      if (is_finite(mesh.normals[v])) normal[place[v]] += normalized(Vec3(mesh.normals[v])) * area[v];
     for (Vec3& n : normal) n = normalized(n);
   }
 
@@ -129,15 +136,19 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
   options.validate();
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
   if (mesh.triangles.empty()) throw DataError("there are no triangles: curvatures of points are those of a cloud");
+  const PlaceGraph graph(mesh);
   std::size_t enough = 0;
   if (!options.radius) {
+    PointSet places;  // copies of a vertex would be all of its nearest neighbours
+    for (std::size_t v = 0; v < mesh.size(); ++v)
+      if (graph.place[v] == v)
+        places.positions.push_back(mesh.positions[v]), places.normals.push_back(Vec3f(graph.normal[v]));
     const int wanted = options.neighbours
                            ? *options.neighbours
-                           : choose_curvature_neighbours(mesh, options.noise ? *options.noise : known_noise(mesh));
+                           : choose_curvature_neighbours(places, options.noise ? *options.noise : known_noise(places));
     enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
   }
   const double within = options.radius ? detail::kReachOverWidth * *options.radius : 0;
-  const PlaceGraph graph(mesh);
   CurvatureOptions through = options, given = options;
   through.offset = given.offset = given.refit_normal = false;
   std::vector<PrincipalCurvatures> result(mesh.size());

@@ -121,11 +121,10 @@ TEST(VertexCurvature, SeamsAreNoBorders) {
     soup.triangles.push_back({base, base + 1, base + 2});
   }
   const std::vector<PrincipalCurvatures> apart = curvatures_of(soup), together = curvatures_of(whole);
-  // But for the weights of triangles in the normals, from which the fit starts.
   for (std::size_t i = 0; i < whole.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_NEAR(apart[3 * i + k].k1, together[whole.triangles[i][k]].k1, 0.1);
-      EXPECT_NEAR(apart[3 * i + k].k2, together[whole.triangles[i][k]].k2, 0.1);
+      EXPECT_NEAR(apart[3 * i + k].k1, together[whole.triangles[i][k]].k1, 0.01);
+      EXPECT_NEAR(apart[3 * i + k].k2, together[whole.triangles[i][k]].k2, 0.01);
     }
 }
 
