@@ -394,7 +394,7 @@ struct Sized {
   std::function<std::string(std::size_t)> content;
 };
 
-std::string joined(std::size_t n, const std::function<std::string(std::size_t)>& row) {
+std::string rows_joined(std::size_t n, const std::function<std::string(std::size_t)>& row) {
   std::string all;
   for (std::size_t i = 0; i < n; ++i) all += row(i);
   return all;
@@ -417,19 +417,19 @@ std::vector<Sized> sized_files() {
   return {
       {"PlyText", "a.ply",
        [=](std::size_t n) {
-         return ply_header("ascii", "element vertex " + count(n) + "\n" + kXyz) + joined(n, line);
+         return ply_header("ascii", "element vertex " + count(n) + "\n" + kXyz) + rows_joined(n, line);
        }},
       {"Ply", "a.ply",
        [=](std::size_t n) {
-         return ply_header("binary_little_endian", "element vertex " + count(n) + "\n" + kXyz) + joined(n, place_bytes);
+         return ply_header("binary_little_endian", "element vertex " + count(n) + "\n" + kXyz) + rows_joined(n, place_bytes);
        }},
-      {"Table", "a.xyz", [=](std::size_t n) { return joined(n, line); }},
-      {"TableGzipped", "a.xyz.gz", [=](std::size_t n) { return deflated(joined(n, line), true); }},
-      {"Obj", "a.obj", [=](std::size_t n) { return joined(n, [&](std::size_t i) { return "v " + line(i); }); }},
-      {"Off", "a.off", [=](std::size_t n) { return "OFF\n" + count(n) + " 0 0\n" + joined(n, line); }},
+      {"Table", "a.xyz", [=](std::size_t n) { return rows_joined(n, line); }},
+      {"TableGzipped", "a.xyz.gz", [=](std::size_t n) { return deflated(rows_joined(n, line), true); }},
+      {"Obj", "a.obj", [=](std::size_t n) { return rows_joined(n, [&](std::size_t i) { return "v " + line(i); }); }},
+      {"Off", "a.off", [=](std::size_t n) { return "OFF\n" + count(n) + " 0 0\n" + rows_joined(n, line); }},
       {"Stl", "a.stl",
        [=](std::size_t n) {
-         return std::string(80, ' ') + ints({static_cast<std::int32_t>(n / 3)}) + joined(n / 3, [](std::size_t i) {
+         return std::string(80, ' ') + ints({static_cast<std::int32_t>(n / 3)}) + rows_joined(n / 3, [](std::size_t i) {
                   return std::string(12, '\0') + place_bytes(3 * i) + place_bytes(3 * i + 1) + place_bytes(3 * i + 2) +
                          std::string(2, '\0');
                 });
@@ -437,26 +437,26 @@ std::vector<Sized> sized_files() {
       {"PcdText", "a.pcd",
        [=](std::size_t n) {
          return "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + count(n) +
-                "\nHEIGHT 1\nPOINTS " + count(n) + "\nDATA ascii\n" + joined(n, line);
+                "\nHEIGHT 1\nPOINTS " + count(n) + "\nDATA ascii\n" + rows_joined(n, line);
        }},
       {"Vtp", "a.vtp",
        [=](std::size_t n) {
          return "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"" + count(n) +
-                "\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" + joined(n, line) +
+                "\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" + rows_joined(n, line) +
                 "</DataArray></Points></Piece></PolyData></VTKFile>";
        }},
       {"MetaImagePacked", "a.mha",
        [=](std::size_t n) {
          return "NDims = 3\nDimSize = " + count(n / 100) +
                 " 10 10\nElementType = MET_FLOAT\nCompressedData = True\nElementDataFile = LOCAL\n" +
-                deflated(joined(n / 100 * 100, [](std::size_t i) { return place_bytes(i).substr(0, 4); }), false);
+                deflated(rows_joined(n / 100 * 100, [](std::size_t i) { return place_bytes(i).substr(0, 4); }), false);
        }},
       {"NrrdText", "a.nrrd",
        [=](std::size_t n) {
          return "NRRD0004\ntype: float\ndimension: 3\nsizes: " + count(n / 100) + " 10 10\nencoding: text\n\n" +
-                joined(n / 100 * 100, [](std::size_t i) { return std::to_string(i * 7919 % 101) + "\n"; });
+                rows_joined(n / 100 * 100, [](std::size_t i) { return std::to_string(i * 7919 % 101) + "\n"; });
        }},
-      {"Tetgen", "a.node", [=](std::size_t n) { return count(n / 16) + " 3 0 0\n" + joined(n / 16, numbered); }},
+      {"Tetgen", "a.node", [=](std::size_t n) { return count(n / 16) + " 3 0 0\n" + rows_joined(n / 16, numbered); }},
   };
 }
 
