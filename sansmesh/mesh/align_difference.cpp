@@ -39,9 +39,12 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
   if (places.empty()) return {};
 
   const KdTree tree(places);
-  std::vector<double> differing(places.size());  // below 0: not told
+  struct Local {
+    double middle = 0, scatter = 0;  ///< medians of the heights and of their distances from it
+    std::size_t count = 0;           ///< 0: not told
+  };
+  std::vector<Local> locals(places.size());
   parallel_for(0, places.size(), 64, [&](std::size_t p) {
-    differing[p] = -1;
     Neighbour near[kMostNeighbours];
     const std::size_t found = tree.nearest(places[p], near);
     std::vector<double> heights;
@@ -49,21 +52,27 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
     for (std::size_t k = 0; k < found && static_cast<double>(near[k].squared_distance) <= spacing * spacing; ++k)
       heights.push_back(dot(offsets[of_place[near[k].index]].offset, normal));
     if (heights.size() < kFewestNeighbours) return;
-    const double middle = median(heights);
-    std::vector<double> scatter;
-    for (const double h : heights) scatter.push_back(std::abs(h - middle));
-    const double deviation = kDeviationOfMedians * kDeviationOfMedianOffset * median(scatter) /
-                             std::sqrt(static_cast<double>(heights.size()));
-    differing[p] = std::abs(middle) > std::max(least, kSurelyNoChance * deviation) ? std::abs(middle) : 0;
+    Local& local = locals[p];
+    local.count = heights.size();
+    local.middle = median(heights);
+    for (double& h : heights) h = std::abs(h - local.middle);
+    local.scatter = median(heights);
   });
-  std::size_t told = 0;
+  // A few heights may lie together by chance: nowhere is the noise taken to be less than it usually is.
+  std::vector<double> scatters;
+  for (const Local& local : locals)
+    if (local.count > 0) scatters.push_back(local.scatter);
+  if (scatters.empty()) return {};
+  const double told = static_cast<double>(scatters.size()), usual = median(scatters);
   std::vector<double> there;
-  for (const double d : differing) {
-    told += d >= 0;
-    if (d > 0) there.push_back(d);
+  for (const Local& local : locals) {
+    if (local.count == 0) continue;
+    const double deviation = kDeviationOfMedians * kDeviationOfMedianOffset * std::max(local.scatter, usual) /
+                             std::sqrt(static_cast<double>(local.count));
+    if (std::abs(local.middle) > std::max(least, kSurelyNoChance * deviation)) there.push_back(std::abs(local.middle));
   }
-  if (told == 0) return {};
-  return {static_cast<double>(there.size()) / static_cast<double>(told), median(there)};
+  const double share = static_cast<double>(there.size()) / told;
+  return {share, median(there)};
 }
 
 }  // namespace sansmesh::detail

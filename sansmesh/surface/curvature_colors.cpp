@@ -40,7 +40,8 @@ void CurvatureColorOptions::validate() const {
 }
 
 CurvatureColors::CurvatureColors(const PointSet& points, const CurvatureColorOptions& options, Progress& progress)
-    : CurvatureColors(points, estimate_curvatures(points, options.curvature, progress), options) {}
+    : CurvatureColors(points, estimate_curvatures(points, (options.validate(), options.curvature), progress), options) {
+}
 
 CurvatureColors::CurvatureColors(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
                                  const CurvatureColorOptions& options) {

@@ -236,14 +236,12 @@ TEST_F(Commands, NormalsPointOutward) {
 }
 
 TEST_F(Commands, NormalsSayWhereTheirSignsAreUncertain) {
-  // A flat ball whose sides are two noises apart.
-  PointSet flat = sphere(8000, 0.1);
-  for (Vec3f& p : flat.positions) p.z *= 0.15f;
-  flat.normals.clear();
-  write_points(path("flat.ply"), flat);
-  const Outcome outcome = run({"normals", "flat.ply", "-o", "out.ply"});
+  PointSet noisy = sphere(8000, 0.3);
+  noisy.normals.clear();
+  write_points(path("noisy.ply"), noisy);
+  const Outcome outcome = run({"normals", "noisy.ply", "-o", "out.ply"});
   EXPECT_NE(outcome.out.find("checked: orientation uncertain: "), std::string::npos) << outcome.out;
-  const Json json = Json::parse(run({"normals", "flat.ply", "-o", "out.ply", "--json"}).out);
+  const Json json = Json::parse(run({"normals", "noisy.ply", "-o", "out.ply", "--json"}).out);
   EXPECT_FALSE(json["oriented"]);
   EXPECT_FALSE(json["orientation"]["certain"]);
 }

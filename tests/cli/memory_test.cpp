@@ -421,7 +421,8 @@ std::vector<Sized> sized_files() {
        }},
       {"Ply", "a.ply",
        [=](std::size_t n) {
-         return ply_header("binary_little_endian", "element vertex " + count(n) + "\n" + kXyz) + rows_joined(n, place_bytes);
+         return ply_header("binary_little_endian", "element vertex " + count(n) + "\n" + kXyz) +
+                rows_joined(n, place_bytes);
        }},
       {"Table", "a.xyz", [=](std::size_t n) { return rows_joined(n, line); }},
       {"TableGzipped", "a.xyz.gz", [=](std::size_t n) { return deflated(rows_joined(n, line), true); }},
@@ -442,8 +443,8 @@ std::vector<Sized> sized_files() {
       {"Vtp", "a.vtp",
        [=](std::size_t n) {
          return "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"" + count(n) +
-                "\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" + rows_joined(n, line) +
-                "</DataArray></Points></Piece></PolyData></VTKFile>";
+                "\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" +
+                rows_joined(n, line) + "</DataArray></Points></Piece></PolyData></VTKFile>";
        }},
       {"MetaImagePacked", "a.mha",
        [=](std::size_t n) {

@@ -165,8 +165,11 @@ TEST(SurfaceMesh, OfAThinPlateHasBothSides) {
     area += 0.5 * norm(cross(Vec3(mesh.vertices[t[1]] - mesh.vertices[t[0]]),
                              Vec3(mesh.vertices[t[2]] - mesh.vertices[t[0]])));
   EXPECT_NEAR(area, 4, 0.15);
+  // Beyond the samples the two sides meet in a rim.
+  const auto beside = [](float c, float size) { return std::min(c, size - c) < 0; };
   for (const Vec3f& v : mesh.vertices)
-    ASSERT_LT(std::min(std::abs(v.z), std::abs(v.z - static_cast<float>(thick))), 0.2f * static_cast<float>(thick));
+    if (!beside(v.x, 2) && !beside(v.y, 1))
+      ASSERT_LT(std::min(std::abs(v.z), std::abs(v.z - static_cast<float>(thick))), 0.2f * static_cast<float>(thick));
 }
 
 // A hole of eight spacings in a solid is closed, in an open sheet it is not.
