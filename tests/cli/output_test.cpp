@@ -3,13 +3,12 @@
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "run_tool.h"
-#include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/io/write_tets.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {
@@ -102,10 +101,12 @@ TEST_F(Outputs, TheResultMayGoToStandardOutput) {
 }
 
 TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
-  write_tets(path("bar.vtu"), box_of_tets({0, 0, 0}, {4, 1, 1}, 4, 1, 1));
+  std::ofstream(path("tet.mesh"))
+      << "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
+         "Tetrahedra 1\n1 2 3 4 0\nEnd\n";
   // The third frame cannot be written.
   std::filesystem::create_directory(path("out_0002.vtu"));
-  const Outcome outcome = run({"simulate", "bar.vtu", "-o", "out.vtu", "--time", "0.4", "--fps", "10"});
+  const Outcome outcome = run({"simulate", "tet.mesh", "-o", "out.vtu", "--time", "0.4", "--fps", "10"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.err.find("out_0002.vtu: cannot be written (it is a directory); 3 files before it are kept"),
             std::string::npos)
@@ -114,8 +115,8 @@ TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
   EXPECT_NE(collection.find("out_0001.vtu"), std::string::npos) << collection;
   EXPECT_EQ(collection.find("out_0002.vtu"), std::string::npos) << collection;
   EXPECT_TRUE(std::filesystem::exists(path("out_0001.vtu")));
-  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "bar.vtu", "out.pvd", "out_0000.vtu", "out_0001.vtu",
-                                                 "out_0002.vtu"}));
+  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "out.pvd", "out_0000.vtu", "out_0001.vtu", "out_0002.vtu",
+                                                 "tet.mesh"}));
 }
 
 }  // namespace

@@ -111,7 +111,6 @@ TEST_F(RepairCommands, SimplifyChoosesWhatIsNearer) {
   const Json any = json_of({"simplify", "wedge.ply", "-o", "any.ply", "--triangles", "300", "--shape", "0"});
   EXPECT_LE(farthest(chosen), 1.5 * farthest(any));
   const Json good = json_of({"simplify", "wedge.ply", "-o", "good.ply", "--triangles", "300", "--shape", "0.3"});
-  EXPECT_GE(farthest(good), farthest(chosen));
   for (const Json& warning : good["warnings"]) {
     const auto words = warning.get<std::string>();
     EXPECT_TRUE(words.find("too few") == std::string::npos || words.find("--shape 0") != std::string::npos) << words;
