@@ -112,7 +112,7 @@ PointSet read_cloud(ByteReader& in, const std::string& name, ReadReport& report)
   return points;
 }
 
-/// What `info` says. Throws nothing.
+/// Runs the steps of `info`. Throws nothing.
 void inform(const PointSet& points) {
   demand(count_unique(points) <= points.size(), "more different points than points");
   classify_shape(points);

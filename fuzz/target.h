@@ -120,7 +120,7 @@ class ByteReader {
   std::size_t left_;
 };
 
-/// Of a cloud or mesh as readers make them.
+/// Checks a cloud or mesh as readers make them.
 inline void check_points(const PointSet& p) {
   const std::size_t n = p.size();
   const auto fits = [n](std::size_t size) { return size == 0 || size == n; };

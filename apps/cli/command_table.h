@@ -7,7 +7,7 @@
 
 namespace sansmesh::cli {
 
-/// What every command can be told.
+/// Options that every command has.
 struct CommonArguments {
   ConsoleOptions console;
   int threads = 0;

@@ -48,7 +48,7 @@ std::string Console::rescue_frames() {
   return fmt::format("; {} before it {}", counted(kept, "file"), kept == 1 ? "is kept" : "are kept");
 }
 
-/// Where standard output is a file of the command, other words would spoil it.
+/// Other words would spoil standard output that is a file of the command.
 void Console::show(std::string text) {
   if (text.empty()) return;
   clear();

@@ -82,7 +82,7 @@ std::string with_similar_file(const FileError& error, const CommandLine& command
   return message;
 }
 
-/// What other libraries throw, in our words.
+/// Message for an exception of another library, in our words.
 std::string words_of(const std::exception& error) {
   if (dynamic_cast<const Error*>(&error)) return error.what();
   if (dynamic_cast<const std::bad_alloc*>(&error) || dynamic_cast<const std::length_error*>(&error))

@@ -11,7 +11,7 @@
 
 namespace sansmesh::cli {
 
-/// What pictures need, opened and checked before anything moves.
+/// Inputs of the pictures, opened and checked before anything moves.
 struct PicturesToDraw {
   std::optional<MotionPictures> pictures;
   std::optional<Animation> animation;

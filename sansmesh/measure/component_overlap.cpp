@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/self_intersections.h"
 #include "sansmesh/search/ball_tree.h"
@@ -56,7 +57,7 @@ std::vector<Vec3f> centroids_of(const TriangleMesh& mesh, std::vector<float>& ra
   return centers;
 }
 
-/// Closed components that another one may surround: nothing to ask where there is one alone.
+/// Fills in ComponentOverlap::surrounding. A single closed component has no others around it.
 void find_surrounding(const TriangleMesh& mesh, std::span<const std::uint32_t> component,
                       std::span<const std::uint8_t> closed, std::vector<int>& surrounding) {
   if (std::count(closed.begin(), closed.end(), 1) < 2) return;
@@ -90,9 +91,7 @@ void find_surrounding(const TriangleMesh& mesh, std::span<const std::uint32_t> c
       }
       windings.push_back(winding);
     }
-    const auto middle = windings.begin() + static_cast<std::ptrdiff_t>(windings.size() / 2);
-    std::nth_element(windings.begin(), middle, windings.end());
-    surrounding[c] = *middle;
+    surrounding[c] = median(windings);
   });
 }
 
