@@ -49,7 +49,7 @@ std::string Console::rescue_frames() {
 }
 
 /// Other words would spoil standard output that is a file of the command.
-void Console::show(std::string text) {
+void Console::show(const std::string& text) {
   if (text.empty()) return;
   clear();
   if (outputs_.used_standard_output())

@@ -59,7 +59,7 @@ class Console {
 
  private:
   void warn_line(const std::string& line);
-  void show(std::string text);
+  void show(const std::string& text);
   void draw(const std::string& stage, double fraction);
   void clear();
 

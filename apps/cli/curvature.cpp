@@ -72,17 +72,15 @@ CurvedInput curvatures_of(PointSet given, const CurvatureArguments& arguments, C
   const bool is_mesh = !given.triangles.empty();
   const char* const kRow = "row of the file";
   CloudUse use;
-  PointSet samples;
+  PointSet mesh;
   if (is_mesh) {
     use.faces = FaceUse::vertices;
-    samples = given;
+    mesh = given;
     std::vector<std::uint32_t> rows(given.size());
     std::iota(rows.begin(), rows.end(), 0u);
-    samples.attributes.set(kRow, std::move(rows));
-  } else {
-    samples = std::move(given);
+    given.attributes.set(kRow, std::move(rows));
   }
-  PreparedCloud cloud = prepare_cloud(std::move(samples), use, progress);
+  PreparedCloud cloud = prepare_cloud(std::move(given), use, progress);
   console.warn(arguments.input.name(), cloud.warnings);
   CurvatureOptions options = arguments.options;
   // Known unless normals are taken as given.
@@ -101,14 +99,14 @@ CurvedInput curvatures_of(PointSet given, const CurvatureArguments& arguments, C
     return made;
   }
   const std::vector<PrincipalCurvatures> found = std::exchange(made.curvatures, {});
-  made.curvatures.resize(given.size());
-  given.normals.resize(given.size());
+  made.curvatures.resize(mesh.size());
+  mesh.normals.resize(mesh.size());
   const std::vector<std::uint32_t>& rows = *cloud.points.attributes.find<std::uint32_t>(kRow);
   for (std::size_t i = 0; i < found.size(); ++i) {
     made.curvatures[rows[i]] = found[i];
-    given.normals[rows[i]] = cloud.points.normals[i];
+    mesh.normals[rows[i]] = cloud.points.normals[i];
   }
-  made.points = std::move(given);
+  made.points = std::move(mesh);
   return made;
 }
 

@@ -73,9 +73,10 @@ std::string far_off_words(const SimplifyArguments& a, const Simplified& made) {
   if (a.error) remedy = "";
   if (a.shape.value_or(0) > 0) remedy = "; --shape 0 makes thinner ones, which may come nearer";
   const SurfaceDistance& d = made.distance;
-  return fmt::format("up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} are too few for all of its shape{}",
+  return fmt::format("up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} {} too few for all of its shape{}",
                      length(made.farthest()), d.percent(made.farthest()), d.percent(made.rms()),
-                     counted(made.mesh.triangles.size(), "triangle"), remedy);
+                     counted(made.mesh.triangles.size(), "triangle"), made.mesh.triangles.size() == 1 ? "is" : "are",
+                     remedy);
 }
 
 /// `first_farthest`: how far off the best shapes were.

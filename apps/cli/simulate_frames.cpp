@@ -15,6 +15,7 @@ namespace {
 std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, Console& console) {
   std::vector<std::string> files;
   std::vector<TimedFile> series;
+  series.reserve(motion.frames());
   for (std::size_t k = 0; k < motion.frames(); ++k)
     series.push_back({motion.time(k), std::filesystem::path(motion_frame_name(output, k)).filename().string()});
   // First of all, so that there is room for it when the disk is full.

@@ -32,7 +32,7 @@ constexpr Whole index_in(Real x, std::type_identity_t<Whole> first, std::type_id
 template <class Whole, class Real>
 constexpr Whole whole_part(Real x) {
   using Limits = std::numeric_limits<Whole>;
-  return x == x ? index_in<Whole>(x, Limits::min(), Limits::max()) : Whole{0};
+  return x < 0 ? index_in<Whole>(x, Limits::min(), 0) : index_in<Whole>(x, 0, Limits::max());
 }
 
 }  // namespace sansmesh

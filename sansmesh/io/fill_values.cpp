@@ -292,6 +292,7 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
     }
   }
   std::vector<std::string> lines;
+  lines.reserve(occurrences.size());
   for (const Occurrence& o : occurrences) lines.push_back(line_of(o));
   for (const double v : options.values)
     if (std::none_of(occurrences.begin(), occurrences.end(),

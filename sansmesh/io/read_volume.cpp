@@ -4,11 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/length_limits.h"
+#include "sansmesh/data/grid_limits.h"
 #include "sansmesh/io/adf_size.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/names.h"
@@ -302,47 +300,12 @@ void check_points(const std::string& file, const GridData& data) {
   throw FileError(file, "holds no points");
 }
 
-/// Corners of a lattice, or all points that are finite.
-Box3 box_of(const GridBlock& block) {
-  Box3 box;
-  for (const Vec3& p : block.points)
-    if (is_finite(p)) box.extend(p);
-  if (block.kind != GridKind::lattice) return box;
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    Vec3 p = block.origin;
-    for (std::size_t k = 0; k < 3; ++k)
-      if (!block.axes[k].empty())
-        p += block.directions[k] * (corner >> k & 1 ? block.axes[k].back() : block.axes[k].front());
-    box.extend(p);
-  }
-  return box;
-}
-
-/// Some of what is made of a volume is computed in float, in a unit that suits it: the unit itself has to fit, too.
-void check_size(const std::string& file, const GridData& data) {
-  Box3 box;
-  for (const GridBlock& block : data.blocks) box.extend(box_of(block));
-  if (box.empty()) return;
-  const Vec3 size = box.size();
-  const double extent = std::max({size.x, size.y, size.z});
-  double farthest = 0;
-  for (std::size_t k = 0; k < 3; ++k) farthest = std::max({farthest, std::abs(box.lower[k]), std::abs(box.upper[k])});
-  if (!(farthest <= kLargestOfVolume))
-    throw FileError(file, fmt::format("reaches to {:.3g}, and coordinates up to {:g} are supported: write them in a "
-                                      "larger unit",
-                                      farthest, kLargestOfVolume));
-  if (extent > 0 && extent < kSmallestOfVolume)
-    throw FileError(file, fmt::format("extends over {:.3g} only, and {:g} is needed: write its coordinates in a "
-                                      "smaller unit",
-                                      extent, kSmallestOfVolume));
-}
-
 /// The volume as the file has it, fill values and all.
 GridData read_whole(const std::string& file, const VolumeReadOptions& options, ReadReport& r) {
   r = {};
   GridData data = read_any_volume(file, options, r, false);
   check_points(file, data);
-  check_size(file, data);
+  if (const std::string cause = out_of_limits(data); !cause.empty()) throw FileError(file, cause);
   data.notes.insert(data.notes.end(), r.warnings.begin(), r.warnings.end());
   r.format = data.format;
   return data;

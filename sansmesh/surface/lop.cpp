@@ -33,40 +33,58 @@ constexpr std::size_t kAreaNeighbours = 12;
 /// A sample that seems to stand for more than this many times the area that those around it do is off the surface.
 constexpr float kMostArea = 2;
 constexpr std::size_t kTableSize = 2048;
+/// A heap: more samples than `kHeap` in a cube of this many h. Ordinary clouds have none.
+constexpr double kHeapSize = 1.0 / 1024;
+constexpr std::size_t kHeap = kAreaNeighbours + 1;
+constexpr std::size_t kMostListed = std::size_t{1} << 26;  ///< neighbours in lists (256 MiB); more are looked up
 
 /// Uniform in (0, 1).
 double uniform(std::uint64_t seed, std::uint64_t i) {
   return (static_cast<double>(scrambled(scrambled(seed) ^ i) >> 11) + 0.5) * 0x1p-53;
 }
 
-/// Neighbours of each of many points, one after another in one array.
-struct Lists {
-  std::vector<std::size_t> first;
-  std::vector<std::uint32_t> index;
-  std::span<const std::uint32_t> of(std::size_t i) const { return {index.data() + first[i], first[i + 1] - first[i]}; }
-};
-
-Lists neighbour_lists(const KdTree& tree, std::span<const Vec3> x, float radius) {
-  const std::size_t chunks = (x.size() + kGrain - 1) / kGrain;
-  std::vector<std::vector<std::uint32_t>> parts(chunks);
-  Lists lists;
-  lists.first.assign(x.size() + 1, 0);
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    std::vector<Neighbour> found;
-    for (std::size_t i = c * kGrain; i < std::min(x.size(), (c + 1) * kGrain); ++i) {
-      tree.within_by_slot(Vec3f(x[i]), radius, found);
-      for (const Neighbour& n : found) parts[c].push_back(n.index);
-      lists.first[i + 1] = found.size();
+/// Neighbours of each of many points within a radius: one after another in one array, or looked up where those are
+/// more than memory should hold.
+class Lists {
+ public:
+  Lists() = default;
+  Lists(const KdTree& tree, std::span<const Vec3> x, float radius) : tree_(&tree), radius_(radius) {
+    first_.assign(x.size() + 1, 0);
+    parallel_for(0, x.size(), kGrain, [&](std::size_t i) { first_[i + 1] = tree.count_within(Vec3f(x[i]), radius); });
+    for (std::size_t i = 0; i < x.size(); ++i) first_[i + 1] += first_[i];
+    if (first_.back() > kMostListed) {
+      places_.assign(x.begin(), x.end());
+      return;
     }
-  });
-  for (std::size_t i = 0; i < x.size(); ++i) lists.first[i + 1] += lists.first[i];
-  lists.index.resize(lists.first.back());
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    std::copy(parts[c].begin(), parts[c].end(),
-              lists.index.begin() + static_cast<std::ptrdiff_t>(lists.first[c * kGrain]));
-  });
-  return lists;
-}
+    index_.resize(first_.back());
+    parallel_ranges(0, x.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<Neighbour> found;
+      for (std::size_t i = begin; i < end; ++i) {
+        tree.within_by_slot(Vec3f(x[i]), radius, found);
+        for (std::size_t k = 0; k < found.size(); ++k) index_[first_[i] + k] = found[k].index;
+      }
+    });
+  }
+
+  /// Calls visit(j) for each neighbour j of point i.
+  template <class Visit>
+  void each(std::size_t i, const Visit& visit) const {
+    if (places_.empty()) {
+      for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) visit(index_[k]);
+      return;
+    }
+    std::vector<Neighbour> found;
+    tree_->within_by_slot(Vec3f(places_[i]), radius_, found);
+    for (const Neighbour& n : found) visit(n.index);
+  }
+
+ private:
+  const KdTree* tree_ = nullptr;
+  float radius_ = 0;
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> index_;
+  std::vector<Vec3> places_;  ///< where neighbours are looked up
+};
 
 /// A function of the squared distance up to a radius, between values at even steps: no roots, no exponentials, and the
 /// same bits everywhere.
@@ -183,21 +201,67 @@ class Consolidation {
       x_.push_back(x);
     }
     spacing_ = std::sqrt(total / static_cast<double>(wanted));
-    if (options_.radius) {
-      h_ = *options_.radius;
-      return;
-    }
+    h_ = options_.radius ? *options_.radius : default_radius(points, std::move(inliers));
+    merge_heaps(raw);
+  }
+
+  /// `areas`: those that the samples on the surface stand for.
+  double default_radius(const PointSet& points, std::vector<float> areas) const {
     double sparse = 0;
-    if (!inliers.empty()) {
-      const auto at = inliers.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(inliers.size() - 1));
-      std::nth_element(inliers.begin(), at, inliers.end());
+    if (!areas.empty()) {
+      const auto at = areas.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(areas.size() - 1));
+      std::nth_element(areas.begin(), at, areas.end());
       sparse = std::sqrt(static_cast<double>(*at));
     }
     // Wide enough for a few points of the result and a few samples even where they are sparse, and for noise to be
     // averaged over more than its own size.
     const double noise = estimate_noise(points);
-    h_ = 4 * std::max({1.2 * spacing_, (noise > 0.1 * sparse ? 1.8 : 1.2) * sparse, 2.5 * noise});
-    if (!(h_ > 0)) h_ = 1;
+    const double h = 4 * std::max({1.2 * spacing_, (noise > 0.1 * sparse ? 1.8 : 1.2) * sparse, 2.5 * noise});
+    return h > 0 ? h : 1;
+  }
+
+  /// The samples of a heap become one that counts as many: each of them would be a neighbour of all others. `raw`: the
+  /// area that each sample stands for.
+  void merge_heaps(std::span<const float> raw) {
+    const std::size_t n = samples_.size();
+    count_.assign(n, 1);
+    const double edge = kHeapSize * h_, most = 3.2 * 3 * edge * edge / kAreaNeighbours;
+    using Cube = std::array<double, 3>;
+    std::vector<std::pair<Cube, std::uint32_t>> close;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (static_cast<double>(raw[i]) > most) continue;
+      const Vec3 at = Vec3(samples_[i]) / edge;
+      close.push_back({{std::floor(at.x), std::floor(at.y), std::floor(at.z)}, i});
+    }
+    if (close.size() <= kHeap) return;
+    std::sort(close.begin(), close.end());
+    bool any = false;
+    for (std::size_t begin = 0, end = 0; begin < close.size(); begin = end) {
+      while (end < close.size() && close[end].first == close[begin].first) ++end;
+      if (end - begin <= kHeap) continue;
+      any = true;
+      Vec3 sum;
+      std::uint8_t outliers = 1;  // only if all are
+      for (std::size_t k = begin; k < end; ++k) {
+        const std::uint32_t i = close[k].second;
+        sum += Vec3(samples_[i]);
+        count_[i] = 0;
+        outliers &= outlier_[i];
+      }
+      const std::uint32_t kept = close[begin].second;
+      count_[kept] = static_cast<double>(end - begin);
+      samples_[kept] = Vec3f(sum / count_[kept]);
+      outlier_[kept] = outliers;
+    }
+    if (!any) return;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!(count_[i] > 0)) continue;
+      samples_[left] = samples_[i], outlier_[left] = outlier_[i], count_[left] = count_[i];
+      ++left;
+    }
+    samples_.resize(left), outlier_.resize(left), count_.resize(left);
+    tree_ = KdTree(samples_);
   }
 
   /// 1 / v_j: samples that stand close together have less weight each. That is for the density along the surface: what
@@ -206,7 +270,7 @@ class Consolidation {
   void weigh_samples() {
     const std::size_t n = samples_.size();
     weights_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) weights_[i] = outlier_[i] ? 0 : 1;
+    for (std::size_t i = 0; i < n; ++i) weights_[i] = outlier_[i] ? 0 : count_[i];
     if (!options_.weighted) return;
     std::vector<double> density(n);
     const auto over_neighbours = [&](const auto& visit) {
@@ -222,11 +286,11 @@ class Consolidation {
       return theta_(std::min(static_cast<double>(j.squared_distance), theta_.end()));
     };
     over_neighbours([&](std::size_t i, std::span<const Neighbour> found) {
-      for (const Neighbour& j : found) density[i] += theta(j);  // the sample itself is the 1 in 1 + Σ
+      for (const Neighbour& j : found) density[i] += count_[j.index] * theta(j);  // the sample itself is the 1 in 1 + Σ
     });
     over_neighbours([&](std::size_t i, std::span<const Neighbour> found) {
       double sum = 0;
-      for (const Neighbour& j : found) sum += theta(j) * density[j.index];
+      for (const Neighbour& j : found) sum += count_[j.index] * theta(j) * density[j.index];
       weights_[i] /= std::max(density[i], sum / density[i]);
     });
   }
@@ -235,9 +299,9 @@ class Consolidation {
   double step() {
     if (listed_.empty() || drift_ > 0.5 * kMargin * h_) {
       const auto reach = static_cast<float>((kReachOfTheta + kMargin) * h_);
-      near_samples_ = neighbour_lists(tree_, x_, reach);
-      std::vector<Vec3f> positions = result();
-      near_points_ = neighbour_lists(KdTree(positions), x_, reach);
+      near_samples_ = Lists(tree_, x_, reach);
+      points_tree_ = KdTree(result());
+      near_points_ = Lists(points_tree_, x_, reach);
       drift_ = 0;
       listed_ = x_;
     }
@@ -246,9 +310,10 @@ class Consolidation {
     if (options_.weighted)
       parallel_for(0, n, kGrain, [&](std::size_t i) {
         double crowd = 1;
-        for (const std::uint32_t j : near_points_.of(i))
+        near_points_.each(i, [&](std::uint32_t j) {
           if (const double squared = squared_norm(x_[i] - x_[j]); j != i && squared <= theta_.end())
             crowd += theta_(squared);
+        });
         crowd_[i] = crowd;
       });
     next_.resize(n);
@@ -256,30 +321,30 @@ class Consolidation {
       Vec3 attraction;
       Symmetric3 spread;
       double total = 0;
-      for (const std::uint32_t j : near_samples_.of(i)) {
+      near_samples_.each(i, [&](std::uint32_t j) {
         const Vec3 d = Vec3(samples_[j]) - x_[i];
         const double squared = squared_norm(d);
-        if (squared > attraction_.end()) continue;
+        if (squared > attraction_.end()) return;
         const double w = attraction_(squared) * weights_[j];
         attraction += d * w;
         spread.add(d, w);
         total += w;
-      }
+      });
       next_[i] = x_[i];
       if (!(total > 0)) return;
       next_[i] += attraction / total;
       Vec3 repulsion;
       double pushed = 0;
-      for (const std::uint32_t j : near_points_.of(i)) {
-        if (j == i) continue;
+      near_points_.each(i, [&](std::uint32_t j) {
+        if (j == i) return;
         Vec3 d = x_[i] - x_[j];
         if (squared_norm(d) < 1e-12 * h_ * h_) d = apart(i, j) * (1e-6 * h_);
         const double squared = squared_norm(d);
-        if (squared > repulsion_.end()) continue;
+        if (squared > repulsion_.end()) return;
         const double w = crowd_[j] * repulsion_(squared) / std::sqrt(squared);
         repulsion += d * w;
         pushed += w;
-      }
+      });
       if (!(pushed > 0)) return;
       repulsion = repulsion * (options_.repulsion / pushed);
       // Only along the surface: across it, repulsion makes the remaining noise 1 / (1 − μ) times larger.
@@ -318,7 +383,8 @@ class Consolidation {
 
   LopOptions options_;
   std::vector<Vec3f> samples_;
-  KdTree tree_;
+  std::vector<double> count_;  ///< of the input's samples that each stands for
+  KdTree tree_, points_tree_;
   std::vector<std::uint8_t> outlier_;
   RadialTable theta_, attraction_, repulsion_;
   std::vector<double> weights_, crowd_;

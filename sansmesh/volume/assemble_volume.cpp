@@ -12,6 +12,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/grid_limits.h"
 #include "sansmesh/volume/block_order.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_finder.h"
@@ -418,6 +419,7 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   const bool in_cells = association == Association::cells;
   progress.begin("assembling the volume", 5);
   if (data.blocks.empty()) throw DataError("there are no points");
+  if (const std::string cause = out_of_limits(data); !cause.empty()) throw DataError(cause);
   if (stays_lattice(data)) {
     SampledVolume volume = lattice_volume(data.blocks[0], in_cells);
     check_arrays(data, volume);

@@ -173,8 +173,9 @@ TEST_F(SurfaceCommands, CurvatureOfFewOrFlatVertices) {
   EXPECT_EQ(json_of({"curvature", "tetrahedron.ply", "-o", "c.ply"})["input"]["points"], 4);
   TriangleMesh flat;
   for (std::uint32_t v = 0; v < 36; ++v) {
-    flat.vertices.push_back({float(v % 6), float(v / 6), 0});
-    if (v % 6 == 5 || v / 6 == 5) continue;
+    const std::uint32_t column = v % 6, row = v / 6;
+    flat.vertices.push_back({static_cast<float>(column), static_cast<float>(row), 0});
+    if (column == 5 || row == 5) continue;
     flat.triangles.push_back({v, v + 1, v + 7});
     flat.triangles.push_back({v, v + 7, v + 6});
   }

@@ -352,7 +352,7 @@ OracleAt oracle_at(const std::vector<Handle>& handles, const Vec3& x) {
     b += (eigen(h.p) - o.mean_p) * (eigen(h.q) - o.mean_q).transpose() / squared_norm(h.q - x);
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(b, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Vector3d values = svd.singularValues();
+  const Eigen::Vector3d& values = svd.singularValues();
   o.image = o.mean_p + svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose() *
                            (eigen(x) - o.mean_q);
   o.certainty = (values[1] + sign * values[2]) / values[0];

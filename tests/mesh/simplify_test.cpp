@@ -169,6 +169,21 @@ TEST(Simplify, HubsOfManySpokesAreNoTrouble) {
   EXPECT_LT(distance(few, ball).from_reference.mean, 2e-2);
 }
 
+TEST(Simplify, TheHubOfADiscGoesOnceItHasFewSpokes) {
+  TriangleMesh disc;
+  constexpr std::uint32_t n = 40;
+  disc.vertices.push_back({});
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const double turn = 2 * std::numbers::pi * k / n;
+    disc.vertices.push_back(Vec3f(Vec3{std::cos(turn), std::sin(turn), 0}));
+    disc.triangles.push_back({0, 1 + k, 1 + (k + 1) % n});
+  }
+  const TriangleMesh few = simplified(disc, 1e-3, 8);
+  EXPECT_EQ(few.triangles.size(), 8u);
+  EXPECT_EQ(few.vertices.size(), 10u);  // all on the rim
+  for (const Vec3f& v : few.vertices) EXPECT_NEAR(norm(v), 1, 0.1);
+}
+
 TEST(Simplify, BordersStayWithinTheError) {
   TriangleMesh open = test::octasphere(5);
   std::erase_if(open.triangles, [&](const Triangle& t) { return open.vertices[t[0]][2] > 0.5f; });

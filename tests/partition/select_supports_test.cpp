@@ -41,7 +41,8 @@ TEST(SelectSupports, EveryCriterionAndAllTogether) {
   std::size_t some = 0;
   for (int round = 0; round < 400; ++round) {
     // The first rounds use one criterion each, the rest a random few.
-    const unsigned use = round < 80 ? 1u << (round % 8) : random() & random() & 255u;
+    const unsigned some_of_all = random(), few = some_of_all & random();
+    const unsigned use = round < 80 ? 1u << (round % 8) : few & 255u;
     SupportQuery q;
     if (use & 1) q.ball = {place(), 0.8f * std::abs(uniform(random))};
     if (use & 2) {

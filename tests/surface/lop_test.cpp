@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <numbers>
 
@@ -138,6 +139,22 @@ TEST(Lop, CanGiveMorePointsThanSamples) {
   EXPECT_EQ(result.size(), 6000u);
   EXPECT_LT(distances(result).back(), 0.01);
   EXPECT_LT(unevenness(result.positions), 1.15 * kRandom);  // no worse than random, up to chance
+}
+
+TEST(Lop, HeapsOfSamplesCostLittle) {
+  // Each sample of the heap has all others as neighbours: 10¹⁰ pairs.
+  PointSet sphere = sample_sphere(4000, 1, 0, 1);
+  const Vec3f heap = sphere.positions[0];
+  for (int i = 0; i < 100000; ++i)
+    sphere.positions.push_back(heap + Vec3f{1e-7f * static_cast<float>(i % 5), 1e-7f * static_cast<float>(i % 7), 0});
+  LopOptions options;
+  options.points = 2000;
+  options.normals = false;
+  const std::clock_t before = std::clock();
+  const PointSet result = run(sphere, options);
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 15);
+  EXPECT_LT(distances(result).back(), 0.02);
+  EXPECT_LT(unevenness(result.positions), 0.5 * kRandom);
 }
 
 TEST(Lop, SurvivesDegenerateInput) {

@@ -588,6 +588,15 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   GridData flat = bent_grid({3, 3, 3}, linear_function);
   for (Vec3& p : flat.blocks[0].points) p.z = 0;
   EXPECT_TRUE(refused(flat));
+  for (const double scale : {1e38, 1e-40}) {
+    GridData extreme = bent_grid({3, 3, 3}, linear_function);
+    for (Vec3& p : extreme.blocks[0].points) p = p * scale;
+    EXPECT_TRUE(refused(extreme));
+    GridData lattice = one_block(lattice_block({3, 3, 3}), linear_function);
+    for (std::vector<double>& axis : lattice.blocks[0].axes)
+      for (double& x : axis) x *= scale;
+    EXPECT_TRUE(refused(lattice));
+  }
   GridData hidden = bent_grid({3, 3, 3}, linear_function);
   hidden.blocks[0].hidden_cells.assign(8, 1);
   EXPECT_TRUE(refused(hidden));
