@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "cloud_input.h"
@@ -21,8 +22,24 @@ namespace {
 struct EvaluateArguments {
   std::string surface;
   CloudInput reference;  ///< without files: none
-  std::size_t samples = 300000;
+  std::optional<std::size_t> samples;
 };
+
+constexpr std::size_t kSamples = 300'000, kSamplesOfOthers = 5'000;
+constexpr double kOtherUnit = 100;  ///< surfaces that differ in size by more than this are not of the same thing
+
+/// As many as asked for. From the middle of a much larger surface all of it is about as near, so that each sample there
+/// costs as much as all of its triangles: a few tell as much.
+std::size_t samples_of(const EvaluateArguments& a, const TriangleMesh& surface, const TriangleMesh& reference,
+                       Console& console) {
+  const double own = bounds(surface).diagonal(), other = bounds(reference).diagonal();
+  const bool larger = own > other;
+  const double ratio = larger ? own / other : other / own;
+  if (!(ratio > kOtherUnit) || !std::isfinite(ratio)) return a.samples.value_or(kSamples);
+  console.warn(a.surface, {fmt::format("{:.4g} times as {} as the reference: are both in the same unit?", ratio,
+                                       larger ? "large" : "small")});
+  return a.samples.value_or(kSamplesOfOthers);
+}
 
 Json to_json(const OneWayDistance& d) {
   return {{"samples", d.samples},
@@ -120,7 +137,7 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   }
   if (!arguments.reference.files.empty()) {
     DistanceOptions options;
-    options.samples = arguments.samples;
+    options.samples = samples_of(arguments, surface, reference, console);
     const SurfaceDistance d = measure_distance(surface, reference, options, progress);
     say_distance("to reference", d.to_reference, d, console);
     say_distance("from reference", d.from_reference, d, console);
@@ -130,7 +147,7 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["to_reference"] = to_json(d.to_reference);
     json["from_reference"] = to_json(d.from_reference);
     if (samples.size() > 0) {
-      const MeshCoverage c = measure_coverage(surface, samples, arguments.samples, progress);
+      const MeshCoverage c = measure_coverage(surface, samples, options.samples, progress);
       say_coverage(c, console);
       json["coverage"] = {
           {"spacing", c.spacing}, {"noise", c.noise}, {"lost", to_json(c.lost)}, {"invented", to_json(c.invented)}};

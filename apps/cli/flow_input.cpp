@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <set>
 #include <utility>
 
@@ -83,16 +85,48 @@ std::uint64_t usual_memory() {
   return whole_part<std::uint64_t>(most / 4);
 }
 
+/// "step 3: this; 2 more steps have something of the kind".
+class StepNotes {
+ public:
+  explicit StepNotes(std::vector<std::string> first) : first_(std::move(first)) {}
+
+  /// Those of a step that the first has not. From any thread; the last for a step counts.
+  void add(std::size_t step, const std::string& name, const std::vector<std::string>& notes) {
+    std::string more;
+    for (const std::string& note : notes)
+      if (std::find(first_.begin(), first_.end(), note) == first_.end()) more += (more.empty() ? "" : "; ") + note;
+    if (more.empty()) return;
+    const std::scoped_lock lock(mutex_);
+    of_step_[step] = name + more;
+  }
+  std::vector<std::string> lines() const {
+    const std::scoped_lock lock(mutex_);
+    if (of_step_.empty()) return {};
+    std::string line = of_step_.begin()->second;
+    if (const std::size_t more = of_step_.size() - 1; more > 0)
+      line += fmt::format("; {} {} something of the kind", counted(more, "more step"), more == 1 ? "has" : "have");
+    return {line};
+  }
+
+ private:
+  std::vector<std::string> first_;
+  mutable std::mutex mutex_;
+  std::map<std::size_t, std::string> of_step_;
+};
+
 /// The steps of a series, read one at a time.
 class StepReader {
  public:
   StepReader(VolumeInput input, DatasetArray array, ArrayChoice choice, const ReconstructionOptions& method,
-             FlowStep first)
-      : input_(std::move(input)),
+             FlowStep first, std::vector<std::string> first_notes)
+      : notes(std::move(first_notes)),
+        input_(std::move(input)),
         array_(std::move(array)),
         choice_(std::move(choice)),
         method_(method),
         first_(std::move(first)) {}
+
+  StepNotes notes;
 
   FlowStep read(std::size_t i) {
     if (i == 0 && first_.field) return std::exchange(first_, {});
@@ -105,6 +139,7 @@ class StepReader {
     try {
       GridData data = read_volumes({file}, options);
       keep_array(data, file, step);
+      notes.add(i, files ? fmt::format("{}: ", printable(file, 200)) : step, data.notes);
       VolumeDataset dataset(std::move(data));
       check_speeds(dataset.array(choice_.array));
       ReconstructionReport report;
@@ -260,7 +295,8 @@ void OpenFlow::open_series(Console& console) {
   step.bytes = volume.report().bytes;
   name_ = fmt::format("{} of {}, {} steps", choice_.array, given.name(), times.size());
   const auto reader = std::make_shared<StepReader>(given, volume.dataset().array(choice_.array), choice_,
-                                                   volume.report().options, std::move(step));
+                                                   volume.report().options, std::move(step), volume.dataset().notes());
+  step_notes_ = [reader] { return reader->notes.lines(); };
   FlowSeriesOptions options;
   options.interpolation = input_.interpolation;
   options.memory = input_.memory ? whole_part<std::uint64_t>(*input_.memory * kGib) : usual_memory();
@@ -270,6 +306,10 @@ void OpenFlow::open_series(Console& console) {
   } catch (const ArgumentError& error) {
     throw FileError(given.name(), error.what());
   }
+}
+
+void OpenFlow::warn_of_steps(Console& console) const {
+  if (step_notes_) console.warn(input_.volume.name(), step_notes_());
 }
 
 Seeds OpenFlow::seeds(std::size_t count, Console& console) const {

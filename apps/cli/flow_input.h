@@ -1,6 +1,7 @@
 // A flow that a command reads: the vectors of a volume, of a series of volumes in time, or a formula.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -48,6 +49,8 @@ class OpenFlow {
   const std::string& name() const { return name_; }
   /// The volume of a steady flow; null of others.
   OpenVolume* volume() { return volume_.get(); }
+  /// Warns of what is so with steps that were read since, and not with the first: missing values, say.
+  void warn_of_steps(Console& console) const;
   /// As --seeds says, those of files read (what is not finite there is left out, with a warning); without it `count`
   /// seeds in the box of the flow.
   Seeds seeds(std::size_t count, Console& console) const;
@@ -65,6 +68,7 @@ class OpenFlow {
   ArrayChoice choice_;
   std::string name_;
   std::shared_ptr<const VectorField> field_;
+  std::function<std::vector<std::string>()> step_notes_;  ///< of a series
 };
 
 }  // namespace sansmesh::cli

@@ -90,6 +90,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
     write_lines(a.output, lines, {a.ascii});
     if (picture) a.preview.picture.write(a.preview.file, picture->image, picture->look);
     console.progress().finish();
+    flow.warn_of_steps(console);
     if (report.outside > 0)
       console.warn(a.input.volume.name(), {fmt::format("{} of {} outside of the flow", grouped(report.outside),
                                                        counted(report.seeds, "seed"))});

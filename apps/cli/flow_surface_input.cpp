@@ -69,6 +69,7 @@ FlowSurface trace_flow_surface(const FlowSurfaceInput& a, const OpenFlow& flow, 
   o.validate();
   try {
     FlowSurface surface = flow_surface(flow.field(), {seeds.points, seeds.closed}, o, console.progress());
+    flow.warn_of_steps(console);
     if (!surface.report.complete)
       console.warn(a.flow.volume.name(),
                    {surface.report.moments_meet

@@ -7,8 +7,7 @@ namespace sansmesh {
 /// distances of 10⁻⁷ of such a side still are normal floats.
 inline constexpr double kLargestCoordinate = 1e18, kSmallestExtent = 1e-12;
 
-/// Solids and volumes, which are computed in double and end in float in a unit that suits them.
-inline constexpr double kLargestOfSolid = 1e30, kSmallestOfSolid = 1e-30;
+/// Volumes, which are computed in double and end in float in a unit that suits them.
 inline constexpr double kLargestOfVolume = 1e36, kSmallestOfVolume = 1e-36;
 
 }  // namespace sansmesh

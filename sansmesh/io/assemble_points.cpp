@@ -42,6 +42,12 @@ std::optional<double> decimal_resolution(std::span<const Vec3> some) {
   return std::nullopt;
 }
 
+/// On a grid of a power of two, half to a quarter of `length`: differences of floats from there are rounded once.
+double on_grid(double x, double length) {
+  const double grid = std::exp2(std::floor(std::log2(length)) - 1);
+  return std::round(x / grid) * grid;
+}
+
 /// How far float coordinates about the origin are off, all but a few strays.
 double rounding_loss(std::span<const Vec3> some, const Vec3& origin) {
   std::vector<double> losses(some.size());
@@ -86,9 +92,8 @@ void keep_resolution(const Input& in, std::span<const Vec3> some, Vec3& origin) 
   for (const Vec3& p : some) box.extend(p);
   if (box.diagonal() > kLargestSurvey) return;
   if (!in.origin) {
-    const double grid = std::exp2(std::floor(std::log2(box.diagonal())) - 1);
     Vec3 middle;
-    for (std::size_t k = 0; k < 3; ++k) middle[k] = std::round(box.center()[k] / grid) * grid;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = on_grid(box.center()[k], box.diagonal());
     const double there = rounding_loss(some, middle);
     if (there < loss) origin = middle, loss = there;
     if (loss <= most) return;
@@ -106,8 +111,7 @@ Vec3 choose_origin(const Box3& box) {
     const double farthest = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
     if (farthest <= 4 * diagonal || farthest == 0) continue;
     // The floor keeps the grid meaningful where the cloud is a single point.
-    const double grid = std::exp2(std::floor(std::log2(std::max(diagonal, farthest * 0x1p-24))) - 1);
-    origin[k] = std::round(box.center()[k] / grid) * grid;
+    origin[k] = on_grid(box.center()[k], std::max(diagonal, farthest * 0x1p-24));
   }
   return origin;
 }

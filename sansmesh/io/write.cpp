@@ -2,7 +2,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
+#include "sansmesh/core/length_limits.h"
+#include "sansmesh/core/parallel.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_place.h"
@@ -86,6 +90,24 @@ void check_length(const char* what, std::size_t length, std::size_t n) {
   }
 }
 
+/// What no reader takes is not written.
+void check_reach(const std::string& file, std::span<const Vec3f> positions, const Vec3& origin) {
+  const double far = parallel_reduce(
+      positions.size(), 1 << 16, 0.0,
+      [&](std::size_t first, std::size_t last) {
+        double far = 0;
+        for (std::size_t i = first; i < last; ++i)
+          for (std::size_t k = 0; k < 3; ++k)
+            if (const double x = std::abs(origin[k] + static_cast<double>(positions[i][k])); std::isfinite(x))
+              far = std::max(far, x);
+        return far;
+      },
+      [](double a, double b) { return std::max(a, b); });
+  if (far > kLargestCoordinate)
+    throw FileError(file, fmt::format("would reach out to {:.3g}, and coordinates up to {:g} are supported", far,
+                                      kLargestCoordinate));
+}
+
 template <class Triangles>
 void check_triangles(const Triangles& triangles, std::size_t n) {
   for (const auto& t : triangles) {
@@ -104,6 +126,7 @@ void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOp
   mesh.attributes.check_rows(mesh.vertices.size(), "vertices");
   mesh.triangle_attributes.check_rows(mesh.triangles.size(), "triangles");
   check_triangles(mesh.triangles, mesh.vertices.size());
+  check_reach(file, mesh.vertices, mesh.origin);
   io::write_whole(file, writer.write(mesh, options));
 }
 
@@ -113,6 +136,7 @@ void write_points(const std::string& file, const PointSet& points, const WriteOp
   check_length("colors", points.colors.size(), points.size());
   points.attributes.check_rows(points.size(), "points");
   check_triangles(points.triangles, points.size());
+  check_reach(file, points.positions, points.origin);
   io::write_whole(file, writer.write(points, options));
 }
 

@@ -86,14 +86,14 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
         "the solid is not known to end in the directions {}: intersect it with a box, or give a `box` to cut it off",
         endless));
   for (std::size_t k = 0; k < 3; ++k)
-    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestOfSolid)
+    if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestCoordinate)
       throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
-                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestOfSolid));
+                                      std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestCoordinate));
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
-  if (longest < kSmallestOfSolid)
+  if (longest < kSmallestExtent)
     throw DataError(fmt::format("the solid is {:.3g} across: too small for a mesh, which begins at {:.0g}", longest,
-                                kSmallestOfSolid));
+                                kSmallestExtent));
   const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
   if (longest < kResolvedShare * away)
     throw DataError(
@@ -276,7 +276,7 @@ TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, doubl
   if (found.unresolved > 0 && thickness < pieces.cell) r.warnings.push_back(too_thin_for(pieces.cell, thickness));
   if (mesh.triangles.empty())
     throw DataError(chosen ? fmt::format("the solid is empty, or thinner than the cells of {:.3g}", pieces.cell)
-                           : "the solid is empty");
+                           : "the solid is empty, or thinner than numbers can tell");
   if (found.unsimplified && pieces.simplify > 0)
     r.warnings.push_back(fmt::format(
         "the mesh has all {} triangles that were cut out: with fewer it would go through itself; a smaller mesh error "

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "run_tool.h"
 
@@ -104,6 +105,31 @@ TEST_F(Extremes, VolumesMayHaveAnySpacingWithinTheLimits) {
     write("in.mha", linear_volume(spacing));
     expect_failures({{{"info", "in.mha"}, 1, {cause}}, {{"volume", "probe", "in.mha", "--at", "0,0,0"}, 1, {cause}}});
   }
+}
+
+TEST_F(Extremes, WhatIsWrittenIsRead) {
+  for (const char* solid : {"sphere(9e17)", "sphere(6e-13)"}) {
+    json_of({"csg", solid, "-o", "s.ply", "--resolution", "12"});
+    EXPECT_EQ(json_of({"measure", "s.ply"})["topology"]["components"], 1) << solid;
+  }
+  write("in.off", cube_mesh(1));
+  write("h.txt", "0 0 0 0 0 0\n1 0 0 1e30 0 0\n0 1 0 0 1 0\n0 0 1 0 0 1\n");
+  expect_failures({{{"deform", "in.off", "-o", "d.ply", "--handles", "h.txt"}, 1, {"d.ply: would reach out to"}},
+                   {{"csg", "sphere(2e18)", "-o", "s2.ply"}, 2, {"reaches out to 2e+18"}},
+                   {{"csg", "sphere(1e-13)", "-o", "s2.ply"}, 1, {"2e-13 across: too small"}}});
+  EXPECT_FALSE(std::filesystem::exists(path("d.ply")));
+}
+
+TEST_F(Extremes, ThingsInDifferentUnitsAreAskedAbout) {
+  write("mm.off", cube_mesh(1000)), write("m.off", cube_mesh(1)), write("also_m.off", cube_mesh(1.5));
+  const auto warnings = [&](const char* file, const char* reference) {
+    const Json json = json_of({"evaluate", file, reference});
+    EXPECT_LT(json["to_reference"]["samples"], json["warnings"].empty() ? 500'000 : 10'000);
+    return json["warnings"].dump();
+  };
+  EXPECT_NE(warnings("mm.off", "m.off").find("1000 times as large as the reference"), std::string::npos);
+  EXPECT_NE(warnings("m.off", "mm.off").find("1000 times as small as the reference"), std::string::npos);
+  EXPECT_EQ(warnings("m.off", "also_m.off"), "[]");
 }
 
 TEST_F(Extremes, OptionsBeyondAllMeasureAreErrors) {

@@ -397,6 +397,23 @@ TEST_F(FlowSeriesTool, ASampledFlowIsFollowedAsItsFormulaIs) {
   EXPECT_LT(5 * cubic_error, linear_error);
 }
 
+TEST_F(FlowSeriesTool, MissingValuesOfLaterStepsAreSaid) {
+  const Box box;
+  std::vector<std::string> arguments = steps("vti", [&](double t) {
+    std::vector<double> vectors = box.vectors(t);
+    if (t > 0.3 && t < 0.8) vectors[0] = 9.9692099683868690e36;  // NetCDF's fill value
+    return image_step(vectors);
+  });
+  arguments.insert(arguments.begin(), {"flow", "lines"});
+  arguments.insert(arguments.end(),
+                   {"--unsteady", "--times", "0,0.25", "--seeds", "point(0.5,0.2,0.25)", "-o", "l.csv"});
+  const Outcome outcome = run(arguments);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.err.find("step_2.vti: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("9.96921e+36"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("; 1 more step has something of the kind"), std::string::npos) << outcome.err;
+}
+
 TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
   const Box box;
   const auto image = [&](double t, std::size_t channels = 3) {
