@@ -154,7 +154,7 @@ TEST(Lop, HeapsOfSamplesCostLittle) {
   const PointSet result = run(sphere, options);
   EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 15);
   EXPECT_LT(distances(result).back(), 0.02);
-  EXPECT_LT(unevenness(result.positions), 0.5 * kRandom);
+  EXPECT_LT(unevenness(result.positions), 0.7 * kRandom);
 }
 
 TEST(Lop, SurvivesDegenerateInput) {

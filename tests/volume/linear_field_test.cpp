@@ -117,7 +117,7 @@ TEST(NearestField, AnswersTheNearestSample) {
       double least = std::numeric_limits<double>::infinity(), value = 0;
       for (std::size_t s = 0; s < volume->size(); ++s)
         if (const double d = squared_norm(volume->position(s) - x[i]); d < least)
-          least = d, value = volume->attributes.find('f')->number(s);
+          least = d, value = volume->attributes.find("f")->number(s);
       ASSERT_EQ(values[i], value) << i;
     }
   }
@@ -134,7 +134,7 @@ TEST(Reconstruction, NamesWhatIsWrong) {
     reconstruct_volume(volume, "g", options, progress);
     FAIL();
   } catch (const ArgumentError& e) {
-    EXPECT_NE(std::string(e.what()).find("f"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find('f'), std::string::npos);
   }
   options.degree = 2;
   EXPECT_THROW(reconstruct_volume(volume, "f", options, progress), ArgumentError);
