@@ -156,8 +156,6 @@ class Stepper {
     if (!arrives && h > 0.5 * left) h = 0.5 * left;
     h_[a] = direction_ * (arrives ? left : h);
     to_[a] = arrives ? last : p.times[i] + h_[a];
-    // No number of steps shorter than the rounding of the time arrives anywhere.
-    if (to_[a] == p.times[i]) ends_[a] = TraceEnd::steps;
   }
 
   /// Until a particle leaves the box of the field, if it goes straight on.

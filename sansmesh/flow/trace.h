@@ -26,7 +26,7 @@ enum class TraceEnd : std::uint8_t {
   length,          ///< the length asked for
   boundary,        ///< where the field ends
   critical_point,  ///< slower than `least_speed`, or no farther for long
-  steps,           ///< more steps than `most_steps`, or so short that they do not change the time
+  steps,           ///< more steps than `most_steps`
   outside          ///< it began where there is no field
 };
 
