@@ -139,12 +139,14 @@ class StepReader {
     try {
       GridData data = read_volumes({file}, options);
       keep_array(data, file, step);
-      notes.add(i, files ? fmt::format("{}: ", printable(file, 200)) : step, data.notes);
+      const std::vector<std::string> said = data.notes;
       VolumeDataset dataset(std::move(data));
       check_speeds(dataset.array(choice_.array));
       ReconstructionReport report;
-      FlowStep read{dataset.field(choice_, method_, progress, &report), 0};
-      read.bytes = report.bytes;
+      FlowStep read{dataset.field(choice_, method_, progress, &report), report.bytes};
+      read.taken = [this, i, said, name = files ? fmt::format("{}: ", printable(file, 200)) : step] {
+        notes.add(i, name, said);
+      };
       if (read.field->components() != array_.components)
         throw DataError(fmt::format("{} holds vectors of {} components, the first step of {}", array_.name,
                                     read.field->components(), array_.components));

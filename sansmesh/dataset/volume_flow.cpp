@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <future>
 #include <mutex>
@@ -69,6 +70,7 @@ class FlowInTime final : public VectorField {
     bounds_ = steps({0, 1})[0]->bounds();
   }
   ~FlowInTime() override {
+    stop_.cancel();
     if (ahead_.valid()) ahead_.wait();
   }
   FlowInTime(const FlowInTime&) = delete;
@@ -230,6 +232,7 @@ class FlowInTime final : public VectorField {
     std::size_t step;
     Loaded field;
     std::size_t bytes;
+    std::function<void()> taken;
   };
 
   /// Steps side by side; the one after them in the direction of the calls is read meanwhile.
@@ -244,8 +247,8 @@ class FlowInTime final : public VectorField {
     const std::size_t next = back_ ? wanted.first - 1 : wanted.last;  // below the first one wraps around, to beyond
     if (next < times_.size() && !ahead_.valid() && !is_kept(next)) {
       ahead_step_ = next;
-      ahead_ = std::async(std::launch::async, [this, next, threads = thread_count(), heard = detail::heard_progress()] {
-        const detail::ListenAs caller(heard);
+      ahead_ = std::async(std::launch::async, [this, next, threads = thread_count()] {
+        const CancelScope until_it_ends(stop_);  // whoever calls now may have gone by then
         const ThreadScope scope(std::min(threads, ThreadScope::kMost));
         return read(next);
       });
@@ -260,6 +263,7 @@ class FlowInTime final : public VectorField {
   Loaded step(std::size_t k) const {
     if (!is_kept(k)) {
       if (ahead_.valid()) {
+        while (ahead_.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) check_cancelled();
         const bool right = ahead_step_ == k;
         try {
           keep(ahead_.get());
@@ -272,12 +276,13 @@ class FlowInTime final : public VectorField {
     // To the end: used last.
     const auto at = std::find_if(kept_.begin(), kept_.end(), [&](const Read& r) { return r.step == k; });
     std::rotate(at, at + 1, kept_.end());
+    if (kept_.back().taken) std::exchange(kept_.back().taken, {})();
     return kept_.back().field;
   }
 
   Read read(std::size_t k) const {
     FlowStep step = load_(k);
-    return {k, volume_flow(std::move(step.field)), step.bytes};
+    return {k, volume_flow(std::move(step.field)), step.bytes, std::move(step.taken)};
   }
 
   void keep(Read read) const {
@@ -301,6 +306,7 @@ class FlowInTime final : public VectorField {
   mutable std::mutex mutex_;
   mutable std::vector<Read> kept_;  ///< the last that was asked for at the end
   mutable std::uint64_t total_ = 0, largest_ = 0;
+  Progress stop_;  ///< heard by the thread that reads ahead
   mutable std::future<Read> ahead_;
   mutable std::size_t ahead_step_ = 0;
   mutable Range latest_{0, 0};

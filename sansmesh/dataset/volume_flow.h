@@ -24,7 +24,8 @@ enum class TimeInterpolation : std::uint8_t {
 /// A step of a series, as it was read.
 struct FlowStep {
   std::shared_ptr<const VolumeField> field;
-  std::size_t bytes = 0;  ///< that it takes, about (ReconstructionReport::bytes)
+  std::size_t bytes = 0;             ///< that it takes, about (ReconstructionReport::bytes)
+  std::function<void()> taken = {};  ///< called when a step that was read is needed, once; not when it is read ahead
 };
 
 struct FlowSeriesOptions {

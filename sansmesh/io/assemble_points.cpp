@@ -42,10 +42,11 @@ std::optional<double> decimal_resolution(std::span<const Vec3> some) {
   return std::nullopt;
 }
 
-/// On a grid of a power of two, half to a quarter of `length`: differences of floats from there are rounded once.
+/// On a grid of a power of two, half to a quarter of `length`: differences of floats from there are rounded once. The
+/// floor keeps the grid meaningful where the cloud is a single point.
 double on_grid(double x, double length) {
-  const double grid = std::exp2(std::floor(std::log2(length)) - 1);
-  return std::round(x / grid) * grid;
+  const double grid = std::exp2(std::floor(std::log2(std::max(length, std::abs(x) * 0x1p-24))) - 1);
+  return grid > 0 ? std::round(x / grid) * grid : x;
 }
 
 /// How far float coordinates about the origin are off, all but a few strays.
@@ -110,7 +111,6 @@ Vec3 choose_origin(const Box3& box) {
   for (int k = 0; k < 3; ++k) {
     const double farthest = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
     if (farthest <= 4 * diagonal || farthest == 0) continue;
-    // The floor keeps the grid meaningful where the cloud is a single point.
     origin[k] = on_grid(box.center()[k], std::max(diagonal, farthest * 0x1p-24));
   }
   return origin;

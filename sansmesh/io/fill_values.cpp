@@ -15,6 +15,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 
 namespace sansmesh {
 namespace {
@@ -26,11 +27,17 @@ constexpr double kLeastFill = 999;
 constexpr double kHuge = 1e19, kDigits = 1e-5;
 constexpr std::array kHugeFills{9.969209968386869e36, 9.97e36, 3.4028234663852886e38, 3.4e38, 1.7976931348623157e308,
                                 1.70141e38,           9.999e20};
+/// Powers of ten are measured quantities, too: densities of plasmas, viscosities of mantles. One is a fill value where
+/// it is the only one, and this many times as large as all other numbers, not all of which are 0.
 constexpr int kFirstPower = 20, kLastPower = 38;
+constexpr double kPowerIsLarger = 1e10;
 constexpr std::array kPlainFills{-999.0, -999.25, -9999.0, -99999.0, -999999.0, -9.99e8};
 /// Numbers that tell how the rest is spread, at most; and how many there must be.
 constexpr std::size_t kLooked = 200'000, kLeastRest = 4;
 constexpr double kLeftOut = 0.005;  // at each end
+/// How far a plain fill value is from the rest, in spreads of the rest: of one that is there once, a few times, often.
+constexpr double kOnceApart = 2, kTwiceApart = 1, kOftenApart = 0.4;
+constexpr std::size_t kOften = 10;
 
 /// The usual fill value that a number is; 0 if it is none.
 double usual_fill(double v) {
@@ -52,11 +59,17 @@ double usual_fill(double v) {
   return 0;
 }
 
+bool is_power_of_ten(double fill) {
+  const double size = std::abs(fill);
+  if (size < kHuge || std::find(kHugeFills.begin(), kHugeFills.end(), size) != kHugeFills.end()) return false;
+  return std::abs(size / std::pow(10.0, std::round(std::log10(size))) - 1) <= kDigits;
+}
+
 /// NetCDF's defaults for integers, and the least ones, which have the same meaning elsewhere.
 template <class T>
 double least_integer(T v) {
-  if constexpr (std::is_integral_v<T> && std::is_signed_v<T> && sizeof(T) >= 2 && sizeof(T) <= 4)
-    if (v <= std::numeric_limits<T>::min() + 1) return static_cast<double>(v);
+  if constexpr (std::is_integral_v<T> && std::is_signed_v<T> && sizeof(T) >= 2)
+    if (v <= std::numeric_limits<T>::min() + (sizeof(T) == 8 ? 2 : 1)) return static_cast<double>(v);
   return 0;
 }
 
@@ -97,12 +110,18 @@ class Searcher {
  public:
   Searcher(const GridData& data, const FillValueOptions& options) : data_(data), options_(options) {}
 
-  /// The fill values of an array.
-  std::vector<Candidate> search(const ArrayParts& parts) const {
+  /// The fill values of an array. `doubtful`: those that look like one, but are not far enough from the rest.
+  std::vector<Candidate> search(const ArrayParts& parts, std::vector<Candidate>& doubtful) const {
     std::vector<Candidate> all = candidates(parts);
     std::vector<Candidate> found;
-    for (const Candidate& c : all)
-      if (c.asked || stands_apart(parts, c)) found.push_back(c);
+    for (const Candidate& c : all) {
+      const bool one_of_many = is_power_of_ten(c.value) && std::any_of(all.begin(), all.end(), [&](const Candidate& o) {
+                                 return o.component == c.component && o.value != c.value && is_power_of_ten(o.value);
+                               });
+      const Standing standing = c.asked ? Standing::apart : one_of_many ? Standing::among : standing_of(parts, c);
+      if (standing == Standing::apart) found.push_back(c);
+      if (standing == Standing::near) doubtful.push_back(c);
+    }
     return found;
   }
 
@@ -123,6 +142,9 @@ class Searcher {
   }
 
  private:
+  /// Where a number stands: far from all others, nearer than that but alone, or among others.
+  enum class Standing : std::uint8_t { apart, near, among };
+
   template <class Use>
   void for_each_part(const ArrayParts& parts, const Use& use) const {
     for (const std::size_t b : parts.blocks) {
@@ -169,11 +191,16 @@ class Searcher {
     return all;
   }
 
-  /// Calls use(v) with the finite numbers of a component that are no usual fill value, every `stride`th row.
+  /// Calls use(v) with the finite numbers of a component that are no usual fill value, of one row in `stride`: any one,
+  /// for steps of a fixed length would follow the rows of the grid.
   template <class Use>
   void for_each_other(const ArrayParts& parts, std::size_t component, std::size_t stride, const Use& use) const {
     for_each_part(parts, [&](const auto& numbers, const auto& seen) {
-      for (std::size_t i = component; i < numbers.size(); i += stride * parts.components) {
+      const std::size_t rows = numbers.size() / parts.components;
+      for (std::size_t first = 0; first < rows; first += stride) {
+        const std::size_t row = first + (stride > 1 ? scrambled(first) % stride : 0);
+        if (row >= rows) continue;
+        const std::size_t i = row * parts.components + component;
         const auto v = static_cast<double>(numbers[i]);
         bool asked = false;
         if (std::isfinite(v) && seen(i) && fill_of(numbers[i], asked) == 0 && !asked) use(v);
@@ -181,22 +208,28 @@ class Searcher {
     });
   }
 
-  bool stands_apart(const ArrayParts& parts, const Candidate& c) const {
+  Standing standing_of(const ArrayParts& parts, const Candidate& c) const {
     std::size_t rows = 0;
     for_each_part(parts, [&](const auto& numbers, const auto&) { rows += numbers.size() / parts.components; });
     std::vector<double> rest;
     for_each_other(parts, c.component, 1 + rows / kLooked, [&](double v) { rest.push_back(v); });
-    if (rest.size() < kLeastRest) return false;
+    if (rest.size() < kLeastRest) return Standing::among;
     std::sort(rest.begin(), rest.end());
     // No single number decides: of ten or more one at each end may be anything.
     const std::size_t cut = std::max(static_cast<std::size_t>(kLeftOut * static_cast<double>(rest.size())),
                                      static_cast<std::size_t>(rest.size() >= 10));
     const double low = rest[cut], high = rest[rest.size() - 1 - cut];
     const double away = std::max(low - c.value, c.value - high), spread = high - low;
-    if (!(away > 0) || away < (c.count > 1 ? 1 : 2) * spread) return false;
+    if (!(away > 0)) return Standing::among;
+    const double largest = std::max(std::abs(low), std::abs(high));
+    if (is_power_of_ten(c.value) && !(largest > 0 && std::abs(c.value) >= kPowerIsLarger * largest))
+      return Standing::among;
     std::size_t around = 0;
     for_each_other(parts, c.component, 1, [&](double v) { around += std::abs(v - c.value) < 0.5 * away; });
-    return around <= c.count / 100;
+    if (around > c.count / 100) return Standing::among;
+    const bool often = c.count >= kOften;
+    if (away >= (often ? kOftenApart : c.count > 1 ? kTwiceApart : kOnceApart) * spread) return Standing::apart;
+    return often ? Standing::near : Standing::among;
   }
 
   const GridData& data_;
@@ -259,9 +292,15 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
   options.validate();
   if (!options.usual && options.values.empty()) return {};
   std::vector<Occurrence> occurrences;
+  std::vector<std::string> doubts;
   for (const ArrayParts& parts : array_parts(data)) {
     const Searcher searcher(data, options);
-    const std::vector<Candidate> fills = searcher.search(parts);
+    std::vector<Candidate> doubtful;
+    const std::vector<Candidate> fills = searcher.search(parts, doubtful);
+    for (const Candidate& c : doubtful)
+      doubts.push_back(
+          fmt::format("{:.6g} occurs {} times in {}, and may stand for missing values: `fill_values` says so", c.value,
+                      grouped(c.count), printable(parts.name, 60)));
     if (fills.empty()) continue;
     std::vector<std::size_t> rows(fills.size(), 0);
     std::size_t all = 0;
@@ -294,6 +333,7 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
   std::vector<std::string> lines;
   lines.reserve(occurrences.size());
   for (const Occurrence& o : occurrences) lines.push_back(line_of(o));
+  lines.insert(lines.end(), doubts.begin(), doubts.end());
   for (const double v : options.values)
     if (std::none_of(occurrences.begin(), occurrences.end(),
                      [&](const Occurrence& o) { return o.asked && o.value == v; }))

@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <vector>
 
+#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/progress.h"
@@ -194,6 +198,39 @@ TEST(FlowInTime, KeepsAsManyStepsAsTheMemoryHolds) {
     }
     EXPECT_EQ(*series.alive, 0);
   }
+}
+
+TEST(FlowInTime, WhatIsReadAheadListensToNoCallThatEnded) {
+  std::atomic<bool> go = false;
+  std::vector<std::size_t> taken;
+  const auto load = [&](std::size_t i) {
+    while (i == 2 && !go) {
+      check_cancelled();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return FlowStep{std::make_shared<StepField>([](const Vec3& x) { return swaying(x, 1); }, std::make_shared<int>(0)),
+                    kStepBytes, [&taken, i] { taken.push_back(i); }};
+  };
+  auto flow = flow_in_time({0, 1, 2, 3, 4}, load);
+  {
+    Progress first;
+    const CancelScope scope(first);
+    at(*flow, 0.5);  // step 2 is read ahead from here on
+  }
+  {
+    Progress second;
+    second.cancel();
+    const CancelScope scope(second);
+    EXPECT_THROW(at(*flow, 1.5), Cancelled);
+  }
+  EXPECT_EQ(taken, (std::vector<std::size_t>{0, 1}));
+  go = true;
+  at(*flow, 1.5);
+  EXPECT_EQ(taken, (std::vector<std::size_t>{0, 1, 2}));
+  go = false;
+  flow = flow_in_time({0, 1, 2, 3, 4}, load);
+  at(*flow, 0.5);
+  flow.reset();  // does not wait for the step
 }
 
 TEST(FlowInTime, PathSurfacesOfStepsThatAreAlikeAreStreamSurfaces) {

@@ -80,6 +80,48 @@ TEST(FillValues, WhatAQuantityPassesThroughIsNone) {
   EXPECT_TRUE(mark_fill_values(data, {}).empty());
 }
 
+TEST(FillValues, PowersOfTenAreMeasuredToo) {
+  const auto layers = [](std::vector<double> levels) {
+    std::vector<double> values;
+    for (const double level : levels) values.insert(values.end(), 500, level);
+    return data_with(values);
+  };
+  // A plasma in nothing; a mantle below sticky air, and a lithosphere above; a doping.
+  for (GridData data : {layers({0, 1e20}), layers({1e18, 1e21}), layers({1e18, 1e21, 1e24}), layers({1e16, 2e16, 1e20}),
+                        layers({300, 1e20, 1e24})})
+    EXPECT_TRUE(mark_fill_values(data, {}).empty());
+  GridData data = layers({250, 280, 300, 1e20});
+  EXPECT_EQ(mark_fill_values(data, {}).size(), 1u);
+  EXPECT_EQ(missing(data), 500u);
+}
+
+TEST(FillValues, AWideRangeDoesNotHideManyOfThem) {
+  const auto with_fills = [](double from, double to) {
+    std::vector<double> values = ramp(2000, from, to);
+    for (std::size_t i = 0; i < 2000; i += 20) values[i] = -999;
+    return data_with(values);
+  };
+  for (const auto& [from, to] : {std::pair{100.0, 1300.0}, {-500.0, 600.0}, {300.0, 900.0}}) {
+    GridData data = with_fills(from, to);
+    EXPECT_EQ(mark_fill_values(data, {}).size(), 1u);
+    EXPECT_EQ(missing(data), 100u);
+  }
+  // Nearer than that it is named.
+  GridData data = with_fills(-800, 1300);
+  const std::vector<std::string> lines = mark_fill_values(data, {});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0], "-999 occurs 100 times in s, and may stand for missing values: `fill_values` says so");
+  EXPECT_EQ(missing(data), 0u);
+}
+
+TEST(FillValues, LeastIntegersAreMissing) {
+  std::vector<std::int64_t> counts(50, 7);
+  counts[3] = std::numeric_limits<std::int64_t>::min() + 2;  // NetCDF's
+  GridData data = data_with(counts);
+  EXPECT_EQ(mark_fill_values(data, {}).size(), 1u);
+  EXPECT_EQ(missing(data), 1u);
+}
+
 TEST(FillValues, NoOtherSingleNumberDecides) {
   std::vector<double> values = ramp(200, 0, 1);
   values[5] = 1e12, values[7] = -9999, values[8] = -9999;

@@ -124,6 +124,18 @@ TEST_F(Table, SurveyCoordinatesKeepMillimetres) {
   EXPECT_LT(norm(p.origin + Vec3(p.positions[1]) - Vec3{512346.679, 4512346.999, 100.002}), 1e-6);
 }
 
+TEST_F(Table, OnePlaceFarAwayHasAnOrigin) {
+  for (const int times : {1, 4}) {
+    std::string text;
+    for (int i = 0; i < times; ++i) text += "123456789012345678 234567890123456789 34567890123456789\n";
+    const PointSet p = read("a.xyz", text);
+    ASSERT_TRUE(is_finite(p.origin));
+    EXPECT_LT(
+        norm(p.origin + Vec3(p.positions[0]) - Vec3{123456789012345678.0, 234567890123456789.0, 34567890123456789.0}),
+        1e4);
+  }
+}
+
 /// Points with three decimals in a square of that size, whose lower corner is at `corner`.
 std::string survey(double corner, double size) {
   std::string text;
