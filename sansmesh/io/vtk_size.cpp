@@ -23,6 +23,10 @@ constexpr std::uint64_t kMostPromised = std::uint64_t{1} << 60;
 constexpr std::uint64_t kPointsOfAnyAxis = std::uint64_t{1} << 20;
 /// Files that name files that name files.
 constexpr int kMostNested = 4;
+/// Bytes that may be announced whatever a file holds: so much memory there is, and VTK says what is missing.
+constexpr std::uint64_t kAlwaysGranted = std::uint64_t{64} << 20;
+/// LZMA makes some 7,000 bytes of one, in blocks that are long enough.
+constexpr std::uint64_t kMostLzmaExpansion = std::uint64_t{1} << 14;
 
 std::uint64_t capped_product(std::uint64_t a, std::uint64_t b) {
   return b != 0 && a > kMostPromised / b ? kMostPromised : a * b;
@@ -41,6 +45,12 @@ std::uint64_t bytes_of_type(std::string_view type) {
   if (t.ends_with("32") || t == "float" || t == "int" || t == "unsigned_int" || t == "vtkidtype") return 4;
   if (t.ends_with("16") || t == "short" || t == "unsigned_short") return 2;
   return 1;
+}
+
+/// Bytes that so many of them take.
+std::uint64_t bytes_of(std::uint64_t numbers, std::string_view type) {
+  if (lower(type) == "bit") return (numbers + 7) / 8;
+  return capped_product(numbers, bytes_of_type(type));
 }
 
 /// What an extent "0 3 0 4 0 5" spans.
@@ -66,7 +76,10 @@ struct Spanned {
 /// Adds up what the tags of a file announce.
 class XmlPromises {
  public:
-  explicit XmlPromises(const Input& in, int depth) : in_(in), depth_(depth), held_(in.bytes.size()) {}
+  /// Of a piece of a lattice only its own extent is read, whatever the whole of it is.
+  enum class Role { whole, piece };
+
+  XmlPromises(const Input& in, Role role, int depth) : in_(in), role_(role), depth_(depth), held_(in.bytes.size()) {}
 
   void check() {
     XmlScanner xml(in_);
@@ -74,41 +87,56 @@ class XmlPromises {
       if (tag->name == "AppendedData") break;
       look_at(*tag);
     }
-    // A number in text takes a digit and what separates it from the next one.
-    const std::uint64_t most = capped_product(held_, packed_ ? kMostExpansion : 4);
-    if (announced_ > most)
+    const std::uint64_t most = capped_product(held_, expansion_);
+    if (const std::uint64_t bytes = announced(); bytes > std::max(most, kAlwaysGranted)) {
+      if (!missing_.empty()) throw FileError(missing_, "no such file, named by " + in_.file);
       in_.fail(fmt::format("truncated: announces arrays of {} bytes or more, of which its {} bytes hold {} at most",
-                           grouped(announced_), grouped(held_), grouped(most)));
+                           grouped(bytes), grouped(held_), grouped(most)));
+    }
     if (longest_ > std::max(kPointsOfAnyAxis, most))
       in_.fail(fmt::format("announces {} points along an axis and holds {} bytes", grouped(longest_), grouped(held_)));
   }
 
  private:
+  /// Points, or cells, that an array goes with: of its piece, and of the whole where room is made for that.
+  struct Counts {
+    std::uint64_t own = 0, whole = 0;
+  };
+
+  /// The pieces of a lattice are parts of the whole.
+  std::uint64_t announced() const { return std::max({announced_.own, announced_.whole, by_files_}); }
+
   void look_at(const XmlTag& tag) {
-    if (tag.name == "VTKFile") packed_ = !tag["compressor"].empty();
-    if (const std::string_view whole = tag["WholeExtent"]; !whole.empty()) {
+    if (tag.name == "VTKFile") {
+      const std::string_view compressor = tag["compressor"];
+      if (!compressor.empty()) expansion_ = compressor == "vtkLZMADataCompressor" ? kMostLzmaExpansion : kMostExpansion;
+    }
+    if (const std::string_view whole = tag["WholeExtent"]; !whole.empty() && role_ == Role::whole) {
       whole_ = Spanned(whole);
       longest_ = std::max(longest_, whole_.longest);
     }
     if (tag.name == "Piece" || tag.name == "DataSet") {
       const Spanned own(tag["Extent"]);
-      points_ = std::max(own.points, whole_number(tag["NumberOfPoints"]));
-      cells_ = std::max(own.cells, whole_number(tag["NumberOfCells"]));
-      // Room is made for the whole, however little of it the pieces are.
-      if (!seen_piece_) points_ = std::max(points_, whole_.points), cells_ = std::max(cells_, whole_.cells);
+      // Room is made for the whole, however little of it the pieces are; their arrays are the same.
+      points_ = {std::max(own.points, whole_number(tag["NumberOfPoints"])), seen_piece_ ? 0 : whole_.points};
+      cells_ = {std::max(own.cells, whole_number(tag["NumberOfCells"])), seen_piece_ ? 0 : whole_.cells};
       seen_piece_ = true;
       longest_ = std::max(longest_, own.longest);
-      add_file(tag["Source"]), add_file(tag["file"]);
-    } else if (tag.name == "PointData" || tag.name == "PPointData") {
-      tuples_ = tag.name == "PointData" ? points_ : whole_.points;
-    } else if (tag.name == "CellData" || tag.name == "PCellData") {
-      tuples_ = tag.name == "CellData" ? cells_ : whole_.cells;
+      add_file(tag["Source"], Role::piece), add_file(tag["file"], Role::whole);
+    } else if (tag.name == "PointData") {
+      tuples_ = points_;
+    } else if (tag.name == "PPointData") {
+      tuples_ = {0, whole_.points};
+    } else if (tag.name == "CellData") {
+      tuples_ = cells_;
+    } else if (tag.name == "PCellData") {
+      tuples_ = {0, whole_.cells};
     } else if (tag.name == "Points") {
       tuples_ = points_;
     } else if (tag.name == "Cells") {
       tuples_ = cells_;  // of offsets and types; what connects them is as long as it is
     } else if (std::find(std::begin(kOthers), std::end(kOthers), tag.name) != std::end(kOthers)) {
-      tuples_ = 0;
+      tuples_ = {};
     } else if (tag.name == "DataArray" || tag.name == "PDataArray") {
       add_array(tag);
     }
@@ -116,34 +144,47 @@ class XmlPromises {
 
   void add_array(const XmlTag& tag) {
     const std::uint64_t given = whole_number(tag["NumberOfTuples"]);
-    const std::uint64_t tuples = given > 0 ? given : tag["Name"] == "connectivity" ? 0 : tuples_;
+    const Counts tuples = given > 0 ? Counts{given, given} : tag["Name"] == "connectivity" ? Counts{} : tuples_;
     const std::uint64_t components = std::max<std::uint64_t>(1, whole_number(tag["NumberOfComponents"]));
-    announced_ = capped_sum(announced_, capped_product(capped_product(tuples, components), bytes_of_type(tag["type"])));
+    const auto bytes = [&](std::uint64_t n) { return bytes_of(capped_product(n, components), tag["type"]); };
+    announced_.own = capped_sum(announced_.own, bytes(tuples.own));
+    announced_.whole = capped_sum(announced_.whole, bytes(tuples.whole));
   }
 
   /// What the file holds by others, which are looked at, too.
-  void add_file(std::string_view name) {
+  void add_file(std::string_view name, Role role) {
     if (name.empty() || depth_ == kMostNested) return;
     std::error_code error;
     const std::string file = (std::filesystem::path(in_.file).parent_path() / from_xml(name)).string();
+    if (!std::filesystem::exists(file, error) && missing_.empty()) missing_ = file;
     if (!std::filesystem::is_regular_file(file, error) || std::filesystem::file_size(file, error) == 0 || error) return;
     const FileContent content(file);
-    held_ += content.bytes().size();
     const Input in{file, content.bytes(), in_.report};
-    if (content.bytes().substr(0, 4096).find("<VTKFile") == std::string_view::npos) return;
-    XmlPromises parts(in, depth_ + 1);
+    if (content.bytes().substr(0, 4096).find("<VTKFile") == std::string_view::npos) {
+      held_ += content.bytes().size();
+      return;
+    }
+    XmlPromises parts(in, role, depth_ + 1);
     parts.check();
-    packed_ = packed_ || parts.packed_;
+    held_ += parts.held_;
+    by_files_ = capped_sum(by_files_, parts.announced());
+    expansion_ = std::max(expansion_, parts.expansion_);
+    if (missing_.empty()) missing_ = parts.missing_;
   }
 
   /// Elements with arrays whose lengths follow from nothing, or that are short.
   static constexpr std::string_view kOthers[] = {"FieldData", "Coordinates", "PCoordinates", "PPoints",
                                                  "Verts",     "Lines",       "Strips",       "Polys"};
   const Input& in_;
+  Role role_;
   int depth_;
-  bool packed_ = false, seen_piece_ = false;
+  bool seen_piece_ = false;
   Spanned whole_{""};
-  std::uint64_t held_, points_ = 0, cells_ = 0, tuples_ = 0, announced_ = 0, longest_ = 0;
+  Counts points_, cells_, tuples_, announced_;
+  std::uint64_t held_, longest_ = 0, by_files_ = 0;
+  /// Bytes of numbers by bytes of a file: in text a number takes a digit and what separates it from the next one.
+  std::uint64_t expansion_ = 4;
+  std::string missing_;  ///< of the files that are named the first that is not there
 };
 
 /// Walks over a legacy file as far as it is understood: what VTK makes of the rest is left to it.
@@ -169,10 +210,7 @@ class LegacyPromises {
  private:
   bool look_at(const std::string& key, TextScanner& words) {
     if (key == "dataset" || key == "origin" || key == "spacing" || key == "aspect_ratio") return true;
-    if (key == "metadata") {  // up to an empty line
-      while (!text_.at_end() && !text_.line().empty()) continue;
-      return true;
-    }
+    if (key == "metadata") return skip_metadata(), true;
     const auto next = [&] { return whole_number(words.word()); };
     if (key == "dimensions") {
       const std::uint64_t d[] = {next(), next(), next()};
@@ -225,9 +263,7 @@ class LegacyPromises {
     if (key != "field") return false;
     words.word();
     for (std::uint64_t arrays = whole_number(words.word()); arrays > 0 && !text_.at_end(); --arrays) {
-      skip_line_end();
-      TextScanner head(text_.line());
-      head.word();
+      TextScanner head = next_head();
       const std::uint64_t components = whole_number(head.word()), tuples = whole_number(head.word());
       if (!take(capped_product(components, tuples), head.word())) return false;
       if (!binary_) return true;  // the others are not at the beginning of the next line
@@ -240,14 +276,28 @@ class LegacyPromises {
     const std::string t = lower(type);
     const std::uint64_t room = text_.rest().size();
     if (t == "string" || t == "variant" || t == "utf8_string") return false;
-    const std::uint64_t bytes = !binary_     ? capped_product(numbers, 2)
-                                : t == "bit" ? (numbers + 7) / 8
-                                             : capped_product(numbers, bytes_of_type(t));
-    if (bytes > room + 1)
+    const std::uint64_t memory = bytes_of(numbers, t), bytes = binary_ ? memory : capped_product(numbers, 2);
+    announced_ = capped_sum(announced_, memory);
+    if (bytes > room + 1 && announced_ > kAlwaysGranted)
       in_.fail(fmt::format("truncated: announces {} numbers, which take at least {} bytes, and {} are left",
                            grouped(numbers), grouped(bytes), grouped(room)));
     if (binary_) text_ = TextScanner(text_.rest().substr(std::min(bytes, room)));
     return true;
+  }
+
+  /// Behind the name of the next array of a field, and behind what is said of the one before.
+  TextScanner next_head() {
+    skip_line_end();
+    for (;;) {
+      TextScanner head(text_.line());
+      if (lower(head.word()) != "metadata" || !head.rest().empty() || text_.at_end()) return head;
+      skip_metadata();
+    }
+  }
+
+  /// Up to an empty line.
+  void skip_metadata() {
+    while (!text_.at_end() && !text_.line().empty()) continue;
   }
 
   void skip_line_end() {
@@ -258,12 +308,12 @@ class LegacyPromises {
   const Input& in_;
   TextScanner text_;
   bool binary_ = false;
-  std::uint64_t tuples_ = 0;
+  std::uint64_t tuples_ = 0, announced_ = 0;
 };
 
 }  // namespace
 
-void check_vtk_xml_size(const Input& in) { XmlPromises(in, 0).check(); }
+void check_vtk_xml_size(const Input& in) { XmlPromises(in, XmlPromises::Role::whole, 0).check(); }
 
 void check_vtk_legacy_size(const Input& in) { LegacyPromises(in).check(); }
 
