@@ -7,7 +7,6 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_options.h"
@@ -29,7 +28,6 @@ void run_csg(CsgArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
   Progress& progress = console.progress();
-  const CancelScope listening(progress);
   const SolidInput input = open_solid(a.expression, console);
   a.options.components = a.components.value_or(input.usual_components());
   CsgMeshReport report;

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/function/function_distance.h"
@@ -51,7 +50,6 @@ void SolidInput::warn_of_open(Console& console) const {
 
 SolidInput open_solid(const std::string& expression, Console& console) {
   console.progress().begin("read");
-  const CancelScope listening(console.progress());
   std::vector<std::string> files;
   std::map<std::string, std::shared_ptr<const SurfaceFunction>> functions;
   std::map<std::string, TriangleMesh> meshes;
