@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "console.h"
@@ -79,24 +80,36 @@ void watch_signals() {
   end_program();
 }
 
+/// False where the system lets us have no more threads.
+bool start_watching() {
+  // Signals are for the main thread and those of its work; this one only waits.
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  bool started = true;
+  try {
+    std::thread(watch_signals).detach();
+  } catch (const std::system_error&) {
+    started = false;
+  }
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return started;
+}
+
 }  // namespace
 
 void listen_for_interrupts() {
   ::sem_init(&signals, 0, 0);
   interrupts();
-  // Signals are for the main thread and those of its work; this one only waits.
-  sigset_t all, before;
-  sigfillset(&all);
-  ::pthread_sigmask(SIG_SETMASK, &all, &before);
-  std::thread(watch_signals).detach();
-  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (!start_watching()) return;
   struct sigaction action {};
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction old {};
     ::sigaction(signal, nullptr, &old);
-    if (signal == SIGHUP && old.sa_handler == SIG_IGN) continue;  // nohup
+    // nohup, and scripts that run it in the background
+    if (signal != SIGTERM && old.sa_handler == SIG_IGN) continue;
     ::sigaction(signal, &action, nullptr);
   }
 }

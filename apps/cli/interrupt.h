@@ -12,7 +12,8 @@ constexpr int kInterrupted = 130;  ///< exit code, as shells have it for Ctrl-C
 
 /// From now on the first signal cancels the work, and ends the program if that has not ended by itself a sixth of a
 /// second later (in a reader of another library, say); the second ends it at once. Either way no file is left half
-/// written. The third is the system's.
+/// written. The third is the system's. SIGINT and SIGHUP that whoever started the program ignores stay ignored (nohup,
+/// background jobs of scripts). Where no thread can be had for listening, signals do what they do to any program.
 void listen_for_interrupts();
 
 /// While it lives, this is the work that is cancelled.

@@ -70,6 +70,33 @@ TEST_F(Interrupts, AreHeardInWaitsForPipes) {
   expect_heard({"convert", "small.ply", "-o", "pipe.ply"}, SIGINT, 300);
 }
 
+TEST_F(Interrupts, ThatWhoeverStartedItIgnoresAreIgnored) {
+  for (const int ignored : {SIGINT, SIGHUP}) {
+    const std::string pipe = "pipe" + std::to_string(ignored);
+    ASSERT_EQ(::mkfifo(path(pipe).c_str(), 0600), 0);
+    const pid_t child = start({"info", pipe}, [&] { std::signal(ignored, SIG_IGN); });
+    wait_until_heard(child, SIGTERM);
+    ::kill(child, ignored);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    write(pipe, "0 0 0\n1 0 0\n0 1 0\n");
+    const Outcome outcome = outcome_of(child);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("3 points"), std::string::npos) << outcome.out;
+  }
+}
+
+TEST_F(Interrupts, CannotBeListenedToWhereThereAreNoMoreThreads) {
+  SANSMESH_NOT_SANITIZED("stacks of any size");
+  write_points(path("small.ply"), sphere(1000));
+  const Outcome outcome = outcome_of(start({"info", "small.ply", "--threads", "1"}, [] {
+    // No thread gets a stack of this size.
+    const rlimit stack{rlim_t{1} << 47, RLIM_INFINITY};
+    ::setrlimit(RLIMIT_STACK, &stack);
+  }));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("1,000 points"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Interrupts, TheSecondEndsAtOnce) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   expect_heard({"info", "pipe"}, SIGINT, 200, SIGTERM);

@@ -103,6 +103,7 @@ class ToolTest : public ::testing::Test {
       const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       const int e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       ::dup2(o, 1), ::dup2(e, 2);
+      std::signal(SIGINT, SIG_DFL);  // whatever the tests are run by
       prepare();
       std::vector<char*> argv{const_cast<char*>(tool())};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
