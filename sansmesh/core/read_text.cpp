@@ -49,11 +49,15 @@ void wait_for(int fd, short events) {
 std::vector<char> read_to_end(const std::string& file, int fd, std::size_t most) {
   std::vector<char> bytes;
   std::size_t used = 0;
+  // Of a pipe that nobody has written to yet, read() would say that it is at its end; poll() knows better. But of one
+  // whose writers had gone when it was opened, poll() says nothing once it is empty.
+  bool waits = true;
   for (;;) {
-    // Of a pipe that nobody has written to yet, read() would say that it is at its end; poll() knows better.
-    wait_for(fd, POLLIN);
+    check_cancelled();
+    if (waits) wait_for(fd, POLLIN);
     if (used == bytes.size()) bytes.resize(std::max<std::size_t>(1 << 16, bytes.size() * 2));
     const ssize_t got = ::read(fd, bytes.data() + used, std::min(bytes.size() - used, kBlock));
+    waits = got < 0;
     if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (got < 0) throw FileError(file, fmt::format("cannot be read ({})", std::strerror(errno)));
     if (got == 0) break;

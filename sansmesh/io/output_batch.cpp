@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/stat.h>
@@ -60,14 +61,16 @@ class HeldSignals {
   sigset_t held_, before_;
 };
 
-/// Writes everything or returns the error.
-int write_all(int fd, const Parts& parts) {
+/// Writes everything or returns the error. `blocks`: the descriptor is a pipe that would wait out of hearing; it takes
+/// as much as a pipe that is ready takes at once.
+int write_all(int fd, const Parts& parts, bool blocks = false) {
   const HeldSignals held;
   for (const std::string_view part : parts) {
     const char* data = part.data();
     for (std::size_t left = part.size(); left > 0;) {
       check_cancelled();
-      const ssize_t done = ::write(fd, data, std::min(left, kWriteBlock));
+      if (blocks) detail::wait_for(fd, POLLOUT);
+      const ssize_t done = ::write(fd, data, std::min(left, blocks ? std::size_t{PIPE_BUF} : kWriteBlock));
       if (done < 0 && errno == EINTR) continue;
       if (done < 0 && errno == EAGAIN) {
         detail::wait_for(fd, POLLOUT);
@@ -80,15 +83,20 @@ int write_all(int fd, const Parts& parts) {
   return 0;
 }
 
-/// Opens what cannot be replaced. Waits for whoever reads a pipe.
+/// Opens what cannot be replaced. Waits for whoever reads a pipe that has a name.
 int open_stream(const std::string& file, const io::OutputPlace& place) {
-  // A second description of the same pipe, which need not block.
-  const std::string name =
-      place.descriptor >= 0 ? fmt::format("/proc/self/fd/{}", place.descriptor) : place.path.string();
+  const int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY | (place.pipe ? O_NONBLOCK : 0);
+  if (place.descriptor >= 0) {
+    // A second description of the same pipe, which need not block. There is none of a pipe whose reader is gone, or
+    // that somebody else made: we write to it as it is.
+    const std::string name = fmt::format("/proc/self/fd/{}", place.descriptor);
+    int fd = place.pipe ? ::open(name.c_str(), flags) : -1;
+    if (fd < 0) fd = ::fcntl(place.descriptor, F_DUPFD_CLOEXEC, 0);
+    if (fd < 0) io::fail_output(file, errno);
+    return fd;
+  }
   for (;;) {
-    const int fd = place.descriptor >= 0 && !place.pipe
-                       ? ::fcntl(place.descriptor, F_DUPFD_CLOEXEC, 0)
-                       : ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | (place.pipe ? O_NONBLOCK : 0));
+    const int fd = ::open(place.path.c_str(), flags);
     if (fd >= 0) return fd;
     if (!place.pipe || errno != ENXIO) io::fail_output(file, errno);
     check_cancelled();
@@ -99,7 +107,7 @@ int open_stream(const std::string& file, const io::OutputPlace& place) {
 
 void write_stream(const std::string& file, const io::OutputPlace& place, const Parts& parts) {
   detail::Descriptor d(open_stream(file, place));
-  int error = write_all(d.fd, parts);
+  int error = write_all(d.fd, parts, place.pipe && (::fcntl(d.fd, F_GETFL) & O_NONBLOCK) == 0);
   if (::close(std::exchange(d.fd, -1)) != 0 && error == 0) error = errno;
   if (error != 0) io::fail_output(file, error);
 }
@@ -129,7 +137,7 @@ struct OutputBatch::Files {
 
   void write(const std::string& file, const Parts& parts);
   void commit();
-  void sync_files(const std::vector<Waiting>& files) const;
+  void sync_files();
   void check_abandoned() const;
   std::filesystem::path folder_for(const std::filesystem::path& target, const std::string& file);
 
@@ -215,31 +223,41 @@ void OutputBatch::Files::check_abandoned() const {
   if (abandoned) throw Cancelled();
 }
 
-void OutputBatch::Files::sync_files(const std::vector<Waiting>& files) const {
-  if (files.empty()) return;
-  std::vector<int> errors(files.size());
+/// What does not get onto the disk waits no longer: asked a second time, the system would say that it is there.
+void OutputBatch::Files::sync_files() {
+  if (waiting.empty()) return;
+  std::vector<int> errors(waiting.size());
   {
     // These threads only wait for the disk, which takes many files at once in little more time than one.
-    const ThreadScope waits(static_cast<int>(std::min(files.size(), kSyncsAtOnce)));
-    parallel_for(0, files.size(), 1, [&](std::size_t i) { errors[i] = sync_path(files[i].staged); });
+    const ThreadScope waits(static_cast<int>(std::min(waiting.size(), kSyncsAtOnce)));
+    parallel_for(0, waiting.size(), 1, [&](std::size_t i) { errors[i] = sync_path(waiting[i].staged); });
   }
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    if (errors[i] == 0) continue;
-    check_abandoned();  // then it is gone
-    io::fail_output(files[i].file, errors[i]);
+  const auto first = std::find_if(errors.begin(), errors.end(), [](int error) { return error != 0; });
+  if (first == errors.end()) return;
+  check_abandoned();  // then they are gone
+  const std::string culprit = waiting[static_cast<std::size_t>(first - errors.begin())].file;
+  std::vector<Waiting> there;
+  for (std::size_t i = 0; i < waiting.size(); ++i) {
+    if (errors[i] == 0)
+      there.push_back(std::move(waiting[i]));
+    else
+      ::unlink(waiting[i].staged.c_str());
   }
+  waiting = std::move(there);
+  io::fail_output(culprit, *first);
 }
 
 void OutputBatch::Files::commit() {
-  const std::vector<Waiting> all = std::exchange(waiting, {});
-  sync_files(all);
+  sync_files();
   check_cancelled();
+  std::vector<Waiting> all;
   std::vector<std::filesystem::path> places;
   int failed = 0;
   const Waiting* culprit = nullptr;
   {
     const std::lock_guard lock(registry().mutex);
     if (abandoned) throw Cancelled();
+    all = std::exchange(waiting, {});
     for (const Waiting& w : all) {
       if (::rename(w.staged.c_str(), w.target.c_str()) != 0) {
         failed = errno, culprit = &w;

@@ -22,8 +22,8 @@ class OutputBatch {
   OutputBatch(const OutputBatch&) = delete;
   OutputBatch& operator=(const OutputBatch&) = delete;
 
-  /// Throws FileError where a file does not get onto the disk: then none has its name yet, or the message says which
-  /// have. Throws Cancelled (CancelScope) as long as none has its name.
+  /// Throws FileError where a file does not get onto the disk: then none has its name yet, and the others still wait,
+  /// or the message says which have. Throws Cancelled (CancelScope) as long as none has its name.
   void commit();
   /// Files that wait.
   std::size_t waiting() const;

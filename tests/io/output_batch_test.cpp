@@ -1,6 +1,7 @@
 // Outputs: together or not at all, into pipes, onto full disks, and what killed programs leave.
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -115,6 +116,36 @@ TEST(Batches, SayWhichFilesAreInPlace) {
   EXPECT_TRUE(hidden_in(folder).empty());
 }
 
+TEST(Batches, GoOnWaitingWhereOneDoesNotGetOntoTheDisk) {
+  const Folder folder;
+  OutputBatch batch;
+  for (const char* const name : {"a.txt", "b.txt", "c.txt"}) write_text(folder / name, name);
+  ASSERT_EQ(hidden_in(folder).size(), 1u);
+  ASSERT_TRUE(std::filesystem::remove(folder.path() / hidden_in(folder)[0] / "1"));
+  expect_file_error(folder / "b.txt", "cannot be written", [&] { batch.commit(); });
+  EXPECT_EQ(batch.waiting(), 2u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+  batch.commit();
+  EXPECT_EQ(slurp(folder / "a.txt"), "a.txt");
+  EXPECT_EQ(slurp(folder / "c.txt"), "c.txt");
+  EXPECT_EQ(folder.entries(), 2u);
+}
+
+TEST(Batches, GoOnWaitingWhereTheyAreCancelled) {
+  const Folder folder;
+  OutputBatch batch;
+  write_text(folder / "a.txt", "a");
+  {
+    Progress progress;
+    const CancelScope scope(progress);
+    progress.cancel();
+    EXPECT_THROW(batch.commit(), Cancelled);
+  }
+  EXPECT_EQ(batch.waiting(), 1u);
+  batch.commit();
+  EXPECT_EQ(slurp(folder / "a.txt"), "a");
+}
+
 TEST(Batches, OfProgramsThatEndInTheMiddle) {
   const Folder folder;
   OutputBatch batch;
@@ -197,6 +228,16 @@ TEST(Places, ANameThatIsTooLongIsToldBeforeTheWork) {
   expect_file_error(file, "its name is too long", [&] { check_writable(file, "text"); });
 }
 
+/// Cancels what waits for ever, after two seconds.
+class Patience {
+  Progress progress_;
+  CancelScope scope_{progress_};
+  std::jthread late_{[this](const std::stop_token& over) {
+    for (int k = 0; k < 200 && !over.stop_requested(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    progress_.cancel();
+  }};
+};
+
 class Pipes : public ::testing::Test {
  protected:
   Pipes() { ::mkfifo(pipe().c_str(), 0600); }
@@ -242,6 +283,19 @@ TEST_F(Pipes, OfSlowWritersAreReadToTheEnd) {
   EXPECT_EQ(text, "0 0 0\n1 0 0\n2 0 0\n");
 }
 
+TEST_F(Pipes, WhoseWritersAreGoneAreReadToTheEnd) {
+  // A second opening, as that of /dev/stdin, of a pipe that is full and to which nobody will write.
+  const int first = ::open(pipe().c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  std::ofstream(pipe()) << "0 0 0\n";
+  std::string text;
+  {
+    const Patience patience;
+    EXPECT_NO_THROW(text = read_text(pipe()));
+  }
+  EXPECT_EQ(text, "0 0 0\n");
+  ::close(first);
+}
+
 TEST_F(Pipes, WaitsAreCancelled) {
   // Nobody writes; nobody reads.
   EXPECT_LT(seconds_until_cancelled([&] { read_points(pipe()); }), 1.0);
@@ -262,6 +316,43 @@ TEST_F(Pipes, ThatNobodyReadsAnyMoreAreAnError) {
   });
   // SIGPIPE would end this program.
   expect_file_error(pipe(), "nobody reads it any more", [&] { write_text(pipe(), std::string(1 << 20, 'x')); });
+}
+
+/// As standard output is one by the name /dev/stdout.
+TEST_F(Pipes, ThatAreDescriptorsOfOursAreWrittenWhoeverReads) {
+  const int reader = ::open(pipe().c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const int writer = ::open(pipe().c_str(), O_WRONLY | O_CLOEXEC);
+  const std::string name = "/proc/self/fd/" + std::to_string(writer);
+  ::close(reader);
+  const Patience patience;
+  expect_file_error(name, "nobody reads it any more", [&] { write_text(name, "x"); });
+  ::close(writer);
+}
+
+TEST_F(Pipes, ThatCannotBeOpenedAgainAreWrittenAsTheyAre) {
+  const int reader = ::open(pipe().c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const int writer = ::open(pipe().c_str(), O_WRONLY | O_CLOEXEC);
+  ::fcntl(reader, F_SETFL, 0);
+  ASSERT_EQ(::chmod(pipe().c_str(), 0), 0);  // as one of another user
+  const std::string name = "/proc/self/fd/" + std::to_string(writer), text(1'000'000, 'x');
+  const pid_t child = start_child([&] {
+    // Permissions do not hold for root.
+    if (::geteuid() == 0 && (::setuid(65534) != 0 || ::prctl(PR_SET_DUMPABLE, 1) != 0)) ::_exit(3);
+    EXPECT_LT(::open(name.c_str(), O_WRONLY | O_NONBLOCK), 0);
+    EXPECT_NO_THROW(write_text(name, text));
+    // Waits for a reader that does nothing are heard all the same.
+    EXPECT_LT(seconds_until_cancelled([&] { write_text(name, text); }), 1.0);
+  });
+  std::string got;
+  std::vector<char> block(1 << 16);
+  for (ssize_t n; got.size() < text.size();) {
+    n = ::read(reader, block.data(), std::min(block.size(), text.size() - got.size()));
+    if (n <= 0) break;
+    got.append(block.data(), static_cast<std::size_t>(n));
+  }
+  EXPECT_EQ(end_of(child), 0);
+  EXPECT_EQ(got, text);
+  ::close(reader), ::close(writer);
 }
 
 }  // namespace
