@@ -36,6 +36,7 @@ Console::~Console() { clear(); }
 
 void Console::finish() {
   progress_.check();
+  finishing_ = true;
   outputs_.commit();
   show(std::exchange(said_, {}));
   finish_out();
@@ -44,8 +45,14 @@ void Console::finish() {
 std::string Console::rescue_frames() {
   const std::size_t kept = outputs_.waiting();
   if (!keeps_frames_ || kept == 0) return {};
-  outputs_.commit();
-  return fmt::format("; {} before it {}", counted(kept, "file"), kept == 1 ? "is kept" : "are kept");
+  // Of all frames some may not get onto the disk.
+  const std::string files = finishing_ ? counted(kept, "other file") : counted(kept, "file") + " before it";
+  try {
+    outputs_.commit();
+  } catch (const FileError& error) {
+    return fmt::format("; {} cannot be kept: {}", files, error.what());
+  }
+  return fmt::format("; {} {} kept", files, kept == 1 ? "is" : "are");
 }
 
 /// Other words would spoil standard output that is a file of the command.

@@ -33,12 +33,13 @@ class Console {
   /// Draws the bar where standard error is a terminal; cancelled by Ctrl-C.
   Progress& progress() { return progress_; }
 
-  /// Frames of a motion that are written stay there if a later one cannot be: they took long.
+  /// Frames of a motion that are written stay there if a later one fails, whatever the error: they took long.
   void keep_frames() { keeps_frames_ = true; }
   /// Puts the files of the command in their places (OutputBatch), then prints what was said of them. Called once, when
   /// all has gone well. Throws what these do, Cancelled, and errors of standard output.
   void finish();
-  /// After an error: frames that are to be kept are put in their places; words about that, empty if there are none.
+  /// After an error, be it of finish(): frames that are to be kept are put in their places; words about that, which
+  /// follow those of the error, empty if there are none. Throws Cancelled.
   std::string rescue_frames();
 
   /// A result for people: printed unless --json or --quiet. Once files were written, it waits for finish().
@@ -68,6 +69,7 @@ class Console {
   std::vector<std::string> warnings_;
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;
+  bool finishing_ = false;
   bool terminal_ = false;
   bool drawn_ = false;
   double started_ = 0;

@@ -37,19 +37,22 @@ struct Interrupted {
   std::vector<std::string> written;
 };
 
-void run(const Command& command, const CommonArguments& common) {
+/// Where it fails, `kept` says which of its files are there all the same: more words for the error.
+void run(const Command& command, const CommonArguments& common, std::string& kept) {
   const ThreadScope threads(common.threads);
   Console console(common.console, *command.line);
   try {
-    command.run(console);
-    console.finish();
+    try {
+      command.run(console);
+      console.finish();
+    } catch (const Cancelled&) {
+      throw;
+    } catch (...) {
+      kept = console.rescue_frames();
+      throw;
+    }
   } catch (const Cancelled&) {
     throw Interrupted{abandon_outputs()};
-  } catch (const FileError& error) {
-    const std::string kept = console.rescue_frames();
-    if (kept.empty()) throw;
-    const std::string cause = std::string(error.what()).substr(printable(error.file()).size() + 2);
-    throw FileError(error.file(), cause + kept);
   }
   end_of_interrupts();
 }
@@ -99,11 +102,12 @@ int run_line(int argc, char** argv) {
   CommandLine line("Surfaces and volumes straight from samples.", "sansmesh");
   const std::vector<Command> commands = add_commands(line, common);
   const CommandLine* chosen = &line;
+  std::string kept;
   try {
     const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});
     chosen = parsed.command;
     if (parsed.wish == ParsedLine::Wish::run) {
-      run(command_of_line(commands, *chosen), common);
+      run(command_of_line(commands, *chosen), common, kept);
     } else {
       print_out(parsed.wish == ParsedLine::Wish::help ? help_text(*chosen) : "sansmesh " SANSMESH_VERSION "\n");
       finish_out();
@@ -120,14 +124,14 @@ int run_line(int argc, char** argv) {
     return kInterrupted;
   } catch (const ArgumentError& error) {
     const std::string message = with_typed_values(in_flags(error.what(), *chosen), *chosen);
-    print_error(message + did_you_mean_listed(message));
+    print_error(message + did_you_mean_listed(message) + kept);
     return kUsage;
   } catch (const FileError& error) {
-    print_error(with_similar_file(error, *chosen));
+    print_error(with_similar_file(error, *chosen) + kept);
   } catch (const DataError& error) {
-    print_error(in_flags(error.what(), *chosen));
+    print_error(in_flags(error.what(), *chosen) + kept);
   } catch (const std::exception& error) {
-    print_error(in_flags(words_of(error), *chosen));
+    print_error(in_flags(words_of(error), *chosen) + kept);
   }
   return kFailed;
 }

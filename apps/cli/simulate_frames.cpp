@@ -24,26 +24,29 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
   TetMesh frame = motion.rest();
   const std::vector<Vec3> at_rest = motion.positions(0);  // rounded as those of all frames
   console.progress().begin("writing tetrahedra", motion.frames());
-  for (std::size_t k = 0; k < motion.frames(); ++k) {
-    frame.vertices = motion.positions(k);
-    std::vector<float> velocity, displacement;
-    for (std::size_t v = 0; v < frame.vertices.size(); ++v) {
-      const Vec3f u = motion.velocities(k)[v], d = Vec3f(frame.vertices[v] - at_rest[v]);
-      velocity.insert(velocity.end(), {u.x, u.y, u.z});
-      displacement.insert(displacement.end(), {d.x, d.y, d.z});
-    }
-    frame.attributes.set("velocity", std::move(velocity), 3);
-    frame.attributes.set("displacement", std::move(displacement), 3);
-    files.push_back(motion_frame_name(output, k));
-    if (k > 0) console.keep_frames();
-    try {
+  std::size_t k = 0;
+  try {
+    for (; k < motion.frames(); ++k) {
+      frame.vertices = motion.positions(k);
+      std::vector<float> velocity, displacement;
+      for (std::size_t v = 0; v < frame.vertices.size(); ++v) {
+        const Vec3f u = motion.velocities(k)[v], d = Vec3f(frame.vertices[v] - at_rest[v]);
+        velocity.insert(velocity.end(), {u.x, u.y, u.z});
+        displacement.insert(displacement.end(), {d.x, d.y, d.z});
+      }
+      frame.attributes.set("velocity", std::move(velocity), 3);
+      frame.attributes.set("displacement", std::move(displacement), 3);
+      files.push_back(motion_frame_name(output, k));
+      if (k > 0) console.keep_frames();
       write_tets(files.back(), frame);
-    } catch (const FileError&) {
-      series.resize(k);
-      write_collection(collection, series);
-      throw;
+      console.progress().advance();
     }
-    console.progress().advance();
+  } catch (const Cancelled&) {
+    throw;
+  } catch (...) {
+    series.resize(k);
+    write_collection(collection, series);
+    throw;
   }
   files.push_back(collection);
   return files;

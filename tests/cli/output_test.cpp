@@ -10,6 +10,7 @@
 #include "run_tool.h"
 #include "sansmesh/io/io.h"
 #include "support/clouds.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -100,10 +101,12 @@ TEST_F(Outputs, TheResultMayGoToStandardOutput) {
   EXPECT_NE(outcome.err.find("2,000 points"), std::string::npos) << "words go elsewhere: " << outcome.err;
 }
 
+const char* const kTet =
+    "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra 1\n1 2 3 4 0\n"
+    "End\n";
+
 TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
-  std::ofstream(path("tet.mesh"))
-      << "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
-         "Tetrahedra 1\n1 2 3 4 0\nEnd\n";
+  write("tet.mesh", kTet);
   // The third frame cannot be written.
   std::filesystem::create_directory(path("out_0002.vtu"));
   const Outcome outcome = run({"simulate", "tet.mesh", "-o", "out.vtu", "--time", "0.4", "--fps", "10"});
@@ -117,6 +120,22 @@ TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
   EXPECT_TRUE(std::filesystem::exists(path("out_0001.vtu")));
   EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "out.pvd", "out_0000.vtu", "out_0001.vtu", "out_0002.vtu",
                                                  "tet.mesh"}));
+}
+
+TEST_F(Outputs, OfASeriesTheFramesAreKeptWhateverTheError) {
+  SANSMESH_NOT_SANITIZED("takes more memory than is left");
+  write("tet.mesh", kTet);
+  // Meshes come first; there is no room for pictures.
+  const Outcome outcome = outcome_of(start({"simulate", "tet.mesh", "-o", "out.ply", "-o", "out.png", "--time", "0.4",
+                                            "--fps", "10", "--width", "16000", "--height", "16000", "--threads", "1"},
+                                           [] {
+                                             const rlimit memory{rlim_t{600} << 20, rlim_t{600} << 20};
+                                             ::setrlimit(RLIMIT_AS, &memory);
+                                           }));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "sansmesh: not enough memory; 5 files before it are kept\n");
+  EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "out_0000.ply", "out_0001.ply", "out_0002.ply",
+                                                 "out_0003.ply", "out_0004.ply", "tet.mesh"}));
 }
 
 }  // namespace
