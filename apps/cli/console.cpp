@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <utility>
 
 #include "flags.h"
@@ -49,7 +50,9 @@ std::string Console::rescue_frames() {
   const std::string files = finishing_ ? counted(kept, "other file") : counted(kept, "file") + " before it";
   try {
     outputs_.commit();
-  } catch (const FileError& error) {
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception& error) {
     return fmt::format("; {} cannot be kept: {}", files, error.what());
   }
   return fmt::format("; {} {} kept", files, kept == 1 ? "is" : "are");
