@@ -129,7 +129,7 @@ TEST_F(Outputs, OfASeriesTheFramesAreKeptWhateverTheError) {
   const Outcome outcome = outcome_of(start({"simulate", "tet.mesh", "-o", "out.ply", "-o", "out.png", "--time", "0.4",
                                             "--fps", "10", "--width", "16000", "--height", "16000", "--threads", "1"},
                                            [] {
-                                             const rlimit memory{rlim_t{600} << 20, rlim_t{600} << 20};
+                                             const rlimit memory{rlim_t{2} << 30, rlim_t{2} << 30};
                                              ::setrlimit(RLIMIT_AS, &memory);
                                            }));
   EXPECT_EQ(outcome.code, 1);
