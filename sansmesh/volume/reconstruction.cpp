@@ -140,24 +140,34 @@ std::size_t bytes_of_coefficients(const ReconstructionCoefficients& c) {
   return bytes_in(p.metrics, p.constants, p.degrees, p.first, p.coefficients, p.trust, c.radii);
 }
 
-/// Values that were scaled for a method whose coefficients are floats. Throws DataError where a few numbers are so much
-/// larger than the rest that this is lost beside them.
-void check_not_lost(const VolumeValues& scaled, std::string_view method) {
-  constexpr double kLost = 0x1p-80;
+/// Values that become smaller by `scale`, for a method whose coefficients are floats. Throws DataError where a few
+/// numbers stand apart that are so much larger than the rest that floats lose this beside them. What falls off to
+/// nothing by itself may be lost.
+void check_not_lost(const VolumeValues& values, double scale, std::string_view method) {
+  constexpr double kLost = 0x1p-120, kApart = 0x1p-60;
   constexpr std::size_t kLooked = 100'000;
-  const std::size_t n = scaled.components, rows = scaled.values.size() / n, stride = 1 + rows / kLooked;
+  const std::size_t n = values.components, rows = values.values.size() / n, stride = 1 + rows / kLooked;
+  std::vector<double> away, component;
   for (std::size_t k = 0; k < n; ++k) {
-    std::vector<double> values, away;
-    for (std::size_t i = 0; i < rows; i += stride) values.push_back(scaled.values[i * n + k]);
-    const double middle = median(values);
-    for (const double v : values)
-      if (v != middle) away.push_back(std::abs(v - middle));
-    if (away.empty() || median(away) >= kLost) continue;
-    throw DataError(
-        fmt::format("array '{}': some values are so much larger than the others that {} loses these beside "
-                    "them: say what stands for missing values (`fill_values`), or choose the method linear",
-                    printable(scaled.name, 60), method));
+    component.clear();
+    for (std::size_t i = 0; i < rows; i += stride) component.push_back(values.values[i * n + k]);
+    away.resize(component.size(), 0.0);
+    const double middle = median(component);
+    for (std::size_t r = 0; r < away.size(); ++r)
+      away[r] = std::max(away[r], std::abs(values.values[r * stride * n + k] - middle));
   }
+  std::erase(away, 0.0);
+  if (away.empty()) return;
+  const double rest = median(away);
+  if (rest * scale >= kLost || rest < kLost) return;
+  double most = 0;
+  for (const double v : values.values) most = std::max(most, std::abs(v));
+  if (std::any_of(away.begin(), away.end(), [&](double a) { return a >= kLost * most && a < kApart * most; })) return;
+  throw DataError(
+      fmt::format("array '{}': values of up to {:.4g} stand so far apart from the rest, which spans about {:.4g}, that "
+                  "{} loses it beside them: say what stands for missing values (`fill_values`), or choose the method "
+                  "linear",
+                  printable(values.name, 60), most, rest, method));
 }
 
 }  // namespace
@@ -206,8 +216,9 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
   // Coefficients and kernels are in float, squares in double: values far from 1 are brought there, and back.
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
+  if (!factors.empty() && factors[0] < 1 && has_coefficients(options.method))
+    check_not_lost(values, factors[0], entry.info.name);
   values = scaled_values(std::move(values), factors);
-  if (!factors.empty() && has_coefficients(options.method)) check_not_lost(values, entry.info.name);
   std::unique_ptr<VolumeField> field =
       entry.make({std::move(volume), std::move(values), options, progress, told, used});
   if (!used.empty()) used.scales = factors;

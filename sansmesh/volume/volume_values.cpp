@@ -56,44 +56,36 @@ void fill_in(const SampledVolume& volume, std::vector<std::uint8_t>& known, Volu
   }
 }
 
-/// The largest value of each component, without its sign.
-std::vector<double> largest_of(const VolumeValues& of) {
-  const std::size_t n = of.components;
+/// The largest value of all components, without its sign.
+double largest_of(const VolumeValues& of) {
   return parallel_reduce(
-      of.values.size() / n, 1 << 16, std::vector<double>(n, 0.0),
+      of.values.size(), 1 << 16, 0.0,
       [&](std::size_t first, std::size_t last) {
-        std::vector<double> most(n, 0.0);
-        for (std::size_t i = first; i < last; ++i)
-          for (std::size_t k = 0; k < n; ++k) most[k] = std::max(most[k], std::abs(of.values[i * n + k]));
+        double most = 0;
+        for (std::size_t i = first; i < last; ++i) most = std::max(most, std::abs(of.values[i]));
         return most;
       },
-      [](std::vector<double> a, const std::vector<double>& b) {
-        for (std::size_t k = 0; k < a.size(); ++k) a[k] = std::max(a[k], b[k]);
-        return a;
-      });
+      [](double a, double b) { return std::max(a, b); });
 }
 
 void check_size(const VolumeValues& of, double spacing) {
   constexpr double kMost = 0x1p1000, kMostSlope = 0x1p1015;
-  for (const double most : largest_of(of)) {
-    const double slope = spacing > 0 ? most / spacing : most;
-    if (most > kMost || slope > kMostSlope)
-      throw DataError(
-          fmt::format("array '{}': values of up to {:.4g} are too large: slopes between samples are no numbers",
-                      printable(of.name, 60), most));
-    if (most > 0 && most < 1 / kMost)
-      throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be told apart",
-                                  printable(of.name, 60), most));
-  }
+  const double most = largest_of(of), slope = spacing > 0 ? most / spacing : most;
+  if (most > kMost || slope > kMostSlope)
+    throw DataError(
+        fmt::format("array '{}': values of up to {:.4g} are too large: slopes between samples are no numbers",
+                    printable(of.name, 60), most));
+  // One component may be next to nothing beside others: what is left in a direction without any flow.
+  if (most > 0 && most < 1 / kMost)
+    throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be told apart",
+                                printable(of.name, 60), most));
 }
 
 }  // namespace
 
 std::vector<double> value_scales(const VolumeValues& values) {
-  std::vector<double> scales = largest_of(values);
-  for (double& s : scales) s = binary_scale(s);
-  if (std::all_of(scales.begin(), scales.end(), [](double s) { return s == 1; })) return {};
-  return scales;
+  const double scale = binary_scale(largest_of(values));
+  return scale == 1 ? std::vector<double>() : std::vector<double>(values.components, scale);
 }
 
 VolumeValues scaled_values(VolumeValues values, std::span<const double> scales) {

@@ -24,12 +24,13 @@ struct VolumeValues {
 };
 
 /// The array of that name. Throws ArgumentError naming the arrays that there are where it is none of them, DataError
-/// where not a single value is finite, or values are so large or small that slopes between samples are no numbers any
-/// more (about 1e300 and 1e-300).
+/// where not a single value is finite, values are so large that slopes between samples are no numbers any more (about
+/// 1e300), or all are so small that they cannot be told apart (below about 1e-300, but for those that are all 0).
 VolumeValues volume_values(const SampledVolume& volume, const std::string& name);
 
-/// By which each component is multiplied for reconstructions: binary_scale() of its largest value. Empty where all are
-/// of moderate size.
+/// By which each component is multiplied for reconstructions: binary_scale() of the largest value of all. It is the
+/// same for all components, whose squares are added up: what weighs more in a vector must not depend on the unit. Empty
+/// where the largest is of moderate size.
 std::vector<double> value_scales(const VolumeValues& values);
 /// The values times these; as they are where `scales` is empty.
 VolumeValues scaled_values(VolumeValues values, std::span<const double> scales);

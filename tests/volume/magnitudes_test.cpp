@@ -47,24 +47,63 @@ TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
   }
 }
 
-TEST(Magnitudes, OfComponentsDiffer) {
-  GridData data = lattice_grid({6, 6, 6}, wave_of_magnitude);
-  std::vector<double> both;
-  for (std::size_t i = 0; i < 216; ++i) {
-    const double v = wave_of_magnitude(block_point(data.blocks[0], i));
-    both.insert(both.end(), {v, 0x1p700 * v, 0x1p-700 * v});
+/// A field of vectors whose components are of different size, with noise, times a factor.
+GridData vectors_times(double factor, double last = 1) {
+  GridData data = lattice_grid({6, 5, 7}, wave_of_magnitude);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < 6u * 5 * 7; ++i) {
+    const Vec3 x = block_point(data.blocks[0], i);
+    const double noise = std::sin(1e4 * static_cast<double>(i)) / 8, wave = wave_of_magnitude(x) + noise;
+    values.insert(values.end(), {64 * factor * wave, factor * (std::cos(3 * x.y) - noise), factor * last * x.x});
   }
-  data.blocks[0].point_arrays.set("both", both, 3);
+  data.blocks[0].point_arrays.set("f", values, 3);
+  return data;
+}
+
+std::vector<double> vector_answers(const GridData& data, ReconstructionMethod method) {
   const auto volume = volume_of(data);
-  Progress progress;
-  const auto field = reconstruct_volume(volume, "both", {}, progress);
-  const auto x = places_within(*volume, 30);
+  const auto field = field_of(volume, method);
+  const auto x = places_within(*volume, 40);
   std::vector<double> values(3 * x.size());
   field->evaluate(x, {values, {}, {}, {}});
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    EXPECT_NEAR(values[3 * i], wave_of_magnitude(x[i]), 0.01);
-    EXPECT_EQ(values[3 * i + 1], 0x1p700 * values[3 * i]);
-    EXPECT_EQ(values[3 * i + 2], 0x1p-700 * values[3 * i]);
+  return values;
+}
+
+TEST(Magnitudes, OfVectorsChangeNothingButTheFactor) {
+  for (const ReconstructionInfo& info : reconstruction_methods()) {
+    const std::vector<double> expected = vector_answers(vectors_times(1), info.method);
+    for (const double factor : {0x1p46, 0x1p-60}) {
+      SCOPED_TRACE(std::string(info.name) + " " + std::to_string(std::ilogb(factor)));
+      const std::vector<double> found = vector_answers(vectors_times(factor), info.method);
+      for (std::size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], factor * expected[i]) << i;
+    }
+  }
+}
+
+/// What flow solvers leave in a direction in which nothing flows.
+TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
+  for (const ReconstructionInfo& info : reconstruction_methods()) {
+    SCOPED_TRACE(info.name);
+    const std::vector<double> expected = vector_answers(vectors_times(1, 0), info.method);
+    const std::vector<double> found = vector_answers(vectors_times(1, 1e-310), info.method);
+    for (std::size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], expected[i], i % 3 == 2 ? 1e-300 : 0) << i;
+  }
+}
+
+/// Whether data that fall off to nothing are taken does not depend on their unit.
+TEST(Magnitudes, OfPeaksDecideNothing) {
+  for (const double sharpness : {1 / 1.3, 1 / 0.3}) {
+    const auto peak = [&](double factor) {
+      return lattice_grid({12, 12, 12}, [=](const Vec3& x) {
+        return factor * std::exp(-squared_norm(x - Vec3{0.5, 0.5, 0.5}) * 400 * sharpness);
+      });
+    };
+    const std::vector<double> expected = answers(peak(1), ReconstructionMethod::mls_detail, false);
+    for (const double factor : {0x1p49, 0x1p51, 0x1p-49, 0x1p-52}) {
+      SCOPED_TRACE(std::to_string(std::ilogb(factor)));
+      const std::vector<double> found = answers(peak(factor), ReconstructionMethod::mls_detail, false);
+      for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], factor * expected[i], factor * 1e-30);
+    }
   }
 }
 
@@ -99,6 +138,7 @@ TEST(Magnitudes, WithoutARightAnswerAreErrors) {
   EXPECT_NE(error_of([](const Vec3&) { return std::nan(""); }, linear).find("no finite value"), std::string::npos);
   // A single number beside which all others vanish.
   const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave_of_magnitude(x); };
+  EXPECT_NE(error_of(spike, detail).find("values of up to 1e+60 stand so far apart"), std::string::npos);
   EXPECT_NE(error_of(spike, detail).find("`fill_values`"), std::string::npos);
   EXPECT_EQ(error_of(spike, linear), "");
 }
