@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/render/lighting.h"
@@ -58,7 +59,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
     const Vec3 color(linear_color(function.color(value)));
     return Entry{depth, depth * color.x, depth * color.y, depth * color.z};
   };
-  below_ = outer(std::nextafter(lower, lower - 1)), above_ = outer(upper);
+  below_ = outer(std::nextafter(lower, -std::numeric_limits<double>::infinity())), above_ = outer(upper);
 }
 
 TransferTable::Entry TransferTable::density(double place) const {

@@ -52,6 +52,15 @@ TEST(TransferTable, GoesOnBeyondItsEnds) {
   EXPECT_FALSE(table.clear(0.4, 0.9));
 }
 
+TEST(TransferTable, EndsOfLargeValuesAreEnds) {
+  TransferFunction f = ramp();
+  f.colors = {{5e17, {1, 0, 0}}, {6e17, {1, 0, 0}}};
+  f.opacities = {{5e17, 0}, {5e17, 1}, {6e17, 1}};
+  const TransferTable table(f);
+  EXPECT_TRUE(table.clear(1e17, 2e17));
+  EXPECT_FALSE(table.clear(5.1e17, 5.2e17));
+}
+
 TEST(TransferTable, ColoursOfAPieceAreWeightedByExtinction) {
   // Red and clear below, blue and dense above: whatever glows is blue.
   TransferFunction f;
