@@ -115,7 +115,6 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
   const auto [lower, upper] = transfer.range();
   value_range_ = upper - lower, other_range_ = transfer.opacities.back().value - transfer.opacities.front().value;
   weak_ = 1.5 * (separate_ ? transfer.opacities.back().value - transfer.opacities.front().value : upper - lower);
-  weak_scale_ = binary_scale(weak_);
   for (const IsoSurface& iso : options.isos)
     iso_colors_.push_back(linear_color(iso.color ? *iso.color : transfer.color(iso.value)));
   if (options.opacity_scale == 0)
@@ -266,8 +265,8 @@ void VolumeTracer::shade(const Walk& walk, Sample& sample, bool surface) const {
   if (!options_.shading && !surface) return;
   const double steep = long_norm(sample.gradient);
   if (!(steep > 0)) return;
-  const double own = steep * weak_scale_, weak = weak_ * weak_scale_;  // whose squares are numbers
-  const float share = surface ? 1.0f : static_cast<float>(own * own / (own * own + weak * weak));
+  const double weaker = weak_ / steep;
+  const float share = surface ? 1.0f : static_cast<float>(1 / (1 + weaker * weaker));
   Vec3f n(sample.gradient / steep);
   const Vec3f d(walk.direction);
   float facing = dot(n, d);

@@ -84,9 +84,8 @@ class VolumeTracer {
   bool separate_ = false;
   double extinction_ = 0;                     // per picture length, of extinction 1 in reference lengths
   double value_range_ = 0, other_range_ = 0;  // of the transfer function
-  double weak_ = 0;        // gradients (per picture length) that say as little about a surface as they say much
-  double weak_scale_ = 1;  // by which these become numbers that can be squared
-  float footprint_ = 0;    // of a pixel at distance 1, or of parallel rays at any
+  double weak_ = 0;      // gradients (per picture length) that say as little about a surface as they say much
+  float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any
   std::optional<double> least_shown_;  // of values on faces of gaps, where only iso-surfaces are seen
   std::vector<std::uint8_t> clear_;    // of each cell: 0, or 1 + so many around it in each direction are clear, too
   std::vector<Vec3f> iso_colors_;

@@ -127,6 +127,18 @@ TEST(VolumePicture, RampKeepsBackWhatTheIntegralSays) {
   }
 }
 
+TEST(VolumePicture, OneColourOfTinyValuesIsLit) {
+  const FormulaVolume field = linear_volume({0, 0, 1e-190}, 1e-190);
+  VolumeSubject subject{&field, nullptr, nullptr, {}};
+  TransferFunction f = fog(0, 0.25);
+  f.colors = {{1e-190, {1, 1, 1}}}, f.opacities = {{1e-190, 0.9}};
+  VolumePictureOptions options = one_pixel(f);
+  options.shading = true;
+  const float light = along(subject, options, {0.4, 0.3, 1}, {0.4, 0.3, 0})[0];
+  EXPECT_GT(light, 0.1f);
+  EXPECT_LT(light, 10.0f);
+}
+
 TEST(VolumePicture, ThinLayersAreNotMissedByLongSteps) {
   const FormulaVolume field = linear_volume({0, 0, 1});
   VolumeSubject subject{&field, nullptr, nullptr, {}};
