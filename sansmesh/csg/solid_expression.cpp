@@ -17,6 +17,8 @@ using NodeKind = PieceExpression::Node::Kind;
 
 /// More functions than this are too many to be looked at one by one.
 constexpr std::size_t kMostFunctions = 1u << 18;
+/// Faces in one plane are one function, however many nodes it is in.
+constexpr std::size_t kMostNodes = 4 * kMostFunctions;
 /// Points that go through a function together.
 constexpr std::size_t kAtOnce = 64;
 /// Planes no farther from each other than this share of the tie are one.
@@ -329,7 +331,7 @@ std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Functi
   return plane;
 }
 
-bool ExpressionBuilder::full() const { return functions.size() > kMostFunctions; }
+bool ExpressionBuilder::full() const { return functions.size() > kMostFunctions || nodes.size() > kMostNodes; }
 
 std::uint32_t ExpressionBuilder::add(const Node& node) {
   nodes.push_back(node);

@@ -51,7 +51,7 @@ class ExpressionBuilder {
   /// Any number of them, without blends.
   std::optional<std::uint32_t> combine(const std::vector<NodePtr>& members, double sign, const ExpressionFrame& frame);
 
-  /// More functions than can be looked at one by one.
+  /// More functions, or nodes, than can be looked at one by one.
   bool full() const;
 
   std::vector<Function> functions;

@@ -36,6 +36,23 @@ std::vector<Vec3> places(std::size_t count, double wide) {
   return x;
 }
 
+/// Shells of a box are of few planes, but each is twice as many nodes as the one before.
+TEST(SolidExpression, NestedShellsEnd) {
+  Solid shells = csg::box({0, 0, 0}, {1, 1, 1});
+  std::size_t known = 0;
+  for (int depth = 1; depth <= 22; ++depth) {
+    shells = csg::shell(shells, 1e-3);
+    if (depth % 7 > 1) continue;
+    if (const auto expression = shells.expression(1e-9)) {
+      known = expression->nodes().size();
+    } else {
+      EXPECT_GT(depth, 14);
+    }
+  }
+  EXPECT_GT(known, 1u << 14);
+  EXPECT_EQ(shells.expression(1e-9), nullptr);
+}
+
 TEST(SolidExpression, BlendsOfManyPartsAreThoseOfAllParts) {
   SANSMESH_NOT_SANITIZED("judges values; others ask the same regions");
   const BlendedBalls solid(100);
