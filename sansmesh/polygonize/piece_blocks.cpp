@@ -259,7 +259,8 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   const double scale = edge;
   if (options.cell > 0) {
     edge = options.cell;
-    while (edge < longest * 1.001 + 2 * options.cell) edge *= 2;
+    // Blocks are an eighth of the root or less, whatever the cell: values take part of its edge (piece_cut.cpp).
+    while (edge < longest * 1.001 + 2 * options.cell || edge < 8 * options.cell) edge *= 2;
   } else {
     edge *= best_root(field, box.center() - Vec3{edge, edge, edge} * 0.5, edge, options);
   }

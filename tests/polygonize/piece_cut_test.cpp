@@ -147,6 +147,19 @@ TEST(PieceCut, BlocksHoldUpTo251Pieces) {
   }
 }
 
+/// Blocks are an eighth of the root or less: values of what lies in them are a part of its edge then.
+TEST(PieceCut, CellsAsLargeAsTheSolidAreASmallPartOfTheRoot) {
+  Planes field;
+  const std::uint32_t plane = field.plane({0.3, 0.2, 1}, kTip);
+  field.greatest(plane, field.cube());
+  Progress progress;
+  for (const double cell : {0.3, 1.0, 2.0, 5.0}) {
+    PieceBlockOptions options;
+    options.mesh_error = 1e-3, options.cell = cell, options.most_blocks = 100'000;
+    EXPECT_GE(piece_blocks(field, field.bounds(), options, 0, progress).tree.edge(), 8 * cell);
+  }
+}
+
 /// Integers would not hold such values: an error, not a surface of other signs.
 TEST(PieceCut, ValuesThatAreNoDistancesAreAnError) {
   Planes gentle;
