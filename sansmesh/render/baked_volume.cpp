@@ -1,7 +1,5 @@
 #include "sansmesh/render/baked_volume.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
@@ -80,6 +79,8 @@ struct BakedVolume::State {
   Box3 box;
   std::array<int, 3> counts{1, 1, 1};
   Vec3 root;  ///< edges of a root
+  double value_scale = 1,
+         slope_scale = 1;  ///< powers of two: nodes are the value times the first, its slopes times both
   std::vector<std::int32_t> branches;
   std::vector<Brick> bricks;
   std::vector<float> nodes;
@@ -107,6 +108,7 @@ struct BakedVolume::State {
     report.least = std::numeric_limits<double>::infinity(), report.most = -report.least;
     for (std::size_t i = 0; i < options.places.size(); ++i)
       if (is_finite(options.places[i])) pending.push_back(i);
+    slope_scale = binary_scale(1 / longest);
     known = some_places(options.places, kCheckPoints);
     known_values.resize(known.size());
     f.evaluate(known, {known_values, {}, {}, {}});
@@ -127,6 +129,13 @@ struct BakedVolume::State {
     const Vec3 e = edges(b.level);
     return std::max({e.x, e.y, e.z}) / kBrickCells;
   }
+  /// How values and slopes are kept: floats that are about 1 large, or ordinary ones as they are.
+  float kept_value(double v) const { return kept(v * value_scale); }
+  float kept_slope(double v) const { return kept(v * value_scale * slope_scale); }
+  static float kept(double v) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(v, -kMost, kMost));
+  }
   double range() const { return report.most > report.least ? report.most - report.least : 1; }
 
   void add_roots(Progress& progress) {
@@ -143,19 +152,11 @@ struct BakedVolume::State {
     nodes.resize(roots.size() * kBrickSize);
     std::vector<std::size_t> slots(roots.size());
     std::iota(slots.begin(), slots.end(), std::size_t{0});
+    std::vector<Brick> again = roots;
     fill(roots, slots, progress);
-    check_floats();
+    value_scale = binary_scale(std::max(std::abs(report.least), std::abs(report.most)));
+    if (value_scale != 1) fill(again, slots, progress);
     hold_places(progress);
-  }
-
-  /// Nodes are floats.
-  void check_floats() const {
-    constexpr double kMost = 1e37, kLeast = 1e-30;
-    const double largest = std::max(std::abs(report.least), std::abs(report.most));
-    const bool finite = std::all_of(nodes.begin(), nodes.end(), [](float v) { return std::isfinite(v); });
-    if (std::isfinite(largest) && (!finite || largest > kMost || (largest > 0 && largest < kLeast)))
-      throw DataError(
-          fmt::format("values of up to {:.4g}, or their slopes, do not fit into the floats of a baked field", largest));
   }
 
   /// Tells bricks that seem to miss the volume how fine it is in them.
@@ -221,8 +222,8 @@ struct BakedVolume::State {
         std::size_t in = 0;
         for (std::size_t v = 0; v < kNodesOfBrick; ++v) {
           const std::size_t p = start + v;
-          out[4 * v] = static_cast<float>(values[p]);
-          for (std::size_t k = 0; k < 3; ++k) out[4 * v + 1 + k] = static_cast<float>(gradients[p][k]);
+          out[4 * v] = kept_value(values[p]);
+          for (std::size_t k = 0; k < 3; ++k) out[4 * v + 1 + k] = kept_slope(gradients[p][k]);
           in += inside[p] != 0;
         }
         const auto middles_in = std::any_of(inside.begin() + static_cast<std::ptrdiff_t>(start + kNodesOfBrick),
@@ -241,7 +242,7 @@ struct BakedVolume::State {
               double mean = 0;
               for (int c = 0; c < 8; ++c)
                 mean += 0.125 * static_cast<double>(out[4 * node_at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1))]);
-              brick.error = std::max(brick.error, std::abs(mean - values[m]));
+              brick.error = std::max(brick.error, std::abs(mean / value_scale - values[m]));
             }
         brick.stubborn = brick.level > 0 && brick.error > kStubborn * brick.parent_error ? brick.stubborn + 1 : 0;
         double* own = spacings.data() + 9 * q;
@@ -507,6 +508,10 @@ void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted)
         }
       }
     }
+    if (s.value_scale != 1)
+      for (double& v : values) v /= s.value_scale;
+    if (s.value_scale != 1 || s.slope_scale != 1)
+      for (Vec3& g : gradients) g = g / s.slope_scale / s.value_scale;
     if (!wanted.degrees.empty())
       std::fill_n(wanted.degrees.begin() + static_cast<std::ptrdiff_t>(first), n, std::uint8_t{1});
     if (wanted.inside.empty()) return;
@@ -576,8 +581,8 @@ void BakedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> foun
       open.pop_back();
       if (part.branch < 0) {
         const State::Brick& brick = s.bricks[static_cast<std::size_t>(~part.branch)];
-        r.least = std::min(r.least, static_cast<double>(brick.least));
-        r.most = std::max(r.most, static_cast<double>(brick.most));
+        r.least = std::min(r.least, static_cast<double>(brick.least) / s.value_scale);
+        r.most = std::max(r.most, static_cast<double>(brick.most) / s.value_scale);
         continue;
       }
       const Vec3 half = s.edges(part.level + 1);

@@ -251,6 +251,32 @@ TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
   EXPECT_FALSE(BakedVolume(specks.field, options, progress).report().finished);
 }
 
+TEST(BakedVolume, MagnitudesOfValuesAndLengthsChangeNothingButTheFactor) {
+  const FormulaVolume field = hill();
+  const auto baked_answers = [&](double factor, double length) {
+    FormulaVolume other = field;
+    other.value = [&field, factor, length](const Vec3& x) { return factor * field.value(x / length); };
+    other.gradient = [&field, factor, length](const Vec3& x) { return field.gradient(x / length) * (factor / length); };
+    other.box = {field.box.lower * length, field.box.upper * length};
+    other.step = field.step * length;
+    Progress progress;
+    const BakedVolume baked(other, {}, progress);
+    std::vector<Vec3> x = anywhere(300, 4);
+    for (Vec3& p : x) p = p * length;
+    return Answers(baked, x);
+  };
+  const Answers expected = baked_answers(1, 1);
+  for (const auto& [factor, length] :
+       {std::pair{0x1p-200, 1.0}, {0x1p200, 1.0}, {1.0, 0x1p-140}, {0x1p-110, 0x1p100}}) {
+    const Answers found = baked_answers(factor, length);
+    EXPECT_EQ(found.inside, expected.inside);
+    for (std::size_t i = 0; i < expected.values.size(); ++i) {
+      ASSERT_EQ(found.values[i], factor * expected.values[i]) << factor << " " << length;
+      ASSERT_EQ(found.gradients[i], expected.gradients[i] * (factor / length)) << factor << " " << length;
+    }
+  }
+}
+
 TEST(BakedVolume, SameForAnyThreads) {
   const FormulaVolume field = hill();
   const std::vector<Vec3> x = anywhere(5000, 9);
