@@ -18,11 +18,18 @@ namespace {
 
 constexpr double kMostDiagonals = 5;  // where nothing else ends a surface
 
-[[noreturn]] void throw_that_moments_meet(double start) {
+bool is_nothing_beside(double start, double duration) { return start + duration == start || start - duration == start; }
+
+[[noreturn]] void throw_that_moments_meet(double start, double duration) {
+  if (is_nothing_beside(start, duration))
+    throw ArgumentError(fmt::format("`duration` ({:g}) is nothing beside `start` ({:g})", duration, start));
   throw ArgumentError(
-      fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same "
-                  "number",
-                  start));
+      std::isfinite(duration)
+          ? fmt::format(
+                "`duration` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
+                duration, start)
+          : fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same number",
+                        start));
 }
 
 bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
@@ -116,8 +123,7 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     known.start = std::isfinite(first) ? first : 0;
   }
   if (!times.contains(*known.start)) throw ArgumentError("`start` must lie in the times of the flow");
-  if (const double begin = *known.start; begin + known.duration == begin || begin - known.duration == begin)
-    throw_that_moments_meet(begin);
+  if (is_nothing_beside(*known.start, known.duration)) throw_that_moments_meet(*known.start, known.duration);
   FlowSurface surface;
   FlowSheet sheet;
   const auto end_somewhere = [&] {
@@ -141,7 +147,7 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
                                       : advance_fronts(field, curve, known, progress);
   }
   if (sheet.report.moments_meet && (sheet.triangles.empty() || is_released(options.kind)))
-    throw_that_moments_meet(*known.start);
+    throw_that_moments_meet(*known.start, known.duration);
   if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or part before they go on together");
   tidy_sheet(sheet);
   surface.report = sheet.report;

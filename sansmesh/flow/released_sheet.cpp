@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -17,6 +18,8 @@ constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 /// Edges that end in a particle that does not arrive, or cross where there is no flow, are halved until they span this
 /// part of what they did at the beginning.
 constexpr double kLeastPartAtRim = 1.0 / 8;
+/// Rows are at least so many of the steps between numbers apart, or some would be released at the same moment.
+constexpr double kLeastSpacing = 4;
 
 /// An unordered pair of nodes.
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
@@ -63,6 +66,12 @@ class ReleasedSheet {
     return row == row_extent_ ? *options_.start : end_ + (trace_.backward ? row : -row);
   }
 
+  /// The step between numbers where the moments are largest.
+  double rounding_of_moments() const {
+    const double largest = std::max(std::abs(*options_.start), std::abs(end_));
+    return std::nextafter(largest, std::numeric_limits<double>::infinity()) - largest;
+  }
+
   /// The particles with these s and rows, followed to the end.
   void follow(std::span<const double> s, std::span<const double> rows) {
     std::vector<Vec3> seeds = curve_.at(s);
@@ -103,7 +112,7 @@ class ReleasedSheet {
     const std::size_t most = std::max<std::size_t>(1, std::min(options_.most_fronts, room));
     const auto rows = index_in<std::size_t>(std::ceil(row_extent_ / step * (1 - 1e-9)), 1, most);
     row_spacing_ = row_extent_ / static_cast<double>(rows);
-    sheet_.report.moments_meet = streak_ && released(row_spacing_) == end_;
+    sheet_.report.moments_meet = streak_ && row_spacing_ < kLeastSpacing * rounding_of_moments();
     sheet_.report.fronts = rows + 1;
     std::vector<double> s, row;
     for (std::size_t k = 0; k <= rows; ++k)

@@ -746,6 +746,17 @@ TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
   }
   options.kind = FlowSurfaceKind::streak, options.duration = 0.5;
   EXPECT_THROW(surface(), ArgumentError);
+  // Numbers are 1/8 apart there: some rows would be released at the same moment, if not the first two.
+  options.duration = 100, options.front_step = 0.13;
+  EXPECT_THROW(surface(), ArgumentError);
+  // The message names what is too small, too.
+  options.start = 1, options.duration = 1e-17;
+  try {
+    surface();
+    ADD_FAILURE();
+  } catch (const ArgumentError& error) {
+    EXPECT_STREQ(error.what(), "`duration` (1e-17) is nothing beside `start` (1)");
+  }
 }
 
 TEST(FlowSurface, EndsWhereAFlowMixesWithoutAnEnd) {
