@@ -61,8 +61,8 @@ class GroupNode final : public SolidNode {
   std::vector<NodePtr> members_;
   double sign_;
   static constexpr std::uint32_t kNoMember = ~std::uint32_t{0};
-  /// The member that costs most, if it has many nodes itself: each of these is asked in the middle of points for few of
-  /// the groups above it then, or trees as deep as they are large would take their square.
+  /// The member that costs most, if it has many nodes itself: it is not asked in the middle of points, or trees as deep
+  /// as they are large would take their square. The smallest value there is known from the others then, or is less.
   std::uint32_t heavy_ = kNoMember;
   std::vector<std::uint32_t> first_piece_;
   std::vector<std::uint32_t> order_;

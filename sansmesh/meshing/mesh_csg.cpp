@@ -61,8 +61,8 @@ constexpr std::size_t kMostPieceBlocks = 3'000'000;
 /// Change of the volume by the rounding of coordinates to floats from which on the mesh would mislead, as a share.
 constexpr double kMostRoundedAway = 0.01;
 
-/// Less across than this, products of lengths are rounded to 0; as a share of the distance from the origin, values are
-/// rounded to what is larger than the mesh error.
+/// Less across than this, as a share of the distance from the origin, values are rounded to what is larger than the
+/// mesh error.
 constexpr double kResolvedShare = 1e-11;
 
 double farthest_coordinate(const Vec3& x) { return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}); }
@@ -91,15 +91,16 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
                                       std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestCoordinate));
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
+  const char* const what = options.box ? "what is left of the solid inside the box" : "the solid";
   if (longest < kSmallestExtent)
-    throw DataError(fmt::format("the solid is {:.3g} across: too small for a mesh, which begins at {:.0g}", longest,
+    throw DataError(fmt::format("{} is {:.3g} across: too small for a mesh, which begins at {:.0g}", what, longest,
                                 kSmallestExtent));
   const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
   if (longest < kResolvedShare * away)
     throw DataError(
-        fmt::format("the solid is {:.3g} across and {:.3g} away from the origin: too far to be told from a "
-                    "point; move it closer",
-                    longest, away));
+        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far to be told from a point; move it "
+                    "closer",
+                    what, longest, away));
   return box;
 }
 

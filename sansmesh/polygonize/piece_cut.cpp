@@ -6,6 +6,7 @@
 #include <bitset>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -104,7 +105,7 @@ struct ChunkOfCuts {
   std::vector<float> size, room;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> piece;
-  bool cracked = false;
+  std::optional<Vec3> cracked;
 };
 
 /// A polygon in the plane of a piece, as the planes along its edges; vertex i lies between edges i − 1 and i. Planes 0
@@ -697,18 +698,23 @@ class Cutter {
     }
     if (!odd) return;
     // Seen from the other side of a face, several sides may be one: what lies between is a polygon without area.
+    std::vector<Side> next_of = sides;
+    const auto before = [](const Side& a, const Side& b) {
+      return std::pair(a.face, a.from) < std::pair(b.face, b.from);
+    };
+    std::stable_sort(next_of.begin(), next_of.end(), before);
     for (const Side& first : sides) {
       if (!first.from_shared || first.to_shared) continue;
       std::vector<std::uint32_t> chain{first.from, first.to};
       bool ended = false;
       while (!ended && chain.size() <= sides.size()) {
-        const auto next = std::find_if(sides.begin(), sides.end(),
-                                       [&](const Side& s) { return s.face == first.face && s.from == chain.back(); });
-        if (next == sides.end()) break;
+        const Side end{chain.back(), 0, first.face, false, false};
+        const auto next = std::lower_bound(next_of.begin(), next_of.end(), end, before);
+        if (next == next_of.end() || before(end, *next)) break;
         chain.push_back(next->to);
         ended = next->to_shared;
       }
-      out_.cracked = out_.cracked || !ended;
+      if (!ended && !out_.cracked) out_.cracked = out_.x[first.from];
       // From its beginning straight to the end, and back along the sides.
       for (std::size_t k = chain.size() - 1; k >= 2; --k) {
         out_.triangles.push_back({chain[0], chain[k], chain[k - 1]});
@@ -909,7 +915,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   CutPieces cut;
   NameTable names;
   for (ChunkOfCuts& c : found) {
-    cut.cracked = cut.cracked || c.cracked;
+    if (!cut.cracked) cut.cracked = c.cracked;
     std::vector<std::uint32_t> number(c.x.size());
     for (std::size_t v = 0; v < c.x.size(); ++v) {
       const Name& name = c.names.names()[v];

@@ -31,8 +31,8 @@ struct CutPieces {
   /// Where there are more than kMostPiecesInBlock pieces in one block: nothing was cut then.
   std::optional<Vec3> crowded;
   /// The sides of a polygon in a face between two simplices are not those seen from the other side: the mesh is not
-  /// closed. Other lattice points help.
-  bool cracked = false;
+  /// closed, here and perhaps elsewhere. Other lattice points help.
+  std::optional<Vec3> cracked;
 };
 
 /// Between lattice vertices each piece is taken to be linear: a plane in each simplex, which these planes divide. What

@@ -481,8 +481,13 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
                       "off, or make it of fewer faces or a cone{}",
                       kMostPiecesInBlock, at->x, at->y, at->z,
                       options.cell > 0 ? "; or they do not, and a smaller `cell` helps" : ""));
-    if (attempt + 1 == kTries.size())
-      throw DataError("the surface could not be closed: too many pieces meet in one place; move one of them a little");
+    if (attempt + 1 < kTries.size()) continue;
+    if (const std::optional<Vec3>& at = mesher.mesh.cracked)
+      throw DataError(
+          fmt::format("the surface could not be closed near ({:.4g}, {:.4g}, {:.4g}): pieces cross there in more ways "
+                      "than rounding can tell apart; move one of them a little",
+                      at->x, at->y, at->z));
+    throw DataError("the surface could not be closed: too many pieces meet in one place; move one of them a little");
   }
   TriangleMesh result;
   CutPieces& mesh = mesher.mesh;

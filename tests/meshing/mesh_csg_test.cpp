@@ -217,6 +217,9 @@ TEST(MeshCsg, UnboundedSolidsNeedABox) {
   EXPECT_NE(message("sphere(1) - sphere(2)", {.resolution = 16}).find("empty"), std::string::npos);
   const Box3 box{{-1, -1, -1}, {1, 1, 1}};
   EXPECT_NE(message("sphere(1, center=(5,0,0))", {.box = box}).find("no point inside the box"), std::string::npos);
+  EXPECT_NE(message("sphere(1)", {.box = Box3{{0, 0, 0}, {1e-13, 1e-13, 1e-13}}})
+                .find("what is left of the solid inside the box is 1e-13 across: too small for a mesh"),
+            std::string::npos);
   EXPECT_NE(message("sphere(1)", {.cell = 0.1, .resolution = 10}).find("not both"), std::string::npos);
   EXPECT_NE(message("sphere(1)", {.cell = 1e-9}).find("too small"), std::string::npos);
   EXPECT_NE(message("sphere(1)", {.cell = -1}).find("positive"), std::string::npos);
