@@ -73,6 +73,9 @@ constexpr double kNear = 0.95, kFar = 1.6, kNone = 0.5, kLeastKnown = 0.45;
 // Corrections that are this large beside the differences of neighbours count as under-resolved: parabolas turn within
 // the edges.
 constexpr double kCoarse = 0.25;
+/// Corrections and disagreements are no more than rounding up to this share of the differences of neighbours, as
+/// coefficients are floats, or of the values.
+constexpr double kRoundedDifference = 1e-7, kRoundedValue = 1e-15;
 constexpr double kDisagreement = 2.5;  // variance of a correction, in squares of half the difference of neighbours
 
 class EdgeSupport {
@@ -198,7 +201,7 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
     EdgeSupport support(volume);
     for (std::size_t i = begin; i < end; ++i) {
       volume.star(i, star);
-      double gain = 0, doubt = 0, open = 0, varied = 0;
+      double gain = 0, doubt = 0, open = 0, varied = 0, sizes = 0;
       const Vec3 x = volume.position(i);
       const StarMetric metric = p.metric(volume, i);
       support.set(x, metric, star);
@@ -214,7 +217,7 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
           if (split[i] != 0 && split[j] != 0 && std::abs(own - fi) + std::abs(other - fj) < 0.5 * std::abs(fi - fj))
             continue;
           gain += a * a, doubt += kDisagreement * b * b, open += unknown * a * a;
-          varied += (fi - fj) * (fi - fj);
+          varied += (fi - fj) * (fi - fj), sizes += fi * fi + fj * fj;
         }
       }
       // The mean over the middles of cells counts as much as that over edges.
@@ -226,7 +229,8 @@ std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeVal
         doubt += coarse * coarse * coarse * open * (1 + inside.gain / gain);
       }
       gain += inside.gain, doubt += kDisagreement * inside.doubt;
-      if (doubt > 0) trust[i] = static_cast<float>(gain / (gain + doubt));
+      const double rounding = kRoundedDifference * kRoundedDifference * varied + kRoundedValue * kRoundedValue * sizes;
+      if (doubt > 0 && gain + doubt > rounding) trust[i] = static_cast<float>(gain / (gain + doubt));
     }
   });
   return trust;

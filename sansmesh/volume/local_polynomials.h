@@ -59,12 +59,12 @@ struct LocalPolynomialOptions {
 ///
 /// trust: half-way to each neighbour the polynomials of both are compared. With a = how far their mean is from linear
 /// interpolation there and b = half their difference, summed over the star, trust is Σ a² / Σ (a² + 5/2 b² + g a²): a
-/// correction of linear interpolation of size a whose error is of size b is best taken by such a share. The middles of
-/// the sample's cells count in both sums as much as its edges, b the difference of the own polynomial to the mean of
-/// the corners' there (CellAgreement). Under-resolved data so end up at linear interpolation. g > 0 where nothing but
-/// differences over much shorter edges tells of the second differences over an edge, and a is large beside the
-/// differences of neighbours (docs/methods/volume-reconstruction.md): polynomials that share their samples are wrong
-/// together there.
+/// correction of linear interpolation of size a whose error is of size b is best taken by such a share; where both are
+/// rounding only, it is 1. The middles of the sample's cells count in both sums as much as its edges, b the difference
+/// of the own polynomial to the mean of the corners' there (CellAgreement). Under-resolved data so end up at linear
+/// interpolation. g > 0 where nothing but differences over much shorter edges tells of the second differences over an
+/// edge, and a is large beside the differences of neighbours (docs/methods/volume-reconstruction.md): polynomials that
+/// share their samples are wrong together there.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 /// The same in metrics that are known already.

@@ -308,6 +308,20 @@ TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
   EXPECT_EQ(std::accumulate(fine.by_degree.begin(), fine.by_degree.end(), std::size_t{0}), 512u);
 }
 
+/// Coefficients are floats: what they round is neither a correction nor a doubt.
+TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
+  for (const VolumeFunction& f : {VolumeFunction([](const Vec3& x) { return 1 + x.x; }),
+                                  VolumeFunction([](const Vec3& x) { return 1e9 + 0.3 * x.x - 0.7 * x.y; })}) {
+    const auto volume = volume_of(lattice_grid({16, 16, 16}, f));
+    Progress progress;
+    ReconstructionReport report;
+    ReconstructionCoefficients fitted;
+    reconstruct_volume(volume, "f", {}, progress, &report, &fitted);
+    EXPECT_TRUE(report.notes.empty());
+    for (std::size_t i = 0; i < volume->size(); ++i) EXPECT_EQ(fitted.polynomials.trust[i], 1.0f);
+  }
+}
+
 TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
   const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
