@@ -740,6 +740,7 @@ TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
   EXPECT_THROW(surface(), ArgumentError);
   options.duration = 1e-3;
   EXPECT_THROW(surface(), ArgumentError);
+  options.length.reset();
   for (const FlowSurfaceKind kind : {FlowSurfaceKind::path, FlowSurfaceKind::streak, FlowSurfaceKind::time}) {
     options.kind = kind, options.sweep = {0.1, 0, 0};
     EXPECT_THROW(surface(), ArgumentError);
