@@ -18,7 +18,7 @@ using NodeKind = PieceExpression::Node::Kind;
 /// More functions than this are too many to be looked at one by one.
 constexpr std::size_t kMostFunctions = 1u << 18;
 /// Faces in one plane are one function, however many nodes it is in.
-constexpr std::size_t kMostNodes = 4 * kMostFunctions;
+constexpr std::size_t kMostNodes = 4 * kMostFunctions, kManyNodes = 8;
 /// Points that go through a function together.
 constexpr std::size_t kAtOnce = 64;
 /// Planes no farther from each other than this share of the tie are one.
@@ -333,6 +333,27 @@ std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Functi
 
 bool ExpressionBuilder::full() const { return functions.size() > kMostFunctions || nodes.size() > kMostNodes; }
 
+void ExpressionBuilder::merge_equal_parts() {
+  if (nodes.size() <= kManyNodes * functions.size()) return;
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> known;
+  std::vector<std::uint32_t> number(nodes.size());
+  std::uint32_t kept = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    Node n = nodes[k];
+    if (n.kind != NodeKind::piece) {
+      n.a = number[n.a], n.b = number[n.b];
+      if (n.a == n.b) {
+        number[k] = n.a;
+        continue;
+      }
+    }
+    const auto [at, is_new] = known.try_emplace({static_cast<std::uint32_t>(n.kind), n.a, n.b}, kept);
+    number[k] = at->second;
+    if (is_new) nodes[kept++] = n;
+  }
+  nodes.resize(number.back() + 1);  // the root comes last
+}
+
 std::uint32_t ExpressionBuilder::add(const Node& node) {
   nodes.push_back(node);
   return static_cast<std::uint32_t>(nodes.size() - 1);
@@ -450,6 +471,7 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
 std::shared_ptr<const PieceExpression> expression_of(std::shared_ptr<const SolidNode> root, double tie) {
   ExpressionBuilder builder(tie, box_of(*root));
   if (!root->express(builder, {})) return nullptr;
+  builder.merge_equal_parts();
   return std::make_shared<SolidExpression>(std::move(root), std::move(builder));
 }
 

@@ -51,6 +51,10 @@ class ExpressionBuilder {
   /// Any number of them, without blends.
   std::optional<std::uint32_t> combine(const std::vector<NodePtr>& members, double sign, const ExpressionFrame& frame);
 
+  /// Where there are many times as many nodes as functions, parts that are equal become one, as in nested shells: nodes
+  /// are a tree no longer then.
+  void merge_equal_parts();
+
   /// More functions, or nodes, than can be looked at one by one.
   bool full() const;
 

@@ -129,6 +129,9 @@ struct Chooser {
             return Verdict::cut_if_allowed;
       now.pieces = a.pieces;
       now.pieces.insert(now.pieces.end(), b.pieces.begin(), b.pieces.end());
+      if (now.pieces.size() <= kManyPieces) continue;  // nodes may be parts of several others
+      std::sort(now.pieces.begin(), now.pieces.end());
+      now.pieces.erase(std::unique(now.pieces.begin(), now.pieces.end()), now.pieces.end());
     }
     return Verdict::fine;
   }
