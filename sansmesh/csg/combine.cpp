@@ -414,6 +414,7 @@ class ShellNode final : public SolidNode {
   }
   /// The child grown by the outer distance, without the child grown by the inner one.
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
+    const ExpressionBuilder::WithinShell within(builder);
     const auto outer = child_->express(builder, offset_frame(frame, 1, middle_ + half_));
     if (!outer || builder.full()) return std::nullopt;  // shells of shells are twice as many each time
     const auto inner = child_->express(builder, offset_frame(frame, -1, middle_ - half_));

@@ -18,7 +18,10 @@ using NodeKind = PieceExpression::Node::Kind;
 /// More functions than this are too many to be looked at one by one.
 constexpr std::size_t kMostFunctions = 1u << 18;
 /// Faces in one plane are one function, however many nodes it is in.
-constexpr std::size_t kMostNodes = 4 * kMostFunctions, kManyNodes = 8;
+constexpr std::size_t kMostNodes = 4 * kMostFunctions;
+/// From so many shells within each other on, and so many times as many nodes as functions, equal parts become one.
+constexpr int kManyShells = 4;
+constexpr std::size_t kManyNodes = 8;
 /// Points that go through a function together.
 constexpr std::size_t kAtOnce = 64;
 /// Planes no farther from each other than this share of the tie are one.
@@ -334,7 +337,7 @@ std::optional<ExpressionBuilder::Plane> ExpressionBuilder::plane_of(const Functi
 bool ExpressionBuilder::full() const { return functions.size() > kMostFunctions || nodes.size() > kMostNodes; }
 
 void ExpressionBuilder::merge_equal_parts() {
-  if (nodes.size() <= kManyNodes * functions.size()) return;
+  if (most_shells_ < kManyShells || nodes.size() <= kManyNodes * functions.size()) return;
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> known;
   std::vector<std::uint32_t> number(nodes.size());
   std::uint32_t kept = 0;

@@ -1,6 +1,7 @@
 // Solids as minima and maxima of smooth functions.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -51,9 +52,22 @@ class ExpressionBuilder {
   /// Any number of them, without blends.
   std::optional<std::uint32_t> combine(const std::vector<NodePtr>& members, double sign, const ExpressionFrame& frame);
 
-  /// Where there are many times as many nodes as functions, parts that are equal become one, as in nested shells: nodes
-  /// are a tree no longer then.
+  /// Of shells within shells, which are twice as many nodes each time but hardly more functions, parts that are equal
+  /// become one: nodes are a tree no longer then. Others stay as they are, triangles come in their order.
   void merge_equal_parts();
+  /// Counts how deep shells are within each other, as long as it is there.
+  class WithinShell {
+   public:
+    explicit WithinShell(ExpressionBuilder& builder) : builder_(builder) {
+      builder_.most_shells_ = std::max(builder_.most_shells_, ++builder_.shells_);
+    }
+    ~WithinShell() { --builder_.shells_; }
+    WithinShell(const WithinShell&) = delete;
+    WithinShell& operator=(const WithinShell&) = delete;
+
+   private:
+    ExpressionBuilder& builder_;
+  };
 
   /// More functions, or nodes, than can be looked at one by one.
   bool full() const;
@@ -74,6 +88,7 @@ class ExpressionBuilder {
   /// That of the parts of a union (side 1) or intersection (−1).
   ExpressionFrame frame_of_parts(const ExpressionFrame& frame, double side) const;
   double tie_;
+  int shells_ = 0, most_shells_ = 0;
   std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> blends_;  ///< by the functions that they blend
   Vec3 middle_;
   double radius_ = 0;  ///< of the box; 0: it has no end
