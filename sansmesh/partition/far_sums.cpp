@@ -217,6 +217,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
       }
       for (std::size_t m = 0; m < 3; ++m) {
         if (m > 0 && kSums == FarSums::winding) break;
+        if (m == 1 && kSums == FarSums::open) continue;
         sum[m] = pn::MulAdd(share, found.term[m], sum[m]);
         if (!kGradient) continue;
         for (std::size_t a = 0; a < 3; ++a)

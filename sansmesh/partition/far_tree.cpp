@@ -83,6 +83,10 @@ std::vector<std::vector<FarTree::Moments>> moments_of(const std::vector<std::vec
   return all;
 }
 
+/// Squared radius of a group at least, in weights of its heaviest patch: moments take s ≪ r² of every patch, and s / r²
+/// is 1/32 at most where the group begins to count, however near to each other its patches are, or alone.
+constexpr float kLeastReach = 2;
+
 }  // namespace
 
 FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
@@ -90,17 +94,15 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
     Vec3f position, area;
     float weight = 0, radius = -1;
     Box3f box;
+    float heaviest = 0;  // weight of a patch
   };
   std::vector<Item> items;
   for (const OrientedPatch& p : patches) {
     const Vec3f position = p.position / unit, area = p.area / unit / unit;
     const float a = norm(area);
     if (!(a > 0) || !is_finite(position)) continue;
-    items.push_back({position,
-                     area,
-                     std::max(a, p.least / unit / unit),
-                     std::sqrt(a / std::numbers::pi_v<float>),
-                     {position, position}});
+    const float weight = std::max(a, p.least / unit / unit);
+    items.push_back({position, area, weight, std::sqrt(a / std::numbers::pi_v<float>), {position, position}, weight});
   }
   FarTree tree;
   tree.levels = eight_wide_levels<FarTree::Octet>(
@@ -115,6 +117,7 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
           mean += item.position * item.weight;
           group.area += item.area;
           group.weight += item.weight;
+          group.heaviest = std::max(group.heaviest, item.heaviest);
         }
         group.position = mean / group.weight;
         for (const Item& item : siblings) group.box.extend(item.box);
@@ -127,7 +130,7 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
                          corner & 4 ? group.box.lower.z : group.box.upper.z};
           group.radius = std::max(group.radius, norm(at - group.position));
         }
-        group.radius = std::min(group.radius, far);
+        group.radius = std::max(std::min(group.radius, far), std::sqrt(kLeastReach * group.heaviest));
         return group;
       });
   tree.moments = moments_of(tree.levels);

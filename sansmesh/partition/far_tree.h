@@ -19,7 +19,8 @@ struct OrientedPatch {
 };
 
 struct FarTree {
-  /// Eight siblings side by side. radius < 0 marks an unused place.
+  /// Eight siblings side by side. radius < 0 marks an unused place; that of a group holds its members, and its square
+  /// is at least twice the weight of its heaviest patch.
   struct Octet {
     float x[kTreeWidth], y[kTreeWidth], z[kTreeWidth], ax[kTreeWidth], ay[kTreeWidth], az[kTreeWidth];
     float area[kTreeWidth], radius[kTreeWidth];

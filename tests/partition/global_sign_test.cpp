@@ -92,7 +92,7 @@ struct AllPatches {
     double dipole = 0, dipole_open = 0, fourth = 0, sixth = 0;
     for (const OrientedPatch& p : patches) {
       const Vec3 d(p.position - x), a(p.area);
-      const double area = norm(a), r2 = squared_norm(d) + 0.25 * area;
+      const double area = std::max(norm(a), static_cast<double>(p.least)), r2 = squared_norm(d) + 0.25 * area;
       dipole += dot(d, a) / std::pow(r2, 1.5), dipole_open += dot(d, a) / std::pow(r2, 3);
       fourth += area / std::pow(r2, 2), sixth += area / std::pow(r2, 3);
     }
@@ -132,6 +132,50 @@ TEST(GlobalSign, GroupsAgreeWithTheSumOverAllPatches) {
       EXPECT_LT(of_closed.mean(), 0.008);
       EXPECT_LT(of_open.mean(), 0.012);
     }
+}
+
+/// Largest difference from the sums over all patches, over the lines from some of the patches: of winding numbers, and
+/// of distances in parts of the distance.
+std::array<double, 3> largest_errors(const std::vector<OrientedPatch>& patches, std::span<const std::size_t> from) {
+  const GlobalSign sign(patches), sheet(patches, 1, true);
+  std::array<double, 3> most{};
+  for (const std::size_t i : from)
+    for (int k = 1; k < 60; ++k) {
+      const Vec3f x = patches[i].position + normalized(patches[i].area) * (0.05f * static_cast<float>(k));
+      float w = 0, closed = 0, open = 0;
+      const std::span<const Vec3f> at(&x, 1);
+      sign.winding_number(at, {&w, 1}), sign.signed_distance(at, {&closed, 1}), sheet.signed_distance(at, {&open, 1});
+      const AllPatches all(patches, x);
+      most[0] = std::max(most[0], std::abs(static_cast<double>(w) - all.winding));
+      most[1] = std::max(most[1], std::abs(static_cast<double>(closed) - all.closed) / all.distance);
+      most[2] = std::max(most[2], std::abs(static_cast<double>(open) - all.open) / all.distance);
+    }
+  return most;
+}
+
+TEST(GlobalSign, GroupsOfFewPatchesAreNoPoints) {
+  // The last group has one or two members, and one of those above it one or two groups.
+  for (const std::size_t n : {17u, 18u, 65u, 66u, 73u, 145u, 513u}) {
+    SCOPED_TRACE(n);
+    const auto patches = in_order(sphere_patches(n));
+    const std::array<double, 3> most = largest_errors(patches, std::array{n - 1, n - 2});
+    EXPECT_LT(most[0], 0.005);
+    EXPECT_LT(most[1], 0.05);
+    EXPECT_LT(most[2], 0.05);
+  }
+}
+
+TEST(GlobalSign, GroupsOfPatchesWiderThanTheirSpacingAreNoPoints) {
+  auto patches = in_order(sphere_patches(3000));
+  const float area = norm(patches[0].area);
+  for (const float wider : {4.0f, 30.0f}) {
+    SCOPED_TRACE(wider);
+    for (OrientedPatch& p : patches) p.least = wider * area;
+    const std::array<double, 3> most = largest_errors(patches, std::array{0ul, 1000ul, 2000ul});
+    EXPECT_LT(most[0], 0.005);
+    EXPECT_LT(most[1], 0.05);
+    EXPECT_LT(most[2], 0.05);
+  }
 }
 
 TEST(GlobalSign, GroupsFromAfarAreOfThirdOrder) {
