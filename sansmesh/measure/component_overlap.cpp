@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <utility>
 
+#include "sansmesh/core/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/self_intersections.h"
-#include "sansmesh/search/ball_tree.h"
+#include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh {
@@ -14,8 +17,11 @@ namespace {
 
 /// Part of the diagonal that faces have to reach beyond each other's plane: rounding of float vertices stays below it.
 constexpr double kCrossingDepth = 1e-6;
-/// Points of a component at which the others are asked for. Some of them may lie on another component's face.
+/// Points of a component at which the others are asked for. A face may lie on another component's, and the solid that
+/// it belongs to is behind it: the points are so far behind their faces, in parts of the diagonal of all, and at most
+/// in parts of their component's.
 constexpr std::size_t kProbes = 9;
+constexpr double kProbeDepth = 4 * kCrossingDepth, kProbeShare = 1e-3;
 
 /// Which side of the directed edge from a to b the point is on, seen along z; the same to the bit for both directions.
 double side_of_edge(const Vec3& a, const Vec3& b, const Vec3& p) {
@@ -43,53 +49,86 @@ int crossing_above(const std::array<Vec3, 3>& t, const Vec3& p) {
   return height > 0 ? winding : 0;
 }
 
-std::vector<Vec3f> centroids_of(const TriangleMesh& mesh, std::vector<float>& radii) {
-  std::vector<Vec3f> centers(mesh.triangles.size());
-  radii.resize(centers.size());
-  parallel_for(0, centers.size(), 8192, [&](std::size_t i) {
-    Vec3f c;
-    for (const std::uint32_t v : mesh.triangles[i]) c += mesh.vertices[v] / 3.0f;
-    float radius = 0;
-    for (const std::uint32_t v : mesh.triangles[i]) radius = std::max(radius, norm(mesh.vertices[v] - c));
-    centers[i] = c;
-    radii[i] = radius * 1.0001f;
-  });
-  return centers;
+std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::uint32_t i) {
+  const auto [u, v, w] = mesh.triangles[i];
+  return {Vec3(mesh.vertices[u]), Vec3(mesh.vertices[v]), Vec3(mesh.vertices[w])};
 }
+
+/// The triangles of closed components, under their boxes.
+class SolidFaces {
+ public:
+  SolidFaces(const TriangleMesh& mesh, std::span<const std::uint32_t> component, std::span<const std::uint8_t> closed)
+      : mesh_(mesh), component_(component) {
+    std::vector<std::uint32_t> faces;
+    std::vector<Vec3f> centers;
+    for (std::uint32_t i = 0; i < component.size(); ++i) {
+      if (!closed[component[i]]) continue;
+      Vec3f center;
+      for (const std::uint32_t v : mesh.triangles[i]) center += mesh.vertices[v] / 3.0f;
+      faces.push_back(i), centers.push_back(center);
+    }
+    const KdTree order(centers);  // puts neighbours in space side by side
+    order_.reserve(faces.size());
+    for (const std::uint32_t k : order.order()) order_.push_back(faces[k]);
+    std::vector<Box3f> boxes(order_.size());
+    parallel_for(0, boxes.size(), 8192, [&](std::size_t k) {
+      for (const std::uint32_t v : mesh.triangles[order_[k]]) boxes[k].extend(mesh.vertices[v]);
+    });
+    levels_ = box_levels(std::move(boxes));
+  }
+
+  /// Winding number at p of all components but one.
+  int winding(const Vec3& p, std::uint32_t but) const {
+    return levels_.empty() ? 0 : winding(levels_.size() - 1, 0, p, but);
+  }
+
+ private:
+  int winding(std::size_t level, std::size_t node, const Vec3& p, std::uint32_t but) const {
+    const BoxNode& boxes = levels_[level][node];
+    int sum = 0;
+    for (std::size_t k = 0; k < kTreeWidth; ++k) {
+      const auto within = [&](std::size_t axis) {
+        return static_cast<double>(boxes.lower[axis][k]) <= p[axis] &&
+               p[axis] <= static_cast<double>(boxes.upper[axis][k]);
+      };
+      if (!within(0) || !within(1) || !(p.z <= static_cast<double>(boxes.upper[2][k]))) continue;
+      const std::size_t child = node * kTreeWidth + k;
+      if (level > 0)
+        sum += winding(level - 1, child, p, but);
+      else if (component_[order_[child]] != but)
+        sum += crossing_above(corners_of(mesh_, order_[child]), p);
+    }
+    return sum;
+  }
+
+  const TriangleMesh& mesh_;
+  std::span<const std::uint32_t> component_;
+  std::vector<std::uint32_t> order_;
+  BoxLevels levels_;
+};
 
 /// Fills in ComponentOverlap::surrounding. A single closed component has no others around it.
 void find_surrounding(const TriangleMesh& mesh, std::span<const std::uint32_t> component,
                       std::span<const std::uint8_t> closed, std::vector<int>& surrounding) {
   if (std::count(closed.begin(), closed.end(), 1) < 2) return;
-  std::vector<float> radii;
-  const std::vector<Vec3f> centers = centroids_of(mesh, radii);
-  const KdTree order(centers);
-  std::vector<Vec3f> sorted_centers;
-  std::vector<float> sorted_radii;
-  for (const std::uint32_t i : order.order()) sorted_centers.push_back(centers[i]), sorted_radii.push_back(radii[i]);
-  const BallTree tree(sorted_centers, sorted_radii);
-
+  const SolidFaces faces(mesh, component, closed);
   std::vector<std::vector<std::uint32_t>> of_component(surrounding.size());
   for (std::uint32_t i = 0; i < component.size(); ++i)
     if (closed[component[i]]) of_component[component[i]].push_back(i);
-  const float top = bounds(mesh).upper.z;
+  const double depth = kProbeDepth * bounds(mesh).diagonal();
   parallel_for(0, surrounding.size(), 1, [&](std::size_t c) {
     const std::vector<std::uint32_t>& own = of_component[c];
     if (own.empty()) return;
+    Box3f box;
+    for (const std::uint32_t i : own)
+      for (const std::uint32_t v : mesh.triangles[i]) box.extend(mesh.vertices[v]);
+    const double inward = std::min(depth, kProbeShare * box.diagonal());
     std::vector<int> windings;
-    std::vector<std::uint32_t> near;
     const std::size_t probes = std::min(kProbes, own.size());
     for (std::size_t k = 0; k < probes; ++k) {
-      const Vec3f at = centers[own[k * own.size() / probes]];
-      tree.touching({at, {at.x, at.y, std::max(at.z, top)}}, near);
-      int winding = 0;
-      for (const std::uint32_t slot : near) {
-        const std::uint32_t i = order.order()[slot];
-        if (component[i] == c || !closed[component[i]]) continue;
-        const auto [u, v, w] = mesh.triangles[i];
-        winding += crossing_above({Vec3(mesh.vertices[u]), Vec3(mesh.vertices[v]), Vec3(mesh.vertices[w])}, Vec3(at));
-      }
-      windings.push_back(winding);
+      const std::array<Vec3, 3> t = corners_of(mesh, own[k * own.size() / probes]);
+      const Vec3 normal = normalized(cross(t[1] - t[0], t[2] - t[0]));
+      windings.push_back(faces.winding((t[0] + t[1] + t[2]) / 3.0 - normal * inward, static_cast<std::uint32_t>(c)));
     }
     surrounding[c] = median(windings);
   });
@@ -102,11 +141,15 @@ ComponentOverlap component_overlap(const TriangleMesh& mesh, std::span<const std
   ComponentOverlap result;
   result.surrounding.resize(closed.size());
   find_surrounding(mesh, component, closed, result.surrounding);
-  const auto crossing = self_intersections(mesh, kCrossingDepth * bounds(mesh).diagonal());
-  result.crossing_pairs = crossing.size();
   std::vector<std::uint8_t> crosses(closed.size());
-  for (const auto& [a, b] : crossing)
-    if (component[a] != component[b]) crosses[component[a]] = crosses[component[b]] = 1;
+  const auto mark = [&](std::uint32_t c) {
+    const std::atomic_ref flag(crosses[c]);
+    if (flag.load(std::memory_order_relaxed) == 0) flag.store(1, std::memory_order_relaxed);
+  };
+  result.crossing_pairs =
+      count_self_intersections(mesh, kCrossingDepth * bounds(mesh).diagonal(), [&](std::uint32_t a, std::uint32_t b) {
+        if (component[a] != component[b]) mark(component[a]), mark(component[b]);
+      });
   result.crossing_components = static_cast<std::size_t>(std::count(crosses.begin(), crosses.end(), 1));
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
@@ -74,12 +75,17 @@ bool goes_through(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t, do
   return positive == 0 || positive == 3;
 }
 
-}  // namespace
+constexpr std::size_t kChunkOfBoxes = 256;
 
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh, double tolerance) {
+std::size_t chunks_of(const TriangleMesh& mesh) {
+  return (mesh.triangles.size() + kTrianglesOfLeaf * kChunkOfBoxes - 1) / (kTrianglesOfLeaf * kChunkOfBoxes);
+}
+
+/// Calls found(chunk, a, b) for each pair, one at a time for each chunk, and for several chunks at once.
+template <class Found>
+void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& found) {
   const std::size_t n = mesh.triangles.size();
-  std::vector<std::array<std::uint32_t, 2>> all;
-  if (n < 2) return all;
+  if (n < 2) return;
   std::vector<Box3f> box(n);
   parallel_for(0, n, 8192, [&](std::size_t t) {
     for (const std::uint32_t v : mesh.triangles[t]) box[t].extend(mesh.vertices[v]);
@@ -102,11 +108,8 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh&
     return false;
   };
   // The triangles of a leaf together, and of the tree only what comes after them.
-  constexpr std::size_t kChunkOfBoxes = 256;
   const std::size_t leaves = (n + kTrianglesOfLeaf - 1) / kTrianglesOfLeaf;
-  const std::size_t chunks = (leaves + kChunkOfBoxes - 1) / kChunkOfBoxes;
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> found(chunks);
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
+  parallel_for(0, chunks_of(mesh), 1, [&](std::size_t c) {
     const auto compare = [&](std::size_t leaf, std::size_t other) {
       const Box3f& around = tree.box[tree.leaves + other];
       const std::size_t end = std::min(n, (leaf + 1) * kTrianglesOfLeaf);
@@ -116,7 +119,7 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh&
         const std::size_t first = other * kTrianglesOfLeaf;
         for (std::size_t j = std::max(first, i + 1); j < std::min(n, first + kTrianglesOfLeaf); ++j) {
           const std::uint32_t s = tree.order[j];
-          if (overlap(box[s], box[t]) && cut(s, t)) found[c].push_back({std::min(s, t), std::max(s, t)});
+          if (overlap(box[s], box[t]) && cut(s, t)) found(c, std::min(s, t), std::max(s, t));
         }
       }
     };
@@ -142,9 +145,29 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh&
       }
     }
   });
-  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh& mesh, double tolerance) {
+  std::vector<std::vector<std::array<std::uint32_t, 2>>> parts(chunks_of(mesh));
+  for_each_crossing(mesh, tolerance, [&](std::size_t c, std::uint32_t a, std::uint32_t b) {
+    parts[c].push_back({a, b});
+  });
+  std::vector<std::array<std::uint32_t, 2>> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
   std::sort(all.begin(), all.end());
   return all;
+}
+
+std::size_t count_self_intersections(const TriangleMesh& mesh, double tolerance,
+                                     const std::function<void(std::uint32_t, std::uint32_t)>& found) {
+  std::vector<std::size_t> counts(chunks_of(mesh));
+  for_each_crossing(mesh, tolerance, [&](std::size_t c, std::uint32_t a, std::uint32_t b) {
+    ++counts[c];
+    found(a, b);
+  });
+  return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
 }  // namespace sansmesh

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "measure/measure_shapes.h"
@@ -120,6 +121,36 @@ TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
   EXPECT_TRUE(m.components[4].misplaced());
   EXPECT_EQ(m.components[4].surrounding, 1);
   EXPECT_EQ(m.crossing_pairs, 0u);
+}
+
+TEST(MeasureSolid, TheSameBodyTwiceLiesWithinItself) {
+  // Faces lie on each other, and rounding must not say which is above.
+  for (int k = 0; k < 6; ++k) {
+    SCOPED_TRACE(k);
+    const TriangleMesh ball = turned(test::octasphere(2), {1, 0.3 * k, -2}, 0.37 * k + 0.1);
+    SolidMeasures m = measure_solid(test::joined(ball, ball, {}));
+    ASSERT_EQ(m.components.size(), 2u);
+    for (const BodyMeasures& b : m.components) EXPECT_TRUE(b.misplaced());
+    // A cavity that a body fills to its walls is one.
+    const TriangleMesh wall = turned(test::scaled(test::octasphere(2), 1.5f), {1, 0.3 * k, -2}, 0.37 * k + 0.1);
+    m = measure_solid(test::joined(test::joined(wall, test::turned_inside_out(ball), {}), ball, {}));
+    ASSERT_EQ(m.components.size(), 3u);
+    for (const BodyMeasures& b : m.components) EXPECT_FALSE(b.misplaced());
+  }
+}
+
+TEST(MeasureSolid, ManyLongBodiesBesideEachOther) {
+  // Triangles that are far longer than wide; a ray goes through few of them.
+  TriangleMesh rods;
+  constexpr int n = 60;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const Vec3f low{static_cast<float>(i), static_cast<float>(j), 0};
+      rods = test::joined(std::move(rods), test::box_mesh(low, low + Vec3f{0.5f, 0.5f, 100}), {});
+    }
+  const SolidMeasures m = measure_solid(rods);
+  EXPECT_EQ(m.components.size(), std::size_t{n * n});
+  EXPECT_EQ(std::count_if(m.components.begin(), m.components.end(), [](const auto& b) { return b.misplaced(); }), 0);
 }
 
 TEST(MeasureSolid, FindsTrianglesThatCutThroughEachOther) {

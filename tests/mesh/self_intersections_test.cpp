@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <mutex>
+
 namespace sansmesh {
 namespace {
 
@@ -33,6 +36,16 @@ TEST(SelfIntersections, FindsEdgesThroughTriangles) {
     EXPECT_EQ(a / 4, 119u);
     EXPECT_EQ(b / 4, 120u);
   }
+  // The same when they are only counted.
+  std::vector<std::array<std::uint32_t, 2>> seen;
+  std::mutex mutex;
+  const std::size_t count = count_self_intersections(tetrahedra(row, 1), 0, [&](std::uint32_t a, std::uint32_t b) {
+    const std::lock_guard lock(mutex);
+    seen.push_back({a, b});
+  });
+  std::sort(seen.begin(), seen.end());
+  EXPECT_EQ(count, found.size());
+  EXPECT_EQ(seen, found);
   // By so little does not count.
   EXPECT_TRUE(self_intersections(tetrahedra(row, 1), 0.3).empty());
 }
