@@ -175,7 +175,7 @@ EdgeCollapses::Fan EdgeCollapses::fan_of(std::uint32_t v) const {
 void EdgeCollapses::note_crowded() {
   waits.clear();
   for (std::uint32_t v = 0; v < x.size(); ++v) {
-    if (!crowded(v) || fixed[v]) continue;
+    if (!crowded(v)) continue;
     waits.resize(x.size(), 0);
     waits[v] = 1;
   }
@@ -286,7 +286,8 @@ std::array<std::uint32_t, 4> EdgeCollapses::touched(std::uint32_t v) const {
   for (const std::uint32_t i : ring(v)) {
     const Triangle& t = triangles[i];
     if ((t[0] != w && t[1] != w && t[2] != w) || n == 4) continue;
-    result[n++] = t[0] ^ t[1] ^ t[2] ^ v ^ w;
+    const std::uint32_t opposite = t[0] ^ t[1] ^ t[2] ^ v ^ w;
+    result[n++] = waits.empty() || !waits[opposite] ? opposite : v;
   }
   return result;
 }
@@ -311,7 +312,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
       continue;
     }
     for (const std::uint32_t o : t) {
-      if (o == v || o == w) continue;
+      if (o == v || o == w || (!waits.empty() && waits[o])) continue;
       std::uint32_t* const begin = around.data() + first[o];
       *std::find(begin, begin + valence[o], i) = begin[valence[o] - 1];
       --valence[o];
@@ -341,6 +342,7 @@ void EdgeCollapses::collapse_in_turn() {
   // be most of the work.
   std::vector<std::uint32_t> later;
   std::vector<std::uint8_t> is_later(x.size(), 0);
+  std::vector<std::uint32_t> hubs;
   while (true) {
     if (queue.empty()) {
       if (later.empty()) break;
@@ -370,7 +372,8 @@ void EdgeCollapses::collapse_in_turn() {
         } else if (blocked[u] && !std::exchange(is_later[u], std::uint8_t{1})) {
           later.push_back(u);
         }
-    free_waiting(w, look);
+    note_hubs(w, hubs);
+    settle_hubs(hubs, look);
   }
 }
 

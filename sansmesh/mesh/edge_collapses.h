@@ -2,6 +2,7 @@
 // collapse.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -42,7 +43,7 @@ struct EdgeCollapses {
   std::vector<std::uint32_t> to;
   std::vector<float> cost;
   std::vector<std::uint8_t> blocked;  ///< a cheaper one would have spoilt the shape: worth another try after changes
-  std::vector<std::uint8_t> waits;    ///< crowded and not fixed; empty if none is
+  std::vector<std::uint8_t> waits;    ///< crowded: 1, 2 while `note_hubs` has it; empty if none is
   std::size_t left, left_triangles;
 
   EdgeCollapses(const SimplifyOptions& o, std::size_t vertices, std::vector<Triangle> all);
@@ -68,17 +69,29 @@ struct EdgeCollapses {
   /// Fills in `waits`.
   void note_crowded();
 
-  /// Where another vertex merged into w: calls look(u) for those that do not wait any more, and for their neighbours.
-  template <class Look>
-  void free_waiting(std::uint32_t w, const Look& look) {
+  /// Where another vertex merged into w: appends the waiting ones around to `hubs`, each once. Their rings still have
+  /// the triangles that went, so that many edges around one may collapse at a time.
+  void note_hubs(std::uint32_t w, std::vector<std::uint32_t>& hubs) {
     if (waits.empty()) return;
     for (const std::uint32_t i : ring(w))
-      for (const std::uint32_t u : triangles[i]) {
-        if (waits[u] == 0 || crowded(u)) continue;
-        waits[u] = 0;
-        for (const std::uint32_t k : ring(u))
-          for (const std::uint32_t n : triangles[k]) look(n);
-      }
+      for (const std::uint32_t u : triangles[i])
+        if (waits[u] == 1) waits[u] = 2, hubs.push_back(u);
+  }
+
+  /// Takes those triangles out of the rings. Calls look(u) for those that need not wait any more, and their neighbours.
+  template <class Look>
+  void settle_hubs(std::vector<std::uint32_t>& hubs, const Look& look) {
+    for (const std::uint32_t u : hubs) {
+      const auto begin = around.begin() + static_cast<std::ptrdiff_t>(first[u]);
+      const auto end = std::remove_if(begin, begin + valence[u],
+                                      [&](std::uint32_t i) { return triangles[i][0] == triangles[i][1]; });
+      valence[u] = static_cast<std::uint32_t>(end - begin);
+      waits[u] = crowded(u);
+      if (waits[u]) continue;
+      for (const std::uint32_t i : ring(u))
+        for (const std::uint32_t n : triangles[i]) look(n);
+    }
+    hubs.clear();
   }
 
   /// The quadric of a vertex. Those of a border have planes along it, too, across the surface. Vertices whose triangles
@@ -133,7 +146,7 @@ struct EdgeCollapses {
   /// over the mesh there would be few that are cheapest among their surroundings.
   std::uint64_t key(std::uint32_t v) const;
 
-  /// The vertices whose ring a collapse changes: its ends, and those opposite to the edge.
+  /// The vertices whose ring a collapse changes: its ends, and those opposite to the edge but for waiting ones.
   std::array<std::uint32_t, 4> touched(std::uint32_t v) const;
 
   /// Merges v into its partner. Changes only triangles around the two and the rings of `touched`, so that those that

@@ -62,7 +62,7 @@ struct Simplifier : detail::EdgeCollapses {
   /// `open` vertices at first, then what these change.
   void collapse_all(Progress& progress, std::size_t target, const std::vector<std::uint32_t>& open) {
     if (left_triangles <= target) return;
-    std::vector<std::uint32_t> changed, candidates, chosen;
+    std::vector<std::uint32_t> changed, candidates, chosen, hubs;
     std::vector<std::size_t> place;
     for (const std::uint32_t v : open)
       if (merged_into[v] == kNoVertex) changed.push_back(v);
@@ -129,8 +129,9 @@ struct Simplifier : detail::EdgeCollapses {
         for (const std::uint32_t r : ring(kept[i]))
           for (const std::uint32_t w : triangles[r])
             if (to[w] == chosen[i] || to[w] == kept[i] || blocked[w]) change(w);
-        free_waiting(kept[i], change);
+        note_hubs(kept[i], hubs);
       }
+      settle_hubs(hubs, change);
       for (const std::uint32_t v : changed) flag[v] = 0;
       left -= count, left_triangles -= gone;
       // Those of borders take one triangle each, so that the last round may be followed by others.

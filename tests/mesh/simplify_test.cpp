@@ -169,6 +169,37 @@ TEST(Simplify, HubsOfManySpokesAreNoTrouble) {
   EXPECT_LT(distance(few, ball).from_reference.mean, 2e-2);
 }
 
+TEST(Simplify, CapsOfManySpokesGoDownToTheTrianglesAskedFor) {
+  // Edges around a hub collapse many at a time: one after the other would be the end of it.
+  for (const std::uint32_t n : {400u, 700u, 2000u}) {
+    SCOPED_TRACE(n);
+    TriangleMesh can;
+    for (const float z : {0.f, 1.f})
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const double turn = 2 * std::numbers::pi * k / n;
+        can.vertices.push_back(Vec3f(Vec3{std::cos(turn), std::sin(turn), static_cast<double>(z)}));
+      }
+    can.vertices.push_back({0, 0, 0}), can.vertices.push_back({0, 0, 1});
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t l = (k + 1) % n;
+      for (const Triangle& t :
+           {Triangle{k, l, l + n}, Triangle{k, l + n, k + n}, Triangle{2 * n, l, k}, Triangle{2 * n + 1, k + n, l + n}})
+        can.triangles.push_back(t);
+    }
+    const auto down = [](TriangleMesh mesh) {
+      Progress progress;
+      simplify_mesh(mesh, {.error = 1e-4, .triangles = 200, .least_shape = 0}, progress);
+      return mesh;
+    };
+    const TriangleMesh few = down(can);
+    EXPECT_LE(few.triangles.size(), 200u);
+    EXPECT_GE(few.triangles.size(), 198u);
+    EXPECT_TRUE(measure_topology(few).closed());
+    EXPECT_NEAR(measure_quality(few).volume, std::numbers::pi, 0.05);
+    if (n == 700) test::expect_equal_for_any_threads([&] { return down(can).vertices; });
+  }
+}
+
 TEST(Simplify, TheHubOfADiscGoesOnceItHasFewSpokes) {
   TriangleMesh disc;
   constexpr std::uint32_t n = 40;
