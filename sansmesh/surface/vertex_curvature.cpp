@@ -23,6 +23,9 @@ using detail::CurvatureFitter;
 /// Whole rings are taken until they hold this share of the neighbours wanted.
 constexpr double kMostOfNeighbours = 0.9;
 constexpr int kLeastRings = 2;
+/// Vertices of more neighbours than this, and than twice those wanted, are nobody's: the hub of a cap is far from its
+/// rim for the spacing there, and by way of it the whole cap would be the surroundings of each vertex of the rim.
+constexpr std::size_t kMostSpokes = 64;
 /// Cosine between normals from which on downwards a vertex along the edges is on the other side: round a thin rim.
 constexpr double kRoundTheRim = -0.25;
 /// Who walks marks what was seen of the whole mesh: it is cut into so many shares, of so many vertices at least.
@@ -83,17 +86,19 @@ class RingWalk {
   explicit RingWalk(const PlaceGraph& graph) : graph_(graph), seen_(graph.place.size(), 0) {}
 
   /// Neighbours of v from near to far, itself left out: whole rings until there are `enough`, of vertices that
-  /// `keep(w)` allows.
+  /// `keep(w)` allows. Hubs are not among them, nor what lies behind these.
   template <class Keep>
   const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep) {
     if (++round_ == 0) std::fill(seen_.begin(), seen_.end(), 0), round_ = 1;
     found_.clear();
     seen_[v] = round_;
     std::size_t from = 0;
+    const std::size_t most = std::max(kMostSpokes, 2 * enough);
+    const auto is_hub = [&](std::uint32_t w) { return graph_.first[w + 1] - graph_.first[w] > most; };
     const auto visit = [&](std::uint32_t of) {
       for (std::uint32_t k = graph_.first[of]; k < graph_.first[of + 1]; ++k) {
         const std::uint32_t w = graph_.beside[k];
-        if (seen_[w] == round_ || !keep(w)) continue;
+        if (seen_[w] == round_ || is_hub(w) || !keep(w)) continue;
         seen_[w] = round_;
         found_.push_back(w);
       }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -126,6 +127,69 @@ TEST(VertexCurvature, SeamsAreNoBorders) {
       EXPECT_NEAR(apart[3 * i + k].k1, together[whole.triangles[i][k]].k1, 0.01);
       EXPECT_NEAR(apart[3 * i + k].k2, together[whole.triangles[i][k]].k2, 0.01);
     }
+}
+
+TEST(VertexCurvature, WhatLiesBehindAHubIsNotNear) {
+  // A disc of many spokes with a wide rim. What happens to the rim on one side changes nothing on the other.
+  constexpr std::uint32_t n = 300, rows = 12;
+  PointSet disc;
+  disc.positions.push_back({});
+  for (std::uint32_t r = 0; r < rows; ++r)
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double turn = 2 * std::numbers::pi * k / n, away = 1 + 0.02 * r;
+      disc.positions.push_back(Vec3f(Vec3{away * std::cos(turn), away * std::sin(turn), 5e-3 * r * r}));
+    }
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t l = (k + 1) % n;
+    disc.triangles.push_back({0, 1 + k, 1 + l});
+    for (std::uint32_t a = 1; a + n < 1 + rows * n; a += n) {
+      disc.triangles.push_back({a + k, a + k + n, a + l + n});
+      disc.triangles.push_back({a + k, a + l + n, a + l});
+    }
+  }
+  set_normals_from_faces(disc);
+  PointSet bent = disc;
+  for (std::size_t v = 1; v < bent.size(); ++v)
+    if (bent.positions[v].x < 0) bent.positions[v].z += 0.3f * bent.positions[v].x * bent.positions[v].x;
+  CurvatureOptions options;
+  options.noise = 0;
+  options.neighbours = 24;
+  Progress progress;
+  const auto straight = estimate_vertex_curvatures(disc, options, progress);
+  const auto changed = estimate_vertex_curvatures(bent, options, progress);
+  for (std::size_t v = 1; v < disc.size(); ++v) {
+    if (disc.positions[v].x < 0.3f) continue;
+    EXPECT_EQ(straight[v].k1, changed[v].k1) << v;
+    EXPECT_EQ(straight[v].k2, changed[v].k2) << v;
+  }
+}
+
+TEST(VertexCurvature, CapsOfManySpokesDoNotBendTheSide) {
+  // A can of radius 1, its side of rows that are farther apart than its spokes.
+  constexpr std::uint32_t n = 400, rows = 9;
+  TriangleMesh can;
+  for (std::uint32_t r = 0; r < rows; ++r)
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double turn = 2 * std::numbers::pi * k / n;
+      can.vertices.push_back(Vec3f(Vec3{std::cos(turn), std::sin(turn), 0.1 * r}));
+    }
+  can.vertices.push_back({0, 0, 0}), can.vertices.push_back({0, 0, 0.8f});
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t l = (k + 1) % n, top = (rows - 1) * n;
+    can.triangles.push_back({rows * n, l, k});
+    can.triangles.push_back({rows * n + 1, top + k, top + l});
+    for (std::uint32_t a = 0; a < top; a += n) {
+      can.triangles.push_back({a + k, a + l, a + l + n});
+      can.triangles.push_back({a + k, a + l + n, a + k + n});
+    }
+  }
+  CurvatureOptions options;
+  options.neighbours = 24;
+  const auto found = curvatures_of(can, options);
+  for (std::uint32_t v = 2 * n; v < (rows - 2) * n; ++v) {
+    EXPECT_NEAR(found[v].k1, 1, 0.01) << v;
+    EXPECT_NEAR(found[v].k2, 0, 0.01) << v;
+  }
 }
 
 TEST(VertexCurvature, WithinARadius) {
