@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 
 namespace sansmesh {
 namespace {
@@ -71,11 +72,15 @@ double repeated_share(std::vector<std::uint64_t> hashes) {
   return 1 - static_cast<double>(unique) / count;
 }
 
-/// Hashes of the places that many samples share, ascending: one of so many samples tells.
+/// Hashes of the places that many samples share, ascending: one of so many samples tells. Which one of a stretch is
+/// left to chance: in steps of one length the rows of a scan would always show the same columns.
 std::vector<std::uint64_t> crowded_places(const PointSet& points) {
   std::vector<std::uint64_t> some, crowded;
-  for (std::size_t i = 0; i < points.size(); i += kSampledOf)
-    if (is_finite(points.positions[i])) some.push_back(hash_of(points.positions[i]));
+  for (std::size_t first = 0; first < points.size(); first += kSampledOf) {
+    const std::size_t length = std::min(kSampledOf, points.size() - first);
+    const Vec3f& p = points.positions[first + scrambled(first) % length];
+    if (is_finite(p)) some.push_back(hash_of(p));
+  }
   std::sort(some.begin(), some.end());
   for (std::size_t first = 0, last = 0; first < some.size(); first = last) {
     while (last < some.size() && some[last] == some[first]) ++last;

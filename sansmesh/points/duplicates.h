@@ -13,9 +13,9 @@ namespace sansmesh {
 /// Number of different finite positions (-0 equals 0).
 std::size_t count_unique(const PointSet& points);
 
-/// About which share of the samples repeats the position of another one: counted over all of a small cloud; else over
-/// one position in 64, chosen by the position, which tells of pairs, or over every 64th sample, which tells of
-/// positions that very many samples share.
+/// About which share of the samples repeats the position of another one: counted over all of a small cloud. Of a large
+/// one two counts are added: of positions that very many samples share, which one sample in 64 tells, and of all other
+/// samples, for which one position in 64 stands, chosen by the position, so that pairs are not parted.
 double duplicate_share(const PointSet& points);
 
 /// The finite positions, each once, in their order.

@@ -31,6 +31,14 @@ TEST(Duplicates, ShareOfManyAtOnePlaceAndOfPairs) {
   }
 }
 
+TEST(Duplicates, ShareIsThatOfAllColumnsOfAScan) {
+  // Rows of ten times 64 samples: in steps of 64 some columns would never be seen.
+  PointSet scan = sample_box(128000, {1, 1, 1}, 1);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    if (i % 640 > 320 && i % 640 < 384) scan.positions[i] = {};
+  EXPECT_NEAR(duplicate_share(scan), 63.0 / 640, 0.01);
+}
+
 TEST(Duplicates, DifferentPositionsKeepTheirOrder) {
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   const PointSet points = cloud({{3, 4, 5}, {nan, 0, 0}, {0, 1, 2}, {3, 4, 5}, {-0.0f, 1, 2}, {1, 1, 1}});
