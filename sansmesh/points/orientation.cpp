@@ -46,8 +46,10 @@ constexpr double kHardlyContradicted = 0.999;
 /// docs/methods/points.md.)
 constexpr double kNoContradiction = 0.9995, kMostDoubtOfSmooth = 0.25;
 constexpr double kLittleContradiction = 0.9955, kMostDoubt = 0.05;
-/// Patches that vote: so many samples next to each other along the tree at least, and so many patches about at most.
-constexpr std::size_t kLeastPatch = 8, kMostPatches = 20000;
+/// Patches that vote: of stretches of so many samples next to each other along the tree at least, and of so many
+/// stretches at most. Where normals are rough a stretch falls into many patches: with more of them than so many for
+/// each of the most stretches votes would take long, and say nothing.
+constexpr std::size_t kLeastPatch = 8, kMostStretches = 20000, kMostPatchesOfStretch = 4;
 
 /// The way to where each sample of a graph was seen from, and the node behind all others that stands for it: samples
 /// that agree with this one look there.
@@ -178,8 +180,16 @@ void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
   }
 }
 
+/// How many sets a flat forest has.
+std::size_t sets_of(const SignForest& forest) {
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < forest.size(); ++i) count += forest.flat_root(i).index == i;
+  return count;
+}
+
 /// The signs of a graph's normals. Noise can make even the surest relations contradict each other, and then those that
-/// come first decide for whole regions: votes between small patches hear all of them. Kept is what contradicts less.
+/// come first decide for whole regions: votes between small patches hear all of them, unless there are too many. Kept
+/// is what contradicts less.
 Parts settle_signs(const RelationGraph& graph, const Sights& sights, Progress& progress) {
   SignForest forest(graph.size() + 1);
   propagate(graph, sights, forest, progress);
@@ -189,7 +199,8 @@ Parts settle_signs(const RelationGraph& graph, const Sights& sights, Progress& p
   const double agreement = graph.agreement(parts.sign);
   if (agreement >= kHardlyContradicted) return parts;
   SignForest patches(graph.size() + 1);
-  join_stretches(graph, patches, kSure[0], std::max(kLeastPatch, graph.size() / kMostPatches));
+  join_stretches(graph, patches, kSure[0], std::max(kLeastPatch, graph.size() / kMostStretches));
+  if (sets_of(patches) > kMostPatchesOfStretch * kMostStretches) return parts;
   join_by_votes(graph, patches);
   Parts voted = collect_parts(graph, sights, patches);
   polish(graph, sights, voted);
