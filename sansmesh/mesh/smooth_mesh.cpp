@@ -12,6 +12,7 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
@@ -178,37 +179,66 @@ std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   return steps;
 }
 
-/// Moves all vertices by the same distance along the normals, or with `creases` the planes of all triangles, so that
-/// the volume becomes what it was, to first order; what was missing before, as a share.
-double restore_volume_once(SmoothState& s, const std::vector<Vec3>& before, bool creases) {
+/// The parts of a mesh that hang together, and which of them still lack volume.
+struct Bodies {
+  std::vector<std::uint32_t> of;  // of each place
+  std::vector<std::uint8_t> lacks;
+
+  explicit Bodies(const SmoothState& s) : of(s.x.size()) {
+    UnionFind joined(s.x.size());
+    for (const PlaceEdges::Edge& e : s.edges.edges) joined.join(e.a, e.b);
+    std::vector<std::uint32_t> number(s.x.size(), 0);
+    for (std::size_t v = 0; v < s.x.size(); ++v) {
+      std::uint32_t& own = number[joined.find(static_cast<std::uint32_t>(v))];
+      if (own == 0 && s.used[v]) lacks.push_back(1), own = static_cast<std::uint32_t>(lacks.size());
+      of[v] = own;  // 0: no triangle's
+    }
+    lacks.insert(lacks.begin(), 0);
+  }
+};
+
+/// Moves the vertices of each body that lacks volume by the same distance along the normals, or with `creases` the
+/// planes of its triangles, so that the volume becomes what it was, to first order. Those that missed a smaller share
+/// than `kept` before do not lack it any more.
+void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool creases, double kept, Bodies& bodies) {
   std::vector<Vec3> gradient(s.x.size());
-  double lost = 0, wanted = 0;
+  std::vector<double> lost(bodies.lacks.size(), 0), wanted(lost), sum(lost);
   const auto volume = [&](const std::vector<Vec3>& x, const Triangle& t) {
     return dot(x[t[0]], cross(x[t[1]], x[t[2]])) / 6;
   };
   for (Triangle t : s.mesh.triangles) {
     if (!is_whole(s.mesh, t)) continue;
     for (std::uint32_t& v : t) v = s.edges.place[v];
+    const std::uint32_t b = bodies.of[t[0]];
     const double there = volume(before, t);
-    lost += there - volume(s.x, t);
-    wanted += there;
+    lost[b] += there - volume(s.x, t);
+    wanted[b] += there;
     const Vec3 doubled = cross(s.x[t[1]] - s.x[t[0]], s.x[t[2]] - s.x[t[0]]);
     for (const std::uint32_t v : t) gradient[v] += doubled / 6;
   }
   std::vector<Vec3> steps;
   if (creases) steps = steps_of_planes(s);
-  double sum = 0;
-  for (std::size_t v = 0; v < s.x.size(); ++v) sum += creases ? dot(gradient[v], steps[v]) : norm(gradient[v]);
-  if (!(sum > 0) || wanted == 0) return 0;
-  for (std::size_t v = 0; v < s.x.size(); ++v) s.x[v] += (creases ? steps[v] : normalized(gradient[v])) * (lost / sum);
-  return std::abs(lost / wanted);
+  for (std::size_t v = 0; v < s.x.size(); ++v)
+    sum[bodies.of[v]] += creases ? dot(gradient[v], steps[v]) : norm(gradient[v]);
+  for (std::size_t b = 0; b < sum.size(); ++b)
+    if (!(sum[b] > 0) || wanted[b] == 0) bodies.lacks[b] = 0;
+  for (std::size_t v = 0; v < s.x.size(); ++v) {
+    const std::uint32_t b = bodies.of[v];
+    if (bodies.lacks[b]) s.x[v] += (creases ? steps[v] : normalized(gradient[v])) * (lost[b] / sum[b]);
+  }
+  for (std::size_t b = 0; b < sum.size(); ++b)
+    if (bodies.lacks[b] && std::abs(lost[b] / wanted[b]) < kept) bodies.lacks[b] = 0;
 }
 
-/// Once is enough for fine meshes; coarse ones lose so much that the first step goes far too far.
+/// Each body by itself: what a noisy one loses is not another's. Once is enough for fine meshes; coarse ones lose so
+/// much that the first step goes far too far.
 void restore_volume(SmoothState& s, const std::vector<Vec3>& before, bool creases) {
-  if (restore_volume_once(s, before, creases) < kFewPercent) return;
-  for (int k = 0; k < kMostCorrections; ++k)
-    if (restore_volume_once(s, before, creases) < kKeptVolume) return;
+  Bodies bodies(s);
+  restore_volumes_once(s, before, creases, kFewPercent, bodies);
+  for (int k = 0; k < kMostCorrections; ++k) {
+    if (std::find(bodies.lacks.begin(), bodies.lacks.end(), 1) == bodies.lacks.end()) return;
+    restore_volumes_once(s, before, creases, kKeptVolume, bodies);
+  }
 }
 
 void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, SmoothReport& report, Progress& progress) {

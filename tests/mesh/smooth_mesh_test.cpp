@@ -72,6 +72,31 @@ TEST(SmoothMesh, TakesNoiseOffAndKeepsTheVolume) {
   EXPECT_EQ(report.fixed, 0u);
 }
 
+TEST(SmoothMesh, EachComponentKeepsItsVolume) {
+  const auto part = [](const TriangleMesh& mesh, std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto [a, b, c] = mesh.triangles[i];
+      const Vec3 o(mesh.vertices[mesh.triangles[begin][0]]);
+      sum += dot(Vec3(mesh.vertices[a]) - o, cross(Vec3(mesh.vertices[b]) - o, Vec3(mesh.vertices[c]) - o)) / 6;
+    }
+    return sum;
+  };
+  const TriangleMesh noisy = shaken(octasphere(4), 0.05);
+  TriangleMesh small = octasphere(3);
+  for (Vec3f& v : small.vertices) v *= 0.1f;
+  for (const bool creases : {false, true}) {
+    SCOPED_TRACE(creases);
+    const TriangleMesh before = joined(noisy, small, {3, 0, 0});
+    TriangleMesh after = before;
+    Progress progress;
+    smooth_mesh(after, {.creases = creases}, progress);
+    const std::size_t first = noisy.triangles.size(), all = before.triangles.size();
+    EXPECT_NEAR(part(after, 0, first) / part(before, 0, first), 1, 0.003);
+    EXPECT_NEAR(part(after, first, all) / part(before, first, all), 1, 0.003);
+  }
+}
+
 TEST(SmoothMesh, LengthSaysWhichWavesGo) {
   // Ripples around a torus: of short ones half must go, and of long ones next to nothing.
   const auto torus = torus_mesh(120, 40);
