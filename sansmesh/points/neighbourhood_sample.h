@@ -18,8 +18,10 @@ struct Neighbourhood {
 
 /// Neighbourhoods of about `size` samples (at most; sometimes fewer) around `places` samples chosen evenly over the
 /// file order, always the same ones. One pass over the cloud: about 10 ns per sample and 100 ns per neighbour; no tree
-/// over all samples is built. Non-finite samples are ignored. Memory is that of the neighbourhoods, wherever the
-/// samples lie; where many of them share a position, each position counts as one sample.
+/// over all samples is built. Non-finite samples are ignored. Memory is at most that of twice the neighbourhoods for
+/// each of up to 64 parts of the cloud, wherever the samples lie: those next to each other in the file are mostly so in
+/// space, and then it is about that of the neighbourhoods. Where many share a position, each position counts as one
+/// sample.
 std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size);
 
 }  // namespace sansmesh
