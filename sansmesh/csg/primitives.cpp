@@ -18,14 +18,21 @@ struct Sample {
   Vec3 gradient;
 };
 
+constexpr double kNextToAxis = 1e-6;  ///< over the distance along the axis
+
 /// Distance of a point to an axis, along it, and away from it.
 struct AroundAxis {
   double along, radius;
   Vec3 outward;  ///< unit; zero on the axis
 
   AroundAxis(const Vec3& d, const Vec3& axis) : along(dot(d, axis)) {
-    const Vec3 away = d - along * axis;
+    Vec3 away = d - along * axis;
     radius = norm(away);
+    // Next to the axis what is left is mostly rounding, and some of that lies along the axis.
+    if (radius < kNextToAxis * std::abs(along)) {
+      away = away - dot(away, axis) * axis;
+      radius = norm(away);
+    }
     if (radius > 0) outward = away / radius;
   }
 };

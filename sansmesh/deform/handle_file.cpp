@@ -51,10 +51,15 @@ Vec3 handle_vector(const HandleJson& json, const char* key, const HandlePlace& a
   return v;
 }
 
+constexpr double kRounding = 1e-15;
+
+/// What is unit but for rounding stays as it is, so that what was written is read.
+Vec3 unit_direction(const Vec3& v) { return std::abs(norm(v) - 1) <= kRounding ? v : normalized(v); }
+
 Vec3 handle_direction(const HandleJson& json, const char* key, const HandlePlace& at) {
   const Vec3 v = handle_vector(json, key, at);
   if (!(norm(v) > 0)) at.fail(fmt::format("'{}' holds a direction of length 0", key));
-  return normalized(v);
+  return unit_direction(v);
 }
 
 /// The objects `before` and `after` of a direction or a frame.
@@ -74,7 +79,7 @@ std::array<Vec3, 3> frame_of(const HandleJson& json, const HandlePlace& at) {
   for (std::size_t k = 0; k < 3; ++k) f[k] = handle_direction(json[k], "frame", at);
   if (std::abs(dot(f[0], f[1])) > kOff || std::abs(dot(f[1], f[2])) > kOff || std::abs(dot(f[2], f[0])) > kOff)
     at.fail("the directions of 'frame' must be at right angles to each other");
-  f[1] = normalized(f[1] - f[0] * dot(f[0], f[1]));
+  if (const double off = dot(f[0], f[1]); std::abs(off) > kRounding) f[1] = unit_direction(f[1] - f[0] * off);
   const Vec3 third = cross(f[0], f[1]);
   if (dot(third, f[2]) < 0) at.fail("the directions of 'frame' must be right-handed: a turn cannot mirror");
   f[2] = third;

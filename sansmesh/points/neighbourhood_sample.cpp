@@ -49,11 +49,26 @@ class BallGrid {
   BallGrid(const Box3f& box, float cell, std::span<const Vec3f> centers, std::span<const float> radii) : box_(box) {
     const Vec3f size = box.size();
     const float largest = std::max({size.x, size.y, size.z});
-    const float edge = std::max(cell, largest / (kResolution - 1));
+    float edge = std::max(cell, largest / (kResolution - 1));
     scale_ = edge > 0 ? 1 / edge : 0;  // coincident samples share one cell
-    for (std::size_t b = 0; b < centers.size(); ++b) {
+    const auto cells_of = [&](std::size_t b) {
       const Vec3f r{radii[b], radii[b], radii[b]};
-      const auto lower = cell_of(centers[b] - r), upper = cell_of(centers[b] + r);
+      return std::pair(cell_of(centers[b] - r), cell_of(centers[b] + r));
+    };
+    const auto entries = [&] {
+      std::size_t count = 0;
+      for (std::size_t b = 0; b < centers.size(); ++b) {
+        const auto [lower, upper] = cells_of(b);
+        std::size_t own = 1;
+        for (std::size_t k = 0; k < 3; ++k) own *= static_cast<std::size_t>(upper[k] - lower[k] + 1);
+        count += own;
+      }
+      return count;
+    };
+    // A few balls that are much larger than most, whose samples coincide, say, need no cells as small as those.
+    while (scale_ > 0 && edge < largest && entries() > kMostEntries) edge *= 2, scale_ = 1 / edge;
+    for (std::size_t b = 0; b < centers.size(); ++b) {
+      const auto [lower, upper] = cells_of(b);
       for (int z = lower[2]; z <= upper[2]; ++z)
         for (int y = lower[1]; y <= upper[1]; ++y)
           for (int x = lower[0]; x <= upper[0]; ++x) entries_.push_back({code({x, y, z}), static_cast<unsigned>(b)});
@@ -74,6 +89,7 @@ class BallGrid {
 
  private:
   static constexpr int kResolution = 256;
+  static constexpr std::size_t kMostEntries = 4'000'000;
 
   std::array<int, 3> cell_of(const Vec3f& p) const {
     const auto clamp = [](float t) { return index_in<int>(t, 0, kResolution - 1); };

@@ -396,5 +396,17 @@ TEST(Solid, BadNumbersAreRefused) {
   EXPECT_NO_THROW(half_space({1e300, 1e300, 0}, 1));
 }
 
+TEST(Solid, DirectionsNextToAnAxisAreUnit) {
+  const Vec3 axis{1, 1, 1};
+  for (const Solid& s : {csg::torus({}, axis, 4, 0.4), csg::cone({}, axis, 3, 2, 1), csg::cylinder({}, axis, 1)})
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 x = axis * (0.013 * i) + Vec3{1e-16, -2e-16, 0} * (i % 7);
+      double value = 0;
+      Vec3 gradient;
+      s.evaluate({&x, 1}, {&value, 1}, {&gradient, 1});
+      EXPECT_LE(norm(gradient), 1 + 1e-9) << i;
+    }
+}
+
 }  // namespace
 }  // namespace sansmesh

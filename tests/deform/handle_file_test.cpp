@@ -1,5 +1,6 @@
 #include "sansmesh/deform/handle_file.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -185,6 +186,15 @@ TEST(FoldShapes, LieAroundWhatIsFolded) {
   }
   EXPECT_NEAR(volume, 0.6 * 1.2 * 1.2, 1e-6);
   EXPECT_TRUE(fold_shapes(FoldReport{}).vertices.empty());
+}
+
+TEST(HandleFile, DirectionsReadBackAsTheyWereWritten) {
+  std::string text = R"({"handles": [)";
+  for (int i = 1; i <= 40; ++i)
+    text += fmt::format(R"({}{{"p": [{}, 0, 0], "normal": {{"before": [{}, 2, 1], "after": [0.3, {}, 1]}}}})",
+                        i > 1 ? ", " : "", i, i, i);
+  const std::string written = handles_json(parse_handles(text + "]}", "a.json"));
+  EXPECT_EQ(handles_json(parse_handles(written, "a.json")), written);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ctime>
 #include <limits>
 #include <random>
 
@@ -81,6 +82,17 @@ TEST(NeighbourhoodSample, ManyTimesTheSamePointIsOnePoint) {
   EXPECT_EQ(of_one[0].offsets, (std::vector<Vec3f>{{0, 0, 0}}));
   EXPECT_TRUE(
       sample_neighbourhoods(std::vector<Vec3f>(5000, {1, 2, std::numeric_limits<float>::infinity()}), 9, 9).empty());
+}
+
+TEST(NeighbourhoodSample, AFewBallsAroundAllCostLittle) {
+  // Squares of distances in the cluster are 0, so that most balls have no radius: those of the others hold the cloud.
+  std::vector<Vec3f> points = ball_cluster(40, 1, 3);
+  for (int i = 0; i < 400; ++i) points.push_back({1e-27f * static_cast<float>(i), 0, 0});
+  const std::clock_t before = std::clock();
+  const std::vector<Neighbourhood> sample = sample_neighbourhoods(points, 500, 200);
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 3);
+  EXPECT_EQ(sample.size(), points.size());
+  for (const Neighbourhood& n : sample) EXPECT_FALSE(n.offsets.empty());
 }
 
 }  // namespace

@@ -616,5 +616,16 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   EXPECT_TRUE(refused(plane, Association::cells));
 }
 
+TEST(AssembleVolume, LengthsThatAreNothingBesideTheExtentAreNone) {
+  GridData data = bent_grid({3, 3, 3}, linear_function);
+  for (std::size_t p = 0; p < 9; ++p) data.blocks[0].points[p].x = 1e-310 * static_cast<double>(p);
+  Progress progress;
+  const SampledVolume volume = assemble_volume(data, Association::points, progress);
+  for (std::size_t i = 0; i < volume.size(); ++i) {
+    const double x = volume.position(i).x;
+    EXPECT_TRUE(x == 0 || std::abs(x) > 1e-100) << x;
+  }
+}
+
 }  // namespace
 }  // namespace sansmesh::test
