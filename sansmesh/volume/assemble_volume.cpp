@@ -32,10 +32,10 @@ bool any_set(const std::vector<std::uint8_t>& flags) {
   return std::any_of(flags.begin(), flags.end(), [](std::uint8_t f) { return f != 0; });
 }
 
-/// Coordinates that are nothing beside the extent become 0: slopes over such lengths (down to 10⁻³⁰⁸) are no numbers.
-/// All other places differ by more than 10⁻¹⁶ of a coordinate.
+/// Coordinates that are nothing beside the extent become 0: slopes over such lengths do not fit into the floats that
+/// coefficients are kept in.
 void round_off(std::vector<Vec3>& points) {
-  constexpr double kNothing = 1e-50;
+  constexpr double kNothing = 1e-30;
   Box3 box;
   for (const Vec3& p : points) box.extend(p);
   if (box.empty()) return;
