@@ -46,7 +46,7 @@ void Console::finish() {
 std::string Console::rescue_frames() {
   const std::size_t kept = outputs_.waiting();
   if (!keeps_frames_ || kept == 0) return {};
-  // Of all frames some may not get onto the disk.
+  // After a failure of finish() the file of the error is one of the frames.
   const std::string files = finishing_ ? counted(kept, "other file") : counted(kept, "file") + " before it";
   try {
     outputs_.commit();

@@ -90,7 +90,7 @@ class StepNotes {
  public:
   explicit StepNotes(std::vector<std::string> first) : first_(std::move(first)) {}
 
-  /// Those of a step that the first has not. From any thread; the last for a step counts.
+  /// Keeps the notes of a step that the first step does not have. From any thread; the last call for a step counts.
   void add(std::size_t step, const std::string& name, const std::vector<std::string>& notes) {
     std::string more;
     for (const std::string& note : notes)

@@ -53,7 +53,7 @@ Vec3 handle_vector(const HandleJson& json, const char* key, const HandlePlace& a
 
 constexpr double kRounding = 1e-15;
 
-/// What is unit but for rounding stays as it is, so that what was written is read.
+/// The direction with length 1. One that has it but for rounding stays as it is: files read back as they were written.
 Vec3 unit_direction(const Vec3& v) { return std::abs(norm(v) - 1) <= kRounding ? v : normalized(v); }
 
 Vec3 handle_direction(const HandleJson& json, const char* key, const HandlePlace& at) {

@@ -35,9 +35,15 @@ constexpr std::array kPlainFills{-999.0, -999.25, -9999.0, -99999.0, -999999.0, 
 /// Numbers that tell how the rest is spread, at most; and how many there must be.
 constexpr std::size_t kLooked = 200'000, kLeastRest = 4;
 constexpr double kLeftOut = 0.005;  // at each end
-/// How far a plain fill value is from the rest, in spreads of the rest: of one that is there once, a few times, often.
+/// Least distance of a fill value from the rest, in spreads of the rest, if it occurs once, a few times, or often.
 constexpr double kOnceApart = 2, kTwiceApart = 1, kOftenApart = 0.4;
 constexpr std::size_t kOften = 10;
+
+/// The power of ten that a number is, but for its sign and for rounding; 0 if it is none of the usual ones.
+double usual_power(double size) {
+  const double exponent = std::round(std::log10(size)), power = std::pow(10.0, exponent);
+  return exponent >= kFirstPower && exponent <= kLastPower && std::abs(size / power - 1) <= kDigits ? power : 0;
+}
 
 /// The usual fill value that a number is; 0 if it is none.
 double usual_fill(double v) {
@@ -53,16 +59,14 @@ double usual_fill(double v) {
   for (const double f : kHugeFills)
     if (near(f)) return std::copysign(f, v);
   if (v < 0 && near(9.99e33)) return -9.99e33;
-  const double power = std::round(std::log10(size));
-  if (power >= kFirstPower && power <= kLastPower && near(std::pow(10.0, power)))
-    return std::copysign(std::pow(10.0, power), v);
+  if (const double power = usual_power(size); power > 0) return std::copysign(power, v);
   return 0;
 }
 
+/// `fill`: a usual fill value.
 bool is_power_of_ten(double fill) {
   const double size = std::abs(fill);
-  if (size < kHuge || std::find(kHugeFills.begin(), kHugeFills.end(), size) != kHugeFills.end()) return false;
-  return std::abs(size / std::pow(10.0, std::round(std::log10(size))) - 1) <= kDigits;
+  return size >= kHuge && usual_power(size) == size;
 }
 
 /// NetCDF's defaults for integers, and the least ones, which have the same meaning elsewhere.
@@ -142,7 +146,7 @@ class Searcher {
   }
 
  private:
-  /// Where a number stands: far from all others, nearer than that but alone, or among others.
+  /// Position of a number beside all others: far from them, alone but nearer than that, or among them.
   enum class Standing : std::uint8_t { apart, near, among };
 
   template <class Use>

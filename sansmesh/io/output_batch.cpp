@@ -223,7 +223,7 @@ void OutputBatch::Files::check_abandoned() const {
   if (abandoned) throw Cancelled();
 }
 
-/// What does not get onto the disk waits no longer: asked a second time, the system would say that it is there.
+/// Drops files that do not get onto the disk: asked a second time, the system would say that they are there.
 void OutputBatch::Files::sync_files() {
   if (waiting.empty()) return;
   std::vector<int> errors(waiting.size());

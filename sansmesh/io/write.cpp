@@ -90,7 +90,7 @@ void check_length(const char* what, std::size_t length, std::size_t n) {
   }
 }
 
-/// What no reader takes is not written.
+/// Throws FileError for coordinates beyond those that readers accept.
 void check_reach(const std::string& file, std::span<const Vec3f> positions, const Vec3& origin) {
   const double far = parallel_reduce(
       positions.size(), 1 << 16, 0.0,

@@ -287,7 +287,7 @@ std::array<std::uint32_t, 4> EdgeCollapses::touched(std::uint32_t v) const {
     const Triangle& t = triangles[i];
     if ((t[0] != w && t[1] != w && t[2] != w) || n == 4) continue;
     const std::uint32_t opposite = t[0] ^ t[1] ^ t[2] ^ v ^ w;
-    result[n++] = waits.empty() || !waits[opposite] ? opposite : v;
+    result[n++] = is_waiting(opposite) ? v : opposite;
   }
   return result;
 }
@@ -312,7 +312,7 @@ void EdgeCollapses::collapse(std::uint32_t v, std::size_t place) {
       continue;
     }
     for (const std::uint32_t o : t) {
-      if (o == v || o == w || (!waits.empty() && waits[o])) continue;
+      if (o == v || o == w || is_waiting(o)) continue;
       std::uint32_t* const begin = around.data() + first[o];
       *std::find(begin, begin + valence[o], i) = begin[valence[o] - 1];
       --valence[o];

@@ -66,10 +66,12 @@ struct EdgeCollapses {
   /// Too many triangles to be merged: until collapses around it leave few enough it waits.
   bool crowded(std::uint32_t v) const { return valence[v] > kMostRing; }
 
+  bool is_waiting(std::uint32_t v) const { return !waits.empty() && waits[v] != 0; }
+
   /// Fills in `waits`.
   void note_crowded();
 
-  /// Where another vertex merged into w: appends the waiting ones around to `hubs`, each once. Their rings still have
+  /// Appends the waiting vertices around w, into which another one merged, to `hubs`, each once. Their rings still have
   /// the triangles that went, so that many edges around one may collapse at a time.
   void note_hubs(std::uint32_t w, std::vector<std::uint32_t>& hubs) {
     if (waits.empty()) return;

@@ -160,8 +160,7 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
   if (away.empty()) return;
   const double rest = median(away);
   if (rest * scale >= kLost || rest < kLost) return;
-  double most = 0;
-  for (const double v : values.values) most = std::max(most, std::abs(v));
+  const double most = largest_value(values);
   if (std::any_of(away.begin(), away.end(), [&](double a) { return a >= kLost * most && a < kApart * most; })) return;
   throw DataError(
       fmt::format("array '{}': values of up to {:.4g} stand so far apart from the rest, which spans about {:.4g}, that "

@@ -56,21 +56,9 @@ void fill_in(const SampledVolume& volume, std::vector<std::uint8_t>& known, Volu
   }
 }
 
-/// The largest value of all components, without its sign.
-double largest_of(const VolumeValues& of) {
-  return parallel_reduce(
-      of.values.size(), 1 << 16, 0.0,
-      [&](std::size_t first, std::size_t last) {
-        double most = 0;
-        for (std::size_t i = first; i < last; ++i) most = std::max(most, std::abs(of.values[i]));
-        return most;
-      },
-      [](double a, double b) { return std::max(a, b); });
-}
-
 void check_size(const VolumeValues& of, double spacing) {
   constexpr double kMost = 0x1p1000, kMostSlope = 0x1p1015;
-  const double most = largest_of(of), slope = spacing > 0 ? most / spacing : most;
+  const double most = largest_value(of), slope = spacing > 0 ? most / spacing : most;
   if (most > kMost || slope > kMostSlope)
     throw DataError(
         fmt::format("array '{}': values of up to {:.4g} are too large: slopes between samples are no numbers",
@@ -83,8 +71,19 @@ void check_size(const VolumeValues& of, double spacing) {
 
 }  // namespace
 
+double largest_value(const VolumeValues& values) {
+  return parallel_reduce(
+      values.values.size(), 1 << 16, 0.0,
+      [&](std::size_t first, std::size_t last) {
+        double most = 0;
+        for (std::size_t i = first; i < last; ++i) most = std::max(most, std::abs(values.values[i]));
+        return most;
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
 std::vector<double> value_scales(const VolumeValues& values) {
-  const double scale = binary_scale(largest_of(values));
+  const double scale = binary_scale(largest_value(values));
   return scale == 1 ? std::vector<double>() : std::vector<double>(values.components, scale);
 }
 

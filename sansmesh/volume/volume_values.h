@@ -28,6 +28,8 @@ struct VolumeValues {
 /// 1e300), or all are so small that they cannot be told apart (below about 1e-300, but for those that are all 0).
 VolumeValues volume_values(const SampledVolume& volume, const std::string& name);
 
+/// The largest value of all components, without its sign.
+double largest_value(const VolumeValues& values);
 /// By which each component is multiplied for reconstructions: binary_scale() of the largest value of all. It is the
 /// same for all components, whose squares are added up: what weighs more in a vector must not depend on the unit. Empty
 /// where the largest is of moderate size.
