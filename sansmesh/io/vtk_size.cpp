@@ -123,18 +123,14 @@ class XmlPromises {
       seen_piece_ = true;
       longest_ = std::max(longest_, own.longest);
       add_file(tag["Source"], Role::piece), add_file(tag["file"], Role::whole);
-    } else if (tag.name == "PointData") {
+    } else if (tag.name == "PointData" || tag.name == "Points") {
       tuples_ = points_;
+    } else if (tag.name == "CellData" || tag.name == "Cells") {
+      tuples_ = cells_;  // of cells, offsets and types; what connects them is as long as it is
     } else if (tag.name == "PPointData") {
       tuples_ = {0, whole_.points};
-    } else if (tag.name == "CellData") {
-      tuples_ = cells_;
     } else if (tag.name == "PCellData") {
       tuples_ = {0, whole_.cells};
-    } else if (tag.name == "Points") {
-      tuples_ = points_;
-    } else if (tag.name == "Cells") {
-      tuples_ = cells_;  // of offsets and types; what connects them is as long as it is
     } else if (std::find(std::begin(kOthers), std::end(kOthers), tag.name) != std::end(kOthers)) {
       tuples_ = {};
     } else if (tag.name == "DataArray" || tag.name == "PDataArray") {

@@ -5,10 +5,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "deform/handle_sets.h"
 #include "support/any_threads.h"
+#include "support/same_bytes.h"
 
 namespace sansmesh::test {
 namespace {
@@ -326,7 +326,7 @@ std::size_t differ_in_company(const SpaceMap& map, const std::vector<Vec3>& x) {
   for (const std::size_t first : {1, 2, 3, 5}) {
     const std::vector<Vec3> part = mapped(map, {x.begin() + static_cast<std::ptrdiff_t>(first), x.end()});
     for (std::size_t i = 0; i < part.size(); ++i)
-      different += std::memcmp(&part[i], &all[first + i], sizeof(Vec3)) != 0;
+      different += same_bytes(std::span(part).subspan(i, 1), std::span(all).subspan(first + i, 1)) ? 0 : 1;
   }
   return different;
 }

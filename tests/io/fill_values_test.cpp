@@ -81,7 +81,7 @@ TEST(FillValues, WhatAQuantityPassesThroughIsNone) {
 }
 
 TEST(FillValues, PowersOfTenAreMeasuredToo) {
-  const auto layers = [](std::vector<double> levels) {
+  const auto layers = [](const std::vector<double>& levels) {
     std::vector<double> values;
     for (const double level : levels) values.insert(values.end(), 500, level);
     return data_with(values);

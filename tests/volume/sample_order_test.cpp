@@ -112,7 +112,8 @@ GridData sheet() {
   block.kind = GridKind::unstructured;
   constexpr std::uint32_t n = 9;
   for (std::uint32_t i = 0; i < n * n; ++i) {
-    const double x = static_cast<double>(i % n) / (n - 1), y = static_cast<double>(i / n) / (n - 1);
+    const std::uint32_t column = i % n, row = i / n;
+    const double x = static_cast<double>(column) / (n - 1), y = static_cast<double>(row) / (n - 1);
     block.points.push_back({x + 0.05 * std::sin(9 * y), y, 0.2 * std::sin(2 * x)});
   }
   for (std::uint32_t j = 0; j + 1 < n; ++j)
