@@ -79,7 +79,7 @@ struct Read<std::vector<T>> : Variable<T> {
 
 }  // namespace
 
-std::optional<std::pair<double, double>> OptionEntry::ends() const {
+std::optional<OptionRange> OptionEntry::numbers_taken() const {
   if (range || (kind != Kind::whole && kind != Kind::real)) return range;
   const std::size_t dots = what.find("..");
   const std::size_t comma = dots == std::string::npos ? dots : what.rfind(", ", dots);
@@ -87,7 +87,7 @@ std::optional<std::pair<double, double>> OptionEntry::ends() const {
   const std::size_t end = std::min({what.find(" [", dots), what.find(" (", dots), what.find(": ", dots), what.size()});
   const std::string least = what.substr(comma + 2, dots - comma - 2), most = what.substr(dots + 2, end - dots - 2);
   if (!are_numbers(least) || !are_numbers(most)) return std::nullopt;
-  return std::pair{parse_real(least), parse_real(most)};
+  return OptionRange{parse_real(least), parse_real(most)};
 }
 
 std::vector<std::string> OptionEntry::file_endings() const {
@@ -119,11 +119,11 @@ Option Option::one_of(const std::vector<std::string>& words) const {
   return *this;
 }
 Option Option::within(double least, double most) const {
-  entry_->range = {least, most};
+  entry_->range = OptionRange{least, most};
   return *this;
 }
 Option Option::positive() const {
-  entry_->positive = true;
+  entry_->range = sansmesh::positive();
   return *this;
 }
 Option Option::numbers(int count) const {

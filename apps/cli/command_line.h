@@ -89,6 +89,11 @@ class CommandLine {
   /// What help says below the options. Lines after one that is "Examples:" are commands to try.
   void footer(const std::string& text);
 
+  /// For what makes options of its own kind (schema_options.h).
+  OptionEntry& add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
+    return add(names, kind, what);
+  }
+
   /// A command of this tool; lives as long as this.
   CommandLine& add_subcommand(const std::string& name, const std::string& what);
   /// Of this and no other level.

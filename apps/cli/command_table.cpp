@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "sansmesh/core/parallel.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -45,7 +46,8 @@ std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
                                    add_align(line),       add_fill(line),    add_simplify(line),  add_smooth(line)};
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (Command& command : add_flow(line)) commands.push_back(std::move(command));
-  for (const auto add : {add_help, add_completion, add_manual}) commands.push_back(add(line));
+  for (const auto add : {add_help, add_completion, add_manual, add_schema_command}) commands.push_back(add(line));
+  for (const Command& command : commands) name_flags(*command.line);
   return commands;
 }
 

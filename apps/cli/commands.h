@@ -35,6 +35,7 @@ Command add_deform(CommandLine& app);
 Command add_help(CommandLine& app);
 Command add_completion(CommandLine& app);
 Command add_manual(CommandLine& app);
+Command add_schema_command(CommandLine& app);
 
 /// The commands of `volume`.
 std::vector<Command> add_volume(CommandLine& app);

@@ -78,11 +78,26 @@ void Console::say(const std::string& line) {
 void Console::say_json(Json json) {
   if (!options_.json) return;
   json["warnings"] = warnings_;
+  json["notes"] = notes_;
   show(json.text() + "\n");
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) warn_line(printable(file) + ": " + in_flags(warning));
+}
+
+void Console::note(const std::string& file, const std::vector<Note>& notes) {
+  for (const Note& note : notes) {
+    const bool warning = note.severity == Note::Severity::warning;
+    if (warning)
+      warn(file, {note_line(note)});
+    else
+      say(in_flags(note_line(note)));
+    notes_.push_back({{"code", note.code},
+                      {"severity", warning ? "warning" : "information"},
+                      {"text", in_flags(note.text)},
+                      {"remedy", in_flags(note.remedy)}});
+  }
 }
 
 void Console::warn(const std::vector<std::string>& warnings) {
@@ -124,7 +139,5 @@ void Console::clear() {
 }
 
 void print_error(const std::string& message) { print_err("sansmesh: " + printable(message) + "\n"); }
-
-std::string length(double value) { return fmt::format("{:.4g}", value); }
 
 }  // namespace sansmesh::cli

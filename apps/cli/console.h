@@ -7,6 +7,7 @@
 #include "interrupt.h"
 #include "json.h"
 #include "sansmesh/core/cancel_scope.h"
+#include "sansmesh/core/note.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/io/output_batch.h"
@@ -51,6 +52,8 @@ class Console {
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
+  /// Notes of a job: warnings are printed as such, information as a result for people; all stand in the JSON (`notes`).
+  void note(const std::string& file, const std::vector<Note>& notes);
   /// The same of warnings that name their files themselves.
   void warn(const std::vector<std::string>& warnings);
   /// The same for what is printed in other ways.
@@ -67,6 +70,7 @@ class Console {
   ConsoleOptions options_;
   const CommandLine& command_;
   std::vector<std::string> warnings_;
+  Json notes_ = Json::array();
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;
   bool finishing_ = false;
@@ -83,6 +87,6 @@ class Console {
 void print_error(const std::string& message);
 
 /// A length with four significant digits.
-std::string length(double value);
+inline std::string length(double value) { return length_words(value); }
 
 }  // namespace sansmesh::cli

@@ -51,6 +51,8 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
   const auto known = [&](std::string_view flag) {
     return command.has(std::string(flag)) ? std::string(flag) : std::string();
   };
+  for (const auto& option : command.options())
+    if (option->field == field) return option->name();
   for (const FlagOfField& f : kFlags)
     if (f.field == field)
       if (std::string flag = known(f.flag); !flag.empty()) return flag;

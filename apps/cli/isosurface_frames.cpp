@@ -145,7 +145,7 @@ void write_isosurface_frames(const VolumeInput& input, std::optional<double> val
   cut.time_cell = frames.time_cell.value_or(field->shortest_step());
   console.progress().begin("find surface");
   const SpaceTimeSurface surface(*field, cut, console.progress());
-  SimplifyOptions simplify;
+  CollapseOptions simplify;
   simplify.error = options.mesh_error ? place.from_input(*options.mesh_error) : kFrameError * spacing;
   simplify.triangles = options.triangles.value_or(0);
 

@@ -5,8 +5,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
+
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh::cli {
 
@@ -26,18 +27,23 @@ struct OptionEntry {
   std::vector<std::string> words;    ///< the only ones that are taken; any if there are none
   std::vector<std::string> endings;  ///< of files, with dots; those that `what` names if there are none
   bool required = false;
-  bool repeated = false;  ///< may be given several times
-  bool in_order = false;  ///< used once for each time that it was given, in turn with others of that kind
-  bool several = false;   ///< takes words as long as there are some that fit
-  int numbers = 0;        ///< so many numbers in one word, with commas between them, or in as many words
-  std::optional<std::pair<double, double>> range;  ///< of numbers, ends included
-  bool positive = false;
+  bool repeated = false;               ///< may be given several times
+  bool in_order = false;               ///< used once for each time that it was given, in turn with others of that kind
+  bool several = false;                ///< takes words as long as there are some that fit
+  int numbers = 0;                     ///< so many numbers in one word, with commas between them, or in as many words
+  std::optional<OptionRange> range;    ///< of numbers
   std::string excludes;                ///< an option that cannot be given as well
   std::optional<std::string> implied;  ///< stands for a value where none is given
   /// With `implied`: what the next word must be, beside a number or one of `words`, to be the value.
   std::vector<std::string> next_words;
   /// Takes the values of all times that it was given, one at least unless it is a flag. Throws ValueError.
   std::function<void(const std::vector<std::string>&)> use;
+
+  // Of an option of the library (schema_options.h).
+  /// What messages call it: the field, or "open = false" for what sets it so.
+  std::string field;
+  const OptionRow* row = nullptr;
+  std::string usual;  ///< its value where it is not given; empty if that follows from the data
 
   // What the command line had.
   std::string typed;                ///< the name by which it was given; empty if it was not
@@ -47,9 +53,9 @@ struct OptionEntry {
   /// "--output", or the name of what is told from its place.
   const std::string& name() const { return names.back(); }
   bool is_file() const { return value_name == "FILE" || value_name == "DATA" || value_name == "TETS"; }
-  /// Ends of what numbers it takes: those that were declared, or those that the description states, ", 2..14" at its
-  /// end, before a remark in brackets or before a colon. So help says nothing that does not hold.
-  std::optional<std::pair<double, double>> ends() const;
+  /// The numbers that it takes: those that were declared, or those that the description states, ", 2..14" at its end,
+  /// before a remark in brackets or before a colon. So help says nothing that does not hold.
+  std::optional<OptionRange> numbers_taken() const;
   /// Endings of the files that fit: the given ones, or those that the description names.
   std::vector<std::string> file_endings() const;
 };

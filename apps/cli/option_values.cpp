@@ -176,9 +176,10 @@ void check_value(const OptionEntry& o, const std::string& word) {
   const double value = parse_real(word);
   if (o.kind == OptionEntry::Kind::whole && (std::isinf(value) || std::floor(value) != value))
     throw ValueError(in_quotes(word) + " is not a whole number");
-  if (const auto ends = o.ends(); ends && !(value >= ends->first && value <= ends->second))
-    throw ValueError(fmt::format("must lie in {}..{}, not {}", ends->first, ends->second, word));
-  if (o.positive && !(value > 0)) throw ValueError("must be greater than 0, not " + word);
+  const auto taken = o.numbers_taken();
+  if (!taken || taken->holds(value)) return;
+  const bool closed = !taken->above && !taken->below && std::isfinite(taken->most);
+  throw ValueError(fmt::format("must {} {}, not {}", closed ? "lie in" : "be", taken->words(), word));
 }
 
 }  // namespace sansmesh::cli

@@ -1,4 +1,6 @@
 // sansmesh smooth: noise taken off a mesh.
+#include "sansmesh/jobs/smooth.h"
+
 #include <fmt/core.h>
 
 #include <cmath>
@@ -7,16 +9,12 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/mesh/smooth_mesh.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
-
-/// Of the diagonal: more is not noise.
-constexpr double kFar = 0.01;
 
 struct SmoothArguments {
   std::string input;
@@ -30,21 +28,13 @@ void run_smooth(const SmoothArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  TriangleMesh mesh = read_mesh(a.input, &read);
-  std::vector<std::string> warnings = read.warnings;
-  const SmoothReport r = smooth_mesh(mesh, a.options, progress);
-  if (r.shortened)
-    warnings.push_back(fmt::format("waves of {} are longer than {} rounds take off: its edges are {} long on average",
-                                   length(*a.options.length), grouped(static_cast<std::size_t>(r.iterations)),
-                                   length(r.mean_edge)));
-  const double diagonal = bounds(mesh).diagonal();
-  if (diagonal > 0 && r.rms_move > kFar * diagonal)
-    warnings.push_back(fmt::format(
-        "moved by {:.1f} % of the diagonal, at most by {:.1f} %: edges of {} are too long to smooth away no shape{}",
-        100 * r.rms_move / diagonal, 100 * r.largest_move / diagonal, length(r.mean_edge),
-        a.options.creases ? "" : " (--iterations 2, --creases, or more triangles)"));
-  for (std::string& line : loss_words(read, a.output.file, mesh)) warnings.push_back(std::move(line));
-  console.warn(a.input, warnings);
+  TriangleMesh read_in = read_mesh(a.input, &read);
+  console.warn(a.input, read.warnings);
+  const SmoothResult made = smooth(std::move(read_in), a.options, progress);
+  const TriangleMesh& mesh = made.mesh;
+  const SmoothReport& r = made.report;
+  console.note(a.input, made.notes);
+  console.warn(a.input, loss_words(read, a.output.file, mesh));
   a.output.write(mesh, progress);
   progress.finish();
 
@@ -78,18 +68,9 @@ void run_smooth(const SmoothArguments& a, Console& console) {
 Command add_smooth(CommandLine& app) {
   CommandLine& c = app.add_subcommand("smooth", "Mesh → mesh without its noise, its volume or its creases kept");
   auto a = std::make_shared<SmoothArguments>();
-  SmoothOptions& o = a->options;
   c.add_option("input", a->input, "Mesh").type_name("FILE").required();
   add_mesh_output(c, a->output);
-  c.add_option("--iterations", o.iterations, "Rounds, 1..10000 [10; with --creases 8]").type_name("COUNT");
-  c.add_option("--strength", o.strength, "How far a round goes, above 0 and up to 0.65 [0.6]").type_name("SHARE");
-  c.add_option("--length", o.length, "Take off what is shorter than this, in place of --iterations")
-      .type_name("LENGTH");
-  c.add_flag("--creases", o.creases, "Keep creases: smooth the normals of faces, and fit the vertices to them");
-  c.add_option("--crease-angle", o.crease_angle,
-               "With --creases: faces that are turned by more do not blur, 1..90 [from the noise]")
-      .type_name("DEGREES");
-  c.add_flag("--borders", o.borders, "Smooth borders, too, along themselves; otherwise they stay");
+  add_schema(c, a->options);
   c.footer(
       "Vertices move, triangles stay as they are. Reported: how far, and the change of volume.\n\n"
       "Examples:\n"

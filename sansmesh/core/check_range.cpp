@@ -15,8 +15,10 @@ void check_range(const char* name, double value, double lowest, double highest) 
     if (text.back() == '.') text.pop_back();
     return text;
   };
-  throw ArgumentError("`" + std::string(name) + "` must be from " + shown(lowest) + " to " + shown(highest) + ", not " +
-                      (std::isfinite(value) ? shown(value) : std::to_string(value)));
+  throw ArgumentError(ArgumentFault{.field = name,
+                                    .value = std::isfinite(value) ? shown(value) : std::to_string(value),
+                                    .allowed = "from " + shown(lowest) + " to " + shown(highest),
+                                    .remedy = {}});
 }
 
 void check_argument(bool ok, const char* message) {

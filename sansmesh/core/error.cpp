@@ -59,6 +59,17 @@ std::string printable(std::string_view text, std::size_t most) {
   return result.substr(0, begins[head]).append(dots) + end;
 }
 
+namespace {
+
+std::string words_of(const ArgumentFault& fault) {
+  return "`" + fault.field + "` must be " + fault.allowed + (fault.value.empty() ? "" : ", not " + fault.value) +
+         (fault.remedy.empty() ? "" : ": " + fault.remedy);
+}
+
+}  // namespace
+
+ArgumentError::ArgumentError(const ArgumentFault& fault) : Error(words_of(fault)), fault_(fault) {}
+
 FileError::FileError(const std::string& file, const std::string& cause)
     : Error(printable(file) + ": " + printable(cause, kLongestCause)), file_(file) {}
 

@@ -29,10 +29,26 @@ class FileError : public Error {
   std::string file_;
 };
 
+/// What is wrong with one option.
+struct ArgumentFault {
+  std::string field;    ///< name of the option
+  std::string value;    ///< that was given, as text
+  std::string allowed;  ///< "from 1 to 10", "one of compact, gaussian"
+  std::string remedy;   ///< what to do; empty if `allowed` says it
+};
+
 /// An argument or option out of range. Options are named by their fields, between grave accents: `enhance = false`.
 class ArgumentError : public Error {
  public:
-  using Error::Error;
+  explicit ArgumentError(const std::string& message) : Error(message) {}
+  /// "`degree` must be from 1 to 4, not 7".
+  explicit ArgumentError(const ArgumentFault& fault);
+
+  /// Of one option out of range; empty of options that do not go together, which only the message tells.
+  const ArgumentFault& fault() const { return fault_; }
+
+ private:
+  ArgumentFault fault_;
 };
 
 /// Input that is well formed but cannot be reconstructed (too few points, all in a plane, no extent).

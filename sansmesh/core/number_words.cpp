@@ -1,5 +1,7 @@
 #include "sansmesh/core/number_words.h"
 
+#include <fmt/core.h>
+
 namespace sansmesh {
 
 std::string grouped(std::uint64_t n) {
@@ -15,5 +17,7 @@ std::string grouped(std::uint64_t n) {
 std::string counted(std::uint64_t n, std::string_view noun) {
   return (grouped(n) + ' ').append(noun).append(n == 1 ? "" : "s");
 }
+
+std::string length_words(double length) { return fmt::format("{:.4g}", length); }
 
 }  // namespace sansmesh

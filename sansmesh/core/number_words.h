@@ -13,4 +13,7 @@ std::string grouped(std::uint64_t n);
 /// "1 component", "3 components", "1,234 components".
 std::string counted(std::uint64_t n, std::string_view noun);
 
+/// With four significant digits: "0.01234".
+std::string length_words(double length);
+
 }  // namespace sansmesh

@@ -53,7 +53,7 @@ EdgeCollapses::Fan fan_of_many(std::span<const Link> link) {
 
 }  // namespace
 
-EdgeCollapses::EdgeCollapses(const SimplifyOptions& o, std::size_t vertices, std::vector<Triangle> all)
+EdgeCollapses::EdgeCollapses(const CollapseOptions& o, std::size_t vertices, std::vector<Triangle> all)
     : options(o),
       error(o.error),
       x(vertices),

@@ -13,9 +13,9 @@
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/mesh/collapse_options.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/quadric.h"
-#include "sansmesh/mesh/simplify_options.h"
 
 namespace sansmesh::detail {
 
@@ -23,7 +23,7 @@ constexpr std::size_t kMostRing = 24;  ///< triangles around a vertex that is to
 
 /// The mesh while it is simplified.
 struct EdgeCollapses {
-  const SimplifyOptions& options;
+  const CollapseOptions& options;
   double error;  ///< accepted now
   std::vector<Vec3> x;
   std::vector<Quadric> quadric;
@@ -46,7 +46,7 @@ struct EdgeCollapses {
   std::vector<std::uint8_t> waits;    ///< crowded: 1, 2 while `note_hubs` has it; empty if none is
   std::size_t left, left_triangles;
 
-  EdgeCollapses(const SimplifyOptions& o, std::size_t vertices, std::vector<Triangle> all);
+  EdgeCollapses(const CollapseOptions& o, std::size_t vertices, std::vector<Triangle> all);
 
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return {around.data() + first[v], valence[v]}; }
 

@@ -182,7 +182,7 @@ std::uint32_t scattered(const Vec3f& p) {
 
 }  // namespace
 
-bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress,
+bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress& progress,
                    std::vector<std::uint32_t>* from, std::vector<std::uint32_t>* becomes) {
   options.validate();
   const std::size_t n = mesh.vertices.size();

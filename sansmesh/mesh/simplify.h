@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/mesh/simplify_options.h"
+#include "sansmesh/mesh/collapse_options.h"
 
 namespace sansmesh {
 
@@ -16,7 +16,7 @@ namespace sansmesh {
 /// to merged vertices becomes their mean weighted by area (attributes: as AttributeTable says); triangles that are left
 /// keep their attributes. The same for any number of threads. Returns whether anything changed. `from` gets the number
 /// that each triangle had before, `becomes` that which each vertex, or the one it was merged into, has afterwards.
-bool simplify_mesh(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress,
+bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress& progress,
                    std::vector<std::uint32_t>* from = nullptr, std::vector<std::uint32_t>* becomes = nullptr);
 
 }  // namespace sansmesh

@@ -379,17 +379,30 @@ void renew_normals(TriangleMesh& mesh) {
 
 }  // namespace
 
+const OptionSchema& SmoothOptions::schema() {
+  using O = SmoothOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::iterations>({.text = "Rounds", .from_data = "10; with `creases` 8", .range = {1, kMostIterations}}),
+      option<&O::strength>({.text = "How far a round goes", .unit = "share", .range = positive(kMostStrength)}),
+      option<&O::length>({.text = "Take off what is shorter than this, in place of `iterations`",
+                          .unit = "length",
+                          .range = positive()}),
+      option<&O::creases>({.text = "Keep creases: smooth the normals of faces, and fit the vertices to them"}),
+      option<&O::crease_angle>({.text = "With `creases`: faces that are turned by more do not blur",
+                                .unit = "degrees",
+                                .from_data = "from the noise",
+                                .range = {1, 90},
+                                .needs = "creases"}),
+      option<&O::borders>({.text = "Smooth borders, too, along themselves; otherwise they stay"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void SmoothOptions::validate() const {
-  if (iterations && (*iterations < 1 || *iterations > kMostIterations))
-    throw ArgumentError("`iterations` must lie in 1.." + std::to_string(kMostIterations));
-  if (!(strength > 0 && strength <= kMostStrength)) throw ArgumentError("`strength` must be above 0 and up to 0.65");
-  if (length && !(*length > 0 && std::isfinite(*length))) throw ArgumentError("`length` must be positive");
+  validate_options(*this);
   if (length && iterations) throw ArgumentError("`length` says how many `iterations` there are: give one of them");
   if (length && creases) throw ArgumentError("`length` means nothing with `creases`");
-  if (crease_angle && !creases) throw ArgumentError("`crease_angle` means nothing without `creases`");
   if (borders && creases) throw ArgumentError("`borders` means nothing with `creases`: borders stay");
-  if (crease_angle && !(*crease_angle >= 1 && *crease_angle <= 90))
-    throw ArgumentError("`crease_angle` must lie in 1..90 degrees");
 }
 
 SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress) {

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -13,7 +14,8 @@ struct SmoothOptions {
   /// Pairs of steps, 1..10000; with `creases` rounds over the normals. Default: what `length` asks for; else 10, with
   /// `creases` 8.
   std::optional<int> iterations = {};
-  /// How far a step goes towards the mean of the neighbours, above 0, up to 1.
+  /// How far a step goes towards the mean of the neighbours, above 0, up to 0.65: longer steps blow up waves of two
+  /// edges.
   double strength = 0.6;
   /// Details of this wavelength become half as high, shorter ones vanish, ones of twice the length and more hardly
   /// change (length, > 0). Not with `iterations` or `creases`.
@@ -25,6 +27,8 @@ struct SmoothOptions {
   std::optional<double> crease_angle = {};
   /// Vertices of borders move along with the two beside them on the border; otherwise they stay.
   bool borders = false;
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

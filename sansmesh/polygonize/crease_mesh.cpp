@@ -148,7 +148,7 @@ TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree bloc
     mesh.normals.clear();
     mesh.triangles = pieces.triangles;
     set_positions();
-    SimplifyOptions simplify;
+    CollapseOptions simplify;
     simplify.error = options.simplify;
     simplify.triangles = options.triangles;
     simplify.least_gain = options.least_gain;

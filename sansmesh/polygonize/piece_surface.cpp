@@ -377,7 +377,7 @@ class PieceMesher {
       const auto [a, b, c] = plain.triangles[t];
       room_of[t] = std::min({mesh.vertices[a].room, mesh.vertices[b].room, mesh.vertices[c].room});
     }
-    SimplifyOptions simplify;
+    CollapseOptions simplify;
     simplify.error = options_.simplify;
     simplify.triangles = options_.triangles;
     simplify.least_shape = kLeastShapeOfPieces;

@@ -542,7 +542,7 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   parallel_for(0, x.size(), 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - mesh.origin); });
   std::vector<Vec3f> normals = std::move(mesh.normals);  // made anew for what is left
   mesh.normals.clear();
-  SimplifyOptions simplify;
+  CollapseOptions simplify;
   simplify.error = options.simplify;
   simplify.triangles = options.triangles;
   simplify.least_gain = options.least_gain;

@@ -29,7 +29,7 @@ struct PolygonizeOptions {
   /// Collapse edges while the quadric error stays below this (length; simplify.h): few triangles where the surface is
   /// flat, at any scale. 0 = off.
   double simplify = 0;
-  /// With simplify > 0: leave it if it would not bring much (SimplifyOptions).
+  /// With simplify > 0: leave it if it would not bring much (CollapseOptions).
   double least_gain = 0;
   /// With simplify > 0: go on until there are no more triangles than this. 0 = not.
   std::size_t triangles = 0;

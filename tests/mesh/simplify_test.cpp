@@ -288,7 +288,7 @@ TEST(Simplify, InPatchesIsAsGood) {
   const TriangleMesh ring = test::torus_mesh(300, 200);
   const auto in_patches = [&](bool patches) {
     TriangleMesh mesh = ring;
-    SimplifyOptions options;
+    CollapseOptions options;
     options.error = 2e-3;
     options.in_patches = patches;
     Progress progress;

@@ -6,7 +6,7 @@
 
 namespace sansmesh {
 
-struct SimplifyOptions {
+struct CollapseOptions {
   /// Accepted root mean square distance of a vertex from the planes of the triangles it stands for (length, > 0).
   double error = 0;
   /// Less than that for single vertices (length, as many as vertices): what they are merged with has the least of all.

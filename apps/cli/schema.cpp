@@ -1,0 +1,98 @@
+// sansmesh schema: every command with its options, as data for programs.
+#include <algorithm>
+#include <cmath>
+
+#include "commands.h"
+#include "json.h"
+#include "standard_output.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// Grows when a key goes or changes its meaning; new ones leave it.
+constexpr int kSchemaVersion = 1;
+
+/// Ends that are infinite are null.
+Json json_of_range(const OptionRange& range) {
+  const auto end = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  return {{"least", end(range.least)}, {"most", end(range.most)}, {"above", range.above}, {"below", range.below}};
+}
+
+const char* kind_word(const OptionEntry& option) {
+  if (option.is_file()) return "file";
+  if (!option.words.empty()) return "choice";
+  switch (option.kind) {
+    case OptionEntry::Kind::flag:
+      return "flag";
+    case OptionEntry::Kind::whole:
+      return "whole";
+    case OptionEntry::Kind::real:
+      return option.numbers > 0 ? "numbers" : "real";
+    case OptionEntry::Kind::text:
+      break;
+  }
+  return "text";
+}
+
+Json json_of_option(const OptionEntry& option) {
+  Json names = Json::array();
+  for (const std::string& name : option.names) names.push_back(name);
+  Json json = {{"names", names}, {"kind", kind_word(option)}, {"text", option.what}, {"group", option.group}};
+  if (!option.field.empty()) json["field"] = option.field;
+  if (option.kind != OptionEntry::Kind::flag) json["value"] = option.value_name;
+  if (option.row && !option.row->unit.empty()) json["unit"] = option.row->unit;
+  if (!option.usual.empty()) json["usual"] = option.usual;
+  if (option.row && !option.row->from_data.empty()) json["from_data"] = option.row->from_data;
+  if (const auto range = option.numbers_taken()) json["range"] = json_of_range(*range);
+  if (!option.words.empty()) json["choices"] = option.words;
+  if (option.numbers > 0) json["numbers"] = option.numbers;
+  if (option.is_file() && !option.file_endings().empty()) json["endings"] = option.file_endings();
+  if (option.implied) json["implied"] = *option.implied;
+  if (!option.excludes.empty()) json["excludes"] = option.excludes;
+  if (option.required) json["required"] = true;
+  if (option.repeated || option.several) json["repeated"] = true;
+  return json;
+}
+
+Json json_of_options(const CommandLine& line) {
+  Json options = Json::array();
+  for (const auto& option : line.options()) options.push_back(json_of_option(*option));
+  return options;
+}
+
+void add_commands_of(const CommandLine& line, Json& list) {
+  for (const auto& command : line.commands()) {
+    if (command->commands().empty())
+      list.push_back({{"name", command->full_name().substr(line.root().name().size() + 1)},
+                      {"text", command->what()},
+                      {"common", command->takes_common_options()},
+                      {"options", json_of_options(*command)}});
+    add_commands_of(*command, list);
+  }
+}
+
+}  // namespace
+
+Command add_schema_command(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("schema", "Every command and option as JSON, for programs");
+  c.without_common_options();
+  c.footer(
+      "Each option has `names`, `kind`, `text` and `group`; where they apply `field` (in errors and bindings), "
+      "`value`,\n"
+      "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
+      "`implied`, `excludes`, `required` and `repeated`. Ends of a range that are null are infinite; those of `above`\n"
+      "and `below` are excluded.\n\n"
+      "Examples:\n"
+      "  sansmesh schema > schema.json");
+  return {&c, [&app](Console&) {
+            Json commands = Json::array();
+            add_commands_of(app, commands);
+            const Json json = {{"schema", kSchemaVersion},
+                               {"version", SANSMESH_VERSION},
+                               {"common", json_of_options(app)},
+                               {"commands", commands}};
+            print_out(json.text() + "\n");
+          }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,143 @@
+#include "schema_options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "command_line.h"
+#include "flags.h"
+#include "option_values.h"
+
+namespace sansmesh::cli {
+namespace {
+
+using Kind = OptionEntry::Kind;
+
+std::string flag_of_name(std::string_view name) {
+  std::string flag = "--";
+  for (const char c : name) flag += c == '_' ? '-' : c;
+  return flag;
+}
+
+/// What help calls the value: LENGTH of what is in the unit "length".
+std::string value_name_of(const OptionRow& row) {
+  if (!row.unit.empty()) {
+    std::string name(row.unit);
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
+    return name;
+  }
+  switch (row.kind) {
+    case OptionKind::whole:
+      return "COUNT";
+    case OptionKind::choice:
+      return "NAME";
+    case OptionKind::text:
+    case OptionKind::texts:
+      return "TEXT";
+    case OptionKind::numbers:
+      return row.count == 3 ? "X,Y,Z" : row.count == 6 ? "BOX" : "NUMBERS";
+    default:
+      return "NUMBER";
+  }
+}
+
+Kind kind_of(OptionKind kind) {
+  switch (kind) {
+    case OptionKind::flag:
+      return Kind::flag;
+    case OptionKind::whole:
+      return Kind::whole;
+    case OptionKind::real:
+    case OptionKind::numbers:
+      return Kind::real;
+    default:
+      return Kind::text;
+  }
+}
+
+/// The words of the command line as the value of an option.
+OptionValue value_of_words(const OptionRow& row, const std::vector<std::string>& words) {
+  switch (row.kind) {
+    case OptionKind::whole:
+      return static_cast<std::int64_t>(
+          parse_whole(words.back(), std::numeric_limits<long long>::min(), std::numeric_limits<long long>::max()));
+    case OptionKind::real:
+      return parse_real(words.back());
+    case OptionKind::numbers: {
+      std::vector<double> numbers;
+      for (const std::string& word : words) numbers.push_back(parse_real(word));
+      return numbers;
+    }
+    case OptionKind::texts:
+      return words;
+    default:
+      return words.back();
+  }
+}
+
+/// The sentence, the range, and what holds where the option is not given: "Rounds, 1..10000 [10]".
+std::string what_of(const OptionRow& row, const std::string& usual) {
+  std::string what(row.text);
+  const bool number = row.kind == OptionKind::whole || row.kind == OptionKind::real;
+  // That lengths are positive goes without saying.
+  if (const std::string range = row.range.words(); number && std::isfinite(row.range.most) && !range.empty())
+    what += ", " + range;
+  const std::string otherwise = usual.empty() ? std::string(row.from_data) : usual;
+  return otherwise.empty() ? what : what + " [" + otherwise + "]";
+}
+
+void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
+  const std::string negative = row.negative.empty() ? "no_" + std::string(row.name) : std::string(row.negative);
+  // What is said of a flag is said of what it does: of the pair the first carries it.
+  OptionEntry& entry =
+      c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, std::string(row.text));
+  entry.group = how.group;
+  entry.row = &row;
+  entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
+  entry.use = [&row, owner, value](const std::vector<std::string>&) { set_option(row, owner, value); };
+}
+
+void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOptions& how) {
+  const OptionValue now = option_value(row, owner);
+  if (row.kind == OptionKind::flag) {
+    const bool* const value = std::get_if<bool>(&now);
+    if (!value || !*value) add_flag_of_row(c, row, owner, true, how);
+    if (!value || *value) add_flag_of_row(c, row, owner, false, how);
+    return;
+  }
+  const std::string usual = option_words(now);
+  OptionEntry& entry = c.add_entry(flag_of_name(row.name), kind_of(row.kind), what_of(row, usual));
+  entry.group = how.group;
+  entry.row = &row;
+  entry.field = row.name;
+  entry.usual = usual;
+  entry.value_name = value_name_of(row);
+  if (!row.range.words().empty()) entry.range = row.range;
+  entry.words.assign(row.choices.begin(), row.choices.end());
+  if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;
+  entry.repeated = row.kind == OptionKind::texts;
+  if (!row.implied.empty()) entry.implied = std::string(row.implied);
+  if (!row.excludes.empty()) entry.excludes = flag_of_name(row.excludes);
+  entry.use = [&row, owner](const std::vector<std::string>& words) {
+    set_option(row, owner, value_of_words(row, words));
+  };
+}
+
+}  // namespace
+
+void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const SchemaOptions& how) {
+  const auto among = [](const std::vector<std::string_view>& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for_each_option(schema, options, [&](const OptionRow& row, void* owner) {
+    if ((how.only.empty() || among(how.only, row.name)) && !among(how.without, row.name)) add_row(c, row, owner, how);
+  });
+}
+
+void name_flags(CommandLine& command) {
+  for (const auto& option : command.options())
+    if (option->row) option->what = in_flags(option->what, command);
+}
+
+}  // namespace sansmesh::cli

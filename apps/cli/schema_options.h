@@ -1,0 +1,34 @@
+// Options of the command line made of the schema of an options struct of the library.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh::cli {
+
+class CommandLine;
+
+/// Which rows become options, and how.
+struct SchemaOptions {
+  std::string group = "Options";          ///< heading in the help
+  std::vector<std::string_view> only;     ///< names of rows; all if there are none
+  std::vector<std::string_view> without;  ///< names of rows that the command does not have
+};
+
+/// Adds an option for each row, `max_degree` as --max-degree. A flag that is on by itself gets the one that turns it
+/// off,
+/// --no-enhance; one that follows from the data gets both. `options` must live until the command has run; what it holds
+/// when this is called is what help calls the usual value.
+void add_schema(CommandLine& command, const OptionSchema& schema, void* options, const SchemaOptions& how = {});
+template <HasSchema T>
+void add_schema(CommandLine& command, T& options, const SchemaOptions& how = {}) {
+  add_schema(command, T::schema(), &options, how);
+}
+
+/// Puts flags in the place of fields in what the options say. Called once a command has all of its options.
+void name_flags(CommandLine& command);
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,31 @@
+// What a job has to say besides its result.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sansmesh {
+
+/// Names options by their fields, between grave accents, as errors do (core/error.h).
+struct Note {
+  enum class Severity : std::uint8_t { information, warning };
+
+  std::string code;    ///< what it is about, for programs: lower case, stable: "moved_far"
+  std::string text;    ///< one line, without its full stop
+  std::string remedy;  ///< what may help; empty if nothing is known
+  Severity severity = Severity::warning;
+};
+
+/// The text with the remedy behind it.
+inline std::string note_line(const Note& note) {
+  return note.remedy.empty() ? note.text : note.text + " (" + note.remedy + ")";
+}
+
+/// Notes without codes of their own, from parts that know sentences only.
+inline void add_notes(std::vector<Note>& notes, std::string_view code, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) notes.push_back({.code = std::string(code), .text = line, .remedy = {}});
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,149 @@
+#include "sansmesh/jobs/simplify.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/place_edges.h"
+#include "sansmesh/mesh/simplify.h"
+
+namespace sansmesh {
+namespace {
+
+/// What is asked for where only a number of triangles is: errors grow from this part of the diagonal.
+constexpr double kFirstError = 1e-5;
+constexpr double kUsualRatio = 0.5;
+/// Of the diagonal: who is farther off is told so.
+constexpr double kFarOff = 0.01;
+/// Shapes of the triangles made, best first: worse ones only if a number of triangles wants them, or where so few of
+/// better ones are far off and worse ones are not, or have no more than this share of the distance.
+constexpr double kShapes[] = {0.3, 0.1, 0};
+constexpr double kWorthIt = 0.7;
+constexpr double kMostTriangles = 2'000'000'000;
+
+/// A mesh made of the original, and how far they are from each other.
+struct Simplified {
+  TriangleMesh mesh;
+  SurfaceDistance distance;
+  double shape = 0;  ///< least one of the triangles made
+
+  double farthest() const { return std::max(distance.to_reference.max, distance.from_reference.max); }
+  double rms() const { return std::max(distance.to_reference.rms, distance.from_reference.rms); }
+  bool far_off() const { return distance.diagonal > 0 && farthest() > kFarOff * distance.diagonal; }
+};
+
+/// From the shape with this index in kShapes on, or that which was asked for.
+Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const TriangleMesh& original,
+                         const SimplifyOptions& asked, CollapseOptions options, Progress& progress) {
+  progress.begin("simplify");
+  for (std::size_t k = first_shape; k < std::size(kShapes); ++k) {
+    options.least_shape = asked.shape.value_or(kShapes[k]);
+    if (options.error > 0) simplify_mesh(mesh, options, progress);
+    if (asked.shape || asked.error || mesh.triangles.size() <= options.triangles) break;
+  }
+  Simplified made{std::move(mesh), {}, options.least_shape};
+  made.distance = measure_distance(made.mesh, original, DistanceOptions{}, progress);
+  return made;
+}
+
+Note seams_note(std::size_t seams) {
+  return {.code = "seams",
+          .text = fmt::format("{} at the same place as another, but with other colours or attributes: seams may open",
+                              seams == 1 ? "1 vertex is" : grouped(seams) + " vertices are"),
+          .remedy = {}};
+}
+
+Note more_triangles_note(const TriangleMesh& mesh, std::size_t wanted) {
+  const std::size_t stay = measure_topology(mesh).nonmanifold_edges;
+  return {.code = "more_triangles",
+          .text = fmt::format("{} instead of the {} triangles asked for: no other edge can go{}",
+                              grouped(mesh.triangles.size()), grouped(wanted),
+                              stay > 0 ? fmt::format(" ({} of three triangles or more stay)", counted(stay, "edge"))
+                                       : ", or the shape would change"),
+          .remedy = {}};
+}
+
+Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
+  const SurfaceDistance& d = made.distance;
+  const std::size_t triangles = made.mesh.triangles.size();
+  Note note{.code = "far_off",
+            .text = fmt::format("up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} {} too few for all of its "
+                                "shape",
+                                length_words(made.farthest()), d.percent(made.farthest()), d.percent(made.rms()),
+                                counted(triangles, "triangle"), triangles == 1 ? "is" : "are"),
+            .remedy = {}};
+  if (asked.shape.value_or(0) > 0)
+    note.remedy = "`shape = 0` makes thinner ones, which may come nearer";
+  else if (!asked.error)
+    note.remedy = "`error` says how far off they may be";
+  return note;
+}
+
+}  // namespace
+
+const OptionSchema& SimplifyOptions::schema() {
+  using O = SimplifyOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::triangles>({.text = "Down to so many triangles", .range = {4, kMostTriangles}}),
+      option<&O::ratio>({.text = "Down to this share of the triangles",
+                         .unit = "share",
+                         .from_data = "0.5",
+                         .range = {0, 1, true, true}}),
+      option<&O::error>({.text = "As few triangles as this distance from the original allows (rms, at each vertex)",
+                         .unit = "length",
+                         .range = positive()}),
+      option<&O::shape>({.text = "Worst shape of the triangles made: 0 any, 0.3 angles of 10°, 0.56 of 20°",
+                         .unit = "share",
+                         .from_data = "0.3; less if it must be",
+                         .range = {0, 0.9}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void SimplifyOptions::validate() const {
+  validate_options(*this);
+  if ((triangles ? 1 : 0) + (ratio ? 1 : 0) + (error ? 1 : 0) > 1)
+    throw ArgumentError("`triangles`, `ratio` and `error` each say how far to go: give one of them");
+}
+
+SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress) {
+  options.validate();
+  SimplifyResult result;
+  const TriangleMesh original = mesh;
+  const JoinedPlaces places = join_places(mesh);
+  result.report.vertices = original.vertices.size(), result.report.triangles = original.triangles.size();
+  result.report.joined_vertices = places.joined;
+  if (places.seams > 0) result.notes.push_back(seams_note(places.seams));
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !is_whole(mesh, t); });
+  keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));  // and none of the vertices beside them
+  CollapseOptions collapse;
+  collapse.error = options.error.value_or(kFirstError * bounds(mesh).diagonal());
+  if (!options.error)
+    collapse.triangles = options.triangles.value_or(index_in<std::size_t>(
+        std::round(options.ratio.value_or(kUsualRatio) * static_cast<double>(original.triangles.size())), 4,
+        std::max<std::size_t>(4, original.triangles.size())));
+  Simplified best = simplify_from(0, mesh, original, options, collapse, progress);
+  const double by_shape = best.farthest();
+  for (std::size_t k = 1; k < std::size(kShapes) && best.far_off() && !options.shape && !options.error; ++k) {
+    Simplified other = simplify_from(k, mesh, original, options, collapse, progress);
+    if (other.farthest() < kWorthIt * best.farthest()) best = std::move(other);
+  }
+  if (collapse.triangles > 0 && best.mesh.triangles.size() > collapse.triangles)
+    result.notes.push_back(more_triangles_note(best.mesh, collapse.triangles));
+  if (best.far_off()) result.notes.push_back(far_off_note(options, best));
+  if (best.farthest() < by_shape) result.report.farthest_by_shape = by_shape;
+  result.report.distance = best.distance;
+  result.report.least_shape = best.shape;
+  result.mesh = std::move(best.mesh);
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,39 @@
+#include "sansmesh/jobs/smooth.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+/// Of the diagonal: more is not noise.
+constexpr double kFarMove = 0.01;
+
+}  // namespace
+
+SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& progress) {
+  SmoothResult result;
+  result.mesh = std::move(mesh);
+  const SmoothReport& r = result.report = smooth_mesh(result.mesh, options, progress);
+  if (r.shortened)
+    result.notes.push_back(
+        {.code = "shortened",
+         .text = fmt::format("waves of {} are longer than {} rounds take off: its edges are {} long on average",
+                             length_words(*options.length), grouped(static_cast<std::size_t>(r.iterations)),
+                             length_words(r.mean_edge)),
+         .remedy = {}});
+  const double diagonal = bounds(result.mesh).diagonal();
+  if (diagonal > 0 && r.rms_move > kFarMove * diagonal)
+    result.notes.push_back(
+        {.code = "moved_far",
+         .text = fmt::format("moved by {:.1f} % of the diagonal, at most by {:.1f} %: edges of {} are too long to "
+                             "smooth away no shape",
+                             100 * r.rms_move / diagonal, 100 * r.largest_move / diagonal, length_words(r.mean_edge)),
+         .remedy = options.creases ? "" : "`iterations = 2`, `creases`, or more triangles"});
+  return result;
+}
+
+}  // namespace sansmesh

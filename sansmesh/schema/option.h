@@ -1,0 +1,298 @@
+// Options as data. Each options struct lists its fields once, as rows; validation, command lines and their help, JSON
+// and the bindings of other languages are made from the rows.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/vec.h"
+
+namespace sansmesh {
+
+/// The value of any option. Nothing: it is not set, and follows from the data.
+using OptionValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
+                                 std::vector<std::string>>;
+
+enum class OptionKind : std::uint8_t {
+  flag,
+  whole,
+  real,
+  text,
+  choice,   ///< one of a few words; its value is the word
+  numbers,  ///< a list of `count` numbers, or of any number of them where that is 0
+  texts,
+  group  ///< a struct of options
+};
+
+/// Numbers that an option takes. An end that is excluded is approached only.
+struct OptionRange {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool above = false;  ///< `least` itself is excluded
+  bool below = false;  ///< `most` itself is excluded
+
+  bool holds(double value) const;
+  /// "1..10000", "above 0, up to 0.65", "above 0", "3 or more"; empty if any number is taken.
+  std::string words() const;
+};
+
+/// All numbers above 0, or above 0 and up to `most`.
+constexpr OptionRange positive(double most = std::numeric_limits<double>::infinity()) { return {0, most, true, false}; }
+/// `least` and more.
+constexpr OptionRange at_least(double least) { return {.least = least}; }
+
+/// What is said of an option besides its field.
+struct OptionFacts {
+  std::string_view text;            ///< a sentence without its full stop; options stand between grave accents
+  std::string_view unit = {};       ///< "length", "degrees", "pixels", "share", "seconds", …
+  std::string_view from_data = {};  ///< what is chosen where the option is not set
+  OptionRange range = {};           ///< of numbers, each of them
+  std::span<const std::string_view> choices = {};  ///< the words, in the order of the enumerators, from 0 on
+  std::string_view name = {};                      ///< where it is not the field's
+  std::string_view negative = {};                  ///< of flags: its name turned off; "no_" and its name if empty
+  std::string_view implied = {};                   ///< its value where it is named without one
+  std::string_view needs = {};                     ///< an option without which this one means nothing
+  std::string_view excludes = {};                  ///< an option that cannot be set as well
+};
+
+struct OptionRow : OptionFacts {
+  OptionKind kind = OptionKind::flag;
+  bool optional = false;  ///< may be left to the data
+  int count = 1;          ///< of numbers
+  OptionValue (*get)(const void* options) = nullptr;
+  void (*set)(void* options, const OptionValue& value) = nullptr;
+  void* (*part)(void* options) = nullptr;  ///< of a group: the struct
+  std::span<const OptionRow> rows = {};    ///< of a group
+};
+
+/// All options of a struct.
+struct OptionSchema {
+  std::span<const OptionRow> rows;
+};
+
+namespace schema_detail {
+
+template <class T>
+struct MemberOf;
+template <class Owner, class T>
+struct MemberOf<T Owner::*> {
+  using owner = Owner;
+  using type = T;
+};
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+
+/// The name of a field, as the compiler spells it.
+template <auto member>
+consteval std::string_view field_name_of() {
+  std::string_view text = __PRETTY_FUNCTION__;
+  text = text.substr(text.find("member = "));
+  text = text.substr(0, text.find_first_of(";]"));
+  return text.substr(text.rfind(':') + 1);
+}
+
+/// How a field of a type is read and written; where words stand for values, `words` are they.
+template <class T>
+struct Field;
+template <>
+struct Field<bool> {
+  static constexpr auto kind = OptionKind::flag;
+  static OptionValue get(bool v) { return v; }
+  static bool from(const OptionValue& v) { return std::get<bool>(v); }
+};
+template <class T>
+requires(std::is_integral_v<T> && !std::is_same_v<T, bool>) struct Field<T> {
+  static constexpr auto kind = OptionKind::whole;
+  static OptionValue get(T v) { return static_cast<std::int64_t>(v); }
+  static T from(const OptionValue& v) { return static_cast<T>(std::get<std::int64_t>(v)); }
+};
+template <class T>
+requires std::is_floating_point_v<T>
+struct Field<T> {
+  static constexpr auto kind = OptionKind::real;
+  static OptionValue get(T v) { return static_cast<double>(v); }
+  static T from(const OptionValue& v) { return static_cast<T>(std::get<double>(v)); }
+};
+template <>
+struct Field<std::string> {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const std::string& v) { return v; }
+  static std::string from(const OptionValue& v) { return std::get<std::string>(v); }
+};
+template <>
+struct Field<std::vector<std::string>> {
+  static constexpr auto kind = OptionKind::texts;
+  static OptionValue get(const std::vector<std::string>& v) { return v; }
+  static std::vector<std::string> from(const OptionValue& v) { return std::get<std::vector<std::string>>(v); }
+};
+template <>
+struct Field<std::vector<double>> {
+  static constexpr auto kind = OptionKind::numbers;
+  static constexpr int count = 0;
+  static OptionValue get(const std::vector<double>& v) { return v; }
+  static std::vector<double> from(const OptionValue& v) { return std::get<std::vector<double>>(v); }
+};
+template <>
+struct Field<Vec3> {
+  static constexpr auto kind = OptionKind::numbers;
+  static constexpr int count = 3;
+  static OptionValue get(const Vec3& v) { return std::vector<double>{v.x, v.y, v.z}; }
+  static Vec3 from(const OptionValue& v) {
+    const auto& n = std::get<std::vector<double>>(v);
+    return {n.at(0), n.at(1), n.at(2)};
+  }
+};
+template <>
+struct Field<Box3> {
+  static constexpr auto kind = OptionKind::numbers;
+  static constexpr int count = 6;
+  static OptionValue get(const Box3& b) {
+    return std::vector<double>{b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z};
+  }
+  static Box3 from(const OptionValue& v) {
+    const auto& n = std::get<std::vector<double>>(v);
+    return {{n.at(0), n.at(1), n.at(2)}, {n.at(3), n.at(4), n.at(5)}};
+  }
+};
+
+/// Enumerations are read as numbers here; a row's `choices` makes them words (option_value, set_option).
+template <class T>
+requires std::is_enum_v<T>
+struct Field<T> {
+  static constexpr auto kind = OptionKind::choice;
+  static OptionValue get(T v) { return static_cast<std::int64_t>(v); }
+  static T from(const OptionValue& v) { return static_cast<T>(std::get<std::int64_t>(v)); }
+};
+
+/// Types that have words for their values: text_of_option(value) and option_of_text(word, value), found by their
+/// namespace. The latter throws ArgumentError.
+template <class T>
+concept HasWords = requires(const T& value, T& to, std::string_view word) {
+  { text_of_option(value) } -> std::convertible_to<std::string>;
+  option_of_text(word, to);
+};
+template <HasWords T>
+requires(!std::is_enum_v<T>) struct Field<T> {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const T& v) { return std::string(text_of_option(v)); }
+  static T from(const OptionValue& v) {
+    T value;
+    option_of_text(std::get<std::string>(v), value);
+    return value;
+  }
+};
+
+}  // namespace schema_detail
+
+/// The row of a field, `option<&SmoothOptions::strength>({.text = "How far a round goes", .range = positive(0.65)})`.
+template <auto member>
+constexpr OptionRow option(const OptionFacts& facts) {
+  using Owner = typename schema_detail::MemberOf<decltype(member)>::owner;
+  using Type = typename schema_detail::MemberOf<decltype(member)>::type;
+  OptionRow row;
+  static_cast<OptionFacts&>(row) = facts;
+  if (row.name.empty()) row.name = schema_detail::field_name_of<member>();
+  if constexpr (schema_detail::IsOptional<Type>::value) {
+    using Inner = typename Type::value_type;
+    using F = schema_detail::Field<Inner>;
+    row.kind = F::kind;
+    if constexpr (F::kind == OptionKind::numbers) row.count = F::count;
+    row.optional = true;
+    row.get = [](const void* o) -> OptionValue {
+      const Type& v = static_cast<const Owner*>(o)->*member;
+      return v ? F::get(*v) : OptionValue();
+    };
+    row.set = [](void* o, const OptionValue& value) {
+      Type& v = static_cast<Owner*>(o)->*member;
+      if (std::holds_alternative<std::monostate>(value))
+        v.reset();
+      else
+        v = F::from(value);
+    };
+  } else {
+    using F = schema_detail::Field<Type>;
+    row.kind = F::kind;
+    if constexpr (F::kind == OptionKind::numbers) row.count = F::count;
+    row.get = [](const void* o) -> OptionValue { return F::get(static_cast<const Owner*>(o)->*member); };
+    row.set = [](void* o, const OptionValue& value) { static_cast<Owner*>(o)->*member = F::from(value); };
+  }
+  return row;
+}
+
+/// The rows of a struct within a struct. Their names stand beside those of the outer one.
+template <auto member>
+constexpr OptionRow option_group(std::span<const OptionRow> rows, const OptionFacts& facts = {}) {
+  using Owner = typename schema_detail::MemberOf<decltype(member)>::owner;
+  OptionRow row;
+  static_cast<OptionFacts&>(row) = facts;
+  if (row.name.empty()) row.name = schema_detail::field_name_of<member>();
+  row.kind = OptionKind::group;
+  row.rows = rows;
+  row.part = [](void* o) -> void* { return &(static_cast<Owner*>(o)->*member); };
+  return row;
+}
+
+/// The rows of a base of a struct.
+template <class Base, class Derived>
+constexpr OptionRow option_base(std::span<const OptionRow> rows) {
+  OptionRow row;
+  row.kind = OptionKind::group;
+  row.rows = rows;
+  row.part = [](void* o) -> void* { return static_cast<Base*>(static_cast<Derived*>(o)); };
+  return row;
+}
+
+/// A struct with a schema: `static const OptionSchema& schema();`.
+template <class T>
+concept HasSchema = requires {
+  { T::schema() } -> std::convertible_to<const OptionSchema&>;
+};
+
+/// Calls `use` for every row, those of groups in their place, with the struct that it is a field of.
+void for_each_option(const OptionSchema& schema, void* options,
+                     const std::function<void(const OptionRow& row, void* owner)>& use);
+void for_each_option(const OptionSchema& schema, const void* options,
+                     const std::function<void(const OptionRow& row, const void* owner)>& use);
+
+/// Choices as words. Throws ArgumentError for enumerators without one.
+OptionValue option_value(const OptionRow& row, const void* owner);
+/// The same way back: checks kind, range and words. Whole numbers are taken for real ones. Throws ArgumentError.
+void set_option(const OptionRow& row, void* owner, const OptionValue& value);
+/// "0.6", "compact", "yes", "1, 2, 3"; empty if it is not set.
+std::string option_words(const OptionValue& value);
+
+/// Throws ArgumentError unless every value lies in its range, needs what is set and excludes what is set. `usual` is a
+/// default-constructed struct.
+void validate_options(const OptionSchema& schema, const void* options, const void* usual);
+template <HasSchema T>
+void validate_options(const T& options) {
+  const T usual{};
+  validate_options(T::schema(), &options, &usual);
+}
+
+/// Names of the options that differ from those of a default-constructed struct.
+std::vector<std::string_view> options_set(const OptionSchema& schema, const void* options, const void* usual);
+template <HasSchema T>
+std::vector<std::string_view> options_set(const T& options) {
+  const T usual{};
+  return options_set(T::schema(), &options, &usual);
+}
+
+/// Throws ArgumentError if an option is set that is none of `used` and one of `some`: options that mean something to
+/// some methods only. `method` is the one that does not use it.
+void check_used(const std::vector<std::string_view>& set, std::span<const std::string_view> used,
+                std::span<const std::string_view> some, std::string_view method);
+
+}  // namespace sansmesh
