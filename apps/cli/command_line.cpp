@@ -259,9 +259,11 @@ const CommandLine& CommandLine::subcommand(const std::string& name) const {
 
 const OptionEntry* CommandLine::find(const std::string& flag) const {
   if (flag.empty()) return nullptr;
+  const auto among = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), flag) != names.end();
+  };
   for (const auto& option : options_)
-    if (!option->positional() && std::find(option->names.begin(), option->names.end(), flag) != option->names.end())
-      return option.get();
+    if (!option->positional() && (among(option->names) || among(option->old_names))) return option.get();
   return parent_ && common_ ? root().find(flag) : nullptr;
 }
 

@@ -96,6 +96,12 @@ class CommandLine {
 
   /// A command of this tool; lives as long as this.
   CommandLine& add_subcommand(const std::string& name, const std::string& what);
+  /// A name that the command had: understood, and warned of.
+  void once_called(const std::string& name) { old_name_ = name; }
+  const std::string& old_name() const { return old_name_; }
+  /// Whether the command line had that name.
+  bool called_by_old_name = false;
+
   /// Of this and no other level.
   const CommandLine& subcommand(const std::string& name) const;
   /// The options of the whole tool mean nothing to this command.
@@ -126,7 +132,7 @@ class CommandLine {
   Option add_words(const std::string& names, std::vector<std::string> words, std::function<void(std::size_t)> use,
                    const std::string& what);
 
-  std::string name_, what_, footer_;
+  std::string name_, what_, footer_, old_name_;
   CommandLine* parent_ = nullptr;
   bool common_ = true;
   std::vector<std::unique_ptr<OptionEntry>> options_;

@@ -78,7 +78,7 @@ void Console::say(const std::string& line) {
 void Console::say_json(Json json) {
   if (!options_.json) return;
   json["warnings"] = warnings_;
-  json["notes"] = notes_;
+  json["messages"] = messages_;
   show(json.text() + "\n");
 }
 
@@ -93,10 +93,10 @@ void Console::note(const std::string& file, const std::vector<Note>& notes) {
       warn(file, {note_line(note)});
     else
       say(in_flags(note_line(note)));
-    notes_.push_back({{"code", note.code},
-                      {"severity", warning ? "warning" : "information"},
-                      {"text", in_flags(note.text)},
-                      {"remedy", in_flags(note.remedy)}});
+    messages_.push_back({{"code", note.code},
+                         {"severity", warning ? "warning" : "information"},
+                         {"text", in_flags(note.text)},
+                         {"remedy", in_flags(note.remedy)}});
   }
 }
 

@@ -52,7 +52,8 @@ class Console {
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
-  /// Notes of a job: warnings are printed as such, information as a result for people; all stand in the JSON (`notes`).
+  /// Notes of a job: warnings are printed as such, information as a result for people; all stand in the JSON
+  /// (`messages`).
   void note(const std::string& file, const std::vector<Note>& notes);
   /// The same of warnings that name their files themselves.
   void warn(const std::vector<std::string>& warnings);
@@ -70,7 +71,7 @@ class Console {
   ConsoleOptions options_;
   const CommandLine& command_;
   std::vector<std::string> warnings_;
-  Json notes_ = Json::array();
+  Json messages_ = Json::array();
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;
   bool finishing_ = false;

@@ -37,12 +37,21 @@ struct Interrupted {
   std::vector<std::string> written;
 };
 
+void warn_of_old_names(const CommandLine& line, Console& console) {
+  constexpr const char* kOld = "{} is now called {}, and will not be understood in the next version";
+  if (line.called_by_old_name) console.warn({fmt::format(kOld, line.old_name(), line.name())});
+  for (const auto& option : line.options())
+    if (std::find(option->old_names.begin(), option->old_names.end(), option->typed) != option->old_names.end())
+      console.warn({fmt::format(kOld, option->typed, option->name())});
+}
+
 /// Where it fails, `kept` says which of its files are there all the same: more words for the error.
 void run(const Command& command, const CommonArguments& common, std::string& kept) {
   const ThreadScope threads(common.threads);
   Console console(common.console, *command.line);
   try {
     try {
+      warn_of_old_names(*command.line, console);
       command.run(console);
       console.finish();
     } catch (const Cancelled&) {

@@ -20,7 +20,8 @@ struct OptionEntry {
   enum class Kind { flag, text, whole, real };
 
   std::vector<std::string> names;  ///< as they are typed, "-o", "--output"; one without dashes is told from its place
-  std::string what;                ///< one line
+  std::vector<std::string> old_names;  ///< understood, but warned of: neither help nor completion has them
+  std::string what;                    ///< one line
   Kind kind = Kind::flag;
   std::string value_name = "VALUE";
   std::string group = "Options";

@@ -156,7 +156,7 @@ class LineReader {
     CommandLine* command = at_;
     for (auto word = words_.begin(); word != end; ++word)
       for (const auto& further : command->commands())
-        if (further->name() == *word) {
+        if (further->name() == *word || (!word->empty() && further->old_name() == *word)) {
           command = further.get();
           break;
         }
@@ -165,7 +165,11 @@ class LineReader {
 
   void enter(const std::string& word) {
     for (const auto& command : at_->commands())
-      if (command->name() == word) return void(at_ = command.get());
+      if (command->name() == word || (!word.empty() && command->old_name() == word)) {
+        at_ = command.get();
+        at_->called_by_old_name = at_->name() != word;
+        return;
+      }
     throw unknown_command(*at_, word);
   }
 

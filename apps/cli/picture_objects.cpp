@@ -24,6 +24,7 @@
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/render/color_space.h"
+#include "sansmesh/render/color_words.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/surface_caster.h"
@@ -52,10 +53,6 @@ struct MeshlessObject {
   explicit MeshlessObject(SurfaceModel made, Progress& progress)
       : model(std::move(made)), caster(model.field(progress), model.balls(), {}) {}
 };
-
-std::string hex_of_color(const Vec3f& color) {
-  return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
-}
 
 /// Lines as tubes, as thin as those of `flow lines`.
 TriangleMesh tubes_of(const PolylineSet& lines) {

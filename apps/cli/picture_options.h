@@ -16,7 +16,6 @@ struct PictureArguments {
   RenderOptions options;
   std::string view, crop;
   std::optional<double> azimuth, elevation;
-  std::optional<double> line_strength, bend_light;  ///< of options, where given
   bool z_up = false;
 
   bool has_view() const { return !view.empty() || azimuth || elevation; }
@@ -32,10 +31,6 @@ struct PictureArguments {
   /// Writes that part and returns it. Throws FileError as well.
   Image write(const std::string& file, const Image& image, const RenderOptions& made_with) const;
 };
-/// sRGB 0..1 of "#rrggbb" or a name (red, orange, …); nothing of any other text.
-std::optional<Vec3f> color_of_word(const std::string& word);
-/// The names, with commas between them.
-std::string color_words();
 /// gradient, white, black or transparent, as --background has it.
 void set_background(RenderOptions& options, const std::string& word);
 /// --background

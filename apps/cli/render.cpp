@@ -16,6 +16,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/sample_confidence.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -68,7 +69,7 @@ void run_render(RenderArguments& a, Console& console) {
   progress.begin("read");
   ReadReport read;
   PointSet points = a.input.read(console, read);
-  if (of_surface && points.triangles.empty() && !a.flat && points.size() >= kFewestOfSurface &&
+  if (of_surface && points.triangles.empty() && a.options.smooth && points.size() >= kFewestOfSurface &&
       draw_lines_of_surface(a, {points, read}, console))
     return;
   if (a.separate) return run_object_picture(a, console);
@@ -111,7 +112,6 @@ Command add_render(CommandLine& app) {
   CommandLine& c = app.add_subcommand("render", "Mesh, points or function → picture");
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
-  RenderOptions& o = a.picture.options;
   c.add_option("input", a.input.files,
                "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
       .type_name("FILE")
@@ -120,16 +120,9 @@ Command add_render(CommandLine& app) {
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
   add_background_option(c, a.background);
-  c.add_flag("--flat", a.flat, "Show the flat triangles: normals are not interpolated").group("Picture");
-  c.add_option("--point-radius", o.point_radius, "Radius of points [from their spacing]")
-      .type_name("LENGTH")
-      .group("Picture");
-  c.add_option("--antialiasing", a.antialiasing, "Rays per pixel in each direction, 1..8 [3]")
-      .type_name("COUNT")
-      .group("Picture");
-  c.add_flag("--no-shadows", a.no_shadows, "No shadows").group("Picture");
+  add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "point_radius", "antialiasing", "shadows"}});
   add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
-  add_wireframe_options(c, o);
+  add_wireframe_options(c, a.picture.options);
   add_line_options(c, a.picture);
   add_accessibility_options(c, a.picture);
   add_object_options(c, a.objects);
@@ -150,23 +143,13 @@ Command add_render(CommandLine& app) {
       .group("Colours");
   add_bar_options(c, a.no_bar, a.unit, "the attribute, or of lengths in curvatures");
   add_color_range(c, a.color_range, "Colours");
-  SurfaceRenderOptions& s = a.options;
-  c.add_option("--reflection", s.reflection, "Share of the light that a mirror would send, 0..1 [0]")
-      .type_name("SHARE")
-      .group("Surface");
-  c.add_option("--transmission", s.transmission, "Share of the light that comes through the body, 0..1 [0]")
-      .type_name("SHARE")
-      .group("Surface");
-  c.add_option("--refraction-index", a.refraction_index, "Refraction index of the body: 1.33 water, 1.5 glass [1.5]")
-      .type_name("RATIO")
-      .group("Surface");
+  add_schema(c, a.options, {.group = "Surface", .only = {"reflection", "transmission", "refraction_index"}});
   c.add_choice<bool>("--rays", a.stored_rays, {{"march", false}, {"stored", true}},
                      "levin, alexa, curvature: march through the balls around the samples, or start from polynomials "
                      "stored with them [march]")
       .type_name("CHOICE")
       .group("Surface");
-  c.add_flag("--exact-shadows", s.exact_shadows, "Shadows by rays against the surface itself: slow").group("Surface");
-  c.add_flag("--plain", s.plain, "Quick: one ray per pixel, no shadows, no ground").group("Surface");
+  add_schema(c, a.options, {.group = "Surface", .only = {"exact_shadows", "plain"}});
   c.add_option_function(
        "--splats",
        [&a](const std::string& word) { a.splats = static_cast<std::size_t>(parse_whole(word, 0, 100000000)); },

@@ -23,11 +23,8 @@ struct RenderArguments {
   std::string output;
   PictureArguments picture;
   std::string background = "gradient";
-  bool flat = false, no_shadows = false;
-  std::optional<int> antialiasing;         ///< rays per pixel in each direction
-  std::optional<double> refraction_index;  ///< of a clear body
-  CloudUse cloud;                          ///< what is done to the samples
-  SurfaceArguments of_samples;             ///< of --surface: cast rays at a surface of the samples
+  CloudUse cloud;               ///< what is done to the samples
+  SurfaceArguments of_samples;  ///< of --surface: cast rays at a surface of the samples
 
   SurfaceRenderOptions options;           ///< what a surface without a mesh has beyond `picture`; complete once chosen
   std::optional<SurfaceOptions> surface;  ///< of `of_samples`, once chosen

@@ -9,6 +9,7 @@
 #include "render.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/points/outliers.h"
+#include "sansmesh/render/color_words.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -27,10 +28,6 @@ void refuse(std::initializer_list<GivenOption> options, const char* why) {
 SurfaceRenderOptions chosen_look(const RenderArguments& a) {
   SurfaceRenderOptions o = a.options;
   static_cast<RenderOptions&>(o) = a.picture.chosen();
-  o.smooth = !a.flat;
-  o.shadows = !a.no_shadows;
-  if (a.antialiasing) o.samples = *a.antialiasing;
-  if (a.refraction_index) o.refraction_index = *a.refraction_index;
   set_background(o, a.background);
   return o;
 }
@@ -52,7 +49,8 @@ void check_surface_options(const RenderArguments& a, bool function) {
   const SurfaceRenderOptions& s = a.options;
   require(!s.plain || !s.accessibility, "--plain casts no rays around places, as --accessibility does");
   if (s.plain)
-    refuse({{"--antialiasing", a.antialiasing.value_or(1) != 1}, {"--exact-shadows", s.exact_shadows}},
+    refuse({{"--antialiasing", s.samples != RenderOptions().samples && s.samples != 1},
+            {"--exact-shadows", s.exact_shadows}},
            "does not go with --plain, which has one ray per pixel and no shadows");
   require(!function || !a.surface, "--surface is for samples: the surface of a function file is the function");
   require(!function || !a.cloud.remove_outliers, "--remove-outliers is for samples: the input is a function");
@@ -67,7 +65,7 @@ void check_surface_options(const RenderArguments& a, bool function) {
               (a.surface && !a.splats && surface_method_info(a.surface->method).family() == SurfaceFamily::projection),
           "--rays needs --surface levin, alexa or curvature, and no --splats");
   if (a.surface || a.splats || function) {
-    refuse({{"--flat", a.flat},
+    refuse({{"--flat", !s.smooth},
             {"--point-radius", s.point_radius.has_value()},
             {"--wireframe", s.wireframe != RenderOptions::Wireframe::none}},
            "is for meshes and points, not for surfaces without a mesh");
@@ -76,10 +74,9 @@ void check_surface_options(const RenderArguments& a, bool function) {
             {"--exact-shadows", s.exact_shadows},
             {"--reflection", s.reflection != 0},
             {"--transmission", s.transmission != 0},
-            {"--refraction-index", a.refraction_index.has_value()}},
+            {"--refraction-index", s.refraction_index != SurfaceRenderOptions().refraction_index}},
            "is for one surface without a mesh: it needs --surface NAME");
   }
-  require(!a.refraction_index || s.transmission != 0, "--refraction-index needs --transmission");
 }
 
 void check_colors(const RenderArguments& a, bool meshless) {
@@ -106,15 +103,15 @@ void check_colors(const RenderArguments& a, bool meshless) {
 void check_separate(const RenderArguments& a) {
   if (a.objects.translucent())
     refuse({{"--lines", a.options.lines != RenderOptions::Lines::none},
-            {"--accessibility", a.options.accessibility},
+            {"--accessibility", a.options.accessibility.has_value()},
             {"--plain", a.options.plain},
             {"--exact-shadows", a.options.exact_shadows}},
            "is for what is opaque: it does not go with --opacity below 1");
   if (a.objects_drawn() == 1)
     refuse({{"--name", !a.objects.names.empty()}}, "is for the list of several objects: there is one");
   else  // each would have a curvature of its own
-    refuse({{"--line-strength", a.picture.line_strength.has_value()},
-            {"--bend-light", a.picture.bend_light.has_value() && *a.picture.bend_light != 0}},
+    refuse({{"--line-strength", a.options.line_strength != RenderOptions().line_strength},
+            {"--bend-light", a.options.bend_light != RenderOptions().bend_light && a.options.bend_light != 0}},
            "is about curvature, which pictures of several objects do not show: draw one");
 }
 
@@ -149,7 +146,7 @@ void RenderArguments::check_kinds(const std::vector<ObjectKind>& kinds) const {
                         [&](ObjectKind k) { return std::find(those.begin(), those.end(), k) != those.end(); });
   };
   if (none({ObjectKind::mesh, ObjectKind::lines}))
-    refuse({{"--flat", flat}, {"--wireframe", options.wireframe != RenderOptions::Wireframe::none}},
+    refuse({{"--flat", !options.smooth}, {"--wireframe", options.wireframe != RenderOptions::Wireframe::none}},
            "is for meshes: there are no triangles");
   if (none({ObjectKind::points}))
     refuse({{"--point-radius", options.point_radius.has_value()}, {"--remove-outliers", cloud.remove_outliers}},

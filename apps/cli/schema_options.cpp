@@ -76,6 +76,12 @@ OptionValue value_of_words(const OptionRow& row, const std::vector<std::string>&
   }
 }
 
+/// The value where the option is not given. An enumerator that stands for "none" goes without saying.
+std::string usual_words_of(const OptionRow& row, const OptionValue& now) {
+  const std::string usual = option_words(now);
+  return row.kind == OptionKind::choice && usual == "none" ? "" : usual;
+}
+
 /// The sentence, the range, and what holds where the option is not given: "Rounds, 1..10000 [10]".
 std::string what_of(const OptionRow& row, const std::string& usual) {
   std::string what(row.text);
@@ -84,7 +90,9 @@ std::string what_of(const OptionRow& row, const std::string& usual) {
   if (const std::string range = row.range.words(); number && std::isfinite(row.range.most) && !range.empty())
     what += ", " + range;
   const std::string otherwise = usual.empty() ? std::string(row.from_data) : usual;
-  return otherwise.empty() ? what : what + " [" + otherwise + "]";
+  if (!otherwise.empty()) what += " [" + otherwise + "]";
+  if (!row.implied.empty()) what += " [no value: " + std::string(row.implied) + "]";
+  return what;
 }
 
 void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
@@ -106,7 +114,7 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
     if (!value || *value) add_flag_of_row(c, row, owner, false, how);
     return;
   }
-  const std::string usual = option_words(now);
+  const std::string usual = usual_words_of(row, now);
   OptionEntry& entry = c.add_entry(flag_of_name(row.name), kind_of(row.kind), what_of(row, usual));
   entry.group = how.group;
   entry.row = &row;
@@ -117,7 +125,9 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;
   entry.repeated = row.kind == OptionKind::texts;
-  if (!row.implied.empty()) entry.implied = std::string(row.implied);
+  if (row.may_stand_alone()) entry.implied = std::string(row.implied);
+  entry.next_words.assign(row.usual_words.begin(), row.usual_words.end());
+  if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   if (!row.excludes.empty()) entry.excludes = flag_of_name(row.excludes);
   entry.use = [&row, owner](const std::vector<std::string>& words) {
     set_option(row, owner, value_of_words(row, words));

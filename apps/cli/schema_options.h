@@ -13,15 +13,14 @@ class CommandLine;
 
 /// Which rows become options, and how.
 struct SchemaOptions {
-  std::string group = "Options";          ///< heading in the help
-  std::vector<std::string_view> only;     ///< names of rows; all if there are none
-  std::vector<std::string_view> without;  ///< names of rows that the command does not have
+  std::string group = "Options";               ///< heading in the help
+  std::vector<std::string_view> only = {};     ///< names of rows; all if there are none
+  std::vector<std::string_view> without = {};  ///< names of rows that the command does not have
 };
 
 /// Adds an option for each row, `max_degree` as --max-degree. A flag that is on by itself gets the one that turns it
-/// off,
-/// --no-enhance; one that follows from the data gets both. `options` must live until the command has run; what it holds
-/// when this is called is what help calls the usual value.
+/// off, --no-enhance; one that follows from the data gets both. `options` must live until the command has run; what it
+/// holds when this is called is what help calls the usual value.
 void add_schema(CommandLine& command, const OptionSchema& schema, void* options, const SchemaOptions& how = {});
 template <HasSchema T>
 void add_schema(CommandLine& command, T& options, const SchemaOptions& how = {}) {

@@ -46,38 +46,41 @@ void follow_links(const std::string& file, OutputPlace& place) {
   fail_output(file, ELOOP);
 }
 
-}  // namespace
-
-void fail_output(const std::string& file, int error) {
-  const auto fail = [&](const std::string& why) { throw FileError(file, "cannot be written (" + why + ")"); };
+/// Why the system does not write.
+std::string reason_of(int error) {
   switch (error) {
     case EACCES:
     case EPERM:
-      fail("permission denied");
+      return "permission denied";
     case ENOENT:
-      fail("its folder does not exist");
+      return "its folder does not exist";
     case ENOTDIR:
-      fail("its folder is not a folder");
+      return "its folder is not a folder";
     case EISDIR:
-      fail("it is a directory");
+      return "it is a directory";
     case ENOSPC:
-      fail("the disk is full");
+      return "the disk is full";
     case EDQUOT:
-      fail("the disk is full: no more is granted to this user");
+      return "the disk is full: no more is granted to this user";
     case EFBIG:
-      fail("it is larger than files may be here, see ulimit -f");
+      return "it is larger than files may be here, see ulimit -f";
     case EROFS:
-      fail("the file system is read-only");
+      return "the file system is read-only";
     case ENAMETOOLONG:
-      fail("its name is too long");
+      return "its name is too long";
     case ELOOP:
-      fail("its symbolic links go round in a circle");
+      return "its symbolic links go round in a circle";
     case EPIPE:
-      fail("nobody reads it any more");
+      return "nobody reads it any more";
     default:
-      fail(std::strerror(error));
+      return std::strerror(error);
   }
-  throw FileError(file, "cannot be written");
+}
+
+}  // namespace
+
+void fail_output(const std::string& file, int error) {
+  throw FileError(file, "cannot be written (" + reason_of(error) + ")");
 }
 
 OutputPlace find_output_place(const std::string& file) {

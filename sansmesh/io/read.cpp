@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/io/file_content.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/merge_points.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
@@ -16,67 +17,48 @@ namespace {
 
 using io::Input;
 
-struct Format {
-  const char* endings;             ///< separated and surrounded by spaces
-  PointSet (*read)(const Input&);  ///< null: known, but not supported
-  const char* remedy = "";
-};
-
-constexpr Format formats[] = {
-    {" ply ", io::read_ply},
-    {" obj ", io::read_obj},
-    {" off coff noff cnoff ", io::read_off},
-    {" stl ", io::read_stl},
-    {" xyz txt csv asc pts pwn xyzn npts xyzrgb tsv dat ", io::read_table},
-    {" pcd ", io::read_pcd},
-    {" las ", io::read_las},
-    {" vtp ", io::read_vtp},
-    {" conf ", io::read_conf},
-    {" laz ", nullptr, "LAZ (compressed LAS) is not supported; decompress it to LAS first"},
-    {" e57 ", nullptr, "E57 is not supported; convert it to PLY, LAS or XYZ first"},
-    {" smf ", nullptr, "is a function, not points or a mesh; `sansmesh mesh` makes a mesh of it"},
-    {" glb gltf fbx dae 3ds 3mf usd usdz ", nullptr,
-     "reading this format is not supported; convert it to PLY or OBJ first"},
-    {" vtk vtu vti vts vtr ", nullptr, "this kind of VTK file is not supported; convert it to VTP or PLY first"},
-    {" pcap rcp rcs ptx zip 7z xz bz2 zst rar ", nullptr,
-     "this kind of file is not supported; convert or unpack it first (gzip is unpacked on the fly)"},
-};
-
-/// What the first bytes say, where they are unmistakable; null otherwise.
-const Format* format_of_content(std::string_view bytes) {
-  const auto named = [](const char* ending) {
-    for (const Format& f : formats) {
-      if (std::string_view(f.endings).find(ending) != std::string_view::npos) return &f;
-    }
-    return static_cast<const Format*>(nullptr);
-  };
-  const auto begins = [&](std::string_view s) { return bytes.starts_with(s); };
-  if (begins("ply\n") || begins("ply\r")) return named(" ply ");
-  if (begins("LASF")) return named(" las ");
-  if (begins("ASTM-E57")) return named(" e57 ");
-  if (begins("glTF")) return named(" glb ");
-  if (begins("# .PCD") || begins("VERSION 0.7\n") || begins("VERSION .7\n")) return named(" pcd ");
-  if (begins("OFF\n") || begins("OFF\r") || begins("OFF ") || begins("COFF") || begins("NOFF")) return named(" off ");
-  if (bytes.substr(0, 4096).find("<VTKFile") != std::string_view::npos) return named(" vtp ");
-  if (begins("# vtk DataFile")) return named(" vtk ");
-  return nullptr;
+/// The reader of points and meshes; null where there is none.
+PointSet (*reader_of(FormatId id))(const Input&) {
+  switch (id) {
+    case FormatId::ply:
+      return io::read_ply;
+    case FormatId::obj:
+      return io::read_obj;
+    case FormatId::off:
+      return io::read_off;
+    case FormatId::stl:
+      return io::read_stl;
+    case FormatId::csv:
+    case FormatId::table:
+      return io::read_table;
+    case FormatId::pcd:
+      return io::read_pcd;
+    case FormatId::las:
+      return io::read_las;
+    case FormatId::vtp:
+      return io::read_vtp;
+    case FormatId::conf:
+      return io::read_conf;
+    default:
+      return nullptr;
+  }
 }
 
 std::string known_endings() {
   std::string known;
-  for (const Format& f : formats) {
-    if (f.read) known += std::string(f.endings).substr(0, std::strlen(f.endings) - 1);
-  }
-  return known.substr(1) + " (and each with .gz)";
+  for (const std::string& ending : endings_read(kPoints)) known += ending.substr(1) + " ";
+  return known + "(and each with .gz)";
 }
 
-const Format* format_of_name(const std::string& file) {
-  const std::string name = io::ending(file);
-  const Format* by_name = nullptr;
-  for (const Format& f : formats) {
-    if (!name.empty() && std::string_view(f.endings).find(" " + name + " ") != std::string_view::npos) by_name = &f;
-  }
-  return by_name;
+/// VTK's polydata hold points and meshes; of its other XML files the reader says so.
+std::optional<FormatId> format_of_points(std::string_view bytes) {
+  const auto found = format_of_content(bytes);
+  return found == FormatId::vtk_xml ? FormatId::vtp : found;
+}
+
+[[noreturn]] void fail_reading(const Input& in, const FormatInfo& format) {
+  if (!format.remedy.empty()) in.fail(std::string(format.remedy));
+  in.fail(fmt::format("holds a volume ({}), not points or a mesh", format.name));
 }
 
 PointSet read_any(const std::string& file, ReadReport& report, const std::optional<Vec3>& origin,
@@ -84,26 +66,25 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report, origin, smallest_extent};
   const std::string name = io::ending(file);
-  const Format* const by_name = format_of_name(file);
-  const Format* const by_content = format_of_content(in.bytes);
-  const Format* const format = by_content ? by_content : by_name;
+  auto by_name = format_of_name(file, kPoints);
+  if (!by_name) by_name = format_of_name(file);
+  const auto by_content = format_of_points(in.bytes);
+  const auto format = by_content ? by_content : by_name;
   if (!format) {
     in.fail(name.empty() ? "has no ending and is none of PLY, PCD, LAS, OFF, VTP; known endings: " + known_endings()
                          : "unknown ending '." + name.substr(0, 20) + "'; known: " + known_endings());
   }
-  if (!format->read) in.fail(format->remedy);
+  const auto read = reader_of(*format);
+  if (!read) fail_reading(in, format_info(*format));
   if (by_content && by_name && by_content != by_name) {
     in.warn(fmt::format("its ending is '.{}', but its content is of another format and was read as that", name));
   }
-  return format->read(in);
+  return read(in);
 }
 
 }  // namespace
 
-bool is_read(const std::string& file) {
-  const Format* const format = format_of_name(file);
-  return format && format->read;
-}
+bool is_read(const std::string& file) { return format_of_name(file, kPoints).has_value(); }
 
 PointSet read_points(const std::string& file, ReadReport* report) {
   ReadReport own;

@@ -9,8 +9,10 @@
 #include "sansmesh/data/grid_limits.h"
 #include "sansmesh/io/adf_size.h"
 #include "sansmesh/io/file_content.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/netcdf_size.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
@@ -23,75 +25,20 @@ namespace {
 
 using io::Input;
 
-enum class VolumeFormat : std::uint8_t {
-  unknown,
-  metaimage,
-  nrrd,
-  raw,
-  plot3d,
-  points,
-  pvd,
-  series,
-  vtk_xml,
-  vtk_legacy,
-  exodus,
-  ensight,
-  cgns,
-  openfoam,
-  dicom,
-  nek_field,
-  nek_series,
-  fitted,
-  gmsh,
-  medit,
-  tetgen,
-  vega
-};
-
-struct VolumeEnding {
-  const char* endings;  ///< separated and surrounded by spaces
-  VolumeFormat format;
-};
-
-constexpr VolumeEnding volume_endings[] = {
-    {" mhd mha ", VolumeFormat::metaimage},
-    {" nrrd nhdr ", VolumeFormat::nrrd},
-    {" raw ", VolumeFormat::raw},
-    {" bin x p3d grd fmt q ", VolumeFormat::plot3d},
-    {" vti vtr vts vtu vtm vtmb vthb vth pvti pvtr pvts pvtu vtpc vtpd ", VolumeFormat::vtk_xml},
-    {" vtk ", VolumeFormat::vtk_legacy},
-    {" ex2 exo exii e g ", VolumeFormat::exodus},
-    {" case encas ", VolumeFormat::ensight},
-    {" cgns ", VolumeFormat::cgns},
-    {" foam ", VolumeFormat::openfoam},
-    {" pvd ", VolumeFormat::pvd},
-    {" series ", VolumeFormat::series},
-    {" dcm dicom ", VolumeFormat::dicom},
-    {" nek5000 nek3d nek2d ", VolumeFormat::nek_series},
-    {" smv ", VolumeFormat::fitted},
-    {" msh ", VolumeFormat::gmsh},
-    {" mesh meshb ", VolumeFormat::medit},
-    {" node ele ", VolumeFormat::tetgen},
-    {" veg ", VolumeFormat::vega},
-};
-constexpr const char* point_endings =
-    " xyz csv txt asc pts tsv dat ply pcd vtp las obj off stl pwn xyzn npts xyzrgb conf coff noff cnoff ";
-
-VolumeFormat format_of_ending(const std::string& name) {
-  const std::string key = " " + name + " ";
-  if (name.empty()) return VolumeFormat::unknown;
-  for (const VolumeEnding& e : volume_endings) {
-    if (std::string_view(e.endings).find(key) != std::string_view::npos) return e.format;
-  }
-  if (io::is_nek_field_name(name)) return VolumeFormat::nek_field;
-  return std::string_view(point_endings).find(key) != std::string_view::npos ? VolumeFormat::points
-                                                                             : VolumeFormat::unknown;
-}
-
 std::string known_volume_endings() {
   std::string known;
-  for (const VolumeEnding& e : volume_endings) known += std::string(e.endings).substr(0, std::strlen(e.endings) - 1);
-  return known.substr(1) + ", and those of points";
+  for (const FormatInfo& f : formats())
+    if ((f.reads & kVolume) != 0 && (f.reads & kPoints) == 0 && !f.endings.empty())
+      known += std::string(f.endings) + " ";
+  known.pop_back();
+  return known + ", and those of points";
+}
+
+/// Files of points are scattered samples: all of their readers are one here.
+std::optional<FormatId> volume_format_of_name(const std::string& file) {
+  const auto of_points = format_of_name(file, kPoints);
+  const auto found = format_of_name(file, kVolume);
+  return found && of_points == found ? FormatId::table : found;
 }
 
 /// The type that the root of an XML file of VTK's names; empty where it is none. Throws FileError for levels in
@@ -111,25 +58,28 @@ std::string vtk_xml_type(const Input& in) {
   return type;
 }
 
-VolumeFormat format_of_volume(const Input& in, const std::string& xml_type) {
-  const std::string_view bytes = in.bytes;
-  const VolumeFormat by_name = format_of_ending(io::ending(in.file));
-  if (xml_type == "PolyData" || xml_type == "PPolyData") return VolumeFormat::points;
-  if (xml_type == "Collection") return VolumeFormat::pvd;
-  if (!xml_type.empty()) return VolumeFormat::vtk_xml;
-  if (bytes.starts_with("# vtk DataFile")) return VolumeFormat::vtk_legacy;
-  if (bytes.starts_with("NRRD000")) return VolumeFormat::nrrd;
-  if (bytes.starts_with("ObjectType") || bytes.starts_with("NDims")) return VolumeFormat::metaimage;
-  if (bytes.size() > 132 && bytes.substr(128, 4) == "DICM") return VolumeFormat::dicom;
-  if (bytes.starts_with("\x89HDF\r\n\x1a\n") || bytes.starts_with("CDF\x01") || bytes.starts_with("CDF\x02") ||
-      bytes.starts_with("CDF\x05"))
-    return by_name == VolumeFormat::cgns ? by_name : VolumeFormat::exodus;
-  if (bytes.starts_with("#std ")) return VolumeFormat::nek_field;
-  if (bytes.starts_with("$MeshFormat")) return VolumeFormat::gmsh;
-  if (bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) return VolumeFormat::cgns;
+std::optional<FormatId> format_of_volume(const Input& in, const std::string& xml_type) {
+  const auto by_name = volume_format_of_name(in.file);
+  if (xml_type == "PolyData" || xml_type == "PPolyData") return FormatId::table;
+  if (xml_type == "Collection") return FormatId::pvd;
+  if (!xml_type.empty()) return FormatId::vtk_xml;
+  switch (const auto by_content = format_of_content(in.bytes); by_content.value_or(FormatId::archive)) {
+    case FormatId::exodus:  // HDF5 and NetCDF hold others, too
+      return by_name == FormatId::cgns ? by_name : by_content;
+    case FormatId::vtk_legacy:
+    case FormatId::nrrd:
+    case FormatId::metaimage:
+    case FormatId::dicom:
+    case FormatId::nek_field:
+    case FormatId::gmsh:
+    case FormatId::cgns:
+      return by_content;
+    default:
+      break;
+  }
   const std::string name = io::ending(in.file);
-  if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? VolumeFormat::plot3d : by_name;
-  if (by_name == VolumeFormat::unknown && io::is_plot3d(in)) return VolumeFormat::plot3d;
+  if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? FormatId::plot3d : by_name;
+  if (!by_name && io::is_plot3d(in)) return FormatId::plot3d;
   return by_name;
 }
 
@@ -172,7 +122,7 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
   if (std::filesystem::is_directory(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
   // Programs open an empty file of this kind only to name the folder that it is in.
-  if (format_of_ending(io::ending(file)) == VolumeFormat::openfoam && std::filesystem::exists(file, ignored))
+  if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report};
@@ -185,12 +135,13 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
   const auto by_vtk = [&](io::VtkFormat format) {
     return read_by_vtk_checked(in, format, xml_type, options, content.gzipped());
   };
-  switch (format_of_volume(in, xml_type)) {
-    case VolumeFormat::metaimage:
+  const auto format = format_of_volume(in, xml_type);
+  switch (format.value_or(FormatId::archive)) {
+    case FormatId::metaimage:
       return io::read_metaimage(in, options.time_step);
-    case VolumeFormat::nrrd:
+    case FormatId::nrrd:
       return io::read_nrrd(in, options.time_step);
-    case VolumeFormat::raw: {
+    case FormatId::raw: {
       const auto layout = io::raw_layout_of_name(file);
       if (!layout) {
         in.fail(
@@ -200,57 +151,57 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
       only_step();
       return io::read_raw(in, *layout);
     }
-    case VolumeFormat::plot3d:
+    case FormatId::plot3d:
       only_step();
       return io::read_plot3d(in, options.solution);
-    case VolumeFormat::points:
+    case FormatId::table:
       only_step();
       return scattered_points(file, report);
-    case VolumeFormat::pvd:
-    case VolumeFormat::series:
+    case FormatId::pvd:
+    case FormatId::series:
       if (inside_collection) in.fail("is a collection inside another one");
       return read_collection(in, options, report);
-    case VolumeFormat::vtk_xml:
+    case FormatId::vtk_xml:
       if (xml_type.empty()) in.fail("is not a file of VTK's in XML, as its ending says it should be");
       io::check_vtk_xml_size(in);
       return by_vtk(io::VtkFormat::xml);
-    case VolumeFormat::vtk_legacy:
+    case FormatId::vtk_legacy:
       if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
       io::check_vtk_legacy_size(in);
       return by_vtk(io::VtkFormat::legacy);
-    case VolumeFormat::exodus:
+    case FormatId::exodus:
       if (in.bytes.starts_with("CDF")) io::check_netcdf_size(in);
       if (in.bytes.starts_with("CDF") || in.bytes.starts_with("\x89HDF")) return by_vtk(io::VtkFormat::exodus);
       in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
-    case VolumeFormat::ensight:
+    case FormatId::ensight:
       return by_vtk(io::VtkFormat::ensight);
-    case VolumeFormat::cgns:
+    case FormatId::cgns:
       if (in.bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) io::check_adf_size(in);
       return by_vtk(io::VtkFormat::cgns);
-    case VolumeFormat::openfoam:
+    case FormatId::openfoam:
       return by_vtk(io::VtkFormat::openfoam);
-    case VolumeFormat::dicom:
+    case FormatId::dicom:
       return by_vtk(io::VtkFormat::dicom);
-    case VolumeFormat::nek_field:
+    case FormatId::nek_field:
       only_step();
       return io::read_nek_field(in);
-    case VolumeFormat::nek_series:
+    case FormatId::nek_series:
       return io::read_nek_series(in, options.time_step);
-    case VolumeFormat::fitted:
+    case FormatId::fitted_volume:
       in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
-    case VolumeFormat::gmsh:
+    case FormatId::gmsh:
       only_step();
       return io::read_gmsh(in);
-    case VolumeFormat::medit:
+    case FormatId::medit:
       only_step();
       return io::read_medit(in);
-    case VolumeFormat::tetgen:
+    case FormatId::tetgen:
       only_step();
       return io::read_tetgen_pair(in);
-    case VolumeFormat::vega:
+    case FormatId::vega:
       only_step();
       return io::read_vega(in);
-    case VolumeFormat::unknown:
+    default:
       break;
   }
   const std::string name = io::ending(file);
@@ -270,7 +221,7 @@ void append_blocks(GridData& all, GridData part, const std::string& name) {
 }
 
 GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report) {
-  const bool series = format_of_ending(io::ending(in.file)) == VolumeFormat::series;
+  const bool series = volume_format_of_name(in.file) == FormatId::series;
   const std::vector<io::PvdEntry> entries = series ? io::read_file_series(in) : io::read_pvd(in);
   GridData all;
   for (const io::PvdEntry& e : entries) all.times.push_back(e.time);
@@ -355,8 +306,8 @@ GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOpt
 bool is_volume_name(const std::string& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return true;
-  const VolumeFormat format = format_of_ending(io::ending(file));
-  return format != VolumeFormat::unknown && format != VolumeFormat::points;
+  const auto format = volume_format_of_name(file);
+  return format && format != FormatId::table;
 }
 
 bool has_vtk_readers(std::string* why_not) {

@@ -170,7 +170,7 @@ class Painter::Work {
         key_frame_(lighting_.key),
         sky_rays_(options.accessibility && options.occlusion_rays > 0 ? std::max(kExposureRays, options.occlusion_rays)
                                                                       : options.occlusion_rays),
-        sky_reach_(options.accessibility ? static_cast<float>(options.exposure_reach) : kOcclusionReach),
+        sky_reach_(options.accessibility ? static_cast<float>(*options.accessibility) : kOcclusionReach),
         spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, sky_rays_))),
         footprint_(2 * camera.half_height / static_cast<float>(options.height)),
         rim_(smooth_light ? kSmooth : 0),
@@ -299,7 +299,7 @@ class Painter::Work {
     }
     std::vector<SurfaceBend> bends(places.size());
     if (!places.empty()) options_.curvature->evaluate(places, normals, bends);
-    const auto radius = static_cast<float>(options_.exposure_reach * frame_.size);
+    const auto radius = static_cast<float>(*options_.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)
       batch.access[whose[k]] = bend_factor(bends[k].mean() * radius, static_cast<float>(options_.bend_light));
   }

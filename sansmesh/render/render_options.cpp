@@ -5,9 +5,16 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/render/color_words.h"
 
 namespace sansmesh {
 namespace {
+
+constexpr double kMostPixels = 16384;
+constexpr std::string_view kOverOrOnly[] = {"none", "over", "only"};
+/// After a flag that may stand alone only these are its value.
+constexpr std::string_view kLengthUnits[] = {"nm", "um",   "µm", "mm",   "cm",    "dm", "m", "km",
+                                             "in", "inch", "ft", "foot", "us-ft", "yd", "mi"};
 
 void check_color(const char* name, const Vec3f& color) {
   for (std::size_t k = 0; k < 3; ++k) check_range(name, static_cast<double>(color[k]), 0, 1);
@@ -15,19 +22,74 @@ void check_color(const char* name, const Vec3f& color) {
 
 }  // namespace
 
+const OptionSchema& RenderOptions::schema() {
+  using O = RenderOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::width>({.text = "Width of the picture", .unit = "pixels", .range = {1, kMostPixels}}),
+      option<&O::height>({.text = "Height of the picture", .unit = "pixels", .range = {1, kMostPixels}}),
+      option<&O::field_of_view>({.text = "Angle over the shorter side", .unit = "degrees", .range = {1, 120}}),
+      option<&O::orthographic>({.text = "Parallel rays: no perspective"}),
+      option<&O::scale_bar>({.text = "With `orthographic`: a bar of a round length, and the unit's name, mm, m or in "
+                                     "(others as `scale_bar`=UNIT)",
+                             .unit = "unit",
+                             .implied = "",
+                             .needs = "orthographic",
+                             .usual_words = kLengthUnits}),
+      option<&O::look_at>(
+          {.text = "Place in the middle of the picture", .from_data = "that of what is seen", .old_name = "focus"}),
+      option<&O::zoom>(
+          {.text = "So many times as large as what shows everything", .unit = "factor", .range = {0.001, 100000}}),
+      option<&O::look_radius>({.text = "In place of `zoom`: what is so far around `look_at` fills the picture",
+                               .unit = "length",
+                               .range = positive(),
+                               .needs = "look_at"}),
+      option<&O::clip_box>({.text = "Show only what lies in this box, XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX"}),
+      option<&O::wireframe>({.text = "Edges of triangles: over the surface, or only these without hidden ones, as "
+                                     "`wireframe`=only",
+                             .choices = kOverOrOnly,
+                             .implied = "over"}),
+      option<&O::wire_width>(
+          {.text = "Width of these edges", .unit = "pixels", .range = {0.1, 50}, .needs = "wireframe"}),
+      option<&O::wire_color, ColorOption>(
+          {.text = "Their colour, '#rrggbb' or a name", .unit = "color", .needs = "wireframe"}),
+      option<&O::lines>({.text = "Draw silhouettes, borders, creases, ridges and valleys: only these, or over the lit "
+                                 "surface, as `lines`=over",
+                         .choices = kOverOrOnly,
+                         .implied = "only"}),
+      option<&O::line_width>({.text = "Width of these lines", .unit = "pixels", .range = {0.1, 50}, .needs = "lines"}),
+      option<&O::line_strength>({.text =
+                                     "Ridges and valleys from this curvature times the diagonal on: less is more of "
+                                     "them",
+                                 .unit = "ratio",
+                                 .range = {0.1, 1e6},
+                                 .needs = "lines"}),
+      option<&O::line_color, ColorOption>(
+          {.text = "Their colour, '#rrggbb' or a name", .unit = "color", .needs = "lines"}),
+      option<&O::accessibility>({.text =
+                                     "Light is how open a place is: by rays around it, so long over the diagonal, and "
+                                     "by curvature",
+                                 .unit = "reach",
+                                 .range = {1e-6, 10},
+                                 .implied = "0.3"}),
+      option<&O::bend_light>({.text = "Share of that light that curvature gives and takes",
+                              .unit = "share",
+                              .range = {0, 1},
+                              .needs = "accessibility"}),
+      option<&O::smooth>({.text = "Show the flat triangles: normals are not interpolated", .negative = "flat"}),
+      option<&O::shadows>({.text = "No shadows"}),
+      option<&O::samples>({.text = "Rays per pixel in each direction", .range = {1, 8}, .name = "antialiasing"}),
+      option<&O::point_radius>(
+          {.text = "Radius of points", .unit = "length", .from_data = "from their spacing", .range = positive()})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void RenderOptions::validate() const {
-  check_range("width", width, 1, 16384);
-  check_range("height", height, 1, 16384);
-  check_range("view.azimuth", view.azimuth, -3600, 3600);
-  check_range("view.elevation", view.elevation, -90, 90);
-  check_range("field_of_view", field_of_view, 1, 120);
-  check_range("zoom", zoom, 0.001, 100000);
+  const RenderOptions usual;
+  validate_options(RenderOptions::schema(), this, &usual);
+  check_range("azimuth", view.azimuth, -3600, 3600);
+  check_range("elevation", view.elevation, -90, 90);
   if (look_at && !is_finite(*look_at)) throw ArgumentError("`look_at` must be finite");
-  if (look_radius && !(*look_radius > 0 && std::isfinite(*look_radius)))
-    throw ArgumentError("`look_radius` must be positive, not " + std::to_string(*look_radius));
-  if (look_radius && !look_at) throw ArgumentError("`look_radius` needs `look_at`");
-  if (scale_bar && !orthographic)
-    throw ArgumentError("`scale_bar` needs `orthographic`: in perspective there is no one scale");
   if (!(input_length > 0 && std::isfinite(input_length))) throw ArgumentError("`input_length` must be positive");
   if (clip_box) {
     if (!is_finite(clip_box->lower) || !is_finite(clip_box->upper)) throw ArgumentError("`clip_box` must be finite");
@@ -35,19 +97,13 @@ void RenderOptions::validate() const {
     if (!(size.x > 0 && size.y > 0 && size.z > 0))
       throw ArgumentError("`clip_box` must have an extent: XMIN < XMAX, YMIN < YMAX and ZMIN < ZMAX");
   }
+  if (accessibility && lines == Lines::only)
+    throw ArgumentError("`accessibility` is light, which `lines` alone does not show: `lines = over`");
   check_color("background_color", background_color);
   check_color("surface_color", surface_color);
-  check_range("wire_width", wire_width, 0.1, 50);
   check_color("wire_color", wire_color);
-  check_range("exposure_reach", exposure_reach, 1e-6, 10);
-  check_range("bend_light", bend_light, 0, 1);
-  check_range("line_width", line_width, 0.1, 50);
-  check_range("line_strength", line_strength, 0.1, 1e6);
   check_color("line_color", line_color);
-  check_range("samples", samples, 1, 8);
   check_range("occlusion_rays", occlusion_rays, 0, 64);
-  if (point_radius && !(*point_radius > 0 && std::isfinite(*point_radius)))
-    throw ArgumentError("`point_radius` must be positive, not " + std::to_string(*point_radius));
 }
 
 void move_from_input(RenderOptions& options, const Placement& place) {
@@ -57,12 +113,26 @@ void move_from_input(RenderOptions& options, const Placement& place) {
   if (options.clip_box) options.clip_box = place.from_input(*options.clip_box);
 }
 
+const OptionSchema& SurfaceRenderOptions::schema() {
+  using O = SurfaceRenderOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::reflection>({.text = "Share of the light that a mirror would send", .unit = "share", .range = {0, 1}}),
+      option<&O::transmission>(
+          {.text = "Share of the light that comes through the body", .unit = "share", .range = {0, 1}}),
+      option<&O::refraction_index>({.text = "Refraction index of the body: 1.33 water, 1.5 glass",
+                                    .unit = "ratio",
+                                    .range = {1, 4},
+                                    .needs = "transmission"}),
+      option<&O::bounces>({.text = "Mirrored and refracted rays one after the other", .range = {1, 16}}),
+      option<&O::exact_shadows>({.text = "Shadows by rays against the surface itself: slow"}),
+      option<&O::plain>({.text = "Quick: one ray per pixel, no shadows, no ground"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void SurfaceRenderOptions::validate() const {
   RenderOptions::validate();
-  check_range("reflection", reflection, 0, 1);
-  check_range("transmission", transmission, 0, 1);
-  check_range("refraction_index", refraction_index, 1, 4);
-  check_range("bounces", bounces, 1, 16);
+  validate_options(*this);
   if (reflection + transmission > 1 + 1e-9)
     throw ArgumentError("`reflection` + `transmission` must be at most 1, not " +
                         std::to_string(reflection + transmission));

@@ -10,6 +10,7 @@
 #include "sansmesh/data/placement.h"
 #include "sansmesh/field/curvature_field.h"
 #include "sansmesh/render/camera.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -47,10 +48,10 @@ struct RenderOptions {
   double line_strength = 20;              ///< curvature times the diagonal from which on ridges are drawn, 0.1..1e6
   Vec3f line_color{0.08f, 0.08f, 0.10f};  ///< sRGB 0..1
   /// Light is how open a place is, and nothing else: the share of the sky that nothing of what is drawn hides, weighted
-  /// by the cosine to the normal, times a factor for whether it is bent outwards or inwards (Miller 1994).
-  bool accessibility = false;
-  double exposure_reach = 0.3;  ///< what is farther away than this hides nothing, over the diagonal; > 0, up to 10
-  double bend_light = 0.3;      ///< most that the factor differs from 1, 0..1; 0: only what is hidden counts
+  /// by the cosine to the normal, times a factor for whether it is bent outwards or inwards (Miller 1994). What is
+  /// farther away than this, over the diagonal, hides nothing: 1e-6..10.
+  std::optional<double> accessibility;
+  double bend_light = 0.3;  ///< most that the factor differs from 1, 0..1; 0: only what is hidden counts
   /// In the coordinates of what is drawn; null: no ridges, valleys and bends. Must outlive the pictures.
   const CurvatureField* curvature = nullptr;
   bool smooth = true;      ///< interpolate normals over the triangles, except across creases
@@ -60,6 +61,8 @@ struct RenderOptions {
   int occlusion_rays = 1;  ///< rays towards the sky a sample, 0..64; 0: none is blocked
   /// Radius of points, in the unit of the cloud; default: from their spacing.
   std::optional<double> point_radius;
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
@@ -86,6 +89,9 @@ struct SurfaceRenderOptions : RenderOptions {
   /// What mirrors and glass show where a ray leaves: linear light (1 is white) from a unit direction. Default: the
   /// background in front, a bright sky elsewhere.
   std::function<Vec3f(const Vec3f& direction)> environment;
+
+  /// Those that RenderOptions does not have.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -170,7 +170,15 @@ void set_option(const OptionRow& row, void* owner, const OptionValue& value) {
     if (!row.optional) throw wrong_kind(row, value);
     return row.set(owner, value);
   }
-  row.set(owner, checked(row, value));
+  try {
+    row.set(owner, checked(row, value));
+  } catch (const ArgumentError& error) {
+    // Types with words of their own do not know which option they are.
+    ArgumentFault fault = error.fault();
+    if (!fault.field.empty() || fault.allowed.empty()) throw;
+    fault.field = row.name;
+    throw ArgumentError(fault);
+  }
 }
 
 std::string option_words(const OptionValue& value) {

@@ -56,15 +56,19 @@ struct OptionFacts {
   std::string_view unit = {};       ///< "length", "degrees", "pixels", "share", "seconds", …
   std::string_view from_data = {};  ///< what is chosen where the option is not set
   OptionRange range = {};           ///< of numbers, each of them
-  std::span<const std::string_view> choices = {};  ///< the words, in the order of the enumerators, from 0 on
-  std::string_view name = {};                      ///< where it is not the field's
-  std::string_view negative = {};                  ///< of flags: its name turned off; "no_" and its name if empty
-  std::string_view implied = {};                   ///< its value where it is named without one
-  std::string_view needs = {};                     ///< an option without which this one means nothing
-  std::string_view excludes = {};                  ///< an option that cannot be set as well
+  std::span<const std::string_view> choices = {};      ///< the words, in the order of the enumerators, from 0 on
+  std::string_view name = {};                          ///< where it is not the field's
+  std::string_view negative = {};                      ///< of flags: its name turned off; "no_" and its name if empty
+  std::string_view implied = {};                       ///< its value where it is named without one; "" is one, too
+  std::string_view needs = {};                         ///< an option without which this one means nothing
+  std::string_view excludes = {};                      ///< an option that cannot be set as well
+  std::span<const std::string_view> usual_words = {};  ///< of a text: some that it may be, to be offered
+  std::string_view old_name = {};                      ///< a name that it had: understood, and warned of
 };
 
 struct OptionRow : OptionFacts {
+  bool may_stand_alone() const { return implied.data() != nullptr; }
+
   OptionKind kind = OptionKind::flag;
   bool optional = false;  ///< may be left to the data
   int count = 1;          ///< of numbers
@@ -177,7 +181,7 @@ struct Field<T> {
 };
 
 /// Types that have words for their values: text_of_option(value) and option_of_text(word, value), found by their
-/// namespace. The latter throws ArgumentError.
+/// namespace. The latter throws ArgumentError whose fault has value and what is allowed; set_option adds the field.
 template <class T>
 concept HasWords = requires(const T& value, T& to, std::string_view word) {
   { text_of_option(value) } -> std::convertible_to<std::string>;
@@ -194,10 +198,23 @@ requires(!std::is_enum_v<T>) struct Field<T> {
   }
 };
 
+template <class Words, class T>
+struct ChooseField {
+  using type = Words;
+};
+template <class T>
+struct ChooseField<void, T> {
+  using type = Field<T>;
+};
+template <class Words, class T>
+using FieldOr = typename ChooseField<Words, T>::type;
+
 }  // namespace schema_detail
 
 /// The row of a field, `option<&SmoothOptions::strength>({.text = "How far a round goes", .range = positive(0.65)})`.
-template <auto member>
+/// `Words` reads and writes a field whose type does not tell how: a struct with `kind`, `get` and `from` as Field has
+/// them.
+template <auto member, class Words = void>
 constexpr OptionRow option(const OptionFacts& facts) {
   using Owner = typename schema_detail::MemberOf<decltype(member)>::owner;
   using Type = typename schema_detail::MemberOf<decltype(member)>::type;
@@ -205,8 +222,7 @@ constexpr OptionRow option(const OptionFacts& facts) {
   static_cast<OptionFacts&>(row) = facts;
   if (row.name.empty()) row.name = schema_detail::field_name_of<member>();
   if constexpr (schema_detail::IsOptional<Type>::value) {
-    using Inner = typename Type::value_type;
-    using F = schema_detail::Field<Inner>;
+    using F = schema_detail::FieldOr<Words, typename Type::value_type>;
     row.kind = F::kind;
     if constexpr (F::kind == OptionKind::numbers) row.count = F::count;
     row.optional = true;
@@ -222,7 +238,7 @@ constexpr OptionRow option(const OptionFacts& facts) {
         v = F::from(value);
     };
   } else {
-    using F = schema_detail::Field<Type>;
+    using F = schema_detail::FieldOr<Words, Type>;
     row.kind = F::kind;
     if constexpr (F::kind == OptionKind::numbers) row.count = F::count;
     row.get = [](const void* o) -> OptionValue { return F::get(static_cast<const Owner*>(o)->*member); };

@@ -59,7 +59,7 @@ class CommandLineTool : public ToolTest {
       for (const std::string& name : further) to_do.push_back(command + Words{name});
       if (further.empty()) all[command] = help;
     }
-    for (const char* told : {"help", "completion", "manual"}) all.erase({told});
+    for (const char* told : {"help", "completion", "manual", "schema"}) all.erase({told});
     return all;
   }
   static std::vector<HelpEntry> options_of(const std::string& help) {

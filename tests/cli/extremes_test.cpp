@@ -139,10 +139,10 @@ TEST_F(Extremes, OptionsBeyondAllMeasureAreErrors) {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
-  expect_failures({{picture({"--focus", "1e300,0,0"}), 2, {"--focus", "too far away"}},
-                   {picture({"--focus", "1e30,0,0", "--orthographic"}), 2, {"--focus", "too far away"}},
-                   {picture({"--focus", "0,0,0", "--orthographic", "--look-radius", "1e300"}), 2, {"--look-radius"}},
-                   {picture({"--focus", "0,0,0", "--look-radius", "1e-300"}), 2, {"--look-radius"}},
+  expect_failures({{picture({"--look-at", "1e300,0,0"}), 2, {"--look-at", "too far away"}},
+                   {picture({"--look-at", "1e30,0,0", "--orthographic"}), 2, {"--look-at", "too far away"}},
+                   {picture({"--look-at", "0,0,0", "--orthographic", "--look-radius", "1e300"}), 2, {"--look-radius"}},
+                   {picture({"--look-at", "0,0,0", "--look-radius", "1e-300"}), 2, {"--look-radius"}},
                    {{"csg", "sphere(1e-44)", "-o", "s.ply"}, 1, {"2e-44 across"}},
                    {{"csg", "sphere(1e300)", "-o", "s.ply"}, 2, {"reaches out to 1e+300"}},
                    {{"convert", "in.off", "-o", "c.ply", "--scale", "1e-40"}, 1, {"shrinks everything"}},

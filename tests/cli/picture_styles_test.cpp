@@ -270,9 +270,9 @@ TEST_F(PictureStyles, NothingIsIgnored) {
   };
   expect_failures({
       // curvature
-      failing({"ball.ply", "cloud.ply", "--accessibility", "--bend-light", "0.3"}, {"--bend-light", "several"}),
+      failing({"ball.ply", "cloud.ply", "--accessibility", "--bend-light", "0.4"}, {"--bend-light", "several"}),
       failing({"ball.ply", "cloud.ply", "--lines", "--line-strength", "20"}, {"--line-strength", "several"}),
-      failing({"ball.ply", "--bend-light", "0.3"}, {"--bend-light", "--accessibility"}),
+      failing({"ball.ply", "--bend-light", "0.4"}, {"--bend-light", "--accessibility"}),
       failing({"ball.ply", "--line-strength", "20"}, {"--line-strength", "--lines"}),
       // translucent
       failing({"ball.ply", "--opacity", "0.5", "--lines"}, {"--lines", "--opacity"}),

@@ -135,7 +135,7 @@ TEST_F(VolumeRenderTool, EveryOptionShows) {
                                                                                     {"--axes"},
                                                                                     {"--title", "a ball"},
                                                                                     {"--zoom", "2"},
-                                                                                    {"--focus", "12,8,8"},
+                                                                                    {"--look-at", "12,8,8"},
                                                                                     {"--azimuth", "30"},
                                                                                     {"--elevation", "50"},
                                                                                     {"--z-up"},
@@ -194,7 +194,8 @@ TEST_F(VolumeRenderTool, GridsAreDrawnWhereTheVolumeEnds) {
 }
 
 TEST_F(VolumeRenderTool, CloseUpsShowThePlaceAskedFor) {
-  const std::vector<std::string> ball = {"--iso", "2:#ff8800", "--opacity", "0", "--no-bar", "--zoom", "4", "--focus"};
+  const std::vector<std::string> ball = {"--iso",    "2:#ff8800", "--opacity", "0",
+                                         "--no-bar", "--zoom",    "4",         "--look-at"};
   auto inside = ball, rim = ball;
   inside.emplace_back("8,8,13"), rim.emplace_back("13,8,8");
   EXPECT_EQ(count_if(picture(inside), is_orange), kWide * kHigh);

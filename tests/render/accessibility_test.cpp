@@ -28,8 +28,7 @@ RenderOptions open_light(double reach, double bend = 0) {
   options.view = {0, 90};
   options.ground = false;
   options.background = RenderOptions::Background::transparent;
-  options.accessibility = true;
-  options.exposure_reach = reach;
+  options.accessibility = reach;
   options.bend_light = bend;
   return options;
 }

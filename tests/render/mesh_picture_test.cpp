@@ -304,7 +304,7 @@ TEST(MeshPreview, BadOptionsAreNamed) {
   refused("field_of_view", [](RenderOptions& o) { o.field_of_view = 0; });
   refused("background_color", [](RenderOptions& o) { o.background_color.y = 2; });
   refused("surface_color", [](RenderOptions& o) { o.surface_color.z = -0.5f; });
-  refused("samples", [](RenderOptions& o) { o.samples = 9; });
+  refused("antialiasing", [](RenderOptions& o) { o.samples = 9; });
   refused("occlusion_rays", [](RenderOptions& o) { o.occlusion_rays = -1; });
   refused("point_radius", [](RenderOptions& o) { o.point_radius = 0; });
 }

@@ -103,7 +103,8 @@ TEST(MeshWires, StandOnTheShadedSurface) {
   EXPECT_LT(image.at(middle, middle - quarter)[1], 0.1f) << "on a line";
   EXPECT_EQ(image.at(middle, middle - quarter)[3], 1);
   EXPECT_GT(image.at(middle + quarter / 2, middle - 3 * quarter / 2)[1], 0.5f) << "beside them";
-  options.wireframe = RenderOptions::Wireframe::none;
+  const RenderOptions usual;
+  options.wireframe = usual.wireframe, options.wire_width = usual.wire_width, options.wire_color = usual.wire_color;
   EXPECT_GT(render_mesh(grid_at(0, 2), options).at(middle, middle - quarter)[1], 0.5f);
 }
 

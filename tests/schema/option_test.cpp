@@ -20,7 +20,8 @@ struct Ratio {
 std::string text_of_option(const Ratio& r) { return std::to_string(r.over) + ":" + std::to_string(r.under); }
 void option_of_text(std::string_view word, Ratio& to) {
   const std::size_t colon = word.find(':');
-  if (colon == std::string_view::npos) throw ArgumentError("a ratio has a colon");
+  if (colon == std::string_view::npos)
+    throw ArgumentError(ArgumentFault{.field = {}, .value = std::string(word), .allowed = "two numbers", .remedy = {}});
   to.over = std::stoi(std::string(word.substr(0, colon)));
   to.under = std::stoi(std::string(word.substr(colon + 1)));
 }
@@ -139,7 +140,7 @@ TEST(OptionSchema, WrongValuesAreOneErrorThatNamesFieldValueAndRange) {
   EXPECT_EQ(error_of([&] { set(o, "at", std::vector<double>{1, 2}); }), "`at` must be 3 numbers, not 1, 2");
   EXPECT_EQ(error_of([&] { set(o, "rounds", 1.5); }), "`rounds` must be a whole number, not 1.5");
   EXPECT_EQ(error_of([&] { set(o, "strength", {}); }), "`strength` must be a number");
-  EXPECT_EQ(error_of([&] { set(o, "ratio", std::string("3")); }), "a ratio has a colon");
+  EXPECT_EQ(error_of([&] { set(o, "ratio", std::string("3")); }), "`ratio` must be two numbers, not 3");
   try {
     set(o, "rounds", std::int64_t{101});
     ADD_FAILURE();

@@ -1,0 +1,144 @@
+#include "sansmesh/io/formats.h"
+
+#include <algorithm>
+
+#include "sansmesh/io/names.h"
+#include "sansmesh/io/volume_readers.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr unsigned kCloudOrMesh = kPoints | kMesh;
+/// Points with attributes are scattered samples of a volume as well.
+constexpr unsigned kSamples = kCloudOrMesh | kVolume;
+constexpr std::string_view kConvertMesh = "reading this format is not supported; convert it to PLY or OBJ first";
+constexpr std::string_view kUnpackOrConvert =
+    "this kind of file is not supported; convert or unpack it first (gzip is unpacked on the fly)";
+
+constexpr FormatInfo kFormats[] = {
+    {FormatId::ply, "PLY", "ply", kSamples, {{{"ply", kCloudOrMesh | kLines}}}},
+    {FormatId::obj, "OBJ", "obj", kSamples, {{{"obj", kCloudOrMesh}}}},
+    {FormatId::off, "OFF", "off coff noff cnoff", kSamples, {{{"off", kMesh}}}},
+    {FormatId::stl, "STL", "stl", kSamples, {{{"stl", kMesh}}}},
+    {FormatId::glb, "glTF", "glb gltf", 0, {{{"glb", kMesh}}}, {}, kConvertMesh},
+    {FormatId::vtp, "VTK XML polydata", "vtp", kSamples | kLines, {{{"vtp", kCloudOrMesh | kLines}}}},
+    {FormatId::pcd, "PCD", "pcd", kSamples, {{{"pcd", kPoints}}}},
+    {FormatId::las, "LAS", "las", kSamples, {{{"las", kPoints}}}},
+    {FormatId::csv, "CSV", "csv tsv", kSamples, {{{"csv", kPoints | kLines}}}},
+    {FormatId::table, "XYZ", "xyz txt asc pts pwn xyzn npts xyzrgb dat", kSamples, {{{"xyz", kPoints}}}},
+    {FormatId::conf, "Stanford alignment", "conf", kSamples},
+    {FormatId::metaimage, "MetaImage", "mhd mha", kVolume, {{{"mhd", kVolume}, {"mha", kVolume}}}},
+    {FormatId::nrrd, "NRRD", "nrrd nhdr", kVolume, {{{"nrrd", kVolume}}}},
+    {FormatId::raw, "raw numbers", "raw", kVolume},
+    {FormatId::plot3d, "PLOT3D", "bin x p3d grd fmt q", kVolume},
+    {FormatId::vtk_xml,
+     "VTK XML",
+     "vti vtr vts vtu vtm vtmb vthb vth pvti pvtr pvts pvtu vtpc vtpd",
+     kVolume,
+     {{{"vti", kVolume}, {"vtu", kTetrahedra}}},
+     "vtk"},
+    {FormatId::vtk_legacy,
+     "VTK legacy",
+     "vtk",
+     kVolume,
+     {},
+     "vtk",
+     "this kind of VTK file is read as a volume only; convert it to VTP or PLY for points or a mesh"},
+    {FormatId::exodus, "Exodus", "ex2 exo exii e g", kVolume, {}, "vtk"},
+    {FormatId::ensight, "EnSight", "case encas", kVolume, {}, "vtk"},
+    {FormatId::cgns, "CGNS", "cgns", kVolume, {}, "vtk"},
+    {FormatId::openfoam, "OpenFOAM", "foam", kVolume, {}, "vtk"},
+    {FormatId::pvd, "ParaView collection", "pvd", kVolume},
+    {FormatId::series, "series of files", "series", kVolume},
+    {FormatId::dicom, "DICOM", "dcm dicom", kVolume, {}, "vtk"},
+    {FormatId::nek_field, "Nek5000", "", kVolume},
+    {FormatId::nek_series, "Nek5000 series", "nek5000 nek3d nek2d", kVolume},
+    {FormatId::gmsh, "Gmsh", "msh", kVolume | kTetrahedra},
+    {FormatId::medit, "Medit", "mesh meshb", kVolume | kTetrahedra},
+    {FormatId::tetgen, "TetGen", "node ele", kVolume | kTetrahedra},
+    {FormatId::vega, "Vega", "veg", kVolume | kTetrahedra},
+    {FormatId::function,
+     "function",
+     "smf",
+     kFunction,
+     {{{"smf", kFunction}}},
+     {},
+     "is a function, not points or a mesh: a mesh can be made of it"},
+    {FormatId::fitted_volume, "fitted volume", "smv", kVolume, {{{"smv", kVolume}}}},
+    {FormatId::png, "PNG", "png", 0, {{{"png", kPicture}}}, {}, "is a picture"},
+    {FormatId::laz, "LAZ", "laz", 0, {}, {}, "LAZ (compressed LAS) is not supported; decompress it to LAS first"},
+    {FormatId::e57, "E57", "e57", 0, {}, {}, "E57 is not supported; convert it to PLY, LAS or XYZ first"},
+    {FormatId::scene, "scene", "fbx dae 3ds 3mf usd usdz", 0, {}, {}, kConvertMesh},
+    {FormatId::archive, "archive", "pcap rcp rcs ptx zip 7z xz bz2 zst rar", 0, {}, {}, kUnpackOrConvert},
+};
+
+bool has_word(std::string_view words, std::string_view word) {
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), words.size());
+    if (words.substr(at, end - at) == word) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+void add_endings(std::string_view words, std::vector<std::string>& list) {
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), words.size());
+    std::string ending = "." + std::string(words.substr(at, end - at));
+    if (std::find(list.begin(), list.end(), ending) == list.end()) list.push_back(std::move(ending));
+    at = end + 1;
+  }
+}
+
+}  // namespace
+
+std::span<const FormatInfo> formats() { return kFormats; }
+
+const FormatInfo& format_info(FormatId id) { return kFormats[static_cast<std::size_t>(id)]; }
+
+std::optional<FormatId> format_of_name(const std::string& file, unsigned content) {
+  const std::string ending = io::ending(file);
+  if (ending.empty()) return std::nullopt;
+  for (const FormatInfo& f : kFormats)
+    if (has_word(f.endings, ending) && (content == 0 || (f.reads & content) != 0)) return f.id;
+  if ((content == 0 || (content & kVolume) != 0) && io::is_nek_field_name(ending)) return FormatId::nek_field;
+  return std::nullopt;
+}
+
+std::optional<FormatId> format_of_content(std::string_view bytes) {
+  const auto begins = [&](std::string_view s) { return bytes.starts_with(s); };
+  if (begins("ply\n") || begins("ply\r")) return FormatId::ply;
+  if (begins("LASF")) return FormatId::las;
+  if (begins("ASTM-E57")) return FormatId::e57;
+  if (begins("glTF")) return FormatId::glb;
+  if (begins("# .PCD") || begins("VERSION 0.7\n") || begins("VERSION .7\n")) return FormatId::pcd;
+  if (begins("OFF\n") || begins("OFF\r") || begins("OFF ") || begins("COFF") || begins("NOFF")) return FormatId::off;
+  if (bytes.substr(0, 4096).find("<VTKFile") != std::string_view::npos) return FormatId::vtk_xml;
+  if (begins("# vtk DataFile")) return FormatId::vtk_legacy;
+  if (begins("NRRD000")) return FormatId::nrrd;
+  if (begins("ObjectType") || begins("NDims")) return FormatId::metaimage;
+  if (bytes.size() > 132 && bytes.substr(128, 4) == "DICM") return FormatId::dicom;
+  if (begins("\x89HDF\r\n\x1a\n") || begins("CDF\x01") || begins("CDF\x02") || begins("CDF\x05"))
+    return FormatId::exodus;
+  if (begins("#std ")) return FormatId::nek_field;
+  if (begins("$MeshFormat")) return FormatId::gmsh;
+  if (bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) return FormatId::cgns;
+  return std::nullopt;
+}
+
+std::vector<std::string> endings_read(unsigned content) {
+  std::vector<std::string> list;
+  for (const FormatInfo& f : kFormats)
+    if ((f.reads & content) != 0) add_endings(f.endings, list);
+  return list;
+}
+
+std::vector<std::string> endings_written(unsigned content) {
+  std::vector<std::string> list;
+  for (const FormatInfo& f : kFormats)
+    for (const WrittenAs& as : f.written)
+      if ((as.content & content) != 0) add_endings(as.ending, list);
+  return list;
+}
+
+}  // namespace sansmesh

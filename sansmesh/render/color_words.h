@@ -1,0 +1,28 @@
+// Colours by name.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sansmesh/core/vec.h"
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh {
+
+/// sRGB 0..1 of "#rrggbb" or a name (red, orange, …); nothing of any other text.
+std::optional<Vec3f> color_of_word(std::string_view word);
+/// The names, with commas between them.
+std::string color_words();
+/// "#rrggbb", the nearest that there is.
+std::string hex_of_color(const Vec3f& color);
+
+/// A colour as an option (schema/option.h).
+struct ColorOption {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const Vec3f& color) { return hex_of_color(color); }
+  /// Throws ArgumentError.
+  static Vec3f from(const OptionValue& value);
+};
+
+}  // namespace sansmesh
