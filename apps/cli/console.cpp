@@ -90,7 +90,7 @@ void Console::note(const std::string& file, const std::vector<Note>& notes) {
   for (const Note& note : notes) {
     const bool warning = note.severity == Note::Severity::warning;
     if (warning)
-      warn(file, {note_line(note)});
+      warn(note.of.empty() ? file : note.of, {note_line(note)});
     else
       say(in_flags(note_line(note)));
     messages_.push_back({{"code", note.code},

@@ -16,6 +16,7 @@ struct Note {
   std::string text;    ///< one line, without its full stop
   std::string remedy;  ///< what may help; empty if nothing is known
   Severity severity = Severity::warning;
+  std::string of = {};  ///< name of the input that it is about, where a job has several
 };
 
 /// The text with the remedy behind it.

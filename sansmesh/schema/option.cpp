@@ -130,7 +130,7 @@ void for_each_pair(std::span<const OptionRow> rows, void* options, void* usual,
 }  // namespace
 
 bool OptionRange::holds(double value) const {
-  if (std::isnan(value)) return false;
+  if (!std::isfinite(value)) return false;
   return (above ? value > least : value >= least) && (below ? value < most : value <= most);
 }
 

@@ -40,6 +40,7 @@ struct OptionRange {
   bool above = false;  ///< `least` itself is excluded
   bool below = false;  ///< `most` itself is excluded
 
+  /// Finite numbers only.
   bool holds(double value) const;
   /// "1..10000", "above 0, up to 0.65", "above 0", "3 or more"; empty if any number is taken.
   std::string words() const;
@@ -195,6 +196,20 @@ requires(!std::is_enum_v<T>) struct Field<T> {
     T value;
     option_of_text(std::get<std::string>(v), value);
     return value;
+  }
+};
+template <HasWords T>
+requires(!std::is_enum_v<T>) struct Field<std::vector<T>> {
+  static constexpr auto kind = OptionKind::texts;
+  static OptionValue get(const std::vector<T>& v) {
+    std::vector<std::string> words;
+    for (const T& value : v) words.emplace_back(text_of_option(value));
+    return words;
+  }
+  static std::vector<T> from(const OptionValue& v) {
+    std::vector<T> values;
+    for (const std::string& word : std::get<std::vector<std::string>>(v)) option_of_text(word, values.emplace_back());
+    return values;
   }
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "sansmesh/core/error.h"
 
@@ -44,6 +45,7 @@ struct Options : Common {
   std::optional<Vec3> at = {};
   std::vector<std::string> names = {};
   Ratio ratio = {};
+  std::vector<Ratio> ratios = {};
   Inner inner = {};
 
   static const OptionSchema& schema() {
@@ -58,6 +60,7 @@ struct Options : Common {
         option<&Options::at>({.text = "Where"}),
         option<&Options::names>({.text = "Names"}),
         option<&Options::ratio>({.text = "Ratio"}),
+        option<&Options::ratios>({.text = "Ratios"}),
         option_group<&Options::inner>(Inner::rows)};
     static constexpr OptionSchema schema{rows};
     return schema;
@@ -94,20 +97,22 @@ TEST(OptionSchema, RowsAreNamedAfterTheirFieldsInOrderAndReachPartsAndBases) {
   const Options options;
   for_each_option(Options::schema(), &options, [&](const OptionRow& row, const void*) { names.push_back(row.name); });
   EXPECT_EQ(names, (std::vector<std::string_view>{"clean", "rounds", "strength", "angle", "creases", "weights", "at",
-                                                  "names", "ratio", "width"}));
+                                                  "names", "ratio", "ratios", "width"}));
 }
 
 TEST(OptionSchema, ValuesOfAllKindsComeBackAsTheyWereSet) {
   Options o;
-  const std::vector<std::pair<std::string_view, OptionValue>> values = {{"clean", false},
-                                                                        {"rounds", std::int64_t{7}},
-                                                                        {"strength", 0.25},
-                                                                        {"creases", true},
-                                                                        {"weights", std::string("gaussian")},
-                                                                        {"at", std::vector<double>{1, 2, 3}},
-                                                                        {"names", std::vector<std::string>{"a", "b"}},
-                                                                        {"ratio", std::string("3:4")},
-                                                                        {"width", std::int64_t{1024}}};
+  const std::vector<std::pair<std::string_view, OptionValue>> values = {
+      {"clean", false},
+      {"rounds", std::int64_t{7}},
+      {"strength", 0.25},
+      {"creases", true},
+      {"weights", std::string("gaussian")},
+      {"at", std::vector<double>{1, 2, 3}},
+      {"names", std::vector<std::string>{"a", "b"}},
+      {"ratio", std::string("3:4")},
+      {"ratios", std::vector<std::string>{"1:2", "5:6"}},
+      {"width", std::int64_t{1024}}};
   for (const auto& [name, value] : values) {
     set(o, name, value);
     EXPECT_EQ(value_of(o, name), value) << name;
@@ -115,6 +120,7 @@ TEST(OptionSchema, ValuesOfAllKindsComeBackAsTheyWereSet) {
   EXPECT_FALSE(o.clean);
   EXPECT_EQ(o.kernel, Kernel::gaussian);
   EXPECT_EQ(o.ratio, (Ratio{3, 4}));
+  EXPECT_EQ(o.ratios, (std::vector<Ratio>{{1, 2}, {5, 6}}));
   EXPECT_EQ(o.inner.width, 1024);
   set(o, "rounds", {});
   EXPECT_FALSE(o.rounds);
@@ -187,6 +193,8 @@ TEST(OptionRange, WordsAndBordersAgree) {
   EXPECT_EQ(at_least(3).words(), "3 or more");
   EXPECT_EQ(OptionRange().words(), "");
   EXPECT_FALSE(positive().holds(0));
+  EXPECT_FALSE(positive().holds(std::numeric_limits<double>::infinity()));
+  EXPECT_FALSE(OptionRange().holds(std::nan("")));
   EXPECT_TRUE(at_least(0).holds(0));
   EXPECT_TRUE((OptionRange{0, 1}.holds(1)));
   EXPECT_FALSE((OptionRange{0, 1, true, true}.holds(1)));
