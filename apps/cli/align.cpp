@@ -1,4 +1,6 @@
 // sansmesh align: one cloud or mesh moved onto another.
+#include "sansmesh/jobs/align.h"
+
 #include <fmt/core.h>
 
 #include <utility>
@@ -9,11 +11,10 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/affine_map.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/render/picture_surfaces.h"
+#include "schema_options.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {
@@ -57,52 +58,49 @@ PointSet as_cloud(TriangleMesh mesh) {
   return points;
 }
 
-void run_align(AlignArguments& a, Console& console) {
-  if (!a.start.empty()) read_transform(a.start);  // before all else: it may be no transform
+void run_align(const AlignArguments& a, Console& console) {
+  AffineMap before;
+  if (!a.start.empty()) before = read_transform(a.start);  // before all else: it may be no transform
   a.options.validate();
   a.output.check_preview();
   Progress& progress = console.progress();
-  SurfaceInput moving(a.moving, console), fixed(a.fixed, console);
-  TriangleMesh& mesh = moving.mesh();
-  const bool points = mesh.triangles.empty();
+  const SurfaceInput moving = open_surface(a.moving, console), fixed = open_surface(a.fixed, console);
+  const bool points = moving.surface.kind() == AnySurface::Kind::points;
   const std::string& output = a.output.file;
   if (!output.empty()) check_writable(output, points ? "points" : "mesh");
   if (!a.transform_output.empty()) check_writable(a.transform_output, "text");
-  AffineMap before;
-  if (!a.start.empty()) {
-    before = read_transform(a.start);
-    transform(mesh, before);
-  }
-  const SurfaceAlignment r = align_or_name(mesh, moving.file(), fixed.mesh(), fixed.file(), a.options, console);
-  const AffineMap motion = map_of(r.motion);
-  const std::size_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
-  if (!output.empty() || !a.output.preview.empty()) transform(mesh, motion);
-  if (!a.output.preview.empty()) draw(a.output, mesh, fixed.mesh(), progress);
+  AlignResult made = align(moving.surface, fixed.surface, a.options, progress, before);
+  const std::string& moving_file = moving.surface.name();
+  console.note(moving_file, made.notes);
+  const SurfaceAlignment& r = made.report;
+  const std::size_t vertices = made.moved.vertices.size(), triangles = made.moved.triangles.size();
+  if (!a.output.preview.empty()) draw(a.output, made.moved, *made.fixed, progress);
   progress.begin("write");
   if (!output.empty() && points) {
-    const PointSet cloud = as_cloud(std::move(mesh));
-    console.warn(moving.file(), loss_words(moving.read(), output, cloud));
+    const PointSet cloud = as_cloud(std::move(made.moved));
+    console.warn(moving_file, loss_words(moving.read, output, cloud));
     write_points(output, cloud, {.ascii = a.output.ascii});
   } else if (!output.empty()) {
-    console.warn(moving.file(), loss_words(moving.read(), output, mesh));
-    write_mesh(output, mesh, {.ascii = a.output.ascii});
+    console.warn(moving_file, loss_words(moving.read, output, made.moved));
+    write_mesh(output, made.moved, {.ascii = a.output.ascii});
   }
-  const AffineMap whole = motion.after(before);
-  if (!a.transform_output.empty()) write_transform(a.transform_output, whole);
+  if (!a.transform_output.empty()) write_transform(a.transform_output, made.motion);
   progress.finish();
 
-  console.say(fmt::format("{} ({}) moved onto {} ({})", moving.file(), moving.kind(), fixed.file(), fixed.kind()));
+  console.say(fmt::format("{} ({}) moved onto {} ({})", moving_file, moving.surface.kind_word(), fixed.surface.name(),
+                          fixed.surface.kind_word()));
   say_alignment(r, console);
   if (output.empty() && a.transform_output.empty())
     for (int row = 0; row < 3; ++row) {
       const auto k = static_cast<std::size_t>(row);
-      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", whole.x[k], whole.y[k], whole.z[k], whole.shift[k]));
+      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", made.motion.x[k], made.motion.y[k], made.motion.z[k],
+                              made.motion.shift[k]));
     }
   for (const std::string& file : {output, a.transform_output, a.output.preview})
     if (!file.empty()) console.say(file + ": written");
-  Json json = {{"moving", moving.json()}, {"fixed", fixed.json()}};
+  Json json = {{"moving", moving.json}, {"fixed", fixed.json}};
   json["alignment"] = json_of_alignment(r);
-  json["matrix"] = json_of_matrix(whole);
+  json["matrix"] = json_of_matrix(made.motion);
   if (!output.empty()) json["output"] = {{"file", output}, {points ? "points" : "vertices", vertices}};
   if (!output.empty() && !points) json["output"]["triangles"] = triangles;
   if (!a.output.preview.empty()) json["preview"] = {{"file", a.output.preview}};
@@ -128,7 +126,7 @@ Command add_align(CommandLine& app) {
       .type_name("FILE");
   c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
       .type_name("FILE");
-  add_align_options(c, a->options);
+  add_schema(c, a->options, {.group = "Alignment"});
   c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").type_name("FILE");
   add_preview_option(c, a->output.preview, "both, what has moved in orange,");
   add_ascii_flag(c, a->output.ascii);

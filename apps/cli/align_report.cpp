@@ -2,90 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <vector>
-
-#include "sansmesh/core/error.h"
-
 namespace sansmesh::cli {
 namespace {
 
-constexpr double kLittleOverlap = 0.4;
-constexpr double kOtherSize = 1.5;
-
 const char* start_word(AlignStart start) { return start == AlignStart::anywhere ? "anywhere" : "here"; }
 
-/// What should be said beside the numbers: the motion is not the only one, or is hardly told.
-std::vector<std::string> alignment_warnings(const SurfaceAlignment& r, const SurfaceAlignmentOptions& options) {
-  std::vector<std::string> warnings;
-  if (r.alternatives > 0) {
-    std::string angles;
-    for (const double one : r.alternative_angles) angles += fmt::format("{}{:.0f}°", angles.empty() ? "" : ", ", one);
-    warnings.push_back(fmt::format("the pose is not unique: {} {} as well, turned by {}",
-                                   counted(r.alternatives, "other"), r.alternatives == 1 ? "fits" : "fit", angles));
-  }
-  if (r.free_motions > 0)
-    warnings.push_back(fmt::format("the surfaces do not tell {}: they slide on each other",
-                                   counted(static_cast<std::size_t>(r.free_motions), "motion")));
-  if (r.found && r.overlap < kLittleOverlap)
-    warnings.push_back(
-        fmt::format("only {:.0f} % of it lie on the other surface{}", 100 * r.overlap,
-                    options.start == AlignStart::as_it_lies ? ": `start = anywhere` looks elsewhere" : ""));
-  if (r.found && r.mirror_image_fits)
-    warnings.push_back("its mirror image fits the other surface, it does not itself: one of them is mirrored");
-  else if (r.found && r.differing > kOtherShape)
-    warnings.push_back(
-        fmt::format("it may be another shape: {:.0f} % of it beside the other surface are {} off, more than "
-                    "their noise explains",
-                    100 * r.differing, length(r.differing_by)));
-  return warnings;
-}
-
 }  // namespace
-
-void add_align_options(CommandLine& c, SurfaceAlignmentOptions& o) {
-  c.add_choice<AlignStart>(
-       "--from", o.start,
-       {{"auto", AlignStart::automatic}, {"here", AlignStart::as_it_lies}, {"anywhere", AlignStart::anywhere}},
-       "Where the search starts: here, as it lies; anywhere, every way round; auto, here, and anywhere if that does "
-       "not lead to a good fit [auto]")
-      .type_name("CHOICE")
-      .group("Alignment");
-  c.add_flag("--scale", o.scale, "Find one factor for all lengths, too").group("Alignment");
-  c.add_option("--align-samples", o.samples, "Samples of what moves that are compared [20000]")
-      .type_name("COUNT")
-      .within(100, 10000000)
-      .group("Alignment");
-  c.add_option("--align-iterations", o.iterations, "Steps of a search at most, 1..1000 [100]")
-      .type_name("COUNT")
-      .within(1, 1000)
-      .group("Alignment");
-}
-
-SurfaceAlignment align_or_name(const TriangleMesh& moving, const std::string& moving_file, const TriangleMesh& fixed,
-                               const std::string& fixed_file, const SurfaceAlignmentOptions& options,
-                               Console& console) {
-  SurfaceAlignment r;
-  try {
-    r = align_surfaces(moving, fixed, options, console.progress());
-  } catch (const DataError& error) {
-    const std::string what = error.what();
-    throw FileError(what.rfind("the fixed", 0) == 0 ? fixed_file : moving_file, console.in_flags(what));
-  }
-  if (!r.found) {
-    std::string why = "found no place on " + fixed_file + " where it fits";
-    if (!options.scale && (r.size_ratio > kOtherSize || r.size_ratio < 1 / kOtherSize))
-      why += fmt::format(" (it is {:.4g} times as large: --scale)", r.size_ratio);
-    throw FileError(moving_file, why);
-  }
-  console.warn(moving_file, alignment_warnings(r, options));
-  return r;
-}
-
-AffineMap map_of(const SimilarityMotion& m) {
-  AffineMap map{m.x * m.scale, m.y * m.scale, m.z * m.scale, {}};
-  map.shift = m.to - map.turn(m.from);
-  return map;
-}
 
 void say_alignment(const SurfaceAlignment& r, Console& console) {
   const SimilarityMotion& m = r.motion;

@@ -1,4 +1,6 @@
 // sansmesh compare: the inspection map, how far every place of a part lies from where it should.
+#include "sansmesh/jobs/compare.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -16,26 +18,19 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/measure/distance_map.h"
-#include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/render/picture_notes.h"
+#include "schema_options.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {
 namespace {
 
-/// Edges longer than this part of the diagonal make a map of vertices a coarse one.
-constexpr double kCoarse = 0.02;
-
 struct CompareArguments {
   CloudInput part, reference;
-  std::string output, preview, unit, on = "part";
+  std::string output, preview, unit;
   bool ascii = false, histogram = false;
-  std::optional<double> refine;
-  DistanceMapOptions options;
+  CompareOptions options;
   PictureArguments picture;
-  bool align = false;
-  SurfaceAlignmentOptions alignment;
 };
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -102,13 +97,6 @@ PointSet as_points(const TriangleMesh& mesh) {
   return points;
 }
 
-bool is_coarse(const TriangleMesh& mesh, double diagonal) {
-  double edges = 0;
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) edges += norm(Vec3(mesh.vertices[t[k]]) - Vec3(mesh.vertices[t[(k + 1) % 3]]));
-  return !mesh.triangles.empty() && edges / (3 * static_cast<double>(mesh.triangles.size())) > kCoarse * diagonal;
-}
-
 /// The colours of a map as a scale: those of distance_color from −range, or 0, to range.
 TransferFunction scale_of(double range, bool both_sides) {
   constexpr int kSteps = 16;
@@ -130,7 +118,6 @@ constexpr int kLeastPicture = 100;
 
 void check_arguments(const CompareArguments& a) {
   a.options.validate();
-  if (a.refine && !(*a.refine > 0 && std::isfinite(*a.refine))) throw ArgumentError("--refine must be positive");
   if (!a.output.empty()) check_writable(a.output, "text");
   a.picture.options.validate();
   if (a.preview.empty()) return;
@@ -151,19 +138,6 @@ RenderOptions picture_options(const CompareArguments& a) {
   return picture;
 }
 
-/// Cuts large triangles up if that was asked for; returns what to warn of.
-std::vector<std::string> refine(TriangleMesh& mesh, const std::optional<double>& edge, double diagonal,
-                                Progress& progress) {
-  if (edge) {
-    progress.begin("refine");
-    if (!refine_edges(mesh, *edge))
-      return {fmt::format("edges stay longer than {}: more than 20 million triangles", length(*edge))};
-  } else if (is_coarse(mesh, diagonal)) {
-    return {"has large triangles, and only their corners are compared: --refine LENGTH cuts them up"};
-  }
-  return {};
-}
-
 /// The mesh has the colours of the map.
 void write_map(const CompareArguments& a, const TriangleMesh& mesh, const DistanceMap& map, RenderOptions picture,
                Progress& progress) {
@@ -171,7 +145,7 @@ void write_map(const CompareArguments& a, const TriangleMesh& mesh, const Distan
   if (!a.preview.empty()) {
     const TransferFunction scale = scale_of(map.statistics.range, map.has_sides);
     std::vector<double> marks;
-    if (a.options.tolerance) marks = {-*a.options.tolerance, *a.options.tolerance};
+    if (const auto& most = a.options.map.tolerance) marks = {-*most, *most};
     const DistanceStatistics& s = map.statistics;
     const std::string title = with_unit(kTitle, a.unit);
     picture.width -= value_bar_width(picture.height, scale, title);
@@ -198,7 +172,7 @@ void say_rest(const CompareArguments& a, const DistanceMap& map, const std::stri
   line("not found", map.not_found, "from where no surface was found (grey)");
   line("borders", map.at_border,
        fmt::format("closest to the border of {}{}", reference,
-                   a.options.skip_border ? " (left out, grey)" : ": --skip-border leaves them out"));
+                   a.options.map.skip_border ? " (left out, grey)" : ": --skip-border leaves them out"));
   line("unused", map.not_finite, "that no triangle uses");
   if (a.histogram && map.measured > 0) say_histogram(map, console);
   const DistanceStatistics& s = map.statistics;
@@ -208,30 +182,12 @@ void say_rest(const CompareArguments& a, const DistanceMap& map, const std::stri
                               s.smallest_range ? ", a millionth of the diagonal: 99 % are nearer" : ""));
 }
 
-/// Moves the part onto the reference.
-std::optional<SurfaceAlignment> align(const CompareArguments& a, SurfaceInput& part, SurfaceInput& reference,
-                                      Console& console) {
-  if (!a.align) {
-    const SurfaceAlignmentOptions none;
-    if (a.alignment.start != none.start || a.alignment.scale || a.alignment.samples != none.samples ||
-        a.alignment.iterations != none.iterations)
-      throw ArgumentError("--from, --scale, --align-samples and --align-iterations mean nothing without --align");
-    return std::nullopt;
-  }
-  if (part.field() && a.on == "reference")
-    throw ArgumentError("--align moves meshes and points: with --on reference, the part may not be a function");
-  TriangleMesh& mesh = part.mesh();
-  SurfaceAlignment r = align_or_name(mesh, part.file(), reference.mesh(), reference.file(), a.alignment, console);
-  transform(mesh, map_of(r.motion));
-  return r;
-}
-
-Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInput& part, const SurfaceInput& reference,
-             double diagonal) {
+Json to_json(const CompareArguments& a, const CompareResult& made, const Json& part, const Json& reference) {
+  const DistanceMap& map = made.map;
   const DistanceStatistics& s = map.statistics;
-  Json json = {{"part", part.json()},
-               {"reference", reference.json()},
-               {"on", a.on},
+  Json json = {{"part", part},
+               {"reference", reference},
+               {"on", a.options.on == MapSide::part ? "part" : "reference"},
                {"signed", map.has_sides},
                {"vertices", map.distance.size()},
                {"measured", map.measured},
@@ -240,7 +196,7 @@ Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInp
                {"at_border", map.at_border},
                {"not_finite", map.not_finite},
                {"max_distance", map.max_distance},
-               {"tolerance", a.options.tolerance},
+               {"tolerance", a.options.map.tolerance},
                {"distance", to_json(s)},
                {"histogram",
                 {{"lower", map.has_sides ? -s.range : 0.0},
@@ -248,9 +204,13 @@ Json to_json(const CompareArguments& a, const DistanceMap& map, const SurfaceInp
                  {"below", s.below_range},
                  {"above", s.above_range},
                  {"shares", s.histogram}}}};
-  json["reference"]["diagonal"] = diagonal;
+  json["reference"]["diagonal"] = made.report.diagonal;
   if (!a.output.empty()) json["output"] = {{"file", a.output}};
   if (!a.preview.empty()) json["preview"] = {{"file", a.preview}};
+  if (const auto& moved = made.report.alignment) {
+    json["alignment"] = json_of_alignment(*moved);
+    json["matrix"] = json_of_matrix(made.report.motion);
+  }
   return json;
 }
 
@@ -258,45 +218,24 @@ void run_compare(const CompareArguments& a, Console& console) {
   check_arguments(a);
   const RenderOptions picture = picture_options(a);
   Progress& progress = console.progress();
-  SurfaceInput part(a.part, console), reference(a.reference, console);
-  const std::optional<SurfaceAlignment> moved = align(a, part, reference, console);
-  const bool reversed = a.on == "reference";
-  SurfaceInput& mapped = reversed ? reference : part;
-  SurfaceInput& other = reversed ? part : reference;
-  TriangleMesh& mesh = mapped.mesh();
-  const bool points = mesh.triangles.empty();
+  const SurfaceInput part = open_surface(a.part, console), reference = open_surface(a.reference, console);
+  const bool reversed = a.options.on == MapSide::reference;
+  const AnySurface& mapped = (reversed ? reference : part).surface;
+  const AnySurface& other = (reversed ? part : reference).surface;
+  const bool points = mapped.kind() == AnySurface::Kind::points;
   if (!a.output.empty()) check_writable(a.output, points ? "points" : "mesh");
-  const double diagonal = reference.bounds().diagonal();
-  std::vector<std::string> warnings = refine(mesh, a.refine, diagonal, progress);
-
-  progress.begin("prepare");
-  const std::unique_ptr<SignedDistance> distance = other.distance();
-  DistanceMapOptions options = a.options;
-  options.reversed = reversed;
-  if (!options.max_distance && diagonal > 0) options.max_distance = 0.1 * diagonal;
-  DistanceMap map;
-  try {
-    map = distance_map(mesh, *distance, options, progress);
-  } catch (const DataError& error) {
-    throw FileError(mapped.file(), error.what());
-  }
-  if (!map.has_sides) warnings.push_back("distances have no sign: " + other.file() + " is points without normals");
-  console.warn(mapped.file(), warnings);
-  apply_map(mesh, map, map.statistics.range);
-  write_map(a, mesh, map, picture, progress);
+  const CompareResult made = compare(part.surface, reference.surface, a.options, progress);
+  console.note(mapped.name(), made.notes);
+  write_map(a, made.mesh, made.map, picture, progress);
   progress.finish();
 
-  console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.file(), grouped(map.measured),
-                          grouped(mesh.vertices.size()), points ? "points" : "vertices", other.file(), other.kind()));
-  if (moved) say_alignment(*moved, console);
-  if (map.measured > 0) say_statistics(map, a.options.tolerance, console);
-  say_rest(a, map, other.file(), console);
-  Json json = to_json(a, map, part, reference, diagonal);
-  if (moved) {
-    json["alignment"] = json_of_alignment(*moved);
-    json["matrix"] = json_of_matrix(map_of(moved->motion));
-  }
-  console.say_json(json);
+  console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.name(), grouped(made.map.measured),
+                          grouped(made.mesh.vertices.size()), points ? "points" : "vertices", other.name(),
+                          other.kind_word()));
+  if (made.report.alignment) say_alignment(*made.report.alignment, console);
+  if (made.map.measured > 0) say_statistics(made.map, a.options.map.tolerance, console);
+  say_rest(a, made.map, other.name(), console);
+  console.say_json(to_json(a, made, part.json, reference.json));
   console.print_timings();
 }
 
@@ -305,7 +244,6 @@ void run_compare(const CompareArguments& a, Console& console) {
 Command add_compare(CommandLine& app) {
   CommandLine& c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
   auto a = std::make_shared<CompareArguments>();
-  DistanceMapOptions& o = a->options;
   a->part.files.resize(1);
   c.add_option("part", a->part.files[0], "What was made: mesh, points, or function (.smf)")
       .type_name("FILE")
@@ -319,18 +257,9 @@ Command add_compare(CommandLine& app) {
                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
       .type_name("FILE");
   add_preview_option(c, a->preview, "the map, with a scale in its --width,");
-  c.add_option("--tolerance", o.tolerance, "Report the share within ±LENGTH").type_name("LENGTH");
-  c.add_option("--range", o.range, "Distance that gets the full colour [99 % are nearer]").type_name("LENGTH");
-  c.add_option("--max-distance", o.max_distance,
-               "Leave out whatever is farther off [a tenth of the diagonal of the reference]")
-      .type_name("LENGTH");
-  c.add_flag("--skip-border", o.skip_border, "Leave out what is closest to the border of an open surface");
-  c.add_option("--on", a->on, "Draw the map on the part or the reference; the sign stays the part's [part]")
-      .type_name("CHOICE")
-      .one_of({"part", "reference"});
-  c.add_option("--refine", a->refine, "First halve edges of the mapped mesh until none is longer").type_name("LENGTH");
-  c.add_flag("--align", a->align, "First move the part onto the reference").group("Alignment");
-  add_align_options(c, a->alignment);
+  const std::vector<std::string_view> of_alignment = {"align", "from", "scale", "align_samples", "align_iterations"};
+  add_schema(c, a->options, {.without = of_alignment});
+  add_schema(c, a->options, {.group = "Alignment", .only = of_alignment});
   c.add_flag("--histogram", a->histogram, "Print the distribution as well");
   add_ascii_flag(c, a->ascii);
   add_picture_options(c, a->picture);

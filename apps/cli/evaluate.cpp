@@ -1,20 +1,14 @@
 // sansmesh evaluate: how good is a mesh?
-#include <fmt/core.h>
+#include "sansmesh/jobs/assess.h"
 
-#include <cmath>
-#include <optional>
-#include <utility>
+#include <fmt/core.h>
 
 #include "cloud_input.h"
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/mesh_coverage.h"
-#include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/sewn_mesh.h"
-#include "sansmesh/points/face_shape.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -22,24 +16,8 @@ namespace {
 struct EvaluateArguments {
   std::string surface;
   CloudInput reference;  ///< without files: none
-  std::optional<std::size_t> samples;
+  AssessOptions options;
 };
-
-constexpr std::size_t kSamples = 300'000, kSamplesOfOthers = 5'000;
-constexpr double kOtherUnit = 100;  ///< surfaces that differ in size by more than this are not of the same thing
-
-/// As many as asked for. From the middle of a much larger surface all of it is about as near, so that each sample there
-/// costs as much as all of its triangles: a few tell as much.
-std::size_t samples_of(const EvaluateArguments& a, const TriangleMesh& surface, const TriangleMesh& reference,
-                       Console& console) {
-  const double own = bounds(surface).diagonal(), other = bounds(reference).diagonal();
-  const bool larger = own > other;
-  const double ratio = larger ? own / other : other / own;
-  if (!(ratio > kOtherUnit) || !std::isfinite(ratio)) return a.samples.value_or(kSamples);
-  console.warn(a.surface, {fmt::format("{:.4g} times as {} as the reference: are both in the same unit?", ratio,
-                                       larger ? "large" : "small")});
-  return a.samples.value_or(kSamplesOfOthers);
-}
 
 Json to_json(const OneWayDistance& d) {
   return {{"samples", d.samples},
@@ -96,32 +74,27 @@ void say_distance(const char* name, const OneWayDistance& d, const SurfaceDistan
 void run_evaluate(const EvaluateArguments& arguments, Console& console) {
   require(!arguments.reference.files.empty() || !arguments.reference.classes,
           "--class and --without-class choose among the points of the reference");
+  arguments.options.validate();
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
   const TriangleMesh surface = to_mesh(read_points(arguments.surface, &read));
   console.warn(arguments.surface, read.warnings);
-  TriangleMesh reference;
-  PointSet samples;  // of the reference, where that is a cloud or a meshed scan
-  if (!arguments.reference.files.empty()) {
-    PointSet points = arguments.reference.read(console, read);
-    if (!surface.triangles.empty() && (points.triangles.empty() || vertices_are_dense(points))) {
-      samples.origin = points.origin;
-      samples.positions = points.positions;
-    }
-    reference = to_mesh(std::move(points));
-  }
+  const AssessResult made = arguments.reference.files.empty()
+                                ? assess(surface, progress)
+                                : assess(surface, arguments.reference.read(console, read), arguments.options, progress);
+  progress.finish();
+  console.note(arguments.surface, made.notes);
 
+  const AssessReport& r = made.report;
   Json json;
   json["surface"] = {{"file", arguments.surface}};
-  if (surface.triangles.empty()) {
-    console.say(fmt::format("{}: {} without faces", arguments.surface, counted(surface.vertices.size(), "point")));
-    json["surface"]["points"] = surface.vertices.size();
+  if (!r.topology) {
+    console.say(fmt::format("{}: {} without faces", arguments.surface, counted(r.vertices, "point")));
+    json["surface"]["points"] = r.vertices;
   } else {
-    progress.begin("topology and quality");
-    const SewnMesh sewn = sewn_mesh(surface);
-    const MeshTopology t = sewn_topology(sewn);
-    const MeshQuality q = measure_quality(sewn.mesh);
+    const MeshTopology& t = *r.topology;
+    const MeshQuality& q = *r.quality;
     console.say(
         fmt::format("{}: {} vertices, {}", arguments.surface, grouped(t.vertices), counted(t.triangles, "triangle")));
     console.say(fmt::format("{:<16}{}", "topology", topology_words(t)));
@@ -135,10 +108,8 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["topology"] = topology_json(t);
     json["quality"] = to_json(q, t.encloses());
   }
-  if (!arguments.reference.files.empty()) {
-    DistanceOptions options;
-    options.samples = samples_of(arguments, surface, reference, console);
-    const SurfaceDistance d = measure_distance(surface, reference, options, progress);
+  if (r.distance) {
+    const SurfaceDistance& d = *r.distance;
     say_distance("to reference", d.to_reference, d, console);
     say_distance("from reference", d.from_reference, d, console);
     console.say("(in brackets: % of the diagonal of the reference's bounding box)");
@@ -146,14 +117,13 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
     json["reference"]["diagonal"] = d.diagonal;
     json["to_reference"] = to_json(d.to_reference);
     json["from_reference"] = to_json(d.from_reference);
-    if (samples.size() > 0) {
-      const MeshCoverage c = measure_coverage(surface, samples, options.samples, progress);
-      say_coverage(c, console);
-      json["coverage"] = {
-          {"spacing", c.spacing}, {"noise", c.noise}, {"lost", to_json(c.lost)}, {"invented", to_json(c.invented)}};
-    }
   }
-  progress.finish();
+  if (r.coverage) {
+    const MeshCoverage& c = *r.coverage;
+    say_coverage(c, console);
+    json["coverage"] = {
+        {"spacing", c.spacing}, {"noise", c.noise}, {"lost", to_json(c.lost)}, {"invented", to_json(c.invented)}};
+  }
   console.say_json(json);
   console.print_timings();
 }
@@ -168,7 +138,7 @@ Command add_evaluate(CommandLine& app) {
   c.add_option("reference", a.reference.files, "Mesh or points to compare with; several (tiles) are read as one")
       .type_name("FILE");
   add_class_options(c, a.reference, " of the reference");
-  c.add_option("--samples", a.samples, "Samples on each mesh [300000]").type_name("COUNT").within(1, 2000000000);
+  add_schema(c, a.options);
   c.footer(
       "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
       "Where a side is a set of points, distances do not fall below half their spacing.\n"

@@ -1,7 +1,8 @@
 // sansmesh fill: holes of a mesh, listed and filled.
+#include "sansmesh/jobs/fill.h"
+
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "commands.h"
@@ -9,21 +10,19 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/fill_holes.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/mesh/place_edges.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
 
 constexpr std::size_t kMostLines = 30;
-constexpr double kWideShare = 0.1;
 
 struct FillArguments {
   std::string input;
   MeshOutput output;
   FillOptions options;
-  bool list = false, flat = false;
+  bool list = false;
 };
 
 const char* outcome_word(FillReport::Outcome outcome) {
@@ -66,92 +65,55 @@ Json say_holes(const HoleLoops& found, const std::vector<FillReport::Outcome>& o
   return list;
 }
 
-/// Holes so wide that it should be said that they were filled by default.
-std::size_t wide_caps(const FillReport& r) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < r.outcome.size(); ++i)
-    count += r.outcome[i] == FillReport::Outcome::filled && r.found.loops[i].share > kWideShare;
-  return count;
+void say_title(const std::string& file, std::size_t triangles, const HoleLoops& found, Console& console) {
+  console.say(fmt::format("{}: {}, {} with {}", file, counted(triangles, "triangle"),
+                          counted(found.loops.size(), "hole"), counted(found.border_edges, "border edge")));
 }
 
-std::string irregular(const HoleLoops& found) {
-  if (found.stray_edges == 0) return "";
-  return fmt::format("{} of the border run to edges of three triangles or more, and around no hole: they stay open",
-                     counted(found.stray_edges, "edge"));
+Json json_of_border(const std::string& file, std::size_t triangles, std::size_t joined, const HoleLoops& found) {
+  return {{"input", {{"file", file}, {"triangles", triangles}, {"joined_vertices", joined}}},
+          {"border_edges", found.border_edges},
+          {"stray_border_edges", found.stray_edges},
+          {"nonmanifold_edges", found.nonmanifold_edges}};
 }
 
-void run_fill(FillArguments& a, Console& console) {
-  a.options.fair = !a.flat;
+void run_list(const FillArguments& a, Console& console) {
+  if (!a.output.file.empty()) throw ArgumentError("--list lists holes and writes nothing: leave out --output");
+  console.progress().begin("read");
+  ReadReport read;
+  TriangleMesh mesh = read_mesh(a.input, &read);
+  console.warn(a.input, read.warnings);
+  const HolesResult found = list_holes(std::move(mesh), console.progress());
+  console.progress().finish();
+  console.note(a.input, found.notes);
+  say_title(a.input, found.triangles, found.holes, console);
+  Json json = json_of_border(a.input, found.triangles, found.joined_vertices, found.holes);
+  json["holes"] = say_holes(found.holes, {}, true, console);
+  console.say_json(json);
+  console.print_timings();
+}
+
+void run_fill(const FillArguments& a, Console& console) {
   a.options.validate();
-  if (a.list) {
-    if (!a.output.file.empty()) throw ArgumentError("--list lists holes and writes nothing: leave out --output");
-  } else {
-    if (a.output.file.empty()) throw ArgumentError("--output is needed (or --list, which lists the holes)");
-    a.output.check();
-  }
+  if (a.list) return run_list(a, console);
+  if (a.output.file.empty()) throw ArgumentError("--output is needed (or --list, which lists the holes)");
+  a.output.check();
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  TriangleMesh mesh = read_mesh(a.input, &read);
-  std::vector<std::string> warnings = read.warnings;
-  const JoinedPlaces places = join_places(mesh);
-  const std::size_t triangles = mesh.triangles.size();
-  Json json = {{"input", {{"file", a.input}, {"triangles", triangles}, {"joined_vertices", places.joined}}}};
-  const auto title = [&](const HoleLoops& found) {
-    console.say(fmt::format("{}: {}, {} with {}", a.input, counted(triangles, "triangle"),
-                            counted(found.loops.size(), "hole"), counted(found.border_edges, "border edge")));
-  };
-  const auto describe = [&](const HoleLoops& found) {
-    json["border_edges"] = found.border_edges;
-    json["stray_border_edges"] = found.stray_edges;
-    json["nonmanifold_edges"] = found.nonmanifold_edges;
-    if (const std::string line = irregular(found); !line.empty()) warnings.push_back(line);
-  };
-  if (a.list) {
-    progress.begin("find holes");
-    const HoleLoops found = find_holes(mesh);
-    describe(found);
-    progress.finish();
-    console.warn(a.input, warnings);
-    title(found);
-    json["holes"] = say_holes(found, {}, true, console);
-    console.say_json(json);
-    console.print_timings();
-    return;
-  }
-  const FillReport r = fill_holes(mesh, a.options, progress);
-  describe(r.found);
-  if (r.failed > 0)
-    warnings.push_back(
-        fmt::format("{} cannot be filled without an edge that is there already", counted(r.failed, "hole")));
-  if (r.ends > 0) {
-    double widest = 0;
-    for (std::size_t i = 0; i < r.outcome.size(); ++i)
-      if (r.outcome[i] == FillReport::Outcome::end) widest = std::max(widest, r.found.loops[i].diameter);
-    warnings.push_back(
-        fmt::format("{} open: the surface runs into {} steeply, as at the end of a tube; "
-                    "--largest {} closes {}, --all everything",
-                    r.ends == 1 ? "1 opening stays" : grouped(r.ends) + " openings stay", r.ends == 1 ? "it" : "them",
-                    length(widest * 1.01), r.ends == 1 ? "it" : "them"));
-  }
-  if (const std::size_t caps = wide_caps(r); caps > 0)
-    warnings.push_back(
-        fmt::format("{} wider than a tenth of the piece around: what lies across is invented",
-                    caps == 1 ? "1 hole that was filled is" : grouped(caps) + " holes that were filled are"));
-  if (r.islands > 0)
-    warnings.push_back(
-        fmt::format("{} lie in or near what was filled, and stay there", counted(r.islands, "separate piece")));
-  if (places.seams > 0)
-    warnings.push_back(
-        fmt::format("{} at the same place as another, with other colours or attributes: seams, but no holes",
-                    places.seams == 1 ? "1 vertex is" : grouped(places.seams) + " vertices are"));
-  for (std::string& line : loss_words(read, a.output.file, mesh)) warnings.push_back(std::move(line));
-  console.warn(a.input, warnings);
+  TriangleMesh original = read_mesh(a.input, &read);
+  console.warn(a.input, read.warnings);
+  const FillResult made = fill(std::move(original), a.options, progress);
+  const TriangleMesh& mesh = made.mesh;
+  console.note(a.input, made.notes);
+  console.warn(a.input, loss_words(read, a.output.file, mesh));
   a.output.write(mesh, progress);
   progress.finish();
 
+  const FillReport& r = made.report;
   const MeshTopology t = measure_topology(mesh);
-  title(r.found);
+  say_title(a.input, made.triangles, r.found, console);
+  Json json = json_of_border(a.input, made.triangles, made.joined_vertices, r.found);
   json["holes"] = say_holes(r.found, r.outcome, false, console);
   console.say(fmt::format("filled {}, left {} open; added {} and {} vertices, area {}", grouped(r.filled),
                           grouped(r.too_large + r.failed + r.ends), counted(r.triangles, "triangle"),
@@ -173,18 +135,10 @@ void run_fill(FillArguments& a, Console& console) {
 Command add_fill(CommandLine& app) {
   CommandLine& c = app.add_subcommand("fill", "Mesh → mesh whose holes are filled, all or up to a size");
   auto a = std::make_shared<FillArguments>();
-  FillOptions& o = a->options;
   c.add_option("input", a->input, "Mesh").type_name("FILE").required();
   add_mesh_output(c, a->output, false);
   c.add_flag("--list", a->list, "List the holes with their places and sizes, and write nothing");
-  c.add_option(
-       "--largest", o.largest,
-       "Fill holes of at most this diameter [a fifth of the diagonal of the piece that they are in, and no ends: "
-       "openings that the surface runs into steeply]")
-      .type_name("LENGTH");
-  c.add_option("--edges", o.edges, "Fill holes of at most so many edges").type_name("COUNT").within(3, 2000000000);
-  c.add_flag("--all", o.all, "Fill all, outer borders of open surfaces too");
-  c.add_flag("--flat", a->flat, "Fill with the smallest surface instead of one that goes on smoothly");
+  add_schema(c, a->options, {.without = {"share", "refine"}});
   c.footer(
       "A hole's diameter is the diagonal of its box. Colours and attributes of the fillings come from the border.\n\n"
       "Examples:\n"

@@ -1,16 +1,15 @@
 // sansmesh measure: area, volume, centre of mass, moments and size of a solid and of its parts.
+#include "sansmesh/jobs/measure.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <string>
 
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/measure/body_measures.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {
@@ -44,63 +43,13 @@ std::string place(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})"
 
 std::string sides(double a, double b, double c) { return fmt::format("{:.6g} × {:.6g} × {:.6g}", a, b, c); }
 
-std::vector<std::string> warnings_of(const SolidMeasures& m) {
-  std::vector<std::string> warnings;
-  if (!m.whole.closed())
-    warnings.push_back(open_words(m.topology) + ": no volume, centre of mass and moments of the whole");
-  std::size_t cavities = 0, inside_out = 0, nested = 0;
-  for (const BodyMeasures& b : m.components) {
-    const bool inward = b.mass && b.mass->volume < 0;
-    cavities += inward && !b.misplaced();
-    inside_out += inward && b.misplaced();
-    nested += !inward && b.misplaced();
-  }
-  // Against the sphere with that area, which holds area^1.5 / 10.6.
-  if (m.whole.mass && std::abs(m.whole.mass->volume) < 1e-9 * std::pow(m.whole.area, 1.5))
-    warnings.push_back("encloses nothing: faces of both sides lie on each other and cancel out");
-  else if (m.whole.mass && m.whole.mass->volume < 0)
-    warnings.push_back("the triangles face inward: the volume is negative");
-  const auto components = [](std::size_t count, const char* one, const char* several) {
-    return count == 1 ? fmt::format("1 component {}", one) : fmt::format("{} components {}", grouped(count), several);
-  };
-  if (cavities > 0)
-    warnings.push_back(components(cavities, "faces", "face") + " inward: cavities, whose volume is subtracted");
-  if (inside_out > 0 && m.components.size() > 1)
-    warnings.push_back(components(inside_out, "faces", "face") +
-                       " inward and bounds no cavity: the volume is subtracted (inside out? convert --flip-faces)");
-  if (nested > 0)
-    warnings.push_back(components(nested, "lies", "lie") +
-                       " within another that faces outward, too: the volume there counts more than once");
-  if (m.crossing_components > 0)
-    warnings.push_back(components(m.crossing_components, "cuts", "cut") +
-                       " through another: the volume that they have in common counts more than once (`sansmesh csg "
-                       "'A | B'` joins closed meshes)");
-  else if (m.crossing_pairs > 0)
-    warnings.push_back(
-        fmt::format("cuts through itself at {} of triangles: where it overlaps the volume counts more "
-                    "than once",
-                    counted(m.crossing_pairs, "pair")));
-  if (m.whole.nonmanifold_edges > 0)
-    warnings.push_back(fmt::format("{} of more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
-  if (m.left_out > 0) warnings.push_back(fmt::format("{} with bad corners left out", counted(m.left_out, "triangle")));
-  return warnings;
-}
-
 void run_measure(const CloudInput& input, Console& console) {
-  Progress& progress = console.progress();
-  SurfaceInput surface(input, console);
-  const std::string& file = surface.file();
-  if (surface.mesh().triangles.empty())
-    throw FileError(file, "has no faces to measure: sansmesh reconstruct makes a surface of points");
-  progress.begin("measure");
-  SolidMeasures m;
-  try {
-    m = measure_solid(surface.mesh());
-  } catch (const DataError& error) {
-    throw FileError(file, error.what());
-  }
-  progress.finish();
-  console.warn(file, warnings_of(m));
+  const SurfaceInput opened = open_surface(input, console);
+  const std::string& file = opened.surface.name();
+  const MeasureResult made = measure(opened.surface, console.progress());
+  const SolidMeasures& m = made.measures;
+  console.progress().finish();
+  console.note(file, made.notes);
 
   const BodyMeasures& w = m.whole;
   console.say(fmt::format("{}: {} vertices, {}", file, grouped(m.topology.vertices), counted(w.triangles, "triangle")));
@@ -135,7 +84,7 @@ void run_measure(const CloudInput& input, Console& console) {
   }
   console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
 
-  Json json = {{"input", surface.json()}, {"topology", topology_json(m.topology)}, {"whole", to_json(w)}};
+  Json json = {{"input", opened.json}, {"topology", topology_json(m.topology)}, {"whole", to_json(w)}};
   json["smallest_box"] = {{"sizes", box.sizes},
                           {"axes", {to_json(box.axes[0]), to_json(box.axes[1]), to_json(box.axes[2])}},
                           {"center", to_json(box.center)}};

@@ -1,4 +1,4 @@
-// What is said of how a mesh hangs together: the same by every command that looks at the mesh of a file.
+// What is said of the mesh of a file: the same by every command that looks at one.
 #pragma once
 
 #include <string>
@@ -6,17 +6,10 @@
 
 #include "json.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/topology_words.h"
 
 namespace sansmesh::cli {
 
-/// "not closed, manifold, 1 component, genus 0, 223 boundary edges in 5 loops". Closed is what encloses a volume
-/// (MeshTopology::encloses), be it manifold or not.
-std::string topology_words(const MeshTopology& topology);
-/// "not closed (223 boundary edges)": what a mesh that is not closed lacks.
-std::string open_words(const MeshTopology& topology);
-/// "closed", "closed, but 12 edges of three triangles or more", "223 border edges": after something was done to it.
-std::string border_words(const MeshTopology& topology);
 /// What a mesh or a cloud loses on its way through: what was not read, and what the format of `output` has no room for.
 std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const TriangleMesh& mesh);
 std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const PointSet& points);

@@ -109,6 +109,13 @@ CutPlane parse_plane(const std::string& text) {
   return cut_plane({values[0], values[1], values[2]}, values[3]);
 }
 
+std::string text_of_option(const CutPlane& plane) {
+  const Vec3& n = plane.normal;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (n[k] == 1) return fmt::format("{}={}", "xyz"[k], plane.offset);
+  return fmt::format("{},{},{},{}", n.x, n.y, n.z, plane.offset);
+}
+
 std::string equation(const CutPlane& plane) {
   std::string text;
   for (std::size_t k = 0; k < 3; ++k) {

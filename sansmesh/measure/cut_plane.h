@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/core/box.h"
@@ -39,6 +40,10 @@ std::vector<CutPlane> middle_planes(const Box3& box);
 
 /// "z=0.5", or "nx,ny,nz,d" for ⟨n, x⟩ = d. Throws ArgumentError that quotes the text.
 CutPlane parse_plane(const std::string& text);
+
+/// As options of schemas (schema/option.h): as parse_plane reads it, to the last digit.
+std::string text_of_option(const CutPlane& plane);
+inline void option_of_text(std::string_view text, CutPlane& plane) { plane = parse_plane(std::string(text)); }
 
 /// "z = 0.5", or "0.6 x + 0.8 y = 1".
 std::string equation(const CutPlane& plane);

@@ -140,16 +140,24 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
 
 }  // namespace
 
-void DistanceMapOptions::validate() const {
-  const auto positive = [](const std::optional<double>& value, const char* name) {
-    if (value && !(*value > 0 && std::isfinite(*value)))
-      throw ArgumentError(std::string(name) + " must be a positive length");
-  };
-  positive(max_distance, "`max_distance`");
-  positive(range, "`range`");
-  if (tolerance && !(*tolerance >= 0 && std::isfinite(*tolerance)))
-    throw ArgumentError("`tolerance` must be a length, 0 or larger");
+const OptionSchema& DistanceMapOptions::schema() {
+  using O = DistanceMapOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::tolerance>({.text = "Report the share within ±LENGTH", .unit = "length", .range = at_least(0)}),
+      option<&O::range>({.text = "Distance that gets the full colour",
+                         .unit = "length",
+                         .from_data = "99 % are nearer",
+                         .range = positive()}),
+      option<&O::max_distance>({.text = "Leave out whatever is farther off",
+                                .unit = "length",
+                                .from_data = "a tenth of the diagonal of the reference",
+                                .range = positive()}),
+      option<&O::skip_border>({.text = "Leave out what is closest to the border of an open surface"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
 }
+
+void DistanceMapOptions::validate() const { validate_options(*this); }
 
 DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& reference, const DistanceMapOptions& options,
                          Progress& progress) {

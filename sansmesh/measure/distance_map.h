@@ -11,6 +11,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -25,6 +26,8 @@ struct DistanceMapOptions {
   std::optional<double> range = {};
   bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
   bool reversed = false;     ///< the map lies on the reference, distances are to the part, with their sign reversed
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError saying which.
   void validate() const;
 };

@@ -102,10 +102,31 @@ Vec3 SimilarityMotion::axis() const {
                                       [](const Vec3& a, const Vec3& b) { return squared_norm(a) < squared_norm(b); }));
 }
 
-void SurfaceAlignmentOptions::validate() const {
-  if (samples < 100 || samples > 10000000) throw ArgumentError("`samples` must lie in 100..10000000");
-  if (iterations < 1 || iterations > 1000) throw ArgumentError("`iterations` must lie in 1..1000");
+AffineMap SimilarityMotion::map() const {
+  AffineMap map{x * scale, y * scale, z * scale, {}};
+  map.shift = to - map.turn(from);
+  return map;
 }
+
+const OptionSchema& SurfaceAlignmentOptions::schema() {
+  using O = SurfaceAlignmentOptions;
+  static constexpr std::string_view starts[] = {"auto", "here", "anywhere"};
+  static constexpr OptionRow rows[] = {
+      option<&O::start>({.text =
+                             "Where the search starts: here, as it lies; anywhere, every way round; auto, here, and "
+                             "anywhere if that does not lead to a good fit",
+                         .unit = "choice",
+                         .choices = starts,
+                         .name = "from"}),
+      option<&O::scale>({.text = "Find one factor for all lengths, too"}),
+      option<&O::samples>(
+          {.text = "Samples of what moves that are compared", .range = {100, 10'000'000}, .name = "align_samples"}),
+      option<&O::iterations>({.text = "Steps of a search at most", .range = {1, 1000}, .name = "align_iterations"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void SurfaceAlignmentOptions::validate() const { validate_options(*this); }
 
 namespace {
 

@@ -8,7 +8,9 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/core/vec.h"
+#include "sansmesh/data/affine_map.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -27,6 +29,8 @@ struct SurfaceAlignmentOptions {
   int iterations = 100;
   /// Also find one factor for all lengths.
   bool scale = false;
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
@@ -42,6 +46,7 @@ struct SimilarityMotion {
   /// Of the rotation, 0..180 degrees.
   double angle() const;
   Vec3 axis() const;  ///< unit; any where the angle is 0
+  AffineMap map() const;
 };
 
 /// From this share of `differing` on two surfaces are not of the same shape.

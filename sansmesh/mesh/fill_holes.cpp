@@ -335,10 +335,28 @@ std::size_t count_islands(const HoledMesh& m, const std::vector<Vec3f>& filled,
 
 }  // namespace
 
+const OptionSchema& FillOptions::schema() {
+  using O = FillOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::largest>({.text = "Fill holes of at most this diameter",
+                           .unit = "length",
+                           .from_data = "a fifth of the diagonal of the piece that they are in, and no ends: openings "
+                                        "that the surface runs into steeply",
+                           .range = positive()}),
+      option<&O::edges>({.text = "Fill holes of at most so many edges", .range = {3, 2'000'000'000}}),
+      option<&O::share>({.text = "Without `largest` and `edges`: fill holes of at most this share of their piece",
+                         .unit = "share",
+                         .range = {0, 1}}),
+      option<&O::all>({.text = "Fill all, outer borders of open surfaces too"}),
+      option<&O::refine>({.text = "Make the triangles as small as those around the hole"}),
+      option<&O::fair>(
+          {.text = "Fill with the smallest surface instead of one that goes on smoothly", .negative = "flat"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void FillOptions::validate() const {
-  if (largest && !(*largest > 0 && std::isfinite(*largest))) throw ArgumentError("`largest` must be positive");
-  if (edges && *edges < 3) throw ArgumentError("`edges` must be 3 or more");
-  if (!(share >= 0 && share <= 1)) throw ArgumentError("`share` must lie in 0..1");
+  validate_options(*this);
   if (all && (largest || edges)) throw ArgumentError("`all` means every hole, whatever `largest` or `edges` it has");
 }
 

@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -51,6 +52,8 @@ struct FillOptions {
   /// Move these vertices so that the filling goes on as smoothly as its surroundings; otherwise it is the smallest
   /// one. Means nothing without `refine`.
   bool fair = true;
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

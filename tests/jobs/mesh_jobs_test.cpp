@@ -1,19 +1,14 @@
 // Jobs around a mesh: what they report beside the mesh. How good the meshes are is told by tests/mesh.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "sansmesh/core/error.h"
 #include "sansmesh/jobs/simplify.h"
 #include "sansmesh/jobs/smooth.h"
 #include "support/mesh_shapes.h"
+#include "support/notes.h"
 
 namespace sansmesh::test {
 namespace {
-
-bool has_note(const std::vector<Note>& notes, std::string_view code) {
-  return std::any_of(notes.begin(), notes.end(), [&](const Note& n) { return n.code == code; });
-}
 
 TEST(SmoothJob, SaysWhenMoreThanNoiseGoes) {
   Progress progress;

@@ -1,0 +1,72 @@
+#include "sansmesh/jobs/align.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kLittleOverlap = 0.4;
+constexpr double kOtherSize = 1.5;
+
+/// Beside the numbers: the motion is not the only one, or is hardly told.
+void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOptions& options, const std::string& name,
+                         std::vector<Note>& notes) {
+  const auto note = [&](const char* code, std::string text, const char* remedy = "") {
+    notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = name});
+  };
+  if (r.alternatives > 0) {
+    std::string angles;
+    for (const double one : r.alternative_angles) angles += fmt::format("{}{:.0f}°", angles.empty() ? "" : ", ", one);
+    note("not_unique", fmt::format("the pose is not unique: {} {} as well, turned by {}",
+                                   counted(r.alternatives, "other"), r.alternatives == 1 ? "fits" : "fit", angles));
+  }
+  if (r.free_motions > 0)
+    note("free_motions", fmt::format("the surfaces do not tell {}: they slide on each other",
+                                     counted(static_cast<std::size_t>(r.free_motions), "motion")));
+  if (r.overlap < kLittleOverlap)
+    note("little_overlap", fmt::format("only {:.0f} % of it lie on the other surface", 100 * r.overlap),
+         options.start == AlignStart::as_it_lies ? "`from = anywhere` looks elsewhere" : "");
+  if (r.mirror_image_fits)
+    note("mirrored", "its mirror image fits the other surface, it does not itself: one of them is mirrored");
+  else if (r.differing > kOtherShape)
+    note("other_shape", fmt::format("it may be another shape: {:.0f} % of it beside the other surface are {} off, more "
+                                    "than their noise explains",
+                                    100 * r.differing, length_words(r.differing_by)));
+}
+
+}  // namespace
+
+AlignResult align(const AnySurface& moving, const AnySurface& fixed, const SurfaceAlignmentOptions& options,
+                  Progress& progress, const AffineMap& before) {
+  options.validate();
+  AlignResult result;
+  result.moved = *moving.mesh(progress, result.notes);
+  if (before != AffineMap()) transform(result.moved, before);
+  result.fixed = fixed.mesh(progress, result.notes);
+  SurfaceAlignment& r = result.report;
+  try {
+    r = align_surfaces(result.moved, *result.fixed, options, progress);
+  } catch (const DataError& error) {
+    const std::string what = error.what();
+    throw DataError((what.rfind("the fixed", 0) == 0 ? fixed.name() : moving.name()) + ": " + what);
+  }
+  if (!r.found) {
+    std::string why = moving.name() + ": found no place on " + fixed.name() + " where it fits";
+    if (!options.scale && (r.size_ratio > kOtherSize || r.size_ratio < 1 / kOtherSize))
+      why += fmt::format(" (it is {:.4g} times as large: `scale`)", r.size_ratio);
+    throw DataError(why);
+  }
+  add_alignment_notes(r, options, moving.name(), result.notes);
+  const AffineMap motion = r.motion.map();
+  transform(result.moved, motion);
+  result.motion = motion.after(before);
+  return result;
+}
+
+}  // namespace sansmesh

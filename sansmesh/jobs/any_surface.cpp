@@ -1,0 +1,131 @@
+#include "sansmesh/jobs/any_surface.h"
+
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/measure/field_signed_distance.h"
+#include "sansmesh/measure/mesh_signed_distance.h"
+#include "sansmesh/meshing/mesh_options.h"
+
+namespace sansmesh {
+namespace {
+
+/// A field in the input's coordinates that keeps what it is a field of.
+template <class Owner>
+struct KeptField {
+  std::shared_ptr<const Owner> owner;
+  PlacedField field;
+
+  KeptField(std::shared_ptr<const Owner> of, const ScalarField& own, const Placement& place)
+      : owner(std::move(of)), field(own, place) {}
+};
+
+template <class Owner>
+std::shared_ptr<const ScalarField> kept_field(const std::shared_ptr<const Owner>& owner, const ScalarField& own,
+                                              const Placement& place) {
+  const auto kept = std::make_shared<const KeptField<Owner>>(owner, own, place);
+  return {kept, &kept->field};
+}
+
+/// The distance to a mesh that it keeps.
+struct KeptDistance {
+  std::shared_ptr<const TriangleMesh> mesh;
+  std::unique_ptr<SignedDistance> distance;
+};
+
+struct KeptFieldDistance {
+  std::shared_ptr<const ScalarField> field;
+  FieldDistance distance;
+};
+
+/// Calls; errors of the data get the name in front.
+template <class Call>
+auto named(const std::string& name, Call call) {
+  try {
+    return call();
+  } catch (const DataError& error) {
+    throw DataError(name + ": " + error.what());
+  }
+}
+
+void add_mesh_notes(const AnySurface& surface, const std::vector<std::string>& warnings, std::vector<Note>& notes) {
+  for (const std::string& line : warnings)
+    notes.push_back({.code = "mesh", .text = line, .remedy = {}, .of = surface.name()});
+}
+
+}  // namespace
+
+AnySurface::AnySurface(TriangleMesh mesh, std::string name)
+    : name_(std::move(name)),
+      kind_(mesh.triangles.empty() ? Kind::points : Kind::mesh),
+      mesh_(std::make_shared<const TriangleMesh>(std::move(mesh))) {}
+
+AnySurface::AnySurface(std::shared_ptr<const SurfaceFunction> function, std::string name)
+    : name_(std::move(name)),
+      kind_(Kind::function),
+      function_(std::move(function)),
+      field_(kept_field(function_, function_->field, function_->place)) {}
+
+AnySurface::AnySurface(std::shared_ptr<const Isosurface> isosurface, std::string name)
+    : name_(std::move(name)),
+      kind_(Kind::isosurface),
+      isosurface_(std::move(isosurface)),
+      field_(kept_field(isosurface_, *isosurface_, isosurface_->place())) {}
+
+const char* AnySurface::kind_word() const {
+  switch (kind_) {
+    case Kind::mesh:
+      return "mesh";
+    case Kind::points:
+      return "points";
+    case Kind::function:
+      return "function";
+    case Kind::isosurface:
+      return "isosurface";
+  }
+  return "";
+}
+
+std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::vector<Note>& notes) const {
+  if (mesh_) return mesh_;
+  return named(name_, [&] {
+    if (isosurface_) {
+      IsosurfaceReport report;
+      auto made = std::make_shared<const TriangleMesh>(mesh_isosurface(*isosurface_, {}, progress, &report));
+      add_mesh_notes(*this, report.warnings, notes);
+      return made;
+    }
+    MeshReport report;
+    auto made = std::make_shared<const TriangleMesh>(mesh_function(*function_, {}, progress, &report));
+    add_mesh_notes(*this, report.warnings, notes);
+    return made;
+  });
+}
+
+Box3 AnySurface::bounds() const {
+  if (isosurface_) return field_->bounds();
+  if (function_) {
+    const Box3f box = sansmesh::bounds(*function_->samples);
+    return box.empty() ? field_->bounds() : function_->place.to_input(box);
+  }
+  Box3 box;
+  for (const Vec3f& p : mesh_->vertices)
+    if (is_finite(p)) box.extend(mesh_->origin + Vec3(p));
+  return box;
+}
+
+std::shared_ptr<const SignedDistance> AnySurface::distance(Progress& progress, std::vector<Note>& notes) const {
+  if (function_) {
+    const auto kept = std::make_shared<const KeptFieldDistance>(KeptFieldDistance{field_, FieldDistance(*field_)});
+    return {kept, &kept->distance};
+  }
+  const std::shared_ptr<const TriangleMesh> own = mesh(progress, notes);
+  return named(name_, [&]() -> std::shared_ptr<const SignedDistance> {
+    const auto kept = std::make_shared<const KeptDistance>(KeptDistance{own, signed_distance(*own)});
+    return {kept, kept->distance.get()};
+  });
+}
+
+}  // namespace sansmesh

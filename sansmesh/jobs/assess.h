@@ -1,0 +1,52 @@
+// How good a mesh is: by itself, and against a reference.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/mesh/mesh_coverage.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh {
+
+struct AssessOptions {
+  /// On each mesh, 1..2·10⁹. Default: 300000; 5000 of surfaces that differ in size by more than a hundred, where each
+  /// costs as much as all triangles.
+  std::optional<std::size_t> samples = {};
+
+  static const OptionSchema& schema();
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct AssessReport {
+  std::size_t vertices = 0;              ///< or points
+  std::optional<MeshTopology> topology;  ///< of a mesh, sewn where its borders lie on each other
+  std::optional<MeshQuality> quality;    ///< of a mesh
+  // With a reference.
+  std::optional<SurfaceDistance> distance;
+  std::optional<MeshCoverage> coverage;  ///< of a mesh whose reference is a cloud or a meshed scan
+};
+
+struct AssessResult {
+  AssessReport report;
+  /// "other_unit": mesh and reference differ in size as if they were not in the same unit.
+  std::vector<Note> notes;
+};
+
+/// Of a mesh, or of points without triangles, by itself. Throws Cancelled.
+AssessResult assess(const TriangleMesh& mesh, Progress& progress);
+
+/// The same, and how far it is from the reference and back. Throws ArgumentError for bad options, DataError if a side
+/// has no finite points.
+AssessResult assess(const TriangleMesh& mesh, PointSet reference, const AssessOptions& options, Progress& progress);
+
+}  // namespace sansmesh

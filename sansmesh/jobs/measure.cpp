@@ -1,0 +1,85 @@
+#include "sansmesh/jobs/measure.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/mesh/topology_words.h"
+
+namespace sansmesh {
+namespace {
+
+/// How many components have something to be told of.
+struct OddComponents {
+  std::size_t cavities = 0, inside_out = 0, nested = 0;
+
+  explicit OddComponents(const SolidMeasures& m) {
+    for (const BodyMeasures& b : m.components) {
+      const bool inward = b.mass && b.mass->volume < 0;
+      cavities += inward && !b.misplaced();
+      inside_out += inward && b.misplaced();
+      nested += !inward && b.misplaced();
+    }
+  }
+};
+
+std::string components_that(std::size_t count, const char* one, const char* several) {
+  return count == 1 ? fmt::format("1 component {}", one) : fmt::format("{} components {}", grouped(count), several);
+}
+
+void add_measure_notes(const SolidMeasures& m, std::vector<Note>& notes) {
+  const auto note = [&](const char* code, std::string text, std::string remedy = {}) {
+    notes.push_back({.code = code, .text = std::move(text), .remedy = std::move(remedy)});
+  };
+  if (!m.whole.closed()) note("open", open_words(m.topology) + ": no volume, centre of mass and moments of the whole");
+  // Against the sphere with that area, which holds area^1.5 / 10.6.
+  if (m.whole.mass && std::abs(m.whole.mass->volume) < 1e-9 * std::pow(m.whole.area, 1.5))
+    note("encloses_nothing", "encloses nothing: faces of both sides lie on each other and cancel out");
+  else if (m.whole.mass && m.whole.mass->volume < 0)
+    note("faces_inward", "the triangles face inward: the volume is negative");
+  const OddComponents odd(m);
+  if (odd.cavities > 0)
+    note("cavities", components_that(odd.cavities, "faces", "face") + " inward: cavities, whose volume is subtracted");
+  if (odd.inside_out > 0 && m.components.size() > 1)
+    note("inside_out",
+         components_that(odd.inside_out, "faces", "face") + " inward and bounds no cavity: the volume is subtracted",
+         "inside out? turn its faces round");
+  if (odd.nested > 0)
+    note("nested", components_that(odd.nested, "lies", "lie") +
+                       " within another that faces outward, too: the volume there counts more than once");
+  if (m.crossing_components > 0)
+    note("crossing_components",
+         components_that(m.crossing_components, "cuts", "cut") +
+             " through another: the volume that they have in common counts more than once",
+         "the union 'A | B' of closed meshes has it once");
+  else if (m.crossing_pairs > 0)
+    note("crosses_itself",
+         fmt::format("cuts through itself at {} of triangles: where it overlaps the volume counts more than once",
+                     counted(m.crossing_pairs, "pair")));
+  if (m.whole.nonmanifold_edges > 0)
+    note("nonmanifold", fmt::format("{} of more than two triangles", counted(m.whole.nonmanifold_edges, "edge")));
+  if (m.left_out > 0) note("bad_corners", fmt::format("{} with bad corners left out", counted(m.left_out, "triangle")));
+}
+
+}  // namespace
+
+MeasureResult measure(const AnySurface& surface, Progress& progress) {
+  MeasureResult result;
+  const std::shared_ptr<const TriangleMesh> mesh = surface.mesh(progress, result.notes);
+  if (mesh->triangles.empty())
+    throw DataError(surface.name() + ": has no faces to measure: a surface has to be made of the points first");
+  progress.begin("measure");
+  try {
+    result.measures = measure_solid(*mesh);
+  } catch (const DataError& error) {
+    throw DataError(surface.name() + ": " + error.what());
+  }
+  add_measure_notes(result.measures, result.notes);
+  return result;
+}
+
+}  // namespace sansmesh

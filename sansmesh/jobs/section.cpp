@@ -1,0 +1,105 @@
+#include "sansmesh/jobs/section.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::string_view kSectionAxes[] = {"x", "y", "z"};
+constexpr int kMostPlanesOfSeries = 100000;
+
+std::vector<CutPlane> series_of(const SectionOptions& o, const Box3& box) {
+  const int axis = static_cast<int>(*o.axis);
+  const auto k = static_cast<std::size_t>(axis);
+  if (!o.start && !o.step) return spread_planes(box, axis, o.count.value_or(1));
+  if (o.step && !o.count) {
+    // As many as reach to the other end of the box.
+    const double start = o.start.value_or(*o.step > 0 ? box.lower[k] + 0.5 * *o.step : box.upper[k] + 0.5 * *o.step);
+    const double left = ((*o.step > 0 ? box.upper[k] : box.lower[k]) - start) / *o.step;
+    return plane_series(axis, start, *o.step, 1 + index_in<int>(left, 0, 1000000));
+  }
+  return plane_series(axis, o.start.value_or(box.lower[k] + 0.5 * o.step.value_or(0)), o.step.value_or(1),
+                      o.count.value_or(1));
+}
+
+std::vector<CutPlane> planes_of(const SectionOptions& o, const Box3& box) {
+  std::vector<CutPlane> planes = o.planes;
+  if (!o.axis) return planes.empty() ? middle_planes(box) : planes;
+  const std::vector<CutPlane> series = series_of(o, box);
+  planes.insert(planes.end(), series.begin(), series.end());
+  return planes;
+}
+
+FieldSectionOptions lattice_of(const SectionOptions& o) {
+  FieldSectionOptions lattice;
+  if (o.resolution) lattice.resolution = *o.resolution;
+  return lattice;
+}
+
+}  // namespace
+
+const OptionSchema& SectionOptions::schema() {
+  using O = SectionOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::planes>({.text = "z=0.5, or nx,ny,nz,d for the points with n·x = d; may be repeated",
+                          .unit = "plane",
+                          .name = "plane"}),
+      option<&O::axis>({.text = "Planes perpendicular to x, y or z", .unit = "axis", .choices = kSectionAxes}),
+      option<&O::start>({.text = "Position of the first of them",
+                         .unit = "length",
+                         .from_data = "half a step inside the box",
+                         .needs = "axis"}),
+      option<&O::step>({.text = "Distance from one to the next",
+                        .unit = "length",
+                        .from_data = "spread over the box",
+                        .needs = "axis"}),
+      option<&O::count>({.text = "How many",
+                         .from_data = "1, or as many as `step` fits into the box",
+                         .range = {1, kMostPlanesOfSeries},
+                         .needs = "axis"}),
+      option<&O::resolution>(
+          {.text = "Of a function: lattice squares along the longer side", .from_data = "512", .range = {2, 4096}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void SectionOptions::validate() const {
+  validate_options(*this);
+  if (step && *step == 0) throw ArgumentError("`step` must not be 0");
+  if (start && !step && count.value_or(1) != 1) throw ArgumentError("several planes from `start` on need `step`");
+}
+
+SectionResult section(const AnySurface& surface, const SectionOptions& options, Progress& progress) {
+  options.validate();
+  SectionResult result;
+  const ScalarField* const field = surface.field();
+  if (options.resolution && !field) throw ArgumentError("`resolution` is for functions: meshes are cut exactly");
+  if (surface.kind() == AnySurface::Kind::points)
+    throw DataError(surface.name() + ": has no faces to cut: a surface has to be made of the points first");
+  const Box3 box = surface.bounds();
+  if (box.empty()) throw DataError(surface.name() + ": has no finite points");
+  const std::vector<CutPlane> planes = planes_of(options, box);
+  result.sections = field ? section_field(*field, planes, lattice_of(options), progress)
+                          : section_mesh(*surface.mesh(progress, result.notes), planes, progress);
+  SectionReport& r = result.report;
+  for (const Section& s : result.sections) {
+    r.curves += s.curves.size();
+    r.open_curves += static_cast<std::size_t>(
+        std::count_if(s.curves.begin(), s.curves.end(), [](const SectionCurve& c) { return !c.closed; }));
+  }
+  if (r.open_curves > 0)
+    result.notes.push_back({.code = "open_curves",
+                            .text = fmt::format("{} of {} open: the surface has borders there, which enclose no area",
+                                                grouped(r.open_curves), counted(r.curves, "curve")),
+                            .remedy = {}});
+  return result;
+}
+
+}  // namespace sansmesh

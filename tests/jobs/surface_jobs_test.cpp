@@ -1,0 +1,238 @@
+// Jobs around a surface of any kind: what is chosen, told and refused. How exact their numbers are is told by
+// tests/measure and tests/mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/jobs/align.h"
+#include "sansmesh/jobs/any_surface.h"
+#include "sansmesh/jobs/assess.h"
+#include "sansmesh/jobs/compare.h"
+#include "sansmesh/jobs/measure.h"
+#include "sansmesh/jobs/section.h"
+#include "support/mesh_shapes.h"
+#include "support/notes.h"
+
+namespace sansmesh::test {
+namespace {
+
+TriangleMesh moved_by(TriangleMesh mesh, const Vec3& shift, double scale = 1) {
+  transform(mesh, AffineMap{{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}, shift});
+  return mesh;
+}
+
+TriangleMesh without_triangles(TriangleMesh mesh, std::size_t count) {
+  mesh.triangles.resize(mesh.triangles.size() - count);
+  return mesh;
+}
+
+TriangleMesh points_of(TriangleMesh mesh) {
+  mesh.triangles.clear();
+  return mesh;
+}
+
+/// The unit sphere as a function.
+AnySurface sphere_function() {
+  const TriangleMesh ball = octasphere(4);
+  PointSet points;
+  for (const Vec3f& p : ball.vertices) points.positions.push_back(p), points.normals.push_back(p);
+  Progress progress;
+  return {std::make_shared<const SurfaceFunction>(fit_surface_function(std::move(points), {}, progress)), "ball.smf"};
+}
+
+/// Box of sides 2, 3 and 4, none of whose turns is it again but those by 180°.
+TriangleMesh brick() {
+  TriangleMesh mesh = octasphere(4);
+  for (Vec3f& v : mesh.vertices) {
+    const float most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    v = {v.x / most, 1.5f * v.y / most, 2 * v.z / most};
+  }
+  return mesh;
+}
+
+std::string error_text(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(AnySurface, IsSharedWhateverItHolds) {
+  Progress progress;
+  std::vector<Note> notes;
+  AnySurface copy(octasphere(0), "a");
+  {
+    const AnySurface function = sphere_function();
+    copy = function;
+  }
+  EXPECT_EQ(copy.kind(), AnySurface::Kind::function);
+  ASSERT_NE(copy.field(), nullptr);
+  EXPECT_NEAR(copy.bounds().size().x, 2, 0.1);
+  EXPECT_GT(copy.mesh(progress, notes)->triangles.size(), 100u);
+  std::shared_ptr<const SignedDistance> distance = copy.distance(progress, notes);
+  copy = AnySurface(points_of(octasphere(1)), "b");
+  EXPECT_STREQ(copy.kind_word(), "points");
+  std::vector<MeasuredPoint> found(1);
+  distance->measure(std::vector<Vec3>{{0, 0, 2}}, 10, found);
+  EXPECT_NEAR(found[0].distance, 1, 0.01);
+}
+
+TEST(MeasureJob, TellsWhatVolumesMean) {
+  Progress progress;
+  const auto codes_of = [&](TriangleMesh mesh) { return measure({std::move(mesh), "a"}, progress).notes; };
+  EXPECT_TRUE(codes_of(octasphere(2)).empty());
+  EXPECT_TRUE(has_note(codes_of(without_triangles(octasphere(2), 1)), "open"));
+  TriangleMesh inward = octasphere(2);
+  for (Triangle& t : inward.triangles) std::swap(t[0], t[1]);
+  EXPECT_TRUE(has_note(codes_of(inward), "faces_inward"));
+  const TriangleMesh ball = octasphere(2);
+  EXPECT_TRUE(has_note(codes_of(joined(ball, moved_by(inward, {}, 0.5), {})), "cavities"));
+  EXPECT_TRUE(has_note(codes_of(joined(ball, moved_by(ball, {}, 0.5), {})), "nested"));
+  EXPECT_TRUE(has_note(codes_of(joined(ball, ball, {0.7f, 0.1f, 0.2f})), "crossing_components"));
+  EXPECT_EQ(error_text([&] { codes_of(points_of(octasphere(1))); }).rfind("a: ", 0), 0u);
+}
+
+TEST(SectionJob, ChoosesPlanes) {
+  Progress progress;
+  const AnySurface ball(octasphere(3), "ball.ply");
+  const auto heights = [&](const SectionOptions& options) {
+    std::vector<double> found;
+    for (const Section& s : section(ball, options, progress).sections) found.push_back(s.plane.offset);
+    return found;
+  };
+  EXPECT_EQ(heights({}).size(), 3u);
+  EXPECT_EQ(heights({.axis = SectionAxis::z, .count = 3}), (std::vector<double>{-0.5, 0, 0.5}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .step = 0.5}), (std::vector<double>{-0.75, -0.25, 0.25, 0.75}));
+  EXPECT_EQ(heights({.axis = SectionAxis::x, .step = -0.5}), (std::vector<double>{0.75, 0.25, -0.25, -0.75}));
+  EXPECT_EQ(heights({.planes = {parse_plane("z=0.25")}, .axis = SectionAxis::y, .start = 0.1}),
+            (std::vector<double>{0.25, 0.1}));
+}
+
+TEST(SectionJob, FunctionsNeedNoMeshAndBordersAreToldOf) {
+  Progress progress;
+  const SectionResult round = section(sphere_function(), {.planes = {parse_plane("z=0")}, .resolution = 200}, progress);
+  EXPECT_NEAR(round.sections[0].area, 3.14159, 0.01);
+  EXPECT_TRUE(round.notes.empty());
+  TriangleMesh half = octasphere(3);
+  std::erase_if(half.triangles, [&](const Triangle& t) { return half.vertices[t[0]].x > 0.5f; });
+  const SectionResult open = section({half, "half"}, {.planes = {parse_plane("z=0.1")}}, progress);
+  EXPECT_TRUE(has_note(open.notes, "open_curves"));
+  EXPECT_EQ(open.report.open_curves, 1u);
+}
+
+TEST(SectionJob, BadOptions) {
+  Progress progress;
+  const AnySurface ball(octasphere(1), "ball.ply");
+  EXPECT_THROW(section(ball, {.step = 1}, progress), ArgumentError);
+  EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .step = 0}, progress), ArgumentError);
+  EXPECT_THROW(section(ball, {.axis = SectionAxis::x, .start = 0, .count = 2}, progress), ArgumentError);
+  EXPECT_THROW(section(ball, {.resolution = 100}, progress), ArgumentError);
+  EXPECT_THROW(section({points_of(octasphere(1)), "points"}, {}, progress), DataError);
+}
+
+TEST(SectionJob, PlanesComeBackAsTheyWereWritten) {
+  for (const char* const text : {"z=0.1", "x=-3", "0.6,0.8,0,1.5", "1,2,3,4"}) {
+    const CutPlane plane = parse_plane(text);
+    CutPlane again;
+    option_of_text(text_of_option(plane), again);
+    EXPECT_NEAR(norm(again.normal - plane.normal), 0, 1e-15);
+    EXPECT_NEAR(again.offset, plane.offset, 1e-15);
+  }
+}
+
+TEST(AssessJob, ReportsWhatThereIs) {
+  Progress progress;
+  const AssessReport alone = assess(octasphere(2), progress).report;
+  ASSERT_TRUE(alone.topology && alone.quality);
+  EXPECT_TRUE(alone.topology->closed());
+  EXPECT_FALSE(alone.distance);
+  EXPECT_FALSE(assess(points_of(octasphere(2)), progress).report.topology);
+  PointSet cloud;
+  cloud.positions = octasphere(4).vertices;
+  const AssessReport both = assess(octasphere(4), cloud, {.samples = 1000}, progress).report;
+  ASSERT_TRUE(both.distance && both.coverage);
+  EXPECT_EQ(both.distance->to_reference.samples, 1000u);
+  EXPECT_EQ(both.coverage->lost.share, 0);
+}
+
+TEST(AssessJob, FewSamplesTellOfSurfacesInOtherUnits) {
+  Progress progress;
+  PointSet cloud;
+  cloud.positions = octasphere(3).vertices;
+  const AssessResult found = assess(moved_by(octasphere(2), {}, 1000), cloud, {}, progress);
+  EXPECT_TRUE(has_note(found.notes, "other_unit"));
+  EXPECT_EQ(found.report.distance->to_reference.samples, 5000u);
+}
+
+TEST(AlignJob, MovesAfterWhatWasKnownBefore) {
+  Progress progress;
+  const AnySurface fixed(brick(), "fixed"), moving(moved_by(brick(), {10, 0, 0}), "moving");
+  const AffineMap before = AffineMap::translation({-9.8, 0.05, 0});
+  const AlignResult found = align(moving, fixed, {.start = AlignStart::as_it_lies}, progress, before);
+  const TriangleMesh where = brick();
+  double farthest = 0;
+  for (std::size_t i = 0; i < where.vertices.size(); ++i)
+    farthest = std::max(farthest, norm(found.moved.origin + Vec3(found.moved.vertices[i]) - Vec3(where.vertices[i])));
+  EXPECT_LT(farthest, 0.02);
+  EXPECT_NEAR(found.motion.shift.x, -10, 0.02);
+  EXPECT_EQ(found.fixed->triangles.size(), where.triangles.size());
+}
+
+TEST(AlignJob, TellsWhatIsNotUniqueAndNamesWhatFitsNowhere) {
+  Progress progress;
+  const AnySurface ball(octasphere(4), "ball"), other(moved_by(octasphere(4), {0.02, 0, 0}), "other");
+  EXPECT_TRUE(has_note(align(other, ball, {.start = AlignStart::as_it_lies}, progress).notes, "free_motions"));
+  const AnySurface far(moved_by(octasphere(4), {100, 0, 0}), "far");
+  const std::string nowhere = error_text([&] { align(far, ball, {.start = AlignStart::as_it_lies}, progress); });
+  EXPECT_EQ(nowhere.rfind("far: ", 0), 0u) << nowhere;
+  const AnySurface tiny(without_triangles(octasphere(0), 7), "tiny");
+  EXPECT_EQ(error_text([&] { align(ball, tiny, {}, progress); }).rfind("tiny: ", 0), 0u);
+  EXPECT_THROW(align(ball, ball, {.iterations = 0}, progress), ArgumentError);
+}
+
+TEST(CompareJob, SignIsThePartsOnEitherSide) {
+  Progress progress;
+  const AnySurface part(moved_by(octasphere(4), {}, 1.05), "part"), reference(octasphere(4), "reference");
+  for (const MapSide side : {MapSide::part, MapSide::reference}) {
+    const CompareResult found = compare(part, reference, {.on = side}, progress);
+    EXPECT_NEAR(found.map.statistics.mean, 0.05, 0.003);
+    EXPECT_EQ(found.mesh.colors.size(), found.mesh.vertices.size());
+    EXPECT_NE(found.mesh.attributes.find("quality"), nullptr);
+    EXPECT_TRUE(found.notes.empty());
+  }
+}
+
+TEST(CompareJob, TellsOfLargeTrianglesAndOfDistancesWithoutASign) {
+  Progress progress;
+  const AnySurface coarse(octasphere(1), "coarse"), fine(octasphere(4), "fine"),
+      points(points_of(octasphere(4)), "points");
+  const CompareResult corners = compare(coarse, fine, {}, progress);
+  ASSERT_TRUE(has_note(corners.notes, "coarse"));
+  EXPECT_EQ(corners.notes[0].of, "coarse");
+  const CompareResult cut = compare(coarse, fine, {.refine = 0.1}, progress);
+  EXPECT_FALSE(has_note(cut.notes, "coarse"));
+  EXPECT_GT(cut.mesh.triangles.size(), octasphere(1).triangles.size());
+  EXPECT_TRUE(has_note(compare(fine, points, {}, progress).notes, "no_sign"));
+}
+
+TEST(CompareJob, AlignsWhereItIsAskedTo) {
+  Progress progress;
+  const AnySurface fixed(brick(), "fixed"), moving(moved_by(brick(), {0.2, 0, 0}), "moving");
+  EXPECT_GT(compare(moving, fixed, {}, progress).map.statistics.rms, 0.05);
+  const CompareResult found =
+      compare(moving, fixed, {.align = true, .alignment = {.start = AlignStart::as_it_lies}}, progress);
+  ASSERT_TRUE(found.report.alignment);
+  EXPECT_LT(found.map.statistics.rms, 0.01);
+  EXPECT_NEAR(found.report.motion.shift.x, -0.2, 0.02);
+  EXPECT_THROW(compare(moving, fixed, {.alignment = {.scale = true}}, progress), ArgumentError);
+  EXPECT_THROW(compare(sphere_function(), fixed, {.on = MapSide::reference, .align = true}, progress), ArgumentError);
+  EXPECT_THROW(compare(moving, fixed, {.refine = -1}, progress), ArgumentError);
+}
+
+}  // namespace
+}  // namespace sansmesh::test
