@@ -32,7 +32,7 @@ TriangleMesh soup(const TriangleMesh& mesh) {
 }
 
 TEST(FillJob, ListsWhatItFills) {
-  const TriangleMesh ball = opened(octasphere(3));
+  const TriangleMesh ball = opened(octasphere(4));
   Progress progress;
   const HolesResult found = list_holes(ball, progress);
   EXPECT_EQ(found.holes.loops.size(), 1u);
@@ -46,7 +46,7 @@ TEST(FillJob, ListsWhatItFills) {
 }
 
 TEST(FillJob, JoinsVerticesAtOnePlaceBefore) {
-  const TriangleMesh ball = opened(octasphere(2));
+  const TriangleMesh ball = opened(octasphere(4));
   Progress progress;
   const FillResult made = fill(soup(ball), {}, progress);
   EXPECT_EQ(made.report.found.loops.size(), 1u);
