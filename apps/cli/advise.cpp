@@ -38,7 +38,7 @@ Json to_json(const CloudTraits& t) {
           {"open_edges", t.faces ? Json(t.open_edges) : Json()},
           {"open_loops", t.faces ? Json(t.open_loops) : Json()},
           {"normals", judge_normals(t.orientation).words},
-          {"orientation", judge_normals(t.orientation).json}};
+          {"orientation", json_of_normals(judge_normals(t.orientation))}};
 }
 
 /// The command that does what is recommended.

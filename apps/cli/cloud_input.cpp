@@ -6,7 +6,6 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/points/normals.h"
 #include "sansmesh/points/spacing.h"
 
 namespace sansmesh::cli {
@@ -19,22 +18,6 @@ PointClasses classes_of(const std::string& list) {
   } catch (const ArgumentError& error) {
     throw ValueError(error.what());
   }
-}
-
-constexpr double kMostLookingAway = 0.1;  ///< of the normals, where a sensor saw all of the samples
-constexpr double kNearlyAll = 0.95;
-
-std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
-
-/// Of signs that neighbours confirm, though not all of them are right.
-std::string uncertain_words(const OrientationReport& r) {
-  std::string why;
-  if (r.doubt > 0)
-    why = fmt::format("around {} of the samples they enclose less or more than a surface does", percent(r.doubt));
-  if (1 - r.agreement > 0.0005)
-    why +=
-        fmt::format("{}{} of what neighbours say contradicts them", why.empty() ? "" : ", ", percent(1 - r.agreement));
-  return "orientation uncertain: " + why;
 }
 
 }  // namespace
@@ -50,65 +33,22 @@ void CloudScale::add_to(Json& json) const {
   json["most_noise"] = noise.most;
 }
 
-GivenNormals judge_normals(const OrientationReport& r) {
-  GivenNormals given;
-  given.oriented = (r.check == OrientationCheck::oriented || r.check == OrientationCheck::inward) && r.certain();
-  if (r.check == OrientationCheck::missing)
-    given.words = "none";
-  else if (r.related < kLeastRelated)
-    given.words = "not oriented: they have nothing to do with those next to them";
-  else if (r.check == OrientationCheck::unoriented)
-    given.words = fmt::format("not oriented consistently{}",
-                              r.agreement < kNearlyAll ? fmt::format(": {} of what neighbours say contradicts "
-                                                                     "them",
-                                                                     percent(1 - r.agreement))
-                                                       : std::string());
-  else if (!r.certain())
-    given.words = uncertain_words(r);
-  else if (r.open > kNearlyAll)
-    given.words = "oriented consistently; the surface is open, it has no outside";
-  else if (r.outward > kNearlyAll)
-    given.words = "oriented outward";
-  else if (r.inward > kNearlyAll)
-    given.words = "oriented inward";
-  else
-    given.words = fmt::format("oriented consistently: {} of the samples outward, {} inward, {} in open parts",
-                              percent(r.outward), percent(r.inward), percent(r.open));
-  given.json = {{"oriented", given.oriented}, {"agreement", r.agreement}, {"related", r.related},
-                {"outward", r.outward},       {"inward", r.inward},       {"open", r.open},
-                {"certain", r.certain()},     {"doubt", r.doubt}};
-  if (r.check == OrientationCheck::missing) given.json = {{"oriented", false}};
-  return given;
-}
-
-GivenNormals judge_normals(const PointSet& points, double noise) {
-  const OrientationReport report = measure_orientation(points, noise);
-  GivenNormals given = judge_normals(report);
-  if (report.check == OrientationCheck::missing || report.related < kLeastRelated) return given;
-  const double spacing = estimate_spacing(points);
-  const auto neighbours = static_cast<std::size_t>(choose_neighbours(spacing, noise));
-  if (given.oriented && noise > spacing && 2 * neighbours > points.size()) {
-    given.words = fmt::format(
-        "consistent, but of no surface that could be told: with noise of {:.1f} spacings, neighbours are {} of {} "
-        "points",
-        noise / spacing, grouped(neighbours), grouped(points.size()));
-    return given;
+Json json_of_normals(const GivenNormals& given) {
+  const OrientationReport& r = given.report;
+  if (r.check == OrientationCheck::missing) return {{"oriented", false}};
+  Json json = {{"oriented", given.oriented},
+               {"agreement", r.agreement},
+               {"related", r.related},
+               {"outward", r.outward},
+               {"inward", r.inward},
+               {"open", r.open},
+               {"certain", given.oriented_by || r.certain()},
+               {"doubt", r.doubt}};
+  if (given.oriented_by) {
+    json["oriented_by"] = orient_by_word(*given.oriented_by);
+    json["looking_away"] = given.looking_away;
   }
-  const bool consistent = report.check != OrientationCheck::unoriented;
-  for (const OrientBy by : kOrientationOrder) {
-    if (by == OrientBy::up && consistent) break;  // a guess, where the others know
-    const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
-    if (sights.empty()) continue;
-    const double away = share_looking_away(points, sights);
-    if (away >= kMostLookingAway) continue;
-    given.oriented = true;
-    given.words = fmt::format("oriented {}, but for {}", orientation_words(by), percent(away));
-    given.json["oriented"] = given.json["certain"] = true;
-    given.json["oriented_by"] = orient_by_word(by);
-    given.json["looking_away"] = away;
-    break;
-  }
-  return given;
+  return json;
 }
 
 std::string CloudInput::name() const {

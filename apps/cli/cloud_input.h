@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "console.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
-#include "sansmesh/points/orientation.h"
 #include "sansmesh/points/point_classes.h"
 
 namespace sansmesh::cli {
@@ -35,6 +36,16 @@ struct CloudInput {
   PointSet read(Console& console, ReadReport& report) const;
 };
 
+/// Calls; errors of the data become FileError that name the file.
+template <class Call>
+auto naming(const std::string& file, const Console& console, Call call) {
+  try {
+    return call();
+  } catch (const DataError& error) {
+    throw FileError(file, console.in_flags(error.what()));
+  }
+}
+
 /// --class and --without-class. `of`: whose points they choose, where a command reads several clouds: " of the
 /// reference".
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
@@ -53,15 +64,6 @@ struct CloudScale {
   void add_to(Json& json) const;
 };
 
-/// What can be said of given normals, checked.
-struct GivenNormals {
-  bool oriented = false;
-  std::string words;  ///< "none", "oriented outward", "not oriented consistently: …"
-  Json json;
-};
-
-/// By what is known of the sensor, or by how neighbours agree and where closed parts look. `noise` of the points.
-GivenNormals judge_normals(const PointSet& points, double noise);
-GivenNormals judge_normals(const OrientationReport& report);
+Json json_of_normals(const GivenNormals& normals);
 
 }  // namespace sansmesh::cli

@@ -193,7 +193,7 @@ void run_info(const CloudInput& input, Console& console) {
   json["spans"] = shape;
   scale.add_to(json);
   json["normals"] = normals.words;
-  json["orientation"] = normals.json;
+  json["orientation"] = json_of_normals(normals);
   json["orient_by"] = orient_by_word(orient_by);
   json["colors"] = points.has_colors();
   json["attributes"] = std::move(tables);

@@ -1,19 +1,15 @@
 // sansmesh normals: estimate and orient the normals of a cloud.
+#include "sansmesh/jobs/normals.h"
+
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <optional>
+#include <utility>
 
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/noise.h"
-#include "sansmesh/points/normals.h"
-#include "sansmesh/points/orientation.h"
-#include "sansmesh/points/spacing.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -22,74 +18,44 @@ struct NormalsArguments {
   CloudInput input;
   std::string output;
   bool ascii = false;
-  bool keep = false;       ///< orient the file's normals instead of estimating new ones
-  bool no_orient = false;  ///< leave the signs as they come
-  OrientBy orient_by = OrientBy::automatic;
-  NormalOptions options;
+  NormalsOptions options;
 };
 
 void run_normals(const NormalsArguments& arguments, Console& console) {
   arguments.options.validate();
-  require(!arguments.no_orient || arguments.orient_by == OrientBy::automatic,
-          "--orient-by means nothing with --no-orient");
   check_writable(arguments.output, "points");
 
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = arguments.input.read(console, read);
-  if (arguments.keep && !points.has_normals())
-    throw FileError(arguments.input.name(), "holds no normals to keep; leave out --keep to estimate them");
-  if (count_unique(points) < 3)
-    throw FileError(arguments.input.name(), "holds fewer than 3 different points: normals need neighbours");
-
-  progress.begin("spacing and noise");
-  NormalOptions options = arguments.options;
-  options.spacing = estimate_spacing(points);
-  const NoiseEstimate noise = measure_noise(points);
-  options.noise = noise.deviation;
-  const int neighbours = options.neighbours.value_or(choose_neighbours(*options.spacing, *options.noise));
-  if (!arguments.keep) estimate_normals(points, options, progress);
-  std::optional<OrientBy> oriented_by;
-  if (!arguments.no_orient) {
-    OrientationOptions orientation;
-    orientation.noise = options.noise;
-    orientation.by = arguments.orient_by;
-    try {
-      oriented_by = orient_normals(points, orientation, progress);
-    } catch (const DataError& error) {
-      throw FileError(arguments.input.name(), error.what());
-    }
-  }
-  progress.begin("check normals");
-  GivenNormals made = judge_normals(points, noise.deviation);
+  const std::string name = arguments.input.name();
+  PointSet given = arguments.input.read(console, read);
+  const NormalsResult made = naming(
+      name, console, [&] { return estimate_normals(std::move(given), arguments.options, progress); });
+  console.note(name, made.notes);
   progress.begin("write");
-  write_points(arguments.output, points, {.ascii = arguments.ascii});
+  write_points(arguments.output, made.points, {.ascii = arguments.ascii});
   progress.finish();
 
-  const auto unknown = static_cast<std::size_t>(std::count(points.normals.begin(), points.normals.end(), Vec3f{}));
-  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", arguments.input.name(), counted(points.size(), "point"),
-                          length(*options.spacing), noise_words(noise, *options.spacing), read.format));
+  const NormalsReport& r = made.report;
+  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", name, counted(made.points.size(), "point"),
+                          length(r.spacing), noise_words(r.noise, r.spacing), read.format));
   console.say(fmt::format("{}: normals {}{}{}", arguments.output,
-                          arguments.keep ? "of the file" : fmt::format("from {} neighbours", neighbours),
-                          oriented_by ? fmt::format(", signs {}", orientation_words(*oriented_by))
-                                      : std::string(", signs left as they are"),
-                          unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(unknown)) : ""));
-  console.say(fmt::format("checked: {}", made.words));
-  if (console.options().json) {
-    Json json;
-    json["input"] = arguments.input.json(read, points.size());
-    json["output"] = {{"file", arguments.output}};
-    json["spacing"] = *options.spacing;
-    json["noise"] = *options.noise;
-    json["neighbours"] = arguments.keep ? Json() : Json(neighbours);
-    json["oriented"] = made.oriented;
-    json["orientation"] = std::move(made.json);
-    json["noise_known"] = noise.known;
-    json["oriented_by"] = oriented_by ? Json(orient_by_word(*oriented_by)) : Json();
-    json["unknown"] = unknown;
-    console.say_json(json);
-  }
+                          r.neighbours ? fmt::format("from {} neighbours", *r.neighbours) : "of the file",
+                          r.oriented_by ? fmt::format(", signs {}", orientation_words(*r.oriented_by))
+                                        : std::string(", signs left as they are"),
+                          r.unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(r.unknown)) : ""));
+  console.say(fmt::format("checked: {}", r.check.words));
+  console.say_json({{"input", arguments.input.json(read, made.points.size())},
+                    {"output", {{"file", arguments.output}}},
+                    {"spacing", r.spacing},
+                    {"noise", r.noise.deviation},
+                    {"neighbours", r.neighbours ? Json(*r.neighbours) : Json()},
+                    {"oriented", r.check.oriented},
+                    {"orientation", json_of_normals(r.check)},
+                    {"noise_known", r.noise.known},
+                    {"oriented_by", r.oriented_by ? Json(orient_by_word(*r.oriented_by)) : Json()},
+                    {"unknown", r.unknown}});
   console.print_timings();
 }
 
@@ -104,19 +70,7 @@ Command add_normals(CommandLine& app) {
       .type_name("FILE")
       .required();
   add_ascii_flag(c, a.ascii);
-  c.add_option("--neighbours", a.options.neighbours, "Samples in a neighbourhood, 6..500 [from spacing and noise]")
-      .type_name("COUNT");
-  c.add_choice<NormalOptions::Method>(
-       "--method", a.options.method,
-       {{"covariance", NormalOptions::Method::covariance}, {"jet", NormalOptions::Method::jet}},
-       "covariance (a plane) or jet (a quadric) [jet]")
-      .type_name("CHOICE");
-  c.add_option("--reweightings", a.options.reweightings,
-               "Rounds, 0..10, that silence samples off the fit: sharper at creases [0]")
-      .type_name("COUNT");
-  c.add_flag("--keep", a.keep, "Keep the normals of the file and only orient them");
-  c.add_flag("--no-orient", a.no_orient, "Leave the signs as they come");
-  add_orient_by(c, a.orient_by);
+  add_schema(c, a.options);
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
            "  sansmesh normals scan.xyz -o oriented.ply\n"

@@ -80,17 +80,7 @@ void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
 }
 
 const char* quantity_word(CurvatureQuantity quantity) {
-  switch (quantity) {
-    case CurvatureQuantity::mean:
-      return "mean";
-    case CurvatureQuantity::gaussian:
-      return "gaussian";
-    case CurvatureQuantity::k1:
-      return "k1";
-    case CurvatureQuantity::k2:
-      return "k2";
-  }
-  return "";
+  return kCurvatureWords[static_cast<std::size_t>(quantity)].data();
 }
 
 namespace {
@@ -128,12 +118,6 @@ void add_color_range(CommandLine& c, std::optional<double>& range, const std::st
       .group(group);
 }
 
-void add_curvature_colors(CommandLine& c, std::optional<CurvatureQuantity>& quantity, std::optional<double>& range,
-                          const std::string& what, const std::string& group) {
-  c.add_choice("--color-by", quantity, quantity_words(), what).type_name("QUANTITY").group(group);
-  add_color_range(c, range, group);
-}
-
 void add_cloud_options(CommandLine& c, CloudUse& o) {
   c.add_choice<FaceUse>("--faces", o.faces,
                         {{"auto", FaceUse::automatic}, {"ignore", FaceUse::ignore}, {"sample", FaceUse::sample}},
@@ -155,24 +139,6 @@ void add_orient_by(CommandLine& c, OrientBy& by) {
     words.emplace_back(orient_by_word(one), one);
   c.add_choice<OrientBy>("--orient-by", by, words, "From what normals get their signs [auto: the first that is known]")
       .type_name("CHOICE");
-}
-
-const char* orient_by_word(OrientBy by) {
-  switch (by) {
-    case OrientBy::automatic:
-      return "auto";
-    case OrientBy::scanner:
-      return "scanner";
-    case OrientBy::rows:
-      return "rows";
-    case OrientBy::flight:
-      return "flight";
-    case OrientBy::up:
-      return "up";
-    case OrientBy::propagation:
-      return "propagation";
-  }
-  return "";
 }
 
 std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by) {

@@ -11,9 +11,10 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render/mesh_picture.h"
-#include "sansmesh/surface/curvature_colors.h"
+#include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::cli {
 
@@ -57,17 +58,11 @@ bool is_curvature(const std::string& word);
 double curvature_range(double range, CurvatureQuantity quantity, double unit);
 /// --color-range of curvature
 void add_color_range(CommandLine& command, std::optional<double>& range, const std::string& group);
-/// --color-by and --color-range of curvature. `what` describes the first.
-void add_curvature_colors(CommandLine& command, std::optional<CurvatureQuantity>& quantity,
-                          std::optional<double>& range, const std::string& what, const std::string& group = "Options");
-
 /// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
 /// the group Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);
 /// --orient-by
 void add_orient_by(CommandLine& command, OrientBy& by);
-/// The word for it on the command line: "scanner".
-const char* orient_by_word(OrientBy by);
 /// Where the normals came from, and their signs: "estimated, oriented by flight lines".
 std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by);
 /// The same in JSON: an object with `estimated` and `oriented_by`, null for signs of the input.

@@ -122,9 +122,22 @@ class NormalFitter {
 
 }  // namespace
 
+const OptionSchema& NormalOptions::schema() {
+  using O = NormalOptions;
+  static constexpr std::string_view methods[] = {"covariance", "jet"};
+  static constexpr OptionRow rows[] = {
+      option<&O::neighbours>({.text = "Samples in a neighbourhood",
+                              .from_data = "from spacing and noise",
+                              .range = {6, 500}}),
+      option<&O::method>({.text = "A plane (covariance) or a quadric (jet)", .unit = "choice", .choices = methods}),
+      option<&O::reweightings>({.text = "Rounds that silence samples off the fit: sharper at creases",
+                                .range = {0, 10}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void NormalOptions::validate() const {
-  if (neighbours) check_range("neighbours", *neighbours, 6, 500);
-  check_range("reweightings", reweightings, 0, 10);
+  validate_options(*this);
   if (spacing && !(*spacing >= 0)) throw ArgumentError("`spacing` must not be negative");
   if (noise && !(*noise >= 0)) throw ArgumentError("`noise` must not be negative");
 }

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -24,6 +25,8 @@ struct NormalOptions {
   int reweightings = 0;
   /// Known spacing and noise (lengths), to save their estimation; used where `neighbours` is absent.
   std::optional<double> spacing = {}, noise = {};
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -14,10 +14,24 @@ float shape_index(const PrincipalCurvatures& c) {
   return c.k1 == 0 && c.k2 == 0 ? 0 : 2 * std::numbers::inv_pi_v<float> * std::atan2(c.k1 + c.k2, c.k1 - c.k2);
 }
 
+const OptionSchema& CurvatureOptions::schema() {
+  using O = CurvatureOptions;
+  static constexpr std::string_view weights[] = {"m-like", "gaussian", "uniform"};
+  static constexpr OptionRow rows[] = {
+      option<&O::neighbours>({.text = "Samples in a neighbourhood",
+                              .from_data = "from noise and shape",
+                              .range = {8, 2000}}),
+      option<&O::radius>({.text = "Width of the weights as one length, in place of `neighbours`",
+                          .unit = "length",
+                          .range = positive()}),
+      option<&O::tau>({.text = "Exponent of the M-like weights", .unit = "exponent", .range = {1, 4}}),
+      option<&O::weights>({.text = "m-like, gaussian or uniform", .unit = "choice", .choices = weights})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void CurvatureOptions::validate() const {
-  check_range("tau", tau, 1, 4);
-  if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("`radius` must be positive");
-  if (neighbours) check_range("neighbours", *neighbours, 8, 2000);
+  validate_options(*this);
   if (noise && !(*noise >= 0 && std::isfinite(*noise))) throw ArgumentError("`noise` must not be negative");
 }
 

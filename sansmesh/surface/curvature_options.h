@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "sansmesh/core/vec.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -44,6 +45,8 @@ struct CurvatureOptions {
   bool refit_normal = true;
   /// Standard deviation of the samples off the surface (length), to save its estimation.
   std::optional<double> noise = {};
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

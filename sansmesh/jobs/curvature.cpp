@@ -1,0 +1,173 @@
+#include "sansmesh/jobs/curvature.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+#include "sansmesh/data/image.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/surface/curvature.h"
+#include "sansmesh/surface/curvature_words.h"
+#include "sansmesh/surface/vertex_curvature.h"
+
+namespace sansmesh {
+namespace {
+
+using Quantity = CurvatureColorOptions::Quantity;
+
+float chosen_quantity(const PrincipalCurvatures& c, Quantity quantity) {
+  switch (quantity) {
+    case Quantity::gaussian:
+      return gaussian_curvature(c);
+    case Quantity::k1:
+      return c.k1;
+    case Quantity::k2:
+      return c.k2;
+    case Quantity::mean:
+      break;
+  }
+  return mean_curvature(c);
+}
+
+double curvature_quantile(std::vector<float> values, double q) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return static_cast<double>(*at);
+}
+
+/// What was read, with the normals that were used, and the curvatures at each of its samples or vertices.
+struct CurvedInput {
+  PointSet points;
+  std::vector<PrincipalCurvatures> curvatures;
+  double noise = 0;
+
+  bool is_mesh() const { return !points.triangles.empty(); }
+};
+
+/// Those of a mesh are at its vertices, all of them and in their order, be they as few as they are.
+CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& progress, std::vector<Note>& notes) {
+  const bool is_mesh = !given.triangles.empty();
+  const char* const kRow = "row of the file";
+  CloudUse use;
+  PointSet mesh;
+  if (is_mesh) {
+    use.faces = FaceUse::vertices;
+    mesh = given;
+    std::vector<std::uint32_t> rows(given.size());
+    std::iota(rows.begin(), rows.end(), 0u);
+    given.attributes.set(kRow, std::move(rows));
+  }
+  PreparedCloud cloud = prepare_cloud(std::move(given), use, progress);
+  add_notes(notes, "preparation", cloud.warnings);
+  if (options.noise)
+    options.noise = cloud.place.from_input(*options.noise);
+  else  // known unless normals are taken as given
+    options.noise = is_mesh ? known_noise(cloud.points) : *cloud.noise;
+  if (options.radius) options.radius = cloud.place.from_input(*options.radius);
+  progress.begin("curvature");
+  CurvedInput made;
+  made.noise = cloud.place.to_input(*options.noise);
+  made.curvatures = is_mesh ? estimate_vertex_curvatures(cloud.points, options, progress)
+                            : estimate_curvatures(cloud.points, options, progress);
+  const auto unit = static_cast<float>(cloud.place.unit);
+  for (PrincipalCurvatures& c : made.curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
+  if (!is_mesh) {
+    made.points = std::move(cloud.points);
+    move_to_input(made.points, cloud.place);
+    return made;
+  }
+  const std::vector<PrincipalCurvatures> found = std::exchange(made.curvatures, {});
+  made.curvatures.resize(mesh.size());
+  mesh.normals.resize(mesh.size());
+  const std::vector<std::uint32_t>& rows = *cloud.points.attributes.find<std::uint32_t>(kRow);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    made.curvatures[rows[i]] = found[i];
+    mesh.normals[rows[i]] = cloud.points.normals[i];
+  }
+  made.points = std::move(mesh);
+  return made;
+}
+
+void add_curvature_attributes(CurvedInput& to) {
+  const auto add = [&](const char* name, auto value) {
+    std::vector<float> values(to.curvatures.size());
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(to.curvatures[i]);
+    to.points.attributes.set(name, std::move(values));
+  };
+  add("k1", [](const PrincipalCurvatures& c) { return c.k1; });
+  add("k2", [](const PrincipalCurvatures& c) { return c.k2; });
+  add("mean_curvature", mean_curvature);
+  add("gaussian_curvature", gaussian_curvature);
+  add("curvedness", curvedness);
+  add("shape_index", shape_index);
+  const char* const axis = "xyz";
+  for (std::size_t k = 0; k < 3; ++k)
+    add(fmt::format("d1{}", axis[k]).c_str(), [k](const PrincipalCurvatures& c) { return c.direction1[k]; });
+  for (std::size_t k = 0; k < 3; ++k)
+    add(fmt::format("d2{}", axis[k]).c_str(), [k](const PrincipalCurvatures& c) { return c.direction2[k]; });
+}
+
+/// Colours the samples by the quantity that is shown, and tells of its values.
+void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, CurvatureReport& r) {
+  std::vector<float> values, sizes;
+  for (const PrincipalCurvatures& c : made.curvatures) {
+    r.undefined += !c.defined;
+    if (!c.defined) continue;
+    values.push_back(chosen_quantity(c, options.color_by));
+    sizes.push_back(std::abs(values.back()));
+  }
+  r.q05 = curvature_quantile(values, 0.05), r.median = curvature_quantile(values, 0.5);
+  r.q95 = curvature_quantile(values, 0.95);
+  r.color_range = options.color_range.value_or(curvature_quantile(sizes, 0.95));
+  r.beyond_range =
+      std::any_of(sizes.begin(), sizes.end(), [&](float s) { return static_cast<double>(s) > r.color_range; });
+  const auto scale = static_cast<float>(r.color_range);
+  made.points.colors.resize(made.points.size());
+  for (std::size_t i = 0; i < made.points.size(); ++i) {
+    Vec3f color{0.5f, 0.5f, 0.5f};
+    if (made.curvatures[i].defined)
+      color = diverging_color(scale > 0 ? chosen_quantity(made.curvatures[i], options.color_by) / scale : 0);
+    made.points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
+  }
+}
+
+}  // namespace
+
+const OptionSchema& CurvatureMapOptions::schema() {
+  using O = CurvatureMapOptions;
+  static const OptionRow rows[] = {
+      option<&O::color_by>({.text = "What the colours show", .unit = "quantity", .choices = kCurvatureWords}),
+      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
+                               .unit = "value",
+                               .from_data = "from data",
+                               .range = positive()}),
+      option_group<&O::estimation>(CurvatureOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void CurvatureMapOptions::validate() const {
+  validate_options(*this);
+  estimation.validate();
+}
+
+CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, Progress& progress) {
+  options.validate();
+  CurvatureResult result;
+  CurvatureReport& r = result.report;
+  CurvedInput made = curvatures_of(std::move(points), options.estimation, progress, result.notes);
+  r.mesh = made.is_mesh();
+  r.noise = made.noise;
+  add_curvature_attributes(made);
+  show_curvature(made, options, r);
+  result.points = std::move(made.points);
+  return result;
+}
+
+}  // namespace sansmesh

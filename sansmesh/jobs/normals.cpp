@@ -1,0 +1,63 @@
+#include "sansmesh/jobs/normals.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/orient_words.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/spacing.h"
+
+namespace sansmesh {
+
+const OptionSchema& NormalsOptions::schema() {
+  using O = NormalsOptions;
+  static const OptionRow rows[] = {
+      option_group<&O::estimation>(NormalOptions::schema().rows),
+      option<&O::keep>({.text = "Keep the normals of the file and only orient them"}),
+      option<&O::orient>({.text = "Leave the signs as they come"}),
+      option<&O::orient_by>({.text = "From what normals get their signs",
+                             .unit = "choice",
+                             .from_data = "the first that is known",
+                             .choices = kOrientByWords})};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void NormalsOptions::validate() const {
+  validate_options(*this);
+  estimation.validate();
+  if (!orient && orient_by != OrientBy::automatic)
+    throw ArgumentError("`orient_by` means nothing with `orient = false`");
+}
+
+NormalsResult estimate_normals(PointSet points, const NormalsOptions& options, Progress& progress) {
+  options.validate();
+  if (options.keep && !points.has_normals())
+    throw DataError("holds no normals to keep; without `keep` they are estimated");
+  if (count_unique(points) < 3) throw DataError("holds fewer than 3 different points: normals need neighbours");
+
+  NormalsResult result;
+  result.points = std::move(points);
+  PointSet& made = result.points;
+  NormalsReport& r = result.report;
+  progress.begin("spacing and noise");
+  NormalOptions estimation = options.estimation;
+  r.spacing = estimate_spacing(made);
+  r.noise = measure_noise(made);
+  if (!estimation.spacing) estimation.spacing = r.spacing;
+  if (!estimation.noise) estimation.noise = r.noise.deviation;
+  if (!options.keep) {
+    r.neighbours = estimation.neighbours.value_or(choose_neighbours(*estimation.spacing, *estimation.noise));
+    estimate_normals(made, estimation, progress);
+  }
+  if (options.orient)
+    r.oriented_by = orient_normals(made, {.noise = estimation.noise, .by = options.orient_by}, progress);
+  progress.begin("check normals");
+  r.check = judge_normals(made, r.noise.deviation);
+  r.unknown = static_cast<std::size_t>(std::count(made.normals.begin(), made.normals.end(), Vec3f{}));
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,49 @@
+// Normals of a cloud, estimated and oriented.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/points/given_normals.h"
+#include "sansmesh/points/noise.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/sights.h"
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh {
+
+struct NormalsOptions {
+  NormalOptions estimation = {};  ///< its spacing and noise are measured where they are not given
+  bool keep = false;              ///< orient the given normals instead of estimating new ones
+  bool orient = true;             ///< otherwise signs stay as they come
+  OrientBy orient_by = OrientBy::automatic;
+
+  static const OptionSchema& schema();
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct NormalsReport {
+  double spacing = 0;  ///< length
+  NoiseEstimate noise;
+  std::optional<int> neighbours;        ///< of new normals
+  std::optional<OrientBy> oriented_by;  ///< from what the signs were taken
+  GivenNormals check;                   ///< of what was made
+  std::size_t unknown = 0;              ///< samples without a normal: zero
+};
+
+struct NormalsResult {
+  PointSet points;  ///< with normals
+  NormalsReport report;
+  std::vector<Note> notes;  ///< there are none yet
+};
+
+/// Throws ArgumentError for bad options; DataError for fewer than 3 different points, none to keep, and where nothing is
+/// known of what `orient_by` asks for; Cancelled.
+NormalsResult estimate_normals(PointSet points, const NormalsOptions& options, Progress& progress);
+
+}  // namespace sansmesh

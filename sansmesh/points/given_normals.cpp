@@ -1,0 +1,90 @@
+#include "sansmesh/points/given_normals.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/spacing.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kMostLookingAway = 0.1;  ///< of the normals, where a sensor saw all of the samples
+constexpr double kNearlyAll = 0.95;
+
+std::string percent_words(double share) { return fmt::format("{:.2g} %", 100 * share); }
+
+/// Of signs that neighbours confirm, though not all of them are right.
+std::string uncertain_words(const OrientationReport& r) {
+  std::string why;
+  if (r.doubt > 0)
+    why = fmt::format("around {} of the samples they enclose less or more than a surface does", percent_words(r.doubt));
+  if (1 - r.agreement > 0.0005)
+    why +=
+        fmt::format("{}{} of what neighbours say contradicts them", why.empty() ? "" : ", ", percent_words(1 - r.agreement));
+  return "orientation uncertain: " + why;
+}
+
+}  // namespace
+
+GivenNormals judge_normals(const OrientationReport& r) {
+  GivenNormals given;
+  given.oriented = (r.check == OrientationCheck::oriented || r.check == OrientationCheck::inward) && r.certain();
+  if (r.check == OrientationCheck::missing)
+    given.words = "none";
+  else if (r.related < kLeastRelated)
+    given.words = "not oriented: they have nothing to do with those next to them";
+  else if (r.check == OrientationCheck::unoriented)
+    given.words = fmt::format("not oriented consistently{}",
+                              r.agreement < kNearlyAll ? fmt::format(": {} of what neighbours say contradicts "
+                                                                     "them",
+                                                                     percent_words(1 - r.agreement))
+                                                       : std::string());
+  else if (!r.certain())
+    given.words = uncertain_words(r);
+  else if (r.open > kNearlyAll)
+    given.words = "oriented consistently; the surface is open, it has no outside";
+  else if (r.outward > kNearlyAll)
+    given.words = "oriented outward";
+  else if (r.inward > kNearlyAll)
+    given.words = "oriented inward";
+  else
+    given.words = fmt::format("oriented consistently: {} of the samples outward, {} inward, {} in open parts",
+                              percent_words(r.outward), percent_words(r.inward), percent_words(r.open));
+  given.report = r;
+  return given;
+}
+
+GivenNormals judge_normals(const PointSet& points, double noise) {
+  const OrientationReport report = measure_orientation(points, noise);
+  GivenNormals given = judge_normals(report);
+  if (report.check == OrientationCheck::missing || report.related < kLeastRelated) return given;
+  const double spacing = estimate_spacing(points);
+  const auto neighbours = static_cast<std::size_t>(choose_neighbours(spacing, noise));
+  if (given.oriented && noise > spacing && 2 * neighbours > points.size()) {
+    given.words = fmt::format(
+        "consistent, but of no surface that could be told: with noise of {:.1f} spacings, neighbours are {} of {} "
+        "points",
+        noise / spacing, grouped(neighbours), grouped(points.size()));
+    return given;
+  }
+  const bool consistent = report.check != OrientationCheck::unoriented;
+  for (const OrientBy by : kOrientationOrder) {
+    if (by == OrientBy::up && consistent) break;  // a guess, where the others know
+    const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
+    if (sights.empty()) continue;
+    const double away = share_looking_away(points, sights);
+    if (away >= kMostLookingAway) continue;
+    given.oriented = true;
+    given.words = fmt::format("oriented {}, but for {}", orientation_words(by), percent_words(away));
+    given.oriented_by = by;
+    given.looking_away = away;
+    break;
+  }
+  return given;
+}
+
+}  // namespace sansmesh
