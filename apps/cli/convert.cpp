@@ -1,12 +1,11 @@
 // sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
+#include "sansmesh/jobs/convert.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include "cloud_input.h"
@@ -15,24 +14,29 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/components.h"
-#include "sansmesh/points/close_points.h"
-#include "sansmesh/points/spacing.h"
+#include "sansmesh/jobs/split.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
 
-constexpr std::size_t kMostParts = 10000, kTold = 10;
-constexpr double kSpacingsApart = 4;
+constexpr std::size_t kTold = 10;
 
 struct ConvertArguments {
   CloudInput input;
   std::string output;
-  bool ascii = false, points = false, split = false;
-  std::optional<double> split_distance;
-  std::size_t min_size = 0;
+  bool ascii = false, split = false;
+  ConvertOptions options;
+  SplitOptions parts;
   ConvertSteps steps;
 };
+
+/// "--crop-out".
+std::string flag_of_step(std::string_view name) {
+  std::string flag = "--" + std::string(name);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
 
 /// "out/a.ply.gz", 7 of 1234 → "out/a_0007.ply.gz".
 std::string part_name(const std::string& file, std::size_t number, std::size_t parts) {
@@ -66,44 +70,40 @@ class Conversion {
 
   void run() {
     a_.steps.check();
-    require(a_.split || !a_.split_distance, "--split-distance means nothing without --split");
-    require(a_.split || a_.min_size == 0, "--min-size means nothing without --split");
+    ConvertOptions options = a_.options;
+    options.steps = a_.steps.steps;
+    options.validate();
+    a_.parts.validate();
+    require(a_.split || !a_.parts.split_distance, "--split-distance means nothing without --split");
+    require(a_.split || a_.parts.min_size == 0, "--min-size means nothing without --split");
     check_output();
-    console_.progress().begin("read");
-    CloudOrMesh data(a_.input.read(console_, read_));
-    const std::size_t read_vertices = data.size(), read_triangles = data.mesh.triangles.size();
+    const std::string name = a_.input.name();
+    Progress& progress = console_.progress();
+    progress.begin("read");
+    PointSet given = a_.input.read(console_, read_);
     if (!read_.unread.empty())
-      warn(a_.input.name(), fmt::format("not read, there is no place for it: {}", fmt::join(read_.unread, ", ")));
-    said_.push_back(fmt::format("{}: {} ({})", a_.input.name(), data.size_words(), read_.format));
-    if (a_.points) data.make_points();
-    Json steps;
-    try {
-      steps = a_.steps.run(data, console_.progress(), said_);
-    } catch (const DataError& error) {
-      throw FileError(a_.input.name(), error.what());
-    }
-    if (data.nonmanifold_edges_of_weld > 0)
-      warn(a_.input.name(), fmt::format("--weld has made {} of three triangles or more: the mesh is not manifold there",
-                                        counted(data.nonmanifold_edges_of_weld, "edge")));
-    if (!data.unturned.empty())
-      warn(a_.input.name(), fmt::format("attributes of three numbers are not turned: {}",
-                                        printable(fmt::format("{}", fmt::join(data.unturned, ", ")))));
-    choose_kind(data);
+      warn(name, fmt::format("not read, there is no place for it: {}", fmt::join(read_.unread, ", ")));
+    ConvertResult made = naming(name, console_, [&] { return convert(std::move(given), options, progress); });
+    const ConvertReport& r = made.report;
+    said_.push_back(fmt::format("{}: {} ({})", name, r.size_words, read_.format));
+    const Json steps = told_steps(r);
+    console_.note(name, made.notes);
+    choose_kind(made.data);
     Json outputs = Json::array();
     if (a_.split) {
-      split(data, outputs);
+      split_into_files(made.data, outputs);
     } else {
-      console_.progress().begin("write");
-      write(a_.output, data, outputs);
+      progress.begin("write");
+      write(a_.output, made.data, outputs);
     }
-    console_.progress().finish();
+    progress.finish();
     for (const std::string& line : said_) console_.say(line);
     if (!console_.options().json) return console_.print_timings();
     Json json;
     json["input"] = a_.input.json();
     json["input"]["format"] = read_.format;
-    json["input"][read_triangles > 0 ? "vertices" : "points"] = read_vertices;
-    if (read_triangles > 0) json["input"]["triangles"] = read_triangles;
+    json["input"][r.triangles > 0 ? "vertices" : "points"] = r.size;
+    if (r.triangles > 0) json["input"]["triangles"] = r.triangles;
     json["input"]["unread"] = read_.unread;
     json["steps"] = steps;
     json["outputs"] = outputs;
@@ -117,12 +117,26 @@ class Conversion {
     console_.warn(file, std::vector<std::string>{warning});
   }
 
+  Json told_steps(const ConvertReport& report) {
+    Json steps = Json::array();
+    for (const ConvertedBy& done : report.steps) {
+      const std::string flag = flag_of_step(done.step);
+      if (!done.remark.empty()) said_.push_back(fmt::format("{}: {}", flag, done.remark));
+      Json entry;
+      entry["option"] = flag;
+      entry[done.triangles ? "vertices" : "points"] = done.size;
+      if (done.triangles) entry["triangles"] = *done.triangles;
+      steps.push_back(std::move(entry));
+    }
+    return steps;
+  }
+
   /// Before anything is read: whether something can be written there at all.
   void check_output() const {
     const bool mesh = is_written(a_.output, "mesh"), points = is_written(a_.output, "points");
     if (!mesh && !points && is_read(a_.output))
       throw FileError(a_.output, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
-    check_writable(a_.output, mesh && !(a_.points && points) ? "mesh" : "points");
+    check_writable(a_.output, mesh && !(a_.options.points && points) ? "mesh" : "points");
   }
 
   /// Meshes are written as points, with a word, where the format has no faces; points never become a mesh.
@@ -159,23 +173,6 @@ class Conversion {
     outputs.push_back(std::move(entry));
   }
 
-  void check_parts(std::size_t parts, std::size_t small, const char* of) {
-    const std::string all = fmt::format("--split finds {}", counted(parts + small, "part"));
-    if (parts == 0)
-      throw FileError(a_.input.name(), fmt::format("{}, none of them of {} {} or more", all, grouped(a_.min_size), of));
-    if (parts > kMostParts)
-      throw FileError(a_.input.name(),
-                      fmt::format("{}, more than {}: {}", all, grouped(kMostParts),
-                                  std::string(of) == "triangles"
-                                      ? "--weld 0 before joins what only touches, --min-size leaves out small ones"
-                                      : "--split-distance joins more, --min-size leaves out small ones"));
-    if (small > 0)
-      warn(a_.input.name(),
-           fmt::format("{} of fewer than {} {} left out", counted(small, "part"), grouped(a_.min_size), of));
-    check_part_names(parts);
-    console_.progress().begin("write");
-  }
-
   /// Parts have names that nobody gave: they must not be those of the input.
   void check_part_names(std::size_t parts) {
     std::error_code none;
@@ -189,50 +186,17 @@ class Conversion {
       warn(beyond, "is none of the " + counted(parts, "part") + ", but was there before");
   }
 
-  /// The largest part first.
-  void split(CloudOrMesh& data, Json& outputs) {
-    console_.progress().begin("split");
-    if (data.is_mesh) {
-      const MeshComponents components = find_components(data.mesh);
-      std::vector<std::size_t> triangles(components.size());
-      for (const std::uint32_t c : components.of_triangle) ++triangles[c];
-      const auto parts = static_cast<std::size_t>(
-          std::count_if(triangles.begin(), triangles.end(), [&](std::size_t n) { return n >= a_.min_size; }));
-      check_parts(parts, components.size() - parts, "triangles");
-      if (parts > kTold && 2 * parts > data.mesh.triangles.size())
-        warn(a_.input.name(), fmt::format("{} of {}: triangles that share no vertex are parts of their own; --weld 0 "
-                                          "before --split joins those that touch",
-                                          counted(parts, "part"), counted(data.mesh.triangles.size(), "triangle")));
-      std::vector<TriangleMesh> meshes = split_components(data.mesh, components);
-      std::size_t vertices = 0;
-      for (const TriangleMesh& m : meshes) vertices += m.vertices.size();
-      if (vertices < data.mesh.vertices.size())
-        warn(a_.input.name(),
-             fmt::format("{} of no triangle left out", counted(data.mesh.vertices.size() - vertices, "point")));
-      for (std::size_t c = 0, number = 0; c < meshes.size(); ++c) {
-        if (triangles[c] < a_.min_size) continue;
-        CloudOrMesh part{PointSet{}};
-        part.is_mesh = true;
-        part.mesh = std::move(meshes[c]);
-        write(part_name(a_.output, ++number, parts), part, outputs);
-      }
-      tell_parts(parts);
-      return;
-    }
-    const double distance = a_.split_distance ? *a_.split_distance : kSpacingsApart * estimate_spacing(data.points);
-    const CloudComponents components = find_cloud_components(data.points.positions, distance, console_.progress());
-    said_.push_back(
-        fmt::format("--split: {} at a distance of {}", counted(components.size(), "part"), length(distance)));
-    const auto parts = static_cast<std::size_t>(std::count_if(components.points.begin(), components.points.end(),
-                                                              [&](std::size_t n) { return n >= a_.min_size; }));
-    check_parts(parts, components.size() - parts, "points");
-    std::vector<std::vector<std::uint32_t>> rows(components.size());
-    for (std::size_t i = 0; i < components.of_point.size(); ++i)
-      rows[components.of_point[i]].push_back(static_cast<std::uint32_t>(i));
-    for (std::size_t c = 0; c < parts; ++c) {  // those of fewer points come last
-      CloudOrMesh part{take_samples(data.points, rows[c])};
-      write(part_name(a_.output, c + 1, parts), part, outputs);
-    }
+  void split_into_files(const CloudOrMesh& data, Json& outputs) {
+    const std::string name = a_.input.name();
+    const SplitResult made = naming(name, console_, [&] { return split(data, a_.parts, console_.progress()); });
+    console_.note(name, made.notes);
+    if (made.distance)
+      said_.push_back(
+          fmt::format("--split: {} at a distance of {}", counted(made.found, "part"), length(*made.distance)));
+    const std::size_t parts = made.parts.size();
+    check_part_names(parts);
+    console_.progress().begin("write");
+    for (std::size_t k = 0; k < parts; ++k) write(part_name(a_.output, k + 1, parts), made.parts[k], outputs);
     tell_parts(parts);
   }
 
@@ -262,13 +226,9 @@ Command add_convert(CommandLine& app) {
       .type_name("FILE")
       .required();
   add_ascii_flag(c, a.ascii);
-  c.add_flag("--points", a.points, "Of a mesh the vertices alone");
+  add_schema(c, a.options);
   c.add_flag("--split", a.split, "Connected parts as files of their own: NAME_001.ply, … the largest first");
-  c.add_option("--split-distance", a.split_distance, "Of clouds: points as close as this are connected [4 spacings]")
-      .type_name("LENGTH")
-      .positive();
-  c.add_option("--min-size", a.min_size, "With --split: leave out parts of fewer triangles (or points)")
-      .type_name("COUNT");
+  add_schema(c, a.parts);
   add_convert_steps(c, a.steps);
   c.footer(std::string(kReadable) +
            " Moves, selections and changes are done in the order in\n"

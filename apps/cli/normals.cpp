@@ -30,8 +30,8 @@ void run_normals(const NormalsArguments& arguments, Console& console) {
   ReadReport read;
   const std::string name = arguments.input.name();
   PointSet given = arguments.input.read(console, read);
-  const NormalsResult made = naming(
-      name, console, [&] { return estimate_normals(std::move(given), arguments.options, progress); });
+  const NormalsResult made =
+      naming(name, console, [&] { return normals(std::move(given), arguments.options, progress); });
   console.note(name, made.notes);
   progress.begin("write");
   write_points(arguments.output, made.points, {.ascii = arguments.ascii});

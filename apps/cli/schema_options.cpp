@@ -96,17 +96,6 @@ std::string what_of(const OptionRow& row, const std::string& usual) {
   return what;
 }
 
-/// What the library says of a value becomes what the command line says, which names the option as it was typed.
-void set_from_line(const OptionRow& row, void* owner, const OptionValue& value) {
-  try {
-    set_option(row, owner, value);
-  } catch (const ArgumentError& error) {
-    const ArgumentFault& fault = error.fault();
-    if (fault.allowed.empty()) throw ValueError(error.what());
-    throw ValueError("must be " + fault.allowed + (fault.value.empty() ? "" : ", not " + fault.value));
-  }
-}
-
 void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
   const std::string negative = row.negative.empty() ? "no_" + std::string(row.name) : std::string(row.negative);
   // What is said of a flag is said of what it does: of the pair the first carries it.
@@ -142,7 +131,7 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   if (!row.excludes.empty()) entry.excludes = flag_of_name(row.excludes);
   entry.use = [&row, owner](const std::vector<std::string>& words) {
-    set_from_line(row, owner, value_of_words(row, words));
+    in_words_of_the_line([&] { set_option(row, owner, value_of_words(row, words)); });
   };
 }
 
@@ -155,6 +144,16 @@ void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const
   for_each_option(schema, options, [&](const OptionRow& row, void* owner) {
     if ((how.only.empty() || among(how.only, row.name)) && !among(how.without, row.name)) add_row(c, row, owner, how);
   });
+}
+
+void in_words_of_the_line(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const ArgumentError& error) {
+    const ArgumentFault& fault = error.fault();
+    if (fault.allowed.empty()) throw ValueError(error.what());
+    throw ValueError("must be " + fault.allowed + (fault.value.empty() ? "" : ", not " + fault.value));
+  }
 }
 
 void name_flags(CommandLine& command) {

@@ -1,6 +1,7 @@
 // Options of the command line made of the schema of an options struct of the library.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,10 @@ template <HasSchema T>
 void add_schema(CommandLine& command, T& options, const SchemaOptions& how = {}) {
   add_schema(command, T::schema(), &options, how);
 }
+
+/// Calls; what the library says of a value becomes what the command line says, which names the option as it was typed.
+/// Throws ValueError.
+void in_words_of_the_line(const std::function<void()>& call);
 
 /// Puts flags in the place of fields in what the options say. Called once a command has all of its options.
 void name_flags(CommandLine& command);

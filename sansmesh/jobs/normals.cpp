@@ -13,14 +13,13 @@ namespace sansmesh {
 
 const OptionSchema& NormalsOptions::schema() {
   using O = NormalsOptions;
-  static const OptionRow rows[] = {
-      option_group<&O::estimation>(NormalOptions::schema().rows),
-      option<&O::keep>({.text = "Keep the normals of the file and only orient them"}),
-      option<&O::orient>({.text = "Leave the signs as they come"}),
-      option<&O::orient_by>({.text = "From what normals get their signs",
-                             .unit = "choice",
-                             .from_data = "the first that is known",
-                             .choices = kOrientByWords})};
+  static const OptionRow rows[] = {option_group<&O::estimation>(NormalOptions::schema().rows),
+                                   option<&O::keep>({.text = "Keep the normals of the file and only orient them"}),
+                                   option<&O::orient>({.text = "Leave the signs as they come"}),
+                                   option<&O::orient_by>({.text = "From what normals get their signs",
+                                                          .unit = "choice",
+                                                          .from_data = "the first that is known",
+                                                          .choices = kOrientByWords})};
   static const OptionSchema schema{rows};
   return schema;
 }
@@ -32,7 +31,7 @@ void NormalsOptions::validate() const {
     throw ArgumentError("`orient_by` means nothing with `orient = false`");
 }
 
-NormalsResult estimate_normals(PointSet points, const NormalsOptions& options, Progress& progress) {
+NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress) {
   options.validate();
   if (options.keep && !points.has_normals())
     throw DataError("holds no normals to keep; without `keep` they are estimated");

@@ -42,8 +42,8 @@ struct NormalsResult {
   std::vector<Note> notes;  ///< there are none yet
 };
 
-/// Throws ArgumentError for bad options; DataError for fewer than 3 different points, none to keep, and where nothing is
-/// known of what `orient_by` asks for; Cancelled.
-NormalsResult estimate_normals(PointSet points, const NormalsOptions& options, Progress& progress);
+/// Throws ArgumentError for bad options; DataError for fewer than 3 different points, none to keep, and where nothing
+/// is known of what `orient_by` asks for; Cancelled.
+NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress);
 
 }  // namespace sansmesh

@@ -23,8 +23,8 @@ std::string uncertain_words(const OrientationReport& r) {
   if (r.doubt > 0)
     why = fmt::format("around {} of the samples they enclose less or more than a surface does", percent_words(r.doubt));
   if (1 - r.agreement > 0.0005)
-    why +=
-        fmt::format("{}{} of what neighbours say contradicts them", why.empty() ? "" : ", ", percent_words(1 - r.agreement));
+    why += fmt::format("{}{} of what neighbours say contradicts them", why.empty() ? "" : ", ",
+                       percent_words(1 - r.agreement));
   return "orientation uncertain: " + why;
 }
 

@@ -14,8 +14,8 @@ struct GivenNormals {
   bool oriented = false;     ///< surely, be it inward
   std::string words;         ///< "none", "oriented outward", "not oriented consistently: …"
   OrientationReport report;  ///< by how neighbours agree and where closed parts look
-  /// The sensor that all but a few look to, where one is known, and the share that looks away from it: it outweighs what
-  /// neighbours say.
+  /// The sensor that all but a few look to, where one is known, and the share that looks away from it: it outweighs
+  /// what neighbours say.
   std::optional<OrientBy> oriented_by = {};
   double looking_away = 0;
 };

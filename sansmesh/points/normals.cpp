@@ -126,12 +126,11 @@ const OptionSchema& NormalOptions::schema() {
   using O = NormalOptions;
   static constexpr std::string_view methods[] = {"covariance", "jet"};
   static constexpr OptionRow rows[] = {
-      option<&O::neighbours>({.text = "Samples in a neighbourhood",
-                              .from_data = "from spacing and noise",
-                              .range = {6, 500}}),
+      option<&O::neighbours>(
+          {.text = "Samples in a neighbourhood", .from_data = "from spacing and noise", .range = {6, 500}}),
       option<&O::method>({.text = "A plane (covariance) or a quadric (jet)", .unit = "choice", .choices = methods}),
-      option<&O::reweightings>({.text = "Rounds that silence samples off the fit: sharper at creases",
-                                .range = {0, 10}})};
+      option<&O::reweightings>(
+          {.text = "Rounds that silence samples off the fit: sharper at creases", .range = {0, 10}})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -18,9 +18,8 @@ const OptionSchema& CurvatureOptions::schema() {
   using O = CurvatureOptions;
   static constexpr std::string_view weights[] = {"m-like", "gaussian", "uniform"};
   static constexpr OptionRow rows[] = {
-      option<&O::neighbours>({.text = "Samples in a neighbourhood",
-                              .from_data = "from noise and shape",
-                              .range = {8, 2000}}),
+      option<&O::neighbours>(
+          {.text = "Samples in a neighbourhood", .from_data = "from noise and shape", .range = {8, 2000}}),
       option<&O::radius>({.text = "Width of the weights as one length, in place of `neighbours`",
                           .unit = "length",
                           .range = positive()}),

@@ -185,11 +185,12 @@ TEST(AlignJob, MovesAfterWhatWasKnownBefore) {
 
 TEST(AlignJob, TellsWhatIsNotUniqueAndNamesWhatFitsNowhere) {
   Progress progress;
-  const AnySurface ball(octasphere(4), "ball"), other(moved_by(octasphere(4), {0.02, 0, 0}), "other");
-  EXPECT_TRUE(has_note(align(other, ball, {.start = AlignStart::as_it_lies}, progress).notes, "free_motions"));
-  const AnySurface far(moved_by(octasphere(4), {100, 0, 0}), "far");
-  const std::string nowhere = error_text([&] { align(far, ball, {.start = AlignStart::as_it_lies}, progress); });
-  EXPECT_EQ(nowhere.rfind("far: ", 0), 0u) << nowhere;
+  const AnySurface ball(octasphere(4), "ball"), block(brick(), "block");
+  EXPECT_TRUE(has_note(align(block, block, {.start = AlignStart::anywhere}, progress).notes, "not_unique"));
+  const AnySurface large(moved_by(brick(), {}, 10), "large");
+  const std::string nowhere = error_text([&] { align(large, block, {}, progress); });
+  EXPECT_EQ(nowhere.rfind("large: ", 0), 0u) << nowhere;
+  EXPECT_NE(nowhere.find("`scale`"), std::string::npos) << nowhere;
   const AnySurface tiny(without_triangles(octasphere(0), 7), "tiny");
   EXPECT_EQ(error_text([&] { align(ball, tiny, {}, progress); }).rfind("tiny: ", 0), 0u);
   EXPECT_THROW(align(ball, ball, {.iterations = 0}, progress), ArgumentError);
@@ -197,7 +198,7 @@ TEST(AlignJob, TellsWhatIsNotUniqueAndNamesWhatFitsNowhere) {
 
 TEST(CompareJob, SignIsThePartsOnEitherSide) {
   Progress progress;
-  const AnySurface part(moved_by(octasphere(4), {}, 1.05), "part"), reference(octasphere(4), "reference");
+  const AnySurface part(moved_by(octasphere(5), {}, 1.05), "part"), reference(octasphere(5), "reference");
   for (const MapSide side : {MapSide::part, MapSide::reference}) {
     const CompareResult found = compare(part, reference, {.on = side}, progress);
     EXPECT_NEAR(found.map.statistics.mean, 0.05, 0.003);

@@ -1,4 +1,4 @@
-#include "cloud_or_mesh.h"
+#include "sansmesh/jobs/cloud_or_mesh.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/subsample.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 namespace {
 
 /// Of a cloud the samples of which there are rows.
@@ -138,7 +138,7 @@ std::string weld_places(CloudOrMesh& data, double distance) {
 }
 
 std::string keep_apart(CloudOrMesh& data, double distance) {
-  need_points(data, "--points takes its vertices, `sansmesh simplify` makes fewer triangles");
+  need_points(data, "`points` takes its vertices, a simplification makes fewer triangles");
   const std::size_t before = data.size();
   const std::vector<Vec3> positions(data.points.positions.begin(), data.points.positions.end());
   take(data, poisson_discs(positions, distance));
@@ -146,14 +146,14 @@ std::string keep_apart(CloudOrMesh& data, double distance) {
 }
 
 std::string keep_count(CloudOrMesh& data, std::size_t count) {
-  need_points(data, "--points takes its vertices");
+  need_points(data, "`points` takes its vertices");
   const std::size_t before = data.size();
   take(data, scattered_choice(before, count));
   return left_of(before, data);
 }
 
 std::string keep_every(CloudOrMesh& data, std::size_t n) {
-  need_points(data, "--points takes its vertices");
+  need_points(data, "`points` takes its vertices");
   const std::size_t before = data.size();
   take(data, every_nth(before, n));
   return left_of(before, data);
@@ -163,7 +163,7 @@ std::string flip_sides(CloudOrMesh& data, bool faces, bool normals) {
   std::vector<Vec3f>& directions = data.is_mesh ? data.mesh.normals : data.points.normals;
   if (!data.is_mesh && !normals) throw DataError("is for meshes, and the input has no faces");
   if (!data.is_mesh && directions.empty())
-    throw DataError("finds no normals, and points have no faces; `sansmesh normals` estimates some");
+    throw DataError("finds no normals, and points have no faces; they can be estimated");
   if (data.is_mesh && !faces && directions.empty()) throw DataError("finds no normals");
   if (faces)
     for (Triangle& t : data.mesh.triangles) std::swap(t[1], t[2]);
@@ -200,4 +200,4 @@ std::string choose_attributes(CloudOrMesh& data, const std::vector<std::string>&
   return "";
 }
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

@@ -10,7 +10,7 @@
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/data/triangle_mesh.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 
 /// A cloud, or a mesh.
 struct CloudOrMesh {
@@ -55,4 +55,4 @@ std::string flip_sides(CloudOrMesh& data, bool faces, bool normals);
 /// Keeps or drops the normals, colours and attributes that the list names.
 std::string choose_attributes(CloudOrMesh& data, const std::vector<std::string>& names, bool keep);
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

@@ -1,0 +1,54 @@
+// Clouds and meshes moved, cropped, thinned and welded, a step after the other.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/jobs/cloud_or_mesh.h"
+#include "sansmesh/jobs/convert_steps.h"
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh {
+
+struct ConvertOptions {
+  bool points = false;                  ///< of a mesh the vertices alone, from the start
+  std::vector<ConvertStep> steps = {};  ///< in their order
+
+  /// Without the steps, which have schemas of their own.
+  static const OptionSchema& schema();
+  /// Throws ArgumentError.
+  void validate() const;
+};
+
+/// What there was after a step.
+struct ConvertedBy {
+  std::string_view step;  ///< its name
+  std::string remark;     ///< what became of the data, in words; may be empty
+  std::size_t size = 0;   ///< points or vertices
+  std::optional<std::size_t> triangles;
+};
+
+struct ConvertReport {
+  std::string size_words;               ///< of what came: "1,234 points"
+  std::size_t size = 0, triangles = 0;  ///< of what came
+  std::vector<ConvertedBy> steps;
+};
+
+struct ConvertResult {
+  CloudOrMesh data;
+  ConvertReport report;
+  /// "nonmanifold_weld": edges of three triangles or more were made; "unturned": attributes of three numbers that
+  /// nobody knows to be directions.
+  std::vector<Note> notes;
+};
+
+/// Throws ArgumentError for bad options, DataError naming the step where one cannot be done or leaves nothing,
+/// Cancelled.
+ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
+
+}  // namespace sansmesh
