@@ -52,8 +52,8 @@ class Console {
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Warnings of the library name options by their fields; these are put in the words of the command.
   void warn(const std::string& file, const std::vector<std::string>& warnings);
-  /// Notes of a job: warnings are printed as such, information as a result for people; all stand in the JSON (`messages`).
-  /// `file` is the one that they are about unless they name one themselves.
+  /// Notes of a job: warnings are printed as such, information as a result for people; all stand in the JSON
+  /// (`messages`). `file` is the one that they are about unless they name one themselves.
   void note(const std::string& file, const std::vector<Note>& notes);
   /// The same of warnings that name their files themselves.
   void warn(const std::vector<std::string>& warnings);

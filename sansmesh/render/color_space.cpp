@@ -51,21 +51,6 @@ Vec3 hsv_of(const Vec3f& c) {
 
 }  // namespace
 
-std::optional<Vec3f> color_of_hex(std::string_view text) {
-  if (text.size() != 7 || text[0] != '#') return std::nullopt;
-  Vec3f color;
-  for (std::size_t k = 0; k < 3; ++k) {
-    int level = 0;
-    for (const char digit : text.substr(1 + 2 * k, 2)) {
-      const std::size_t value = std::string_view("0123456789abcdefABCDEF").find(digit);
-      if (value == std::string_view::npos) return std::nullopt;
-      level = 16 * level + static_cast<int>(value < 16 ? value : value - 6);
-    }
-    color[k] = static_cast<float>(level) / 255;
-  }
-  return color;
-}
-
 Vec3f srgb_color(const Vec3f& light) {
   Vec3f color;
   for (std::size_t k = 0; k < 3; ++k)

@@ -1,15 +1,9 @@
 // Colours in the coordinates in which they are mixed.
 #pragma once
 
-#include <optional>
-#include <string_view>
-
 #include "sansmesh/core/vec.h"
 
 namespace sansmesh {
-
-/// sRGB 0..1 of "#rrggbb", three levels of 0..255 in two hexadecimal digits each; nothing for any other text.
-std::optional<Vec3f> color_of_hex(std::string_view text);
 
 /// Linear light → sRGB; negative light is black, more than white stays more than 1.
 Vec3f srgb_color(const Vec3f& light);

@@ -6,7 +6,6 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/image.h"
-#include "sansmesh/render/color_space.h"
 
 namespace sansmesh {
 namespace {
@@ -17,6 +16,21 @@ constexpr std::pair<std::string_view, std::string_view> kColorWords[] = {
     {"gray", "#8c9199"}, {"silver", "#c6cad0"}, {"black", "#22252a"}};
 
 }  // namespace
+
+std::optional<Vec3f> color_of_hex(std::string_view text) {
+  if (text.size() != 7 || text[0] != '#') return std::nullopt;
+  Vec3f color;
+  for (std::size_t k = 0; k < 3; ++k) {
+    int level = 0;
+    for (const char digit : text.substr(1 + 2 * k, 2)) {
+      const std::size_t value = std::string_view("0123456789abcdefABCDEF").find(digit);
+      if (value == std::string_view::npos) return std::nullopt;
+      level = 16 * level + static_cast<int>(value < 16 ? value : value - 6);
+    }
+    color[k] = static_cast<float>(level) / 255;
+  }
+  return color;
+}
 
 std::optional<Vec3f> color_of_word(std::string_view word) {
   for (const auto& [name, hex] : kColorWords)

@@ -10,7 +10,10 @@
 
 namespace sansmesh {
 
-/// sRGB 0..1 of "#rrggbb" or a name (red, orange, …); nothing of any other text.
+/// sRGB 0..1 of "#rrggbb", three levels of 0..255 in two hexadecimal digits each; nothing for any other text.
+std::optional<Vec3f> color_of_hex(std::string_view text);
+
+/// The same of "#rrggbb" or a name (red, orange, …); nothing of any other text.
 std::optional<Vec3f> color_of_word(std::string_view word);
 /// The names, with commas between them.
 std::string color_words();

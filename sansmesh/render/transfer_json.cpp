@@ -11,6 +11,7 @@
 #include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/render/color_space.h"
+#include "sansmesh/render/color_words.h"
 
 namespace sansmesh {
 namespace {

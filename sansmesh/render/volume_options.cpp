@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/render/color_space.h"
+#include "sansmesh/render/color_words.h"
 #include "sansmesh/render/transfer_presets.h"
 
 namespace sansmesh {

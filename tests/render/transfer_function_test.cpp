@@ -11,6 +11,7 @@
 #include "render/analytic_volumes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/render/color_space.h"
+#include "sansmesh/render/color_words.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
