@@ -70,7 +70,7 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
   double volume = 0;
   for (const Tet& t : subject.mesh.tets) volume += tet_volume(t, subject.mesh.vertices);
   const double edge = std::cbrt(volume / static_cast<double>(subject.mesh.tets.size()) * 6 * std::sqrt(2.0));
-  options.youngs_modulus = 0.5 * options.stiffness / edge;
+  options.young = 0.5 * options.stiffness / edge;
   options.stiffness_damping = options.damping / options.stiffness;
   DynamicsScene scene;
   std::vector<Vec3> x = subject.mesh.vertices;

@@ -1,6 +1,10 @@
 #include "simulate_frames.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -10,6 +14,33 @@
 
 namespace sansmesh::cli {
 namespace {
+
+/// NAME.vtu becomes NAME_0007.vtu.
+std::string motion_frame_name(const std::string& output, std::size_t frame) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string()))
+      .string();
+}
+
+bool any_ends_with(const std::vector<std::string>& outputs, const char* ending) {
+  return std::any_of(outputs.begin(), outputs.end(), [&](const std::string& o) { return io::ending(o) == ending; });
+}
+
+void check_frames_writable(const std::string& output) {
+  const std::string first = motion_frame_name(output, 0), ending = io::ending(output);
+  if (ending == "vtu") return check_tets_writable(first);
+  if (ending == "png") return check_writable(first, "image");
+  try {
+    check_writable(first, "mesh");
+  } catch (const FileError&) {
+    // Of a file that cannot be written for another reason that stands.
+    if (std::string(" ply obj stl off glb vtp ").find(" " + ending + " ") != std::string::npos) throw;
+    throw FileError(output,
+                    fmt::format("no writer for frames with the ending '.{}'; known: .vtu, .ply .obj .stl .off .glb "
+                                ".vtp (the surface), .png (pictures)",
+                                ending));
+  }
+}
 
 /// With the .pvd of all frames, or if not all can be written, of those that are.
 std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, Console& console) {
@@ -54,8 +85,42 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
 
 }  // namespace
 
+bool SimulateArguments::draws() const { return !animation.empty() || any_ends_with(outputs, "png"); }
+bool SimulateArguments::writes_tets() const { return any_ends_with(outputs, "vtu"); }
+
+void SimulateArguments::check() const {
+  require(!outputs.empty() || !animation.empty() || !energies.empty(),
+          "nothing would be written: --output, --animation or --energies is wanted");
+  for (const std::string& o : outputs) check_frames_writable(o);
+  if (!animation.empty()) check_writable(animation, "image");
+  if (!energies.empty()) check_writable(energies, "text");
+  require(volume_file.empty() || draws(), "--volume needs pictures: --output NAME.png or --animation");
+  require(!volume_file.empty() || (colors.usual() && volume.array.empty()),
+          "--array, --preset, --transfer, --opacity and --iso belong to --volume");
+  options.validate();
+  picture.chosen().validate();
+  picture.check_frames(true);
+}
+
+void SimulateArguments::check_overwriting(std::size_t frames) const {
+  const auto place = [](const std::string& file) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(file, ignored);
+  };
+  std::set<std::filesystem::path> inputs;
+  for (const std::string& file : {tets, forces, fixed, surface, volume_file, colors.transfer})
+    if (!file.empty()) inputs.insert(place(file));
+  const auto check = [&](const std::string& file) {
+    if (inputs.contains(place(file))) throw FileError(file, "is an input, which a result would overwrite");
+  };
+  for (const std::string& o : outputs)
+    for (std::size_t k = 0; k < frames; ++k) check(motion_frame_name(o, k));
+  if (!animation.empty()) check(animation);
+  if (!energies.empty()) check(energies);
+}
+
 std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion& motion, const CarriedSurface& surface,
-                                       const DynamicsScene& scene, PicturesToDraw& draw, Console& console) {
+                                       PicturesToDraw& draw, Console& console) {
   Progress& progress = console.progress();
   std::vector<std::string> files;
   for (const std::string& o : a.outputs) {
@@ -73,7 +138,6 @@ std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion&
     }
   }
   if (!draw.pictures) return files;
-  draw.pictures->frame(scene);
   for (std::size_t k = 0; k < motion.frames(); ++k) {
     const Image image = a.picture.part(draw.pictures->draw(k, progress), a.picture.chosen());
     for (const std::string& o : a.outputs)

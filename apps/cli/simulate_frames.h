@@ -1,17 +1,40 @@
-// Everything that sansmesh simulate writes of a motion.
+// What sansmesh simulate is asked for, and everything that it writes of a motion.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "motion.h"
+#include "console.h"
+#include "option_groups.h"
 #include "sansmesh/io/animation.h"
-#include "simulate_scene.h"
+#include "sansmesh/jobs/motion.h"
+#include "sansmesh/jobs/motion_pictures.h"
+#include "sansmesh/jobs/plan_simulation.h"
+#include "volume_colors.h"
+#include "volume_input.h"
 
 namespace sansmesh::cli {
 
-/// Inputs of the pictures, opened and checked before anything moves.
+struct SimulateArguments {
+  std::string tets, forces, fixed, surface, animation, energies, background = "gradient";
+  std::vector<std::string> outputs;
+  SimulateOptions options;
+  bool ascii = false;
+  std::string volume_file;
+  VolumeInput volume;
+  VolumeColors colors;
+  PictureArguments picture;
+
+  bool draws() const;
+  bool writes_tets() const;
+  /// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
+  void check() const;
+  /// Inputs are not to be lost: frames get names that nobody typed. Throws FileError.
+  void check_overwriting(std::size_t frames) const;
+};
+
+/// Opened and checked before anything moves.
 struct PicturesToDraw {
   std::optional<MotionPictures> pictures;
   std::optional<Animation> animation;
@@ -20,6 +43,6 @@ struct PicturesToDraw {
 /// Frames as tetrahedra, surfaces and pictures, and the animation; the names of the files. Frames before one that
 /// cannot be written are kept, those of tetrahedra with a .pvd of just them.
 std::vector<std::string> write_outputs(const SimulateArguments& a, const Motion& motion, const CarriedSurface& surface,
-                                       const DynamicsScene& scene, PicturesToDraw& draw, Console& console);
+                                       PicturesToDraw& draw, Console& console);
 
 }  // namespace sansmesh::cli

@@ -73,10 +73,10 @@ void BodyState::explode(std::span<const Vec3> at) {
   if (!(stable > 0)) {
     throw DataError(
         fmt::format("{}: explicit Euler is not stable without damping, however short the `step`: take "
-                    "`integrator = velocity_verlet` or `implicit_euler`",
+                    "`integrator = velocity-verlet` or `implicit-euler`",
                     what));
   }
-  throw DataError(fmt::format("{}: take a `step` of {:.2g} s (now {:.4g} s), or `integrator = implicit_euler`", what,
+  throw DataError(fmt::format("{}: take a `step` of {:.2g} s (now {:.4g} s), or `integrator = implicit-euler`", what,
                               stable < options.step ? stable : options.step / 4, options.step));
 }
 

@@ -27,8 +27,8 @@ Strain strain_in(const Matrix3& r, const Matrix3& f) {
 
 }  // namespace
 
-CorotationalModel::CorotationalModel(std::vector<Tet> tets, std::span<const Vec3> rest, double youngs_modulus,
-                                     double poissons_ratio, double damping)
+CorotationalModel::CorotationalModel(std::vector<Tet> tets, std::span<const Vec3> rest, double young, double poisson,
+                                     double damping)
     : tets_(std::move(tets)),
       shapes_(tets_.size()),
       turns_(tets_.size()),
@@ -37,8 +37,8 @@ CorotationalModel::CorotationalModel(std::vector<Tet> tets, std::span<const Vec3
       graph_(vertex_graph(tets_, rest.size())),
       corners_(corners_of_vertices(tets_, rest.size())),
       around_(tets_of_edges(tets_, graph_)),
-      mu_(youngs_modulus / (2 * (1 + poissons_ratio))),
-      lambda_(youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))),
+      mu_(young / (2 * (1 + poisson))),
+      lambda_(young * poisson / ((1 + poisson) * (1 - 2 * poisson))),
       damping_(damping) {
   parallel_for(0, tets_.size(), kTetRange, [&](std::size_t t) { shapes_[t] = tet_gradients(tets_[t], rest); });
 }

@@ -18,8 +18,7 @@ namespace sansmesh {
 class CorotationalModel final : public ElasticModel {
  public:
   /// Tetrahedra of positive volume. Young's modulus in pascals, Poisson's ratio below 0.5, β in seconds.
-  CorotationalModel(std::vector<Tet> tets, std::span<const Vec3> rest, double youngs_modulus, double poissons_ratio,
-                    double damping);
+  CorotationalModel(std::vector<Tet> tets, std::span<const Vec3> rest, double young, double poisson, double damping);
 
   bool forces(std::span<const Vec3> x, std::span<const Vec3> v, std::span<Vec3> f) override;
   bool linearize(std::span<const Vec3> x, double h, std::span<Vec3> f) override;

@@ -341,14 +341,6 @@ SceneScript parse_scene_script(const std::string& text, const SceneVertices& ver
   return SceneReader(vertices, z_up).read(detail::parse_scene_json(text));
 }
 
-std::optional<double> metres_of(std::string_view unit) {
-  constexpr std::pair<std::string_view, double> known[] = {{"mm", 1e-3}, {"cm", 1e-2},     {"dm", 0.1},     {"m", 1},
-                                                           {"km", 1e3},  {"inch", 0.0254}, {"foot", 0.3048}};
-  for (const auto& [name, metres] : known)
-    if (name == unit) return metres;
-  return std::nullopt;
-}
-
 std::optional<SoftBodyModel> soft_body_model(std::string_view word) {
   for (const auto m : {SoftBodyModel::springs, SoftBodyModel::corotational})
     if (word == word_of(m)) return m;

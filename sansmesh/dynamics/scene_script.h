@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/dynamics/length_unit.h"
 #include "sansmesh/dynamics/soft_body_options.h"
 
 namespace sansmesh {
@@ -48,11 +49,8 @@ SceneScript parse_scene_script(const std::string& text, const SceneVertices& ver
 /// The words for models and integrators: "springs", "implicit-euler".
 std::optional<SoftBodyModel> soft_body_model(std::string_view word);
 std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word);
-constexpr double kMostGravity = 1e6;                  ///< m/s²
-constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;  ///< m
-constexpr double kUsualFriction = 0.3;                ///< of obstacles of which nobody says another
-/// Metres of "mm", "cm", "dm", "m", "km", "inch", "foot".
-std::optional<double> metres_of(std::string_view unit);
+constexpr double kMostGravity = 1e6;    ///< m/s²
+constexpr double kUsualFriction = 0.3;  ///< of obstacles of which nobody says another
 const char* word_of(SoftBodyModel model);
 const char* word_of(DynamicsIntegrator integrator);
 

@@ -95,8 +95,8 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   if (options.model == SoftBodyModel::springs) {
     body.model = std::make_unique<SpringModel>(vertex_graph(tets, n), rest, options.stiffness, options.damping);
   } else {
-    body.model = std::make_unique<CorotationalModel>(std::move(tets), rest, options.youngs_modulus,
-                                                     options.poissons_ratio, options.stiffness_damping);
+    body.model = std::make_unique<CorotationalModel>(std::move(tets), rest, options.young, options.poisson,
+                                                     options.stiffness_damping);
   }
   const double diagonal = bounds(s.mesh).diagonal();
   body.near = 1e-9 * diagonal, body.longest = ElasticModel::kMostStretch * diagonal;

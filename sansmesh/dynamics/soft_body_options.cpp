@@ -48,8 +48,8 @@ void SoftBodyOptions::validate() const {
   check_argument(is_positive(step), "`step` must be a positive time");
   check_argument(is_positive(stiffness), "`stiffness` must be positive");
   check_argument(is_not_negative(damping), "`damping` must be at least 0");
-  check_argument(is_positive(youngs_modulus), "`youngs_modulus` must be positive");
-  check_range("poissons_ratio", poissons_ratio, 0, 0.49);
+  check_argument(is_positive(young), "`young` must be positive");
+  check_range("poisson", poisson, 0, 0.49);
   check_argument(is_not_negative(mass_damping), "`mass_damping` must be at least 0");
   check_argument(is_not_negative(stiffness_damping), "`stiffness_damping` must be at least 0");
   check_argument(is_positive(density), "`density` must be positive");

@@ -33,8 +33,8 @@ struct SoftBodyOptions {
   double damping = 1;       ///< k_d: f = −k_d (v_i − v_j) along every edge, N s/m, >= 0
 
   // Corotational.
-  double youngs_modulus = 1e5;   ///< Pa, > 0
-  double poissons_ratio = 0.3;   ///< 0..0.49
+  double young = 1e5;            ///< Pa, > 0
+  double poisson = 0.3;          ///< 0..0.49
   double mass_damping = 0;       ///< Rayleigh's α, 1/s, >= 0
   double stiffness_damping = 0;  ///< Rayleigh's β, s, >= 0
 

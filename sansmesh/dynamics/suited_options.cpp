@@ -56,9 +56,9 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
   const double density = s.mass && volume > 0 ? *s.mass / volume : o.density;
   const double pull = norm(o.gravity) > 0 ? norm(o.gravity) : kEarth;
   const double young = kSuitedStiffness * density * pull * bounds(mesh).diagonal();
-  o.youngs_modulus = s.young.value_or(young > 0 ? young : o.youngs_modulus);
-  o.poissons_ratio = s.poisson.value_or(o.poissons_ratio);
-  o.stiffness = s.stiffness.value_or(o.youngs_modulus * mean_edge(mesh));
+  o.young = s.young.value_or(young > 0 ? young : o.young);
+  o.poisson = s.poisson.value_or(o.poisson);
+  o.stiffness = s.stiffness.value_or(o.young * mean_edge(mesh));
   o.damping = s.damping.value_or(kSuitedDamping * o.stiffness);
   o.mass_damping = s.mass_damping.value_or(o.mass_damping);
   o.stiffness_damping = s.stiffness_damping.value_or(kSuitedDamping);

@@ -89,7 +89,7 @@ TEST(ClosedForm, Pendulum) {
          {DynamicsIntegrator::velocity_verlet, DynamicsIntegrator::implicit_euler}) {
       SoftBodyOptions options = ideal(integrator, 2e-4);
       options.model = model, options.gravity = {0, 0, -kGravity}, options.total_mass = 4, options.stiffness = 2e5;
-      options.youngs_modulus = 1e6;
+      options.young = 1e6;
       DynamicsScene scene;
       scene.fixed = {0};
       SoftBody body(outward, options, scene);
@@ -124,7 +124,7 @@ struct Cantilever {
   }
   static SoftBodyOptions options(double step) {
     SoftBodyOptions options = ideal(DynamicsIntegrator::implicit_euler, step);
-    options.model = SoftBodyModel::corotational, options.youngs_modulus = kModulus, options.poissons_ratio = kPoisson;
+    options.model = SoftBodyModel::corotational, options.young = kModulus, options.poisson = kPoisson;
     options.density = kDensity, options.tolerance = 1e-6, options.iterations = 20000;
     return options;
   }

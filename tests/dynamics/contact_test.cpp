@@ -35,7 +35,7 @@ TEST(Contact, FallsOnTheFloorAndRests) {
       if (model == SoftBodyModel::corotational && integrator != DynamicsIntegrator::implicit_euler) continue;
       SCOPED_TRACE(testing::Message() << static_cast<int>(model) << ' ' << static_cast<int>(integrator));
       SoftBodyOptions options = of_rubber(integrator);
-      options.model = model, options.youngs_modulus = 2e4, options.stiffness_damping = 0.004;
+      options.model = model, options.young = 2e4, options.stiffness_damping = 0.004;
       DynamicsScene scene;
       scene.floors.push_back({{0, 0, 0}, {0, 0, 2}, 0.3});
       SoftBody body(cube(0.2), options, scene);
@@ -101,7 +101,7 @@ TEST(Contact, SlidesDownASlopeThatIsSteeperThanItsFriction) {
 /// A cube of rubber on a slope of 30 degrees, which moves at a speed along it. `step` 0: half of what is stable.
 SoftBody on_a_slope(DynamicsIntegrator integrator, double friction, double step, double speed) {
   SoftBodyOptions options;
-  options.integrator = integrator, options.model = SoftBodyModel::corotational, options.youngs_modulus = 1e6;
+  options.integrator = integrator, options.model = SoftBodyModel::corotational, options.young = 1e6;
   options.stiffness_damping = 0.004;
   options.gravity = {9.81 * 0.5, 0, -9.81 * std::sqrt(0.75)};
   DynamicsScene scene;

@@ -98,7 +98,7 @@ TEST(SceneScript, ForcesHandlesAndObstacles) {
 
   const SoftBodyOptions o = suited_options(script, s.mesh);
   EXPECT_EQ(o.gravity, (Vec3{0, 0, -1.62}));
-  EXPECT_EQ(o.youngs_modulus, 2e5);
+  EXPECT_EQ(o.young, 2e5);
   EXPECT_EQ(o.density, 900);
   EXPECT_EQ(o.step, 0.001);
   const DynamicsScene metres = scaled(script.scene, 0.01);

@@ -345,8 +345,8 @@ TEST(SoftBody, BadInputIsNamed) {
   SoftBodyOptions options;
   options.step = 0;
   expect(refused<ArgumentError>(one_tet(), options), "`step`");
-  options = {}, options.poissons_ratio = 0.5;
-  expect(refused<ArgumentError>(one_tet(), options), "poissons_ratio");
+  options = {}, options.poisson = 0.5;
+  expect(refused<ArgumentError>(one_tet(), options), "poisson");
   options = {};
   TetMesh mesh = one_tet();
   mesh.tets[0] = {0, 2, 1, 3};

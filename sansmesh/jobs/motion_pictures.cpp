@@ -1,0 +1,175 @@
+#include "sansmesh/jobs/motion_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/dynamics/tet_map.h"
+#include "sansmesh/field/deformed_volume.h"
+#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/volume_picture.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kVolumeRim = 0.01;  ///< of the diagonal: as much the tetrahedra may be larger than their volume
+constexpr Vec3f kFloorColor{0.62f, 0.66f, 0.72f};
+constexpr Vec3f kSphereColor{0.45f, 0.58f, 0.78f};
+constexpr int kFramingDirections = 200;
+constexpr double kFloorSize = 1.1;  ///< its radius, of the diagonal of all that moves
+
+/// The farthest of all points in many directions: what frames them frames all.
+class FarthestPoints {
+ public:
+  FarthestPoints() : most_(kFramingDirections, -std::numeric_limits<double>::infinity()), points_(kFramingDirections) {
+    for (int k = 0; k < kFramingDirections; ++k) {
+      const double z = 1 - (2 * k + 1.0) / kFramingDirections, r = std::sqrt(1 - z * z);
+      const double phi = k * std::numbers::pi * (3 - std::sqrt(5.0));
+      directions_.push_back({r * std::cos(phi), r * std::sin(phi), z});
+    }
+  }
+  void add(const Vec3& x) {
+    for (std::size_t k = 0; k < directions_.size(); ++k)
+      if (const double d = dot(x, directions_[k]); d > most_[k]) most_[k] = d, points_[k] = x;
+  }
+  const std::vector<Vec3>& points() const { return points_; }
+
+ private:
+  std::vector<Vec3> directions_;
+  std::vector<double> most_;
+  std::vector<Vec3> points_;
+};
+
+TriangleMesh ball_mesh(const Vec3& center, double radius) {
+  constexpr std::uint32_t rings = 32, around = 64;
+  TriangleMesh m;
+  m.origin = center;
+  for (std::uint32_t i = 0; i <= rings; ++i)
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const double theta = std::numbers::pi * i / rings, phi = 2 * std::numbers::pi * j / around;
+      m.vertices.push_back(
+          Vec3f(Vec3{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)} * radius));
+    }
+  for (std::uint32_t i = 0; i < rings; ++i)
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const std::uint32_t a = i * around + j, b = i * around + (j + 1) % around, c = a + around, d = b + around;
+      if (i > 0) m.triangles.push_back({a, c, b});
+      if (i + 1 < rings) m.triangles.push_back({b, c, d});
+    }
+  return m;
+}
+
+void color_obstacle(TriangleMesh& mesh, const Vec3f& c) {
+  mesh.colors.assign(mesh.vertices.size(), {to_byte(c.x), to_byte(c.y), to_byte(c.z)});
+}
+
+/// The part of a plane around where the body goes.
+TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
+  const Vec3 n = normalized(floor.normal);
+  const Vec3 side = std::abs(n.x) < 0.9 ? normalized(cross(n, Vec3{1, 0, 0})) : normalized(cross(n, Vec3{0, 1, 0}));
+  const Vec3 other = cross(n, side);
+  TriangleMesh m;
+  m.origin = box.center() - n * dot(box.center() - floor.point, n);
+  const double radius = kFloorSize * box.diagonal();
+  constexpr std::uint32_t around = 128;
+  m.vertices.push_back({});
+  for (std::uint32_t k = 0; k < around; ++k) {
+    const double phi = 2 * std::numbers::pi * k / around;
+    m.vertices.push_back(Vec3f(side * (radius * std::cos(phi)) + other * (radius * std::sin(phi))));
+    m.triangles.push_back({0, k + 1, (k + 1) % around + 1});
+  }
+  return m;
+}
+
+/// Whether the tetrahedra are larger than what is known of the volume in them.
+bool reaches_beyond(const Box3& body, const Box3& volume) {
+  const double rim = kVolumeRim * body.diagonal();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (body.lower[k] < volume.lower[k] - rim || body.upper[k] > volume.upper[k] + rim) return true;
+  return false;
+}
+
+}  // namespace
+
+MotionPictures::MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_ptr<const CarriedSurface> surface,
+                               std::optional<CarriedVolume> volume, const RenderOptions& options)
+    : rest_(std::move(rest)), surface_(std::move(surface)), volume_(std::move(volume)), options_(options) {
+  options_.validate();
+  if (!volume_) return;
+  static_cast<RenderOptions&>(volume_->look) = options_;
+  volume_->look.validate();
+  boundary_ = boundary_mesh(*rest_, rest_->vertices, &sources_);
+  if (reaches_beyond(bounds(*rest_), volume_->field->bounds()))
+    notes_.push_back({.code = "volume_ends",
+                      .text = "does not reach everywhere in the tetrahedra: its values go on beyond it",
+                      .remedy = {}});
+}
+
+void MotionPictures::show(std::shared_ptr<const Motion> motion, const DynamicsScene& scene) {
+  motion_ = std::move(motion);
+  FarthestPoints farthest;
+  Box3 box;
+  for (std::size_t frame = 0; frame < motion_->frames(); ++frame) {
+    if (surface_) {
+      const TriangleMesh m = surface_->at(*motion_, frame);
+      for (const Vec3f& p : m.vertices) farthest.add(m.origin + Vec3(p));
+    } else {
+      for (const Vec3& p : motion_->positions(frame)) farthest.add(p);
+    }
+  }
+  for (const Vec3& p : farthest.points()) box.extend(p);
+  for (const SphereObstacle& s : scene.spheres) {
+    obstacles_.push_back(ball_mesh(s.center, s.radius));
+    color_obstacle(obstacles_.back(), kSphereColor);
+    // Spheres larger than the motion frame nothing.
+    if (2 * s.radius < box.diagonal())
+      for (int k = 0; k < 6; ++k) {
+        Vec3 d{};
+        d[static_cast<std::size_t>(k / 2)] = k % 2 ? s.radius : -s.radius;
+        farthest.add(s.center + d);
+      }
+  }
+  for (const FloorObstacle& f : scene.floors) {
+    obstacles_.push_back(floor_mesh(f, box));
+    color_obstacle(obstacles_.back(), kFloorColor);
+  }
+  framed_ = farthest.points();
+  if (scene.floors.empty()) return;
+  options_.ground = false;
+  if (volume_) volume_->look.ground = false;
+}
+
+Image MotionPictures::draw(std::size_t frame, Progress& progress) {
+  std::vector<PictureSurface> surfaces;
+  RenderOptions colored = options_;
+  colored.use_colors = true;
+  colored.wireframe = RenderOptions::Wireframe::none;
+  surfaces.reserve(obstacles_.size() + 1);
+  for (const TriangleMesh& m : obstacles_) surfaces.push_back(surface_in_picture(m, colored));
+  if (surface_) surfaces.push_back(surface_in_picture(surface_->at(*motion_, frame), options_));
+  if (!volume_) return render_surfaces(surfaces, framed_, false, false, options_, progress);
+  const std::vector<Vec3> x = motion_->positions(frame);
+  Box3 box;
+  for (const Vec3& p : x) box.extend(p);
+  boundary_.origin = motion_->origin();
+  for (std::size_t k = 0; k < sources_.size(); ++k) boundary_.vertices[k] = Vec3f(x[sources_[k]] - boundary_.origin);
+  const DeformedVolume field(volume_->field, std::make_shared<TetMap>(rest_->tets, x, rest_->vertices), box, box);
+  VolumeSubject subject;
+  subject.field = &field;
+  subject.boundary = &boundary_;
+  subject.surfaces = std::move(surfaces);
+  subject.places = x;
+  subject.framed = framed_;
+  subject.image = volume_->image;
+  VolumePictureReport report;
+  Image image = render_volume(subject, volume_->look, progress, &report);
+  // The colours of the first frame are those of all.
+  volume_->look.transfer = report.transfer;
+  volume_->look.preset.clear();
+  return image;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,225 @@
+#include "sansmesh/jobs/plan_simulation.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/dynamics/suited_options.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kUsualTime = 2, kUsualRate = 25;
+constexpr double kMostFrames = 100000, kMostSteps = 1e8;
+constexpr double kLeastSize = 1e-6, kMostSize = 1e9;  ///< of bodies, m
+constexpr double kFloorBelow = 0.3;  ///< of the body's height: how far it falls to the floor that nobody asked for
+
+template <class T>
+void override_by(std::optional<T>& value, const std::optional<T>& option) {
+  if (option) value = option;
+}
+
+/// Materials of the cells where nobody says another: their means.
+void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes) {
+  const AttributeTable& arrays = body.tet_attributes;
+  const auto* const density = arrays.find<double>("density");
+  const auto* const young = arrays.find<double>("young");
+  const auto* const poisson = arrays.find<double>("poisson");
+  if (!density || !young || !poisson) return;
+  double sum[3] = {};
+  std::size_t known = 0;
+  bool differ = false;
+  std::array<double, 3> first{};
+  for (std::size_t t = 0; t < density->size(); ++t) {
+    const std::array<double, 3> m{(*density)[t], (*young)[t], (*poisson)[t]};
+    if (std::isnan(m[0]) || std::isnan(m[1]) || std::isnan(m[2])) continue;
+    if (!(m[0] > 0 && m[1] > 0 && m[2] >= 0 && m[2] <= 0.49 && std::isfinite(m[0]) && std::isfinite(m[1])))
+      throw DataError(
+          fmt::format("the material of a cell cannot be simulated (density {:g}, Young's modulus {:g} Pa, "
+                      "Poisson's ratio {:g}): the first two must be above 0, the last in 0..0.49",
+                      m[0], m[1], m[2]));
+    if (known++ == 0) first = m;
+    differ = differ || m != first;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += m[k];
+  }
+  if (known == 0) return;
+  const bool springs = s.model == SoftBodyModel::springs || s.stiffness;
+  const bool taken = !s.density || (!springs && (!s.young || !s.poisson));
+  const auto mean = [&](std::size_t k, std::optional<double>& value) {
+    if (!value) value = differ ? sum[k] / static_cast<double>(known) : first[k];
+  };
+  mean(0, s.density);
+  if (!springs) mean(1, s.young), mean(2, s.poisson);
+  if (taken && differ)
+    notes.push_back(
+        {.code = "mean_material", .text = "several materials: the whole body is of their mean", .remedy = {}});
+  if (taken && known < density->size())
+    notes.push_back({.code = "no_material",
+                     .text = fmt::format("{} without a material: they are of that of the others",
+                                         counted(density->size() - known, "cell")),
+                     .remedy = {}});
+}
+
+/// The scene with what the options say instead.
+void put_into_scene(const SimulateOptions& o, SceneScript& s) {
+  override_by(s.model, o.model);
+  override_by(s.integrator, o.integrator);
+  override_by(s.step, o.step), override_by(s.duration, o.time);
+  override_by(s.frames_per_second, o.fps);
+  override_by(s.stiffness, o.stiffness), override_by(s.young, o.young), override_by(s.poisson, o.poisson);
+  override_by(s.density, o.density);
+  if (o.unit) s.unit = o.unit->metres;
+  if (o.z_up) s.z_up = true;
+}
+
+void take_unit(const TetMesh& body, SceneScript& s, std::vector<Note>& notes) {
+  const double unit = suited_unit(s, body);
+  const double size = bounds(body).diagonal();
+  if (!s.unit && unit != 1)
+    notes.push_back({.code = "unit",
+                     .text = fmt::format("{:.4g} long in a unit that nobody says: taken as {}, {:.3g} m", size,
+                                         unit == 0.01 ? "centimetres" : "millimetres", size * unit),
+                     .remedy = "`unit` says another"});
+  s.unit = unit;
+  if (!(size * unit >= kLeastSize && size * unit <= kMostSize))
+    throw DataError(
+        fmt::format("is {:.3g} m large, which cannot be simulated: `unit` tells of what its lengths are", size * unit));
+}
+
+/// A floor where one is asked for, or nothing else keeps the body from falling for ever.
+void add_floor_below(SceneScript& s, const TetMesh& body, const Vec3& gravity) {
+  const bool falls = s.scene.fixed.empty() && s.scene.handles.empty() && s.scene.floors.empty() &&
+                     s.scene.spheres.empty() && !s.no_floor;
+  if (!s.floor_below && !falls) return;
+  if (!(norm(gravity) > 0)) return;
+  const Vec3 up = -normalized(gravity);
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const Vec3& p : body.vertices) {
+    lowest = std::min(lowest, dot(p, up));
+    highest = std::max(highest, dot(p, up));
+  }
+  FloorObstacle floor;
+  floor.normal = up;
+  floor.point = up * (lowest - kFloorBelow * (highest - lowest));
+  floor.friction = s.friction.value_or(kUsualFriction);
+  s.scene.floors.push_back(floor);
+}
+
+/// Moments of the frames.
+void plan_frames(const SimulateOptions& o, const SceneScript& s, SimulationPlan& plan) {
+  double rate = s.frames_per_second.value_or(kUsualRate);
+  double time = s.duration.value_or(kUsualTime);
+  if (o.frames) {
+    const double steps = *o.frames - 1;
+    if (o.fps || !s.duration)
+      time = steps / rate;
+    else
+      rate = steps / time;
+  }
+  // Whole frames at the rate that is asked for; where their number is given, both are kept.
+  const double frames = o.frames ? *o.frames - 1 : std::floor(time * rate * (1 + 1e-9));
+  if (!(frames >= 1))
+    throw ArgumentError(fmt::format("a `time` of {:g} s is shorter than a frame ({:g} a second)", time, rate));
+  if (frames > kMostFrames)
+    throw ArgumentError(
+        fmt::format("{:g} s with {:g} frames a second are more than {:g} frames", time, rate, kMostFrames));
+  plan.frames = whole_part<std::size_t>(frames) + 1;
+  plan.frame_time = 1 / rate;
+}
+
+void plan_steps(SimulationPlan& plan) {
+  const double steps = std::max(1.0, std::ceil(plan.frame_time / plan.options.step - 1e-9));
+  if (!(steps * static_cast<double>(plan.frames - 1) <= kMostSteps))
+    throw ArgumentError(fmt::format("a `step` of {:.3g} s makes more than {:g} steps", plan.options.step, kMostSteps));
+  plan.frame_steps = whole_part<std::size_t>(steps);
+}
+
+/// Errors of what no option said.
+template <class Work>
+void of_scene(bool by_options, const Work& work) {
+  try {
+    work();
+  } catch (const ArgumentError& error) {
+    if (by_options) throw;
+    throw SceneError(error.what());
+  }
+}
+
+}  // namespace
+
+const OptionSchema& SimulateOptions::schema() {
+  using O = SimulateOptions;
+  static constexpr std::string_view kModels[] = {"springs", "corotational"};
+  static constexpr std::string_view kIntegrators[] = {"explicit-euler", "verlet", "velocity-verlet", "implicit-euler"};
+  static constexpr OptionRow rows[] = {
+      option<&O::model>({.text = "Every edge a spring, or elasticity in pascals (corotational)",
+                         .from_data = "springs, but with `young`",
+                         .choices = kModels}),
+      option<&O::stiffness>(
+          {.text = "Stiffness of springs", .unit = "N/m", .from_data = "the body", .range = positive()}),
+      option<&O::young>(
+          {.text = "Young's modulus", .unit = "Pa", .from_data = "the file's, else the body", .range = positive()}),
+      option<&O::poisson>(
+          {.text = "Poisson's ratio", .unit = "ratio", .from_data = "the file's, else 0.3", .range = {0, 0.49}}),
+      option<&O::damping>({.text = "Damping of springs, N s/m; of elasticity, s",
+                           .from_data = "0.004 s of the stiffness",
+                           .range = at_least(0)}),
+      option<&O::density>(
+          {.text = "Density", .unit = "kg/m³", .from_data = "the file's, else 1000", .range = positive()}),
+      option<&O::unit>({.text = "Of lengths in the body's file and the scene: mm, cm, dm, m, km, inch, foot or metres",
+                        .from_data = "m; where nobody says more, cm or mm of bodies above 20"}),
+      option<&O::time>({.text = "How long it moves", .unit = "seconds", .from_data = "2", .range = positive()}),
+      option<&O::fps>({.text = "Frames a second", .unit = "1/s", .from_data = "25", .range = positive()}),
+      option<&O::frames>({.text = "So many frames, the body at rest among them", .range = at_least(2)}),
+      option<&O::integrator>(
+          {.text = "How it goes from step to step", .from_data = "implicit-euler", .choices = kIntegrators}),
+      option<&O::step>({.text = "Longest step",
+                        .unit = "seconds",
+                        .from_data = "0.01; of explicit ones half of what is stable",
+                        .range = positive()}),
+      option<&O::z_up>({.text = "Down is where z is small, whatever the scene says"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void SimulateOptions::validate() const {
+  validate_options(*this);
+  if (frames && fps && time) throw ArgumentError("of `frames`, `fps` and `time` only two can be given");
+}
+
+SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options) {
+  options.validate();
+  SimulationPlan plan;
+  std::vector<std::uint32_t>& fixed = scene.scene.fixed;
+  std::sort(fixed.begin(), fixed.end());
+  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  put_into_scene(options, scene);
+  take_material(body, scene, plan.notes);
+  if (scene.stiffness && !scene.model) scene.model = SoftBodyModel::springs;
+  if (options.damping) scene.damping = scene.stiffness_damping = options.damping;
+  take_unit(body, scene, plan.notes);
+  plan.unit = *scene.unit;
+  plan.z_up = scene.z_up.value_or(false);
+  plan.step_given = scene.step.has_value();
+
+  TetMesh metres{body.vertices, body.tets, {}, {}};
+  for (Vec3& p : metres.vertices) p *= plan.unit;
+  of_scene(options.frames || options.time || options.fps, [&] { plan_frames(options, scene, plan); });
+  of_scene(false, [&] {
+    plan.options = suited_options(scene, metres);
+    plan.options.validate();
+  });
+  of_scene(options.step.has_value(), [&] { plan_steps(plan); });
+  add_floor_below(scene, body, plan.options.gravity);
+  plan.scene = std::move(scene.scene);
+  plan.rest = std::make_shared<const TetMesh>(std::move(body));
+  return plan;
+}
+
+}  // namespace sansmesh

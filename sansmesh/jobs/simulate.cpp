@@ -1,0 +1,105 @@
+#include "sansmesh/jobs/simulate.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kMostBytes = 8e9;      ///< of frames in memory
+constexpr double kManyUnsettled = 0.1;  ///< of the steps
+
+SoftBody body_of_plan(const SimulationPlan& plan) {
+  TetMesh metres{plan.rest->vertices, plan.rest->tets, {}, {}};
+  for (Vec3& p : metres.vertices) p *= plan.unit;
+  try {
+    return {std::move(metres), plan.options, scaled(plan.scene, plan.unit)};
+  } catch (const ArgumentError& error) {
+    throw SceneError(error.what());
+  }
+}
+
+void note_start(const SoftBody& body, std::vector<Note>& notes) {
+  const std::size_t within = body.within_obstacles().size();
+  if (within == 0) return;
+  notes.push_back({.code = "within_obstacle",
+                   .text = fmt::format("{} within an obstacle: what is pushed out at once may be thrown",
+                                       within == 1 ? "1 vertex begins" : grouped(within) + " vertices begin"),
+                   .remedy = {}});
+}
+
+void note_steps(const SimulationPlan& plan, double stable, const SimulateReport& r, std::vector<Note>& notes) {
+  // What explodes says so itself.
+  if (plan.options.step > stable)
+    notes.push_back({.code = "unstable_step",
+                     .text = fmt::format("steps of {:.3g} s are longer than is stable for {} ({:.2g} s)",
+                                         plan.options.step, word_of(plan.options.integrator), stable),
+                     .remedy = {}});
+  if (r.halvings > 0)
+    notes.push_back(
+        {.code = "halved",
+         .text = fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge",
+                             grouped(r.halvings), r.shortest_step),
+         .remedy = "a smaller `step`, or less `stiffness`, is quicker"});
+  if (static_cast<double>(r.unsettled) > kManyUnsettled * static_cast<double>(r.steps))
+    notes.push_back({.code = "unsettled",
+                     .text = fmt::format("contacts were still changing at the end of {} of {} steps",
+                                         grouped(r.unsettled), grouped(r.steps)),
+                     .remedy = "a smaller `step` lets them settle"});
+}
+
+/// All frames but the first, which is there.
+void move(SoftBody& body, const SimulationPlan& plan, bool moments, Motion& motion, SimulateReport& r,
+          Progress& progress) {
+  const double h = plan.frame_time / static_cast<double>(plan.frame_steps);
+  progress.begin("simulating", (plan.frames - 1) * plan.frame_steps);
+  for (std::size_t frame = 1; frame < plan.frames; ++frame) {
+    for (std::size_t k = 0; k < plan.frame_steps; ++k) {
+      const StepReport step = body.advance(h);
+      ++r.steps;
+      r.halvings += static_cast<std::size_t>(step.halvings);
+      r.unsettled += step.unsettled > 0;
+      r.iterations += static_cast<std::uint64_t>(step.iterations);
+      r.shortest_step = std::min(r.shortest_step, step.shortest);
+      r.most_contacts = std::max(r.most_contacts, step.contacts);
+      if (moments) r.moments.push_back({body.energies(), step});
+      progress.advance();
+    }
+    motion.add(static_cast<double>(frame) * plan.frame_time, body.positions(), body.velocities(), plan.unit);
+  }
+  progress.finish();
+}
+
+}  // namespace
+
+SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress) {
+  const auto motion = std::make_shared<Motion>(plan.rest, kept);
+  if (const double bytes = motion->bytes(plan.frames); bytes > kMostBytes)
+    throw ArgumentError(fmt::format("{} frames of {} vertices are {:.1f} GB: fewer `frames`", grouped(plan.frames),
+                                    grouped(plan.rest->vertices.size()), 1e-9 * bytes));
+  SimulateResult result;
+  SimulateReport& r = result.report;
+  SoftBody body = body_of_plan(plan);
+  const double stable = plan.step_given ? body.stable_step() : plan.options.step;
+  note_start(body, result.notes);
+  r.first = body.energies();
+  r.shortest_step = std::numeric_limits<double>::infinity();
+  r.moments.push_back({r.first, {}});
+  motion->add(0, body.positions(), body.velocities(), plan.unit);
+  const auto begin = std::chrono::steady_clock::now();
+  move(body, plan, moments, *motion, r, progress);
+  r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  r.last = body.energies();
+  note_steps(plan, stable, r, result.notes);
+  result.motion = motion;
+  return result;
+}
+
+}  // namespace sansmesh

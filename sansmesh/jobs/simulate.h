@@ -1,0 +1,47 @@
+// A body of tetrahedra that moves by forces.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/jobs/motion.h"
+#include "sansmesh/jobs/plan_simulation.h"
+
+namespace sansmesh {
+
+/// A moment of a simulation, after a step.
+struct SimulationMoment {
+  BodyEnergies energies;
+  StepReport step;
+};
+
+struct SimulateReport {
+  std::size_t steps = 0, halvings = 0;
+  std::size_t unsettled = 0;     ///< steps after which contacts would still change
+  std::uint64_t iterations = 0;  ///< of conjugate gradients
+  double shortest_step = 0;      ///< s
+  int most_contacts = 0;
+  double seconds = 0;  ///< that it took
+  BodyEnergies first, last;
+  std::vector<SimulationMoment> moments;  ///< at rest, and where they are asked for after each step
+};
+
+struct SimulateResult {
+  std::shared_ptr<const Motion> motion;
+  SimulateReport report;
+  /// "within_obstacle": vertices begin in one; "unstable_step": longer than the integrator bears; "halved": conjugate
+  /// gradients did not converge; "unsettled": contacts changed until the ends of many steps.
+  std::vector<Note> notes;
+};
+
+/// Moves the body as planned; the moments of all steps are kept where `moments` says so. Throws SceneError for scenes
+/// that cannot be, ArgumentError for frames that would take too much memory, DataError where the body explodes,
+/// Cancelled.
+SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress);
+
+}  // namespace sansmesh
