@@ -10,7 +10,6 @@
 
 #include "command_line.h"
 #include "flow_input.h"
-#include "motion.h"
 #include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/isosurface_in_time.h"
@@ -19,6 +18,7 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/simplify.h"
 #include "sansmesh/polygonize/space_time_surface.h"
+#include "simulate_frames.h"
 
 namespace sansmesh::cli {
 namespace {

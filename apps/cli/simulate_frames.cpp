@@ -15,13 +15,6 @@
 namespace sansmesh::cli {
 namespace {
 
-/// NAME.vtu becomes NAME_0007.vtu.
-std::string motion_frame_name(const std::string& output, std::size_t frame) {
-  const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string()))
-      .string();
-}
-
 bool any_ends_with(const std::vector<std::string>& outputs, const char* ending) {
   return std::any_of(outputs.begin(), outputs.end(), [&](const std::string& o) { return io::ending(o) == ending; });
 }
@@ -84,6 +77,12 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
 }
 
 }  // namespace
+
+std::string motion_frame_name(const std::string& output, std::size_t frame) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string()))
+      .string();
+}
 
 bool SimulateArguments::draws() const { return !animation.empty() || any_ends_with(outputs, "png"); }
 bool SimulateArguments::writes_tets() const { return any_ends_with(outputs, "vtu"); }

@@ -34,6 +34,9 @@ struct SimulateArguments {
   void check_overwriting(std::size_t frames) const;
 };
 
+/// NAME.vtu becomes NAME_0007.vtu.
+std::string motion_frame_name(const std::string& output, std::size_t frame);
+
 /// Opened and checked before anything moves.
 struct PicturesToDraw {
   std::optional<MotionPictures> pictures;

@@ -28,11 +28,11 @@ struct schema_detail::Field<AffineMap> {
 
 namespace {
 
-struct LengthUnit {
+struct UnitOfLength {
   std::string_view name;
   double meters;
 };
-constexpr LengthUnit kLengthUnits[] = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},   {"m", 1},
+constexpr UnitOfLength kUnitsOfLength[] = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},   {"m", 1},
                                        {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}, {"us-ft", 1200.0 / 3937}};
 constexpr OptionRange kSome = {1, 2'000'000'000};
 constexpr std::string_view kUpAxes[] = {"y", "z"};
@@ -100,7 +100,7 @@ AffineMap axes_map(std::string_view text) {
 
 double meters_of_unit(std::string_view name) {
   std::string known;
-  for (const LengthUnit& u : kLengthUnits) {
+  for (const UnitOfLength& u : kUnitsOfLength) {
     if (name == u.name) return u.meters;
     known += (known.empty() ? "" : ", ") + std::string(u.name);
   }
