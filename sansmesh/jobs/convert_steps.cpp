@@ -33,7 +33,7 @@ struct UnitOfLength {
   double meters;
 };
 constexpr UnitOfLength kUnitsOfLength[] = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},   {"m", 1},
-                                       {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}, {"us-ft", 1200.0 / 3937}};
+                                           {"km", 1e3},  {"in", 0.0254}, {"ft", 0.3048}, {"us-ft", 1200.0 / 3937}};
 constexpr OptionRange kSome = {1, 2'000'000'000};
 constexpr std::string_view kUpAxes[] = {"y", "z"};
 
