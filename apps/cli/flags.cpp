@@ -63,7 +63,10 @@ std::string translated(std::string_view code, const CommandLine& command) {
   constexpr std::string_view kIs = " = ";
   const std::size_t is = code.find(kIs);
   if (is != std::string_view::npos) flag = flag_of(code.substr(0, is), command);
-  return flag.empty() ? std::string(code) : flag + " " + std::string(code.substr(is + kIs.size()));
+  if (flag.empty()) return std::string(code);
+  // After a flag that may stand alone the next word is not its value.
+  const OptionEntry* const option = command.find(flag);
+  return flag + (option && option->implied ? "=" : " ") + std::string(code.substr(is + kIs.size()));
 }
 
 }  // namespace

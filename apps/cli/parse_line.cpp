@@ -145,9 +145,22 @@ class LineReader {
       if (const OptionEntry* other = at_->find(option->excludes);
           other && !option->typed.empty() && !other->typed.empty())
         throw UsageError(*at_, fmt::format("{} and {} exclude each other", option->typed, other->typed));
+    // Seen here and not only by the library, which does not know of values that were given as they are by themselves.
+    for (const auto& option : at_->options())
+      if (const OptionEntry* other = needed_by(*option);
+          other && !option->typed.empty() && other->typed.empty() && other->values.empty())
+        throw UsageError(*at_, fmt::format("{} needs {}", option->typed, other->name()));
   }
 
  private:
+  /// The option without which another one means nothing; null if there is none.
+  const OptionEntry* needed_by(const OptionEntry& option) const {
+    if (!option.row || option.row->needs.empty()) return nullptr;
+    for (const auto& other : at_->options())
+      if (other->field == option.row->needs) return other.get();
+    return nullptr;
+  }
+
   /// The command whose help is asked for by --help or -h, wherever it stands.
   CommandLine* help_wanted() const {
     const auto end = std::find(words_.begin(), words_.end(), "--");

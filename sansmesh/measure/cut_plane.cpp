@@ -86,7 +86,10 @@ std::vector<CutPlane> middle_planes(const Box3& box) {
 
 CutPlane parse_plane(const std::string& text) {
   const auto fail = [&]() -> CutPlane {
-    throw ArgumentError("plane '" + printable(text, 60) + "': must be like z=0.5 or nx,ny,nz,d with finite numbers");
+    throw ArgumentError(ArgumentFault{.field = "plane",
+                                      .value = "'" + printable(text, 60) + "'",
+                                      .allowed = "like z=0.5 or nx,ny,nz,d with finite numbers",
+                                      .remedy = {}});
   };
   if (const auto equals = text.find('='); equals != std::string::npos) {
     std::string name = text.substr(0, equals);

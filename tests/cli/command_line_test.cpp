@@ -105,7 +105,7 @@ TEST_F(CommandLineTool, ErrorsNameTheOptionAsItWasTyped) {
   expect_line({"reconstruct", "ball.ply", "-o"}, "-o needs a value (FILE)" + more);
   expect_line({"reconstruct", "ball.ply", "--ascii"}, "reconstruct needs --output FILE" + more);
   expect_line({"section", "ball.ply", "--plane", "w=1"},
-              "--plane 'w=1': must be like z=0.5 or nx,ny,nz,d with finite numbers");
+              "--plane must be like z=0.5 or nx,ny,nz,d with finite numbers, not 'w=1' (see sansmesh help section)");
   expect_line({"mesh", "a.smf", "b.smf", "-o", "x.ply"},
               "'b.smf' is left over: mesh takes one input (see sansmesh help mesh)");
   expect_line({"eval", "a.smf", "--at", "1,2"},

@@ -271,9 +271,9 @@ TEST_F(PictureStyles, NothingIsIgnored) {
   expect_failures({
       // curvature
       failing({"ball.ply", "cloud.ply", "--accessibility", "--bend-light", "0.4"}, {"--bend-light", "several"}),
-      failing({"ball.ply", "cloud.ply", "--lines", "--line-strength", "20"}, {"--line-strength", "several"}),
+      failing({"ball.ply", "cloud.ply", "--lines", "--line-strength", "30"}, {"--line-strength", "several"}),
       failing({"ball.ply", "--bend-light", "0.4"}, {"--bend-light", "--accessibility"}),
-      failing({"ball.ply", "--line-strength", "20"}, {"--line-strength", "--lines"}),
+      failing({"ball.ply", "--line-strength", "30"}, {"--line-strength", "--lines"}),
       // translucent
       failing({"ball.ply", "--opacity", "0.5", "--lines"}, {"--lines", "--opacity"}),
       failing({"ball.ply", "--opacity", "0.5", "--accessibility"}, {"--accessibility", "--opacity"}),
@@ -302,7 +302,7 @@ TEST_F(PictureStyles, NothingIsIgnored) {
               {"--refraction-index", "--transmission"}),
       failing({"cloud.ply", "--splats", "--exact-shadows"}, {"--exact-shadows", "--splats"}),
       failing({"cloud.ply", "--splats", "--wireframe"}, {"--wireframe"}),
-      failing({"cloud.ply", "--surface", "apss", "--plain", "--antialiasing", "3"}, {"--antialiasing", "--plain"}),
+      failing({"cloud.ply", "--surface", "apss", "--plain", "--antialiasing", "2"}, {"--antialiasing", "--plain"}),
       failing({"cloud.ply", "--surface", "apss", "--plain", "--exact-shadows"}, {"--exact-shadows", "--plain"}),
   });
 }

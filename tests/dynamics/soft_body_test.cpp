@@ -143,7 +143,7 @@ bool lasts(DynamicsIntegrator integrator, double stiffness, double h) {
     for (int k = 0; k < 400; ++k) body.step();
   } catch (const DataError& error) {
     EXPECT_NE(std::string(error.what()).find("explodes"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("implicit_euler"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("implicit-euler"), std::string::npos) << error.what();
     return false;
   }
   const auto x = body.positions();
