@@ -20,7 +20,7 @@
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/measure/cut_plane.h"
 #include "sansmesh/points/point_classes.h"
-#include "sansmesh/render/color_space.h"
+#include "sansmesh/render/color_words.h"
 #include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/volume_options.h"
 #include "target.h"

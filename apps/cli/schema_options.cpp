@@ -66,8 +66,8 @@ OptionValue value_of_words(const OptionRow& row, const std::vector<std::string>&
     case OptionKind::real:
       return parse_real(words.back());
     case OptionKind::numbers: {
-      std::vector<double> numbers;
-      for (const std::string& word : words) numbers.push_back(parse_real(word));
+      std::vector<double> numbers(words.size());
+      std::transform(words.begin(), words.end(), numbers.begin(), parse_real);
       return numbers;
     }
     case OptionKind::texts:
