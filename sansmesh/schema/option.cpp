@@ -154,7 +154,7 @@ void for_each_option(const OptionSchema& schema, const void* options,
 }
 
 OptionValue option_value(const OptionRow& row, const void* owner) {
-  const OptionValue value = row.get(owner);
+  OptionValue value = row.get(owner);
   if (row.kind != OptionKind::choice || std::holds_alternative<std::monostate>(value)) return value;
   const std::int64_t index = std::get<std::int64_t>(value);
   if (index < 0 || index >= static_cast<std::int64_t>(row.choices.size()))

@@ -203,12 +203,14 @@ requires(!std::is_enum_v<T>) struct Field<std::vector<T>> {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<T>& v) {
     std::vector<std::string> words;
+    words.reserve(v.size());
     for (const T& value : v) words.emplace_back(text_of_option(value));
     return words;
   }
   static std::vector<T> from(const OptionValue& v) {
-    std::vector<T> values;
-    for (const std::string& word : std::get<std::vector<std::string>>(v)) option_of_text(word, values.emplace_back());
+    const auto& words = std::get<std::vector<std::string>>(v);
+    std::vector<T> values(words.size());
+    for (std::size_t i = 0; i < words.size(); ++i) option_of_text(words[i], values[i]);
     return values;
   }
 };
