@@ -99,7 +99,9 @@ class CommandLine {
   /// A name that the command had: understood, and warned of.
   void once_called(const std::string& name) { old_name_ = name; }
   const std::string& old_name() const { return old_name_; }
-  /// Whether the command line had that name.
+  /// By its name, or its old one.
+  bool is_called(const std::string& word) const { return name_ == word || (!word.empty() && old_name_ == word); }
+  /// True if the user typed the old name.
   bool called_by_old_name = false;
 
   /// Of this and no other level.

@@ -130,8 +130,7 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
   if (!a.script.empty()) write_text(a.script, edit_script(edits));
   if (!a.preview.empty()) a.picture.write(a.preview, picture, picture_options);
   if (a.separate)
-    for (std::size_t i = 0; i < pictures.size(); ++i)
-      write_image(frame_name(a.pictures, static_cast<int>(i + 1)), pictures[i]);
+    for (std::size_t i = 0; i < pictures.size(); ++i) write_image(frame_name(a.pictures, i + 1), pictures[i]);
   else if (!pictures.empty())
     write_image(a.pictures, contact_sheet(pictures));
   progress.finish();
@@ -171,11 +170,11 @@ void run_diagnose(DiagnoseArguments& a, Console& console) {
   if (!a.pictures.empty()) {
     console.say(pictures.empty() ? a.pictures + ": not written, there is no place to look at"
                 : a.separate     ? fmt::format("{} to {}: the places, by their numbers", frame_name(a.pictures, 1),
-                                               frame_name(a.pictures, static_cast<int>(pictures.size())))
+                                               frame_name(a.pictures, pictures.size()))
                                  : a.pictures + ": the places, by their numbers");
     json["pictures"] = Json::array();
     for (std::size_t i = 0; i < pictures.size() && a.separate; ++i)
-      json["pictures"].push_back(frame_name(a.pictures, static_cast<int>(i + 1)));
+      json["pictures"].push_back(frame_name(a.pictures, i + 1));
     if (!a.separate && !pictures.empty()) json["pictures"].push_back(a.pictures);
   }
   console.say_json(json);

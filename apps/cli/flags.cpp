@@ -1,7 +1,5 @@
 #include "flags.h"
 
-#include <string_view>
-
 #include "command_line.h"
 
 namespace sansmesh::cli {
@@ -27,7 +25,6 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"gradient_above", "--gradient"},
                                   {"range", "--color-range"},
                                   {"classes", "--class"},
-                                  {"samples", "--antialiasing"},
                                   {"time_step", "--step"},
                                   {"fill_values", "--fill-value"},
                                   {"opacity_scale", "--volume-opacity"},
@@ -37,9 +34,7 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"step", "--step-length"},
                                   {"stiffness_damping", "--damping"},
                                   {"frames_per_second", "--fps"},
-                                  {"seeds", "--particles"},
-                                  {"view.azimuth", "--azimuth"},
-                                  {"view.elevation", "--elevation"}};
+                                  {"seeds", "--particles"}};
 
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {
@@ -51,9 +46,7 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
   for (const FlagOfField& f : kFlags)
     if (f.field == field)
       if (std::string flag = known(f.flag); !flag.empty()) return flag;
-  std::string dashed = "--";
-  for (const char c : field) dashed += c == '_' ? '-' : c;
-  return known(dashed);
+  return known(flag_of_name(field));
 }
 
 /// A field, or one with a value.
@@ -70,6 +63,12 @@ std::string translated(std::string_view code, const CommandLine& command) {
 }
 
 }  // namespace
+
+std::string flag_of_name(std::string_view name) {
+  std::string flag = "--";
+  for (const char c : name) flag += c == '_' ? '-' : c;
+  return flag;
+}
 
 std::string in_flags(const std::string& message, const CommandLine& command) {
   std::string text;

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace sansmesh::cli {
 
 class CommandLine;
+
+/// The flag of a name: `max_degree` has --max-degree.
+std::string flag_of_name(std::string_view name);
 
 /// A message in which options are named between grave accents (core/error.h), in the words of a command: `max_depth`
 /// becomes --depth, `enhance = false` --no-enhance, `components = all` --components all. Names for which the command

@@ -1,4 +1,4 @@
-// What is said of the mesh of a file: the same by every command that looks at one.
+// Words and JSON for the mesh of a file, shared by all commands.
 #pragma once
 
 #include <string>

@@ -40,8 +40,8 @@ struct OptionEntry {
   /// Takes the values of all times that it was given, one at least unless it is a flag. Throws ValueError.
   std::function<void(const std::vector<std::string>&)> use;
 
-  // Of an option of the library (schema_options.h).
-  /// What messages call it: the field, or "open = false" for what sets it so.
+  // For an option that is made from a row of a schema (schema_options.h):
+  /// Its name in messages of the library: the field, or "open = false" for the flag that sets it so.
   std::string field;
   const OptionRow* row = nullptr;
   std::string usual;  ///< its value where it is not given; empty if that follows from the data

@@ -169,7 +169,7 @@ class LineReader {
     CommandLine* command = at_;
     for (auto word = words_.begin(); word != end; ++word)
       for (const auto& further : command->commands())
-        if (further->name() == *word || (!word->empty() && further->old_name() == *word)) {
+        if (further->is_called(*word)) {
           command = further.get();
           break;
         }
@@ -178,7 +178,7 @@ class LineReader {
 
   void enter(const std::string& word) {
     for (const auto& command : at_->commands())
-      if (command->name() == word || (!word.empty() && command->old_name() == word)) {
+      if (command->is_called(word)) {
         at_ = command.get();
         at_->called_by_old_name = at_->name() != word;
         return;

@@ -241,7 +241,7 @@ void run_object_picture(const RenderArguments& a, Console& console) {
     Image image = render_surfaces(drawn.surfaces, drawn.places, a.objects.translucent(), a.frames > 0, look, progress);
     const Image paper = paper_beside(look);
     if (listed) image = beside_legend(image, drawn.legend, &paper);
-    files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
+    files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
     if (files.size() > 1) console.keep_frames();
     progress.begin("write");
     written = a.picture.write(files.back(), image, look);

@@ -81,9 +81,10 @@ void set_background(RenderOptions& o, const std::string& word) {
   }
 }
 
-std::string frame_name(const std::string& output, int frame) {
+std::string frame_name(const std::string& output, std::size_t frame, int digits) {
   const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string()))
+  return (path.parent_path() /
+          fmt::format("{}_{:0{}}{}", path.stem().string(), frame, digits, path.extension().string()))
       .string();
 }
 

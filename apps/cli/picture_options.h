@@ -35,8 +35,8 @@ struct PictureArguments {
 void set_background(RenderOptions& options, const std::string& word);
 /// --background
 void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
-/// Of a turntable: NAME.png becomes NAME_007.png.
-std::string frame_name(const std::string& output, int frame);
+/// The file of a frame: NAME_007.png of NAME.png.
+std::string frame_name(const std::string& output, std::size_t frame, int digits = 3);
 /// --width, --height, --view, --azimuth, --elevation, --z-up, --field-of-view, --orthographic, --scale-bar, --look-at,
 /// --zoom, --look-radius, --clip-box, --crop
 void add_picture_options(CommandLine& command, PictureArguments& arguments);

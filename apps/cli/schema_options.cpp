@@ -15,13 +15,7 @@ namespace {
 
 using Kind = OptionEntry::Kind;
 
-std::string flag_of_name(std::string_view name) {
-  std::string flag = "--";
-  for (const char c : name) flag += c == '_' ? '-' : c;
-  return flag;
-}
-
-/// What help calls the value: LENGTH of what is in the unit "length".
+/// The name of the value in help: LENGTH in the unit "length".
 std::string value_name_of(const OptionRow& row) {
   if (!row.unit.empty()) {
     std::string name(row.unit);
@@ -98,7 +92,7 @@ std::string what_of(const OptionRow& row, const std::string& usual) {
 
 void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
   const std::string negative = row.negative.empty() ? "no_" + std::string(row.name) : std::string(row.negative);
-  // What is said of a flag is said of what it does: of the pair the first carries it.
+  // Both flags of a pair have the row's sentence.
   OptionEntry& entry =
       c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, std::string(row.text));
   entry.group = how.group;

@@ -24,7 +24,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// What the scene's file says, with the vertices that --fixed names.
+/// The scene from its file, with the vertices that --fixed names.
 SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
   SceneScript s;
   if (!a.forces.empty()) {

@@ -1,13 +1,15 @@
 #include "simulate_frames.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <set>
 #include <utility>
 
+#include "picture_options.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/write_tets.h"
@@ -23,16 +25,12 @@ void check_frames_writable(const std::string& output) {
   const std::string first = motion_frame_name(output, 0), ending = io::ending(output);
   if (ending == "vtu") return check_tets_writable(first);
   if (ending == "png") return check_writable(first, "image");
-  try {
-    check_writable(first, "mesh");
-  } catch (const FileError&) {
-    // Of a file that cannot be written for another reason that stands.
-    if (std::string(" ply obj stl off glb vtp ").find(" " + ending + " ") != std::string::npos) throw;
-    throw FileError(output,
-                    fmt::format("no writer for frames with the ending '.{}'; known: .vtu, .ply .obj .stl .off .glb "
-                                ".vtp (the surface), .png (pictures)",
-                                ending));
-  }
+  if (!is_written(first, "mesh"))
+    throw FileError(
+        output,
+        fmt::format("no writer for frames with the ending '.{}'; known: .vtu, {} (the surface), .png (pictures)",
+                    ending, fmt::join(endings_written(kMesh), " ")));
+  check_writable(first, "mesh");
 }
 
 /// With the .pvd of all frames, or if not all can be written, of those that are.
@@ -78,11 +76,7 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
 
 }  // namespace
 
-std::string motion_frame_name(const std::string& output, std::size_t frame) {
-  const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string()))
-      .string();
-}
+std::string motion_frame_name(const std::string& output, std::size_t frame) { return frame_name(output, frame, 4); }
 
 bool SimulateArguments::draws() const { return !animation.empty() || any_ends_with(outputs, "png"); }
 bool SimulateArguments::writes_tets() const { return any_ends_with(outputs, "vtu"); }

@@ -1,4 +1,4 @@
-// What sansmesh simulate is asked for, and everything that it writes of a motion.
+// The arguments of sansmesh simulate, and the files that it writes of a motion.
 #pragma once
 
 #include <optional>

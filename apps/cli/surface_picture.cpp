@@ -153,7 +153,7 @@ void run_surface_picture(const RenderArguments& arguments, Console& console, std
       files.push_back(arguments.output);
     } else {
       options.steady = true;
-      int number = 0;
+      std::size_t number = 0;
       for (const ViewDirection& view : turntable(options.view, arguments.frames)) {
         options.view = view;
         const Image image = beside_bar(painter.paint(options, progress), bar, options);

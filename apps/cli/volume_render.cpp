@@ -128,7 +128,7 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
     for (std::size_t k = 0; k < views.size(); ++k) {
       VolumePictureOptions frame = options;
       frame.view = views[k];
-      files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
+      files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
       if (files.size() > 1) console.keep_frames();
       const Image image = a.picture.write(files.back(), picture.render(frame, progress, &report), frame);
       width = image.width, height = image.height;

@@ -159,7 +159,7 @@ void draw(const VolumeSurfaceArguments& a, const VolumeSurface& surface, OpenVol
   const std::vector<ViewDirection> views = turntable(look.view, std::max(1, a.frames));
   for (std::size_t k = 0; k < views.size(); ++k) {
     look.view = views[k];
-    files.push_back(a.frames > 0 ? frame_name(a.output, static_cast<int>(k)) : a.output);
+    files.push_back(a.frames > 0 ? frame_name(a.output, k) : a.output);
     if (files.size() > 1) console.keep_frames();
     written = a.picture.write(
         files.back(),

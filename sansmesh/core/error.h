@@ -29,7 +29,7 @@ class FileError : public Error {
   std::string file_;
 };
 
-/// What is wrong with one option.
+/// One option with a value that is not allowed.
 struct ArgumentFault {
   std::string field;    ///< name of the option
   std::string value;    ///< that was given, as text
@@ -44,7 +44,7 @@ class ArgumentError : public Error {
   /// "`degree` must be from 1 to 4, not 7".
   explicit ArgumentError(const ArgumentFault& fault);
 
-  /// Of one option out of range; empty of options that do not go together, which only the message tells.
+  /// The option out of range. Empty where several options do not go together: then only the message tells.
   const ArgumentFault& fault() const { return fault_; }
 
  private:

@@ -1,4 +1,4 @@
-// What a job has to say besides its result.
+// Notes: warnings and information that a job returns beside its result.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,11 @@ inline std::string note_line(const Note& note) {
   return note.remedy.empty() ? note.text : note.text + " (" + note.remedy + ")";
 }
 
-/// Notes without codes of their own, from parts that know sentences only.
-inline void add_notes(std::vector<Note>& notes, std::string_view code, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) notes.push_back({.code = std::string(code), .text = line, .remedy = {}});
+/// Notes of one code, from parts of the library that report sentences only.
+inline void add_notes(std::vector<Note>& notes, std::string_view code, const std::vector<std::string>& lines,
+                      const std::string& of = {}) {
+  for (const std::string& line : lines)
+    notes.push_back({.code = std::string(code), .text = line, .remedy = {}, .of = of});
 }
 
 }  // namespace sansmesh

@@ -354,22 +354,6 @@ std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word) {
   return std::nullopt;
 }
 
-const char* word_of(SoftBodyModel model) { return model == SoftBodyModel::springs ? "springs" : "corotational"; }
-
-const char* word_of(DynamicsIntegrator integrator) {
-  switch (integrator) {
-    case DynamicsIntegrator::explicit_euler:
-      return "explicit-euler";
-    case DynamicsIntegrator::verlet:
-      return "verlet";
-    case DynamicsIntegrator::velocity_verlet:
-      return "velocity-verlet";
-    case DynamicsIntegrator::implicit_euler:
-      break;
-  }
-  return "implicit-euler";
-}
-
 DynamicsScene scaled(DynamicsScene scene, double factor) {
   for (PulledHandle& h : scene.handles) {
     if (h.center) *h.center *= factor;

@@ -51,8 +51,14 @@ std::optional<SoftBodyModel> soft_body_model(std::string_view word);
 std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word);
 constexpr double kMostGravity = 1e6;    ///< m/s²
 constexpr double kUsualFriction = 0.3;  ///< of obstacles of which nobody says another
-const char* word_of(SoftBodyModel model);
-const char* word_of(DynamicsIntegrator integrator);
+/// In the order of the enumerators.
+inline constexpr std::string_view kModelWords[] = {"springs", "corotational"};
+inline constexpr std::string_view kIntegratorWords[] = {"explicit-euler", "verlet", "velocity-verlet",
+                                                        "implicit-euler"};
+constexpr std::string_view word_of(SoftBodyModel model) { return kModelWords[static_cast<std::size_t>(model)]; }
+constexpr std::string_view word_of(DynamicsIntegrator integrator) {
+  return kIntegratorWords[static_cast<std::size_t>(integrator)];
+}
 
 /// A scene whose lengths are so many times as large.
 DynamicsScene scaled(DynamicsScene scene, double factor);

@@ -1,6 +1,7 @@
 #include "sansmesh/io/formats.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/volume_readers.h"
@@ -72,22 +73,24 @@ constexpr FormatInfo kFormats[] = {
     {FormatId::archive, "archive", "pcap rcp rcs ptx zip 7z xz bz2 zst rar", 0, {}, {}, kUnpackOrConvert},
 };
 
-bool has_word(std::string_view words, std::string_view word) {
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    if (words.substr(at, end - at) == word) return true;
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    words.push_back(text.substr(at, end - at));
     at = end + 1;
   }
-  return false;
+  return words;
 }
 
-void add_endings(std::string_view words, std::vector<std::string>& list) {
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    std::string ending = "." + std::string(words.substr(at, end - at));
-    if (std::find(list.begin(), list.end(), ending) == list.end()) list.push_back(std::move(ending));
-    at = end + 1;
-  }
+bool has_ending(const FormatInfo& format, std::string_view ending) {
+  const auto endings = words_of(format.endings);
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+void add_ending(std::string_view ending, std::vector<std::string>& list) {
+  std::string with_dot = "." + std::string(ending);
+  if (std::find(list.begin(), list.end(), with_dot) == list.end()) list.push_back(std::move(with_dot));
 }
 
 }  // namespace
@@ -100,7 +103,7 @@ std::optional<FormatId> format_of_name(const std::string& file, unsigned content
   const std::string ending = io::ending(file);
   if (ending.empty()) return std::nullopt;
   for (const FormatInfo& f : kFormats)
-    if (has_word(f.endings, ending) && (content == 0 || (f.reads & content) != 0)) return f.id;
+    if (has_ending(f, ending) && (content == 0 || (f.reads & content) != 0)) return f.id;
   if ((content == 0 || (content & kVolume) != 0) && io::is_nek_field_name(ending)) return FormatId::nek_field;
   return std::nullopt;
 }
@@ -129,7 +132,8 @@ std::optional<FormatId> format_of_content(std::string_view bytes) {
 std::vector<std::string> endings_read(unsigned content) {
   std::vector<std::string> list;
   for (const FormatInfo& f : kFormats)
-    if ((f.reads & content) != 0) add_endings(f.endings, list);
+    if ((f.reads & content) != 0)
+      for (const std::string_view ending : words_of(f.endings)) add_ending(ending, list);
   return list;
 }
 
@@ -137,7 +141,7 @@ std::vector<std::string> endings_written(unsigned content) {
   std::vector<std::string> list;
   for (const FormatInfo& f : kFormats)
     for (const WrittenAs& as : f.written)
-      if ((as.content & content) != 0) add_endings(as.ending, list);
+      if ((as.content & content) != 0) add_ending(as.ending, list);
   return list;
 }
 

@@ -102,8 +102,7 @@ PolylineSet read_lines(const std::string& file) {
   ReadReport report;
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report, {}};
-  const bool vtk = in.bytes.substr(0, 4096).find("<VTKFile") != std::string_view::npos;
-  return vtk ? io::read_vtp_lines(in) : PolylineSet{};
+  return format_of_content(in.bytes) == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
 }
 
 PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) {

@@ -50,11 +50,6 @@ auto named(const std::string& name, Call call) {
   }
 }
 
-void add_mesh_notes(const AnySurface& surface, const std::vector<std::string>& warnings, std::vector<Note>& notes) {
-  for (const std::string& line : warnings)
-    notes.push_back({.code = "mesh", .text = line, .remedy = {}, .of = surface.name()});
-}
-
 }  // namespace
 
 AnySurface::AnySurface(TriangleMesh mesh, std::string name)
@@ -94,12 +89,12 @@ std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::ve
     if (isosurface_) {
       IsosurfaceReport report;
       auto made = std::make_shared<const TriangleMesh>(mesh_isosurface(*isosurface_, {}, progress, &report));
-      add_mesh_notes(*this, report.warnings, notes);
+      add_notes(notes, "mesh", report.warnings, name_);
       return made;
     }
     MeshReport report;
     auto made = std::make_shared<const TriangleMesh>(mesh_function(*function_, {}, progress, &report));
-    add_mesh_notes(*this, report.warnings, notes);
+    add_notes(notes, "mesh", report.warnings, name_);
     return made;
   });
 }

@@ -18,22 +18,6 @@
 namespace sansmesh {
 namespace {
 
-using Quantity = CurvatureColorOptions::Quantity;
-
-float chosen_quantity(const PrincipalCurvatures& c, Quantity quantity) {
-  switch (quantity) {
-    case Quantity::gaussian:
-      return gaussian_curvature(c);
-    case Quantity::k1:
-      return c.k1;
-    case Quantity::k2:
-      return c.k2;
-    case Quantity::mean:
-      break;
-  }
-  return mean_curvature(c);
-}
-
 double curvature_quantile(std::vector<float> values, double q) {
   if (values.empty()) return 0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
@@ -119,7 +103,7 @@ void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, Curva
   for (const PrincipalCurvatures& c : made.curvatures) {
     r.undefined += !c.defined;
     if (!c.defined) continue;
-    values.push_back(chosen_quantity(c, options.color_by));
+    values.push_back(curvature_quantity(c, options.color_by));
     sizes.push_back(std::abs(values.back()));
   }
   r.q05 = curvature_quantile(values, 0.05), r.median = curvature_quantile(values, 0.5);
@@ -132,7 +116,7 @@ void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, Curva
   for (std::size_t i = 0; i < made.points.size(); ++i) {
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (made.curvatures[i].defined)
-      color = diverging_color(scale > 0 ? chosen_quantity(made.curvatures[i], options.color_by) / scale : 0);
+      color = diverging_color(scale > 0 ? curvature_quantity(made.curvatures[i], options.color_by) / scale : 0);
     made.points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
   }
 }

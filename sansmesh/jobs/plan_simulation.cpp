@@ -155,12 +155,10 @@ void of_scene(bool by_options, const Work& work) {
 
 const OptionSchema& SimulateOptions::schema() {
   using O = SimulateOptions;
-  static constexpr std::string_view kModels[] = {"springs", "corotational"};
-  static constexpr std::string_view kIntegrators[] = {"explicit-euler", "verlet", "velocity-verlet", "implicit-euler"};
   static constexpr OptionRow rows[] = {
       option<&O::model>({.text = "Every edge a spring, or elasticity in pascals (corotational)",
                          .from_data = "springs, but with `young`",
-                         .choices = kModels}),
+                         .choices = kModelWords}),
       option<&O::stiffness>(
           {.text = "Stiffness of springs", .unit = "N/m", .from_data = "the body", .range = positive()}),
       option<&O::young>(
@@ -178,7 +176,7 @@ const OptionSchema& SimulateOptions::schema() {
       option<&O::fps>({.text = "Frames a second", .unit = "1/s", .from_data = "25", .range = positive()}),
       option<&O::frames>({.text = "So many frames, the body at rest among them", .range = at_least(2)}),
       option<&O::integrator>(
-          {.text = "How it goes from step to step", .from_data = "implicit-euler", .choices = kIntegrators}),
+          {.text = "How it goes from step to step", .from_data = "implicit-euler", .choices = kIntegratorWords}),
       option<&O::step>({.text = "Longest step",
                         .unit = "seconds",
                         .from_data = "0.01; of explicit ones half of what is stable",

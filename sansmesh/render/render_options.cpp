@@ -85,8 +85,7 @@ const OptionSchema& RenderOptions::schema() {
 }
 
 void RenderOptions::validate() const {
-  const RenderOptions usual;
-  validate_options(RenderOptions::schema(), this, &usual);
+  validate_options(*this);
   check_range("azimuth", view.azimuth, -3600, 3600);
   check_range("elevation", view.elevation, -90, 90);
   if (look_at && !is_finite(*look_at)) throw ArgumentError("`look_at` must be finite");

@@ -1,6 +1,6 @@
 #include "sansmesh/schema/option.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +12,7 @@ namespace {
 
 std::string shown(double v) { return fmt::format("{:.12g}", v); }
 
-std::string joined(std::span<const std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
-  return text;
-}
+std::string joined(std::span<const std::string_view> words) { return fmt::format("{}", fmt::join(words, ", ")); }
 
 /// The range as the end of "must be …".
 std::string allowed_words(const OptionRange& r) {
@@ -188,16 +184,8 @@ std::string option_words(const OptionValue& value) {
     std::string operator()(std::int64_t v) const { return std::to_string(v); }
     std::string operator()(double v) const { return shown(v); }
     std::string operator()(const std::string& v) const { return v; }
-    std::string operator()(const std::vector<double>& v) const {
-      std::string text;
-      for (const double number : v) text += (text.empty() ? "" : ", ") + shown(number);
-      return text;
-    }
-    std::string operator()(const std::vector<std::string>& v) const {
-      std::string text;
-      for (const std::string& word : v) text += (text.empty() ? "" : ", ") + word;
-      return text;
-    }
+    std::string operator()(const std::vector<double>& v) const { return fmt::format("{:.12g}", fmt::join(v, ", ")); }
+    std::string operator()(const std::vector<std::string>& v) const { return fmt::format("{}", fmt::join(v, ", ")); }
   };
   return std::visit(Words(), value);
 }

@@ -17,8 +17,9 @@ constexpr std::size_t kNear = 8;     ///< samples that a colour is mixed from
 constexpr double kFullColor = 0.95;  ///< quantile of the absolute values that gets the full colour
 constexpr Vec3f kUnknown{0.6f, 0.6f, 0.6f};
 
-float value(const PrincipalCurvatures& c, Quantity quantity) {
-  if (!c.defined) return std::numeric_limits<float>::quiet_NaN();
+}  // namespace
+
+float curvature_quantity(const PrincipalCurvatures& c, Quantity quantity) {
   switch (quantity) {
     case Quantity::mean:
       return mean_curvature(c);
@@ -31,8 +32,6 @@ float value(const PrincipalCurvatures& c, Quantity quantity) {
   }
   return 0;
 }
-
-}  // namespace
 
 void CurvatureColorOptions::validate() const {
   if (range && !(*range > 0 && std::isfinite(*range))) throw ArgumentError("`range` must be positive");
@@ -51,7 +50,10 @@ CurvatureColors::CurvatureColors(const PointSet& points, std::span<const Princip
   tree_ = KdTree(points.positions);
   normals_ = points.normals;
   values_.resize(curvatures.size());
-  parallel_for(0, curvatures.size(), 4096, [&](std::size_t i) { values_[i] = value(curvatures[i], options.quantity); });
+  parallel_for(0, curvatures.size(), 4096, [&](std::size_t i) {
+    values_[i] = curvatures[i].defined ? curvature_quantity(curvatures[i], options.quantity)
+                                       : std::numeric_limits<float>::quiet_NaN();
+  });
   if (options.range) {
     range_ = *options.range;
     return;

@@ -26,6 +26,9 @@ struct CurvatureColorOptions {
   void validate() const;
 };
 
+/// The quantity of these curvatures, defined or not.
+float curvature_quantity(const PrincipalCurvatures& curvatures, CurvatureColorOptions::Quantity quantity);
+
 /// Red where convex, blue where concave, white where flat. For Gaussian curvature red where both bend to the same side,
 /// blue at saddles. The curvature of a place is that of the samples around it, on the same sheet as the nearest one;
 /// where it is nowhere defined the colour is grey.
