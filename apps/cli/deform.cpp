@@ -39,7 +39,7 @@ DeformedThing thing_of(const DeformArguments& a) {
     }
     if (is_function_file(name)) return DeformedThing::solid;
   }
-  if (a.input.read.raw || !a.input.array.empty() || a.all_arrays) return DeformedThing::volume;
+  if (a.input.read.raw.given() || !a.input.array.empty() || a.all_arrays) return DeformedThing::volume;
   return std::all_of(files.begin(), files.end(), is_volume_name) ? DeformedThing::volume : DeformedThing::points;
 }
 

@@ -58,12 +58,10 @@ std::optional<TriangleMesh> moved_boundary(TriangleMesh mesh, const DeformationM
 
 ResampleOptions resample_options(const DeformArguments& a) {
   ResampleOptions options;
-  const auto whole = [&](std::size_t k) { return static_cast<std::size_t>(a.size[k]); };
   for (const double n : a.size)
     require(n >= 1 && n <= 65536 && n == std::floor(n), "--size must be whole numbers from 1 to 65536");
   require(a.size.size() <= 1 || a.size.size() == 3, "--size is one number or three");
-  if (a.size.size() == 1) options.size = whole(0);
-  if (a.size.size() == 3) options.sizes = {whole(0), whole(1), whole(2)};
+  if (!a.size.empty()) options.size.assign(a.size.begin(), a.size.end());
   options.box = a.mesh.box;
   if (a.nan) options.outside = std::numeric_limits<double>::quiet_NaN();
   options.validate();
