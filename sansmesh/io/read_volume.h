@@ -10,7 +10,8 @@
 
 namespace sansmesh {
 
-/// The volume that a file holds (docs/formats/volumes.md). The format follows from the ending and the content: MetaImage
+/// The volume that a file holds (docs/formats/volumes.md). The format follows from the ending and the content:
+/// MetaImage
 /// (.mhd, .mha), NRRD (.nrrd, .nhdr), raw numbers (by `raw`, or by a name such as engine_256x256x128_uint8.raw), PLOT3D
 /// (its solution is found by its name: flowxyz.bin and flowq.bin, flow.xyz and flow.q), Nek5000 (.nek5000, .f00001),
 /// meshes of cells by Gmsh (.msh), Medit (.mesh, .meshb), TetGen (.node, .ele) and Vega (.veg), and files of points
