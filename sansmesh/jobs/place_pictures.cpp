@@ -1,4 +1,4 @@
-#include "place_pictures.h"
+#include "sansmesh/jobs/place_pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/stroke_text.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 namespace {
 
 /// Radius of what is seen over that of the place; at most this share of the diagonal.
@@ -170,4 +170,4 @@ Image contact_sheet(const std::vector<Image>& pictures) {
   return sheet;
 }
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

@@ -10,7 +10,7 @@
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 
 class PlacePictures {
  public:
@@ -37,4 +37,4 @@ class PlacePictures {
 /// Pictures of the same size side by side, in rows from the upper left.
 Image contact_sheet(const std::vector<Image>& pictures);
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh
