@@ -19,7 +19,7 @@ namespace {
 
 /// A line with a title.
 template <class... T>
-void say(Console& console, const char* title, fmt::format_string<T...> text, T&&... values) {
+void say_line(Console& console, const char* title, fmt::format_string<T...> text, T&&... values) {
   console.say(fmt::format("{:<12}{}", title, fmt::format(text, std::forward<T>(values)...)));
 }
 
@@ -37,18 +37,19 @@ void run_function_info(const std::string& file, Console& console) {
   const FunctionInfo made = info(read_function(file));
   progress.finish();
   console.say(fmt::format("{}: function, partition of unity", file));
-  say(console, "fits", "{} down to depth {}; of degree 0 to 4: {}", grouped(made.fits), made.depth,
-      fmt::join(made.fits_of_degree, ", "));
-  say(console, "creases", "{}", counted(made.creased, "fit"));
+  say_line(console, "fits", "{} down to depth {}; of degree 0 to 4: {}", grouped(made.fits), made.depth,
+           fmt::join(made.fits_of_degree, ", "));
+  say_line(console, "creases", "{}", counted(made.creased, "fit"));
   if (made.open_share > 0)
-    say(console, "open", "{:.3g} % of the surface bounds no solid and ends with its samples", 100 * made.open_share);
-  say(console, "samples", "{}{}", made.samples == 0 ? std::string("not kept") : grouped(made.samples),
-      made.colors ? ", with colours" : "");
-  say(console, "cube", "{}", box_words(made.cube));
-  say(console, "spacing", "{}", length(made.spacing));
-  say(console, "deviation", "{} (of the samples from it, root mean square)", length(made.deviation));
-  say(console, "accuracy", "{} (expected error of the surface)", length(made.accuracy));
-  for (const std::string& line : made.history) say(console, "edited", "{}", line);
+    say_line(console, "open", "{:.3g} % of the surface bounds no solid and ends with its samples",
+             100 * made.open_share);
+  say_line(console, "samples", "{}{}", made.samples == 0 ? std::string("not kept") : grouped(made.samples),
+           made.colors ? ", with colours" : "");
+  say_line(console, "cube", "{}", box_words(made.cube));
+  say_line(console, "spacing", "{}", length(made.spacing));
+  say_line(console, "deviation", "{} (of the samples from it, root mean square)", length(made.deviation));
+  say_line(console, "accuracy", "{} (expected error of the surface)", length(made.accuracy));
+  for (const std::string& line : made.history) say_line(console, "edited", "{}", line);
   console.say_json({{"file", file},
                     {"format", "function"},
                     {"fits", made.fits},
@@ -77,8 +78,9 @@ void say_attribute(const AttributeInfo& a, Console& console) {
     else
       ranges += range ? fmt::format("{:.{}g} to {:.{}g}", range->first, digits, range->second, digits) : "no numbers";
   }
-  say(console, "attribute", "{} ({}{} a {}): {}", printable(a.name, 80), name_of(a.type),
-      a.ranges.size() > 1 ? fmt::format(" × {}", a.ranges.size()) : "", a.of_triangles ? "triangle" : "point", ranges);
+  say_line(console, "attribute", "{} ({}{} a {}): {}", printable(a.name, 80), name_of(a.type),
+           a.ranges.size() > 1 ? fmt::format(" × {}", a.ranges.size()) : "", a.of_triangles ? "triangle" : "point",
+           ranges);
 }
 
 Json attribute_json(const AttributeInfo& a) {
@@ -107,7 +109,7 @@ void say_classes(const CloudInfo& made, Console& console, Json& json) {
                         grouped(count));
     json["classes"][std::to_string(c).c_str()] = count;
   }
-  if (!text.empty()) say(console, "classes", "{}", text);
+  if (!text.empty()) say_line(console, "classes", "{}", text);
 }
 
 void run_info(const CloudInput& input, Console& console) {
@@ -120,18 +122,18 @@ void run_info(const CloudInput& input, Console& console) {
   const CloudScale scale{made.spacing, made.noise};
 
   console.say(fmt::format("{}: {}", input.name(), read.format));
-  say(console, "points", "{}{}", grouped(made.points),
-      made.duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(made.duplicates)) : "");
-  say(console, "box", "{} × {} × {}, {}", length(made.size.x), length(made.size.y), length(made.size.z),
-      box_words(made.box));
-  say(console, "spans", "{}", made.spans);
-  say(console, "spacing", "{}", length(scale.spacing));
-  say(console, "noise", "{}", scale.noise_words());
-  say(console, "normals", "{}{}", made.normals.words,
-      made.normals.oriented ? "" : fmt::format("; signs {}", orientation_words(made.orient_by)));
+  say_line(console, "points", "{}{}", grouped(made.points),
+           made.duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(made.duplicates)) : "");
+  say_line(console, "box", "{} × {} × {}, {}", length(made.size.x), length(made.size.y), length(made.size.z),
+           box_words(made.box));
+  say_line(console, "spans", "{}", made.spans);
+  say_line(console, "spacing", "{}", length(scale.spacing));
+  say_line(console, "noise", "{}", scale.noise_words());
+  say_line(console, "normals", "{}{}", made.normals.words,
+           made.normals.oriented ? "" : fmt::format("; signs {}", orientation_words(made.orient_by)));
   if (made.colors || made.scanners > 0)
-    say(console, "also", "{}{}{}", made.colors ? "colours" : "", made.colors && made.scanners > 0 ? ", " : "",
-        made.scanners > 0 ? counted(made.scanners, "scanner position") : "");
+    say_line(console, "also", "{}{}{}", made.colors ? "colours" : "", made.colors && made.scanners > 0 ? ", " : "",
+             made.scanners > 0 ? counted(made.scanners, "scanner position") : "");
   Json json = input.json(), attributes = Json::array();
   for (const AttributeInfo& a : made.attributes) {
     say_attribute(a, console);
@@ -153,7 +155,7 @@ void run_info(const CloudInput& input, Console& console) {
   json["scanners"] = made.scanners;
   json["triangles"] = made.triangles;
   if (made.mesh) {
-    say(console, "faces", "{}, {}", counted(made.mesh->triangles, "triangle"), topology_words(*made.mesh));
+    say_line(console, "faces", "{}, {}", counted(made.mesh->triangles, "triangle"), topology_words(*made.mesh));
     json["mesh"] = topology_json(*made.mesh);
   }
   console.say_json(json);

@@ -1,4 +1,4 @@
-#include "picture_curvature.h"
+#include "sansmesh/jobs/picture_curvature.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -11,7 +11,7 @@
 #include "sansmesh/surface/sample_curvature.h"
 #include "sansmesh/surface/vertex_curvature.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 namespace {
 
 /// Normals turn over this many spacings of the samples: details that these hold, and not their noise.
@@ -84,4 +84,4 @@ std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, con
   }
 }
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

@@ -6,14 +6,15 @@
 #include <string>
 #include <utility>
 
-#include "option_groups.h"
 #include "sansmesh/data/attribute_table.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/render_options.h"
 #include "sansmesh/render/transfer_function.h"
+#include "sansmesh/surface/curvature_words.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 
 /// The bar of colours beside a picture.
 struct ColorBar {
@@ -37,7 +38,4 @@ ColorBar confidence_bar();
 /// The picture with the bar, if there is one, on the background of the options that it was made with.
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& look);
 
-/// --no-bar, --unit: what `of` says the unit is of.
-void add_bar_options(CommandLine& command, bool& no_bar, std::string& unit, const std::string& of);
-
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

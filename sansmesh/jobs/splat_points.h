@@ -10,7 +10,7 @@
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/blended_splats.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 
 struct SplatPoints {
   PointSet points;  ///< in coordinates of the model
@@ -21,4 +21,4 @@ struct SplatPoints {
 /// unless null; each longer along what is bent less.
 SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const ColorField* colors, Progress& progress);
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

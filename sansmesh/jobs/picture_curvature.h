@@ -15,7 +15,7 @@
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 
 /// Fewer samples make no surface that could be bent.
 inline constexpr std::size_t kFewestSamples = 9;
@@ -44,4 +44,4 @@ std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudU
 /// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

@@ -1,4 +1,4 @@
-#include "color_bar.h"
+#include "sansmesh/jobs/color_bar.h"
 
 #include <fmt/core.h>
 
@@ -11,7 +11,7 @@
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/transfer_presets.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 namespace {
 
 constexpr int kBarSteps = 16;         // of each half of the bar, in which colours are mixed
@@ -104,8 +104,9 @@ void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
   if (!bar) return;
   const int width = value_bar_width(options.height, bar->colors, bar->title);
   if (width > 0 && options.width < width + kLeastBesideOne)
-    throw ArgumentError(fmt::format("--width {} is too narrow: the colour bar takes {} of it; --no-bar leaves it out",
-                                    options.width, width));
+    throw ArgumentError(
+        fmt::format("`width = {}` is too narrow: the colour bar takes {} of it; `bar = false` leaves it out",
+                    options.width, width));
   options.width -= width;
 }
 
@@ -115,9 +116,4 @@ Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const R
   return beside_value_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
 }
 
-void add_bar_options(CommandLine& c, bool& no_bar, std::string& unit, const std::string& of) {
-  c.add_flag("--no-bar", no_bar, "Without the colour bar").group("Picture");
-  c.add_option("--unit", unit, "Of " + of + ", at the colour bar").type_name("UNIT").group("Picture");
-}
-
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

@@ -1,4 +1,4 @@
-#include "splat_points.h"
+#include "sansmesh/jobs/splat_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 namespace {
 
 constexpr std::size_t kFewestSplats = 20000, kMostSplats = 300000;
@@ -59,4 +59,4 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   return splats;
 }
 
-}  // namespace sansmesh::cli
+}  // namespace sansmesh
