@@ -19,6 +19,7 @@
 #include "sansmesh/data/image.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/mesh/arrows.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/picture_surfaces.h"

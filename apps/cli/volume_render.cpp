@@ -13,6 +13,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/picture_surfaces.h"
