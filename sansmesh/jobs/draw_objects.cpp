@@ -24,7 +24,7 @@ namespace {
 
 /// Pixels that are left for the objects beside the legend, at least.
 constexpr int kLeastBesideLegend = 100;
-constexpr double kTubeRadius = 1.0 / 400;  // of the diagonal of the lines
+constexpr double kThinTube = 1.0 / 400;  // of the diagonal of the lines
 
 /// Far from each other in hue, then in lightness as well.
 Vec3f object_color(std::size_t number) {
@@ -39,7 +39,7 @@ TriangleMesh tubes_of(const PolylineSet& lines) {
   Box3 box;
   for (const Vec3f& p : lines.positions)
     if (is_finite(p)) box.extend(Vec3(p));
-  const double radius = kTubeRadius * box.diagonal();
+  const double radius = kThinTube * box.diagonal();
   if (!(radius > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
   return tubes(lines, {.radius = radius, .sides = 8, .least_step = 0.5 * radius});
 }

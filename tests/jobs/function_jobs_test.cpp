@@ -4,16 +4,19 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/jobs/csg.h"
 #include "sansmesh/jobs/diagnose.h"
 #include "sansmesh/jobs/edit.h"
 #include "sansmesh/jobs/evaluate.h"
 #include "sansmesh/jobs/info.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
+#include "support/notes.h"
 
 namespace sansmesh::test {
 namespace {
@@ -131,6 +134,39 @@ TEST(InfoJob, TellsOfAFunction) {
   EXPECT_LT(made.cube.lower.x, -2);
   EXPECT_GT(made.cube.upper.z, 2);
   EXPECT_NEAR(made.spacing, std::sqrt(16 * std::numbers::pi / 3000), 0.03);
+}
+
+SolidModel solid_of(const std::string& expression) {
+  Progress progress;
+  return read_solid(expression, {}, progress);
+}
+
+TEST(CsgJob, KeepsAllPartsOfSolidsWithoutFunctions) {
+  Progress progress;
+  const SolidModel two = solid_of("sphere(1) | sphere(0.1, center=(2,0,0))");
+  const CsgResult made = mesh_of_solid(two, {.resolution = 48}, progress);
+  EXPECT_EQ(made.report.components, 2u);
+  EXPECT_TRUE(made.report.closed);
+  EXPECT_TRUE(made.notes.empty());
+  EXPECT_EQ(mesh_of_solid(two, {.resolution = 48, .components = ComponentChoice{}}, progress).report.components, 1u);
+  SolidModel with_function = two;
+  with_function.functions["ball.smf"] = std::make_shared<const SurfaceFunction>(ball_function());
+  EXPECT_EQ(mesh_of_solid(with_function, {.resolution = 48}, progress).report.components, 1u);
+}
+
+TEST(CsgJob, NotesWhatTheMeshMayHaveLost) {
+  Progress progress;
+  const CsgResult made = mesh_of_solid(solid_of("box(2) - sphere(0.02)"), {.cell = 0.1}, progress);
+  EXPECT_TRUE(has_note(made.notes, "mesh"));
+}
+
+TEST(CsgJob, RefusesWhatIsOutOfRange) {
+  Progress progress;
+  const SolidModel ball = solid_of("sphere(1)");
+  EXPECT_THROW(mesh_of_solid(ball, {.cell = 0.1, .resolution = 8}, progress), ArgumentError);
+  EXPECT_THROW(mesh_of_solid(ball, {.triangles = 3}, progress), ArgumentError);
+  EXPECT_THROW(mesh_of_solid(ball, {.triangles = 100, .simplify = 0}, progress), ArgumentError);
+  EXPECT_THROW(mesh_of_solid(solid_of("plane(z)"), {}, progress), ArgumentError);
 }
 
 }  // namespace
