@@ -17,7 +17,7 @@
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "target.h"
 
 using namespace sansmesh;

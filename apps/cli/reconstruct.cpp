@@ -9,7 +9,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "surface_options.h"
 
 namespace sansmesh::cli {

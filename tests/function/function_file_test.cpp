@@ -9,7 +9,7 @@
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/same_bytes.h"
 #include "support/section_bytes.h"

@@ -13,7 +13,7 @@
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/clouds.h"
 #include "support/edged_shapes.h"

@@ -15,7 +15,7 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/model/surface_domain.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"

@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/surface_names.h"

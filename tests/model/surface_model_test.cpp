@@ -12,7 +12,7 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

@@ -11,7 +11,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/thin_shapes.h"

@@ -6,7 +6,7 @@
 
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "support/places.h"
 
 namespace sansmesh {

@@ -1,4 +1,4 @@
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 
 #include <gtest/gtest.h>
 

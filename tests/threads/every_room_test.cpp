@@ -49,7 +49,7 @@
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
