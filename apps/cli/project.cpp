@@ -24,7 +24,7 @@ struct ProjectArguments {
   std::string method = "auto";  ///< a projection, an implicit surface, lop, or what suits the samples
   bool ascii = false;
   CloudUse cloud;
-  SurfaceArguments surface;
+  SurfaceOptions surface;
   LopOptions lop;
   int steps = 10;
   double tolerance = 1e-3;            ///< over the spacing
@@ -32,11 +32,7 @@ struct ProjectArguments {
 };
 
 /// Options of surfaces that not all of them heed: with them, and without a method, it is `curvature`, as they are its.
-bool of_curvature(const SurfaceOptions& s) {
-  for (std::size_t i = 0; i < kSurfaceOptions; ++i)
-    if (s.is_set(static_cast<SurfaceOption>(i))) return true;
-  return false;
-}
+bool of_curvature(const SurfaceOptions& s) { return !options_set(s).empty(); }
 
 /// Throws ArgumentError for options that the method would not heed.
 void check_options_fit(const ProjectArguments& a) {
@@ -50,10 +46,8 @@ void check_options_fit(const ProjectArguments& a) {
   if (a.method == "lop") {
     const char* const what = "it has no surface, and moves to the input";
     check(a.onto.files.empty(), "--onto", what);
-    for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
-      const auto option = static_cast<SurfaceOption>(i);
-      check(!a.surface.options.is_set(option), flag_of(option).c_str(), what);
-    }
+    for (const std::string_view option : options_set(a.surface))
+      check(false, fmt::format("`{}`", option).c_str(), what);
     check(!a.cloud.remove_outliers, "--remove-outliers", "outliers hardly draw its points");
     check(a.steps == none.steps, "--steps", what);
     check(a.tolerance == none.tolerance, "--tolerance", what);
@@ -91,10 +85,10 @@ void run_project(const ProjectArguments& arguments, Console& console) {
     }
     report.projected = result.size();
   } else {
-    SurfaceOptions surface = arguments.surface.options;
+    SurfaceOptions surface = arguments.surface;
     const bool suited = arguments.method == "auto" && !of_curvature(surface);
     if (arguments.method != "auto" || !suited)
-      surface.method = arguments.method == "auto" ? SurfaceMethod::curvature : surface_method(arguments.method);
+      surface.method = arguments.method == "auto" ? "curvature" : arguments.method;
     surface.validate();
     const std::string onto = itself ? arguments.input.name() : arguments.onto.name();
     ReadReport read_onto;
@@ -103,7 +97,7 @@ void run_project(const ProjectArguments& arguments, Console& console) {
       PreparedCloud prepared = prepare_cloud(std::move(samples), arguments.cloud, progress);
       const SurfaceModel model = suited ? make_suited_surface(std::move(prepared), progress)
                                         : make_surface_model(std::move(prepared), surface, progress);
-      method = surface_method_info(model.report().method).name;
+      method = model.report().method;
       console.warn(onto, model.warnings());
       result = arguments.points ? resample_surface(model, *arguments.points, how, progress, &report)
                                 : project_points(points, model, how, progress, &report);
@@ -150,9 +144,9 @@ Command add_project(CommandLine& app) {
       .repeated();
   add_ascii_flag(c, a.ascii);
   c.add_option("--method", a.method,
-               "auto, lop (consolidation of the input) or a surface: " + surface_method_names() +
+               "auto, lop (consolidation of the input) or a surface: " + SurfaceMethod::registry().names() +
                    " [auto: what suits the samples]")
-      .one_of(listed_words("auto, lop, " + surface_method_names()))
+      .one_of(listed_words("auto, lop, " + SurfaceMethod::registry().names()))
       .type_name("NAME");
   c.add_option("--points", a.points, "Spread about this many new points over the surface instead of moving those given")
       .type_name("COUNT")

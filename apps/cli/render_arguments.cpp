@@ -61,8 +61,7 @@ void check_surface_options(const RenderArguments& a, bool function) {
             {"--transmission", s.transmission != 0},
             {"--exact-shadows", s.exact_shadows}},
            "means nothing to --splats");
-  require(!a.stored_rays ||
-              (a.surface && !a.splats && surface_method_info(a.surface->method).family() == SurfaceFamily::projection),
+  require(!a.stored_rays || (a.surface && !a.splats && surface_method(a.surface->method).projects),
           "--rays needs --surface levin, alexa or curvature, and no --splats");
   if (a.surface || a.splats || function) {
     refuse({{"--flat", !s.smooth},

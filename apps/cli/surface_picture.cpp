@@ -66,7 +66,7 @@ class SurfacePainter {
     }
     SurfaceCastOptions cast;
     cast.normals = model.normals();
-    cast.jump = model.jump();
+    cast.jump = model.traits().jump;
     cast.stored = arguments.stored_rays.value_or(false);
     if (model.projection())
       caster_.emplace(*model.projection(), model.balls(), cast);
@@ -163,13 +163,13 @@ void run_surface_picture(const RenderArguments& arguments, Console& console, std
       }
     }
     const SurfaceReport& report = model.report();
-    const SurfaceMethodInfo& method = surface_method_info(report.method);
+    const SurfaceMethod& method = surface_method(report.method);
     console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", arguments.input.name(),
                             counted(report.samples, "sample"), method.name, length(report.spacing),
                             length(report.noise)));
     if (report.smoothing > 0)
       console.say(fmt::format("weights {:.2f} spacings wide{}", report.smoothing,
-                              method.heeds(SurfaceOption::order)
+                              method.uses_option("order")
                                   ? fmt::format(", order {}, {}", report.order,
                                                 counted(static_cast<unsigned>(report.iterations), "iteration"))
                                   : std::string()));

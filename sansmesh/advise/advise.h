@@ -12,7 +12,7 @@ namespace sansmesh {
 
 struct Recommendation {
   enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
-  std::string surface;  ///< by name
+  std::string surface;           ///< by name
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
   std::string why;               ///< one sentence, which names options as errors do (core/error.h)

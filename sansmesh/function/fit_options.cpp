@@ -73,12 +73,13 @@ constexpr OptionRow kRows[] = {
                                   .unit = "ratio",
                                   .from_data = "1.5, up to 2.5 with noise",
                                   .range = {1.1, 2}}),
-    option<&FitOptions::degree>(
-        {.text = "Largest degree of the local polynomials", .unit = "degree", .range = {1, 4}}),
-    option<&FitOptions::open>({.text = "The surface bounds no solid, and ends where the samples end; or it is closed, "
-                                       "also where there are none",
-                               .from_data = "from data",
-                               .negative = "closed"}),
+    option<&FitOptions::degree>({.text = "Largest degree of the local polynomials", .unit = "degree", .range = {1, 4}}),
+    option<&FitOptions::open>(
+        {.text = "The surface bounds no solid: it ends where the samples end",
+         .from_data = "from data",
+         .negative = "closed",
+         .negative_text =
+             "The surface is closed, also where there are no samples (other surfaces: but for wide holes)"}),
     option<&FitOptions::sharp>({.text = "Do not look for creases and corners", .negative = "smooth"})};
 constexpr OptionSchema kSchema{kRows};
 

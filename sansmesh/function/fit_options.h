@@ -22,11 +22,12 @@ struct FitOptions {
   /// coverage for degrees 2, 3 and 4 [0.4, 0.8, 0.85], each in 0..2.
   std::optional<double> threshold = {};
   std::optional<PaperCoverage> coverage = {};
-  std::optional<int> depth = {};       ///< deepest level of the tree of fits, kLeastDepth..kMostDepth
-  std::optional<double> error = {};    ///< accepted rms error of a local fit (length); default: a tenth of the noise
-  std::optional<double> support = {};  ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
-  int degree = 4;                      ///< largest degree of the local polynomials, 1..4
-  bool sharp = true;                   ///< reproduce creases where the data shows them
+  std::optional<int> depth = {};     ///< deepest level of the tree of fits, kLeastDepth..kMostDepth
+  std::optional<double> error = {};  ///< accepted rms error of a local fit (length); default: a tenth of the noise
+  std::optional<double> support =
+      {};             ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
+  int degree = 4;     ///< largest degree of the local polynomials, 1..4
+  bool sharp = true;  ///< reproduce creases where the data shows them
   /// Whether the surface bounds no solid, and ends where its samples end: true, everywhere, false, nowhere; default:
   /// decided from the data for each connected part.
   std::optional<bool> open = {};

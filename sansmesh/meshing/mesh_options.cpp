@@ -28,14 +28,15 @@ constexpr OptionRow kRows[] = {
                                 .implied = "0"}),
     option<&MeshOptions::confidence>(
         {.text = "Write how far each vertex is from the nearest sample, and its confidence, 0 to 1",
-         .from_data = "if the surface is open"}),
+         .from_data = "if the surface is open",
+         .negative_text = "Do not write that"}),
     option<&MeshOptions::measure_quality>(
         {.text = "Print aspect ratios of the triangles before and after enhancement", .name = "quality"}),
     option<&MeshOptions::box>(
         {.text = "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1", .unit = "length"}),
     option<&MeshOptions::mesher>(
         {.text = "Whole blocks, enhanced; or the walk of the paper from simplex to simplex, as it is; auto: the walk "
-                 "after `fit = paper`, else blocks",
+                 "for a fit as the paper has it, else blocks",
          .choices = kMeshers}),
     option<&MeshOptions::mesh_error>({.text = "Mean distance accepted between mesh and surface: larger is coarser",
                                       .unit = "length",
@@ -46,7 +47,8 @@ constexpr OptionRow kRows[] = {
     option<&MeshOptions::block_depth>({.text = "Deepest level of the blocks cut: coarser",
                                        .unit = "level",
                                        .from_data = "from the function",
-                                       .range = {kLeastDepth, kMostDepth}}),
+                                       .range = {kLeastDepth, kMostDepth},
+                                       .old_name = "depth"}),
     option<&MeshOptions::enhance>({.text = "No clustering, smoothing or simplification of triangles"}),
     option<&MeshOptions::displacement>(
         {.text = "With `enhance = false`, or the walk: lattice steps back from the surface",

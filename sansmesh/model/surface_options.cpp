@@ -53,14 +53,14 @@ constexpr OptionRow kRows[] = {
         {.text = "compact: as wide as the spacing asks for; gaussian: exp(-d^2/h^2) with one h for the cloud",
          .choices = kWeights}),
     option<&SurfaceOptions::order, OrderWords>(
-        {.text = "Order of the approximation", .from_data = "from data", .choices = kOrders}),
+        {.text = "Order of the approximation", .unit = "order", .from_data = "from data", .choices = kOrders}),
     option<&SurfaceOptions::iterations>(
         {.text = "0 smooths most, many interpolate", .from_data = "from data", .range = {0, 100}}),
     option<&SurfaceOptions::epsilon>(
         {.text = "Shape parameter beside the width", .from_data = "1", .range = {0.05, 20}}),
     option<&SurfaceOptions::normal>(
-        {.text = "covariance (adamson): the direction of least weighted covariance, not the mean normal; iterated "
-                 "(amls): the normals approximated as the values are, not the gradient",
+        {.text = "covariance (adamson): the direction of least weighted covariance; iterated (amls): the normals "
+                 "approximated as the values are",
          .choices = kNormals}),
     option<&SurfaceOptions::plane>(
         {.text = "The plane by weights about its own foot, six times, or by nonlinear minimisation",
@@ -71,8 +71,7 @@ constexpr OptionRow kRows[] = {
         {.text = "Onto the surface by the fit, or by diffusion to its fixed point, along the normal or free, which is "
                  "slow and has no picture",
          .choices = kFlows}),
-    option<&SurfaceOptions::diffusion>(
-        {.text = "How much less samples far off count", .choices = kDiffusions}),
+    option<&SurfaceOptions::diffusion>({.text = "How much less samples far off count", .choices = kDiffusions}),
     option<&SurfaceOptions::threshold>({.text = "Curvature from which `diffusion` acts, over that of the width",
                                         .from_data = "1",
                                         .range = positive(),
@@ -100,10 +99,10 @@ void SurfaceOptions::validate() const {
   const SurfaceMethod& used = surface_method(method);
   for (const std::string_view option : options_set(*this)) {
     if (option == "method" || used.uses_option(option)) continue;
-    throw ArgumentError(used.instead.empty()
-                            ? fmt::format("`{}` belongs to {}, not to the surface {}", option,
-                                          surfaces_that_use(option), used.name)
-                            : fmt::format("`{}` means nothing to the surface {}: {}", option, used.name, used.instead));
+    throw ArgumentError(
+        used.instead.empty()
+            ? fmt::format("`{}` belongs to {}, not to the surface {}", option, surfaces_that_use(option), used.name)
+            : fmt::format("`{}` means nothing to the surface {}: {}", option, used.name, used.instead));
   }
   validate_options(*this);
   if (used.check) used.check(*this);

@@ -20,10 +20,10 @@ struct SurfaceOptions {
   using Flow = ProjectionOptions::Flow;
   using Diffusion = ProjectionOptions::Diffusion;
   using SharpFormula = BilateralOptions::Formula;
-  std::string method = "apss";           ///< a name of SurfaceMethod::registry()
+  std::string method = "apss";             ///< a name of SurfaceMethod::registry()
   std::optional<SharpFormula> sharp = {};  ///< normals turn sharply at edges and corners, by these weights
-  std::optional<double> smoothing = {};  ///< width of the weights over the local spacing, 0.5..20
-  std::optional<double> bandwidth = {};  ///< the same as one length for the whole cloud
+  std::optional<double> smoothing = {};    ///< width of the weights over the local spacing, 0.5..20
+  std::optional<double> bandwidth = {};    ///< the same as one length for the whole cloud
   SurfaceWeights weights = SurfaceWeights::compact;
   std::optional<int> order = {};       ///< of the approximation: 2, 4 or 6
   std::optional<int> iterations = {};  ///< of the approximation, 0..100: 0 smooths most

@@ -27,7 +27,8 @@ enum class ImplicitMethod {
 };
 
 /// In the order of the enumerators.
-inline constexpr std::string_view kImplicitMethods[] = {"hoppe", "adamson", "kolluri", "dey", "extremal", "apss", "amls"};
+inline constexpr std::string_view kImplicitMethods[] = {"hoppe",    "adamson", "kolluri", "dey",
+                                                        "extremal", "apss",    "amls"};
 /// Throws ArgumentError for a name that is none of them.
 ImplicitMethod implicit_method(std::string_view name);
 

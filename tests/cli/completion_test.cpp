@@ -80,7 +80,7 @@ TEST_F(Completion, OfBash) {
       {"sansmesh mesh ow", "owl.smf owls"},
       {"sansmesh mesh owl.smf -o ow", "owl.PLY.gz owl.ply owls"},
       {"sansmesh mesh owl.smf --output = owl.t", "owl.tar owl.txt"},
-      {"sansmesh mesh owl.smf --depth ", ""},
+      {"sansmesh mesh owl.smf --block-depth ", ""},
       {"sansmesh completion ", "bash fish zsh"},
       {"sansmesh info --js", "--json"}};
   std::string typed;

@@ -26,8 +26,8 @@ ImplicitOptions implicit_options(const SurfaceOptions& options) {
 void check_implicit(const SurfaceOptions& options) { implicit_options(options).validate(); }
 
 SurfaceParts make_implicit(PreparedCloud& cloud, const SurfaceOptions& options, Progress& progress) {
-  const auto surface = std::make_shared<const ImplicitSurface>(make_implicit_surface(
-      prepare_samples(cloud.points, progress, cloud.noise), implicit_options(options), progress));
+  const auto surface = std::make_shared<const ImplicitSurface>(
+      make_implicit_surface(prepare_samples(cloud.points, progress, cloud.noise), implicit_options(options), progress));
   SurfaceParts parts;
   parts.field = surface;
   parts.support = surface->balls();
@@ -43,7 +43,8 @@ SurfaceParts make_implicit(PreparedCloud& cloud, const SurfaceOptions& options, 
 
 constexpr std::string_view kOfWeights[] = {"smoothing", "bandwidth", "weights", "separate_sheets", "sharp"};
 constexpr std::string_view kOfNearest[] = {"smoothing", "bandwidth", "sharp"};
-constexpr std::string_view kOfMeanPlanes[] = {"smoothing", "bandwidth", "weights", "normal", "separate_sheets", "sharp"};
+constexpr std::string_view kOfMeanPlanes[] = {"smoothing", "bandwidth",       "weights",
+                                              "normal",    "separate_sheets", "sharp"};
 constexpr std::string_view kOfIterations[] = {"smoothing", "bandwidth", "weights",         "order", "iterations",
                                               "epsilon",   "normal",    "separate_sheets", "sharp"};
 

@@ -18,12 +18,10 @@ SurfaceParts make_mpu(PreparedCloud& cloud, const SurfaceOptions& options, Progr
   const SurfaceSamples samples = prepare_samples(cloud.points, progress, cloud.noise);
   PointSet points;
   points.positions = samples.positions, points.normals = samples.normals;
-  const auto surface = std::make_shared<const MpuSurface>(make_mpu_surface(points,
-                                                                           {.error = options.error,
-                                                                            .max_depth = options.depth,
-                                                                            .sharp = !options.smooth,
-                                                                            .spacing = samples.median_spacing},
-                                                                           progress));
+  const auto surface = std::make_shared<const MpuSurface>(make_mpu_surface(
+      points,
+      {.error = options.error, .max_depth = options.depth, .sharp = !options.smooth, .spacing = samples.median_spacing},
+      progress));
   SurfaceParts parts;
   parts.field = surface;
   BallUnion& balls = parts.support;
