@@ -106,10 +106,11 @@ Json json_of_formats() {
     return list;
   };
   Json list = Json::array();
-  for (const FormatInfo& format : formats()) {
-    Json written = Json::object();
+  for (const FormatInfo* const one_of_them : formats()) {
+    const FormatInfo& format = *one_of_them;
+    Json written = Json::array();
     for (const WrittenAs& as : format.written)
-      if (as.content != 0) written[std::string(as.ending)] = words(as.content);
+      if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
     Json one = {{"name", format.name},
                 {"endings", list_of_words(format.endings)},
                 {"reads", words(format.reads)},
