@@ -10,6 +10,7 @@
 
 #include "option_values.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/triangulation/block_tree.h"
@@ -68,7 +69,7 @@ void say_aspect_ratios(const MeshReport& report, Console& console) {
 
 void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   const Option file =
-      c.add_option("-o,--output", o.file, "Mesh to write: .ply .obj .stl .off .glb .vtp").type_name("FILE");
+      c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh))).type_name("FILE");
   if (required) file.required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);

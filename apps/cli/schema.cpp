@@ -106,7 +106,8 @@ Json json_of_formats() {
     return list;
   };
   Json list = Json::array();
-  for (const FormatInfo& format : formats()) {
+  for (const FormatInfo* const one_of_them : formats()) {
+    const FormatInfo& format = *one_of_them;
     Json written = Json::array();
     for (const WrittenAs& as : format.written)
       if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
