@@ -35,6 +35,11 @@ void add_common(CommandLine& line, CommonArguments& common) {
 
 }  // namespace
 
+Registry<CommandEntry>& CommandEntry::registry() {
+  static Registry<CommandEntry> added("command", {});
+  return added;
+}
+
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
   line.footer(kExamples);
   add_common(line, common);
@@ -46,6 +51,7 @@ std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
                                    add_align(line),       add_fill(line),    add_simplify(line),  add_smooth(line)};
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (Command& command : add_flow(line)) commands.push_back(std::move(command));
+  for (const CommandEntry* const entry : CommandEntry::registry().all()) commands.push_back(entry->add(line));
   for (const auto add : {add_help, add_completion, add_manual, add_schema_command}) commands.push_back(add(line));
   for (const Command& command : commands) name_flags(*command.line);
   return commands;

@@ -75,11 +75,6 @@ Command add_csg(CommandLine& app) {
   c.add_option("expression", a->expression, "What to combine, in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
-  c.add_option_function(
-       "--components", [a](const std::string& text) { a->options.components = parse_components(text); },
-       "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, largest or a number [auto with "
-       "functions, otherwise all]")
-      .type_name("CHOICE");
   c.footer(
       "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, VTP; names with "
       "dashes\n"

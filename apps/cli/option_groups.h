@@ -62,10 +62,6 @@ std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented
 Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by);
 /// --box x0,y0,z0,x1,y1,z1
 void add_box_option(CommandLine& command, std::optional<Box3>& box, const std::string& what);
-/// "2..14"
-std::string depth_range();
-/// thesis, paper, none or three numbers. Throws ValueError.
-PaperCoverage parse_coverage(const std::string& text);
 /// What became of the blocks of `--fit paper`, in two lines.
 std::vector<std::string> paper_words(const PaperReport& report, const FitsOfDegree& fits);
 Json paper_json(const PaperReport& report);

@@ -19,14 +19,11 @@ struct ProjectArguments {
   CloudInput input, onto;
   std::string output;
   bool ascii = false;
-  SurfaceArguments surface;
   ProjectOptions options;
 };
 
 void run_project(const ProjectArguments& a, Console& console) {
-  ProjectOptions options = a.options;
-  options.surface = a.surface.options;
-  options.validate();
+  a.options.validate();
   check_writable(a.output, "points");
   Progress& progress = console.progress();
   progress.begin("read");
@@ -40,7 +37,7 @@ void run_project(const ProjectArguments& a, Console& console) {
     given.onto = samples_of.read(console, read_onto);
     given.onto_name = samples_of.name();
   }
-  const ProjectResult made = project(std::move(given), options, progress);
+  const ProjectResult made = project(std::move(given), a.options, progress);
   console.note(input.name(), made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
@@ -77,7 +74,7 @@ Command add_project(CommandLine& app) {
       .repeated();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options);
-  add_surface_details(c, a.surface, a.options.cloud);
+  add_surface_details(c, a.options.surface, a.options.cloud);
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh project noisy.ply -o smooth.ply\n"

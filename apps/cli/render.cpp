@@ -66,13 +66,13 @@ PictureObject open_object(const CloudInput& input, bool with_lines, Console& con
 void say_surface(const RenderArguments& a, const RenderReport& r, const ReadReport& read, Console& console,
                  Json& json) {
   const SurfaceReport& s = *r.surface;
-  const SurfaceMethodInfo& method = surface_method_info(s.method);
+  const SurfaceMethod& method = surface_method(s.method);
   console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", a.input.name(), counted(s.samples, "sample"), method.name,
                           length(s.spacing), length(s.noise)));
   if (s.smoothing > 0)
     console.say(fmt::format(
         "weights {:.2f} spacings wide{}", s.smoothing,
-        method.heeds(SurfaceOption::order)
+        method.uses_option("order")
             ? fmt::format(", order {}, {}", s.order, counted(static_cast<unsigned>(s.iterations), "iteration"))
             : std::string()));
   json["input"] = a.input.json();

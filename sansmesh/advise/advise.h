@@ -8,13 +8,12 @@
 #include "sansmesh/core/note.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
-#include "sansmesh/model/surface_methods.h"
 
 namespace sansmesh {
 
 struct Recommendation {
   enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
-  SurfaceMethod surface;
+  std::string surface;           ///< by name
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
   std::string why;               ///< one sentence, which names options as errors do (core/error.h)

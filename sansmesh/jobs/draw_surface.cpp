@@ -60,7 +60,7 @@ class SurfacePainter {
     }
     SurfaceCastOptions cast;
     cast.normals = model.normals();
-    cast.jump = model.jump();
+    cast.jump = model.traits().jump;
     cast.stored = o.rays == RayStart::stored;
     if (model.projection())
       caster_.emplace(*model.projection(), model.balls(), cast);

@@ -72,8 +72,7 @@ void check_splats_and_rays(const PictureOptions& o) {
             {"transmission", s.transmission != 0},
             {"exact_shadows", s.exact_shadows}},
            "means nothing to `splats`");
-  const bool projection =
-      o.surface && !o.splats && surface_method_info(o.surface->method).family() == SurfaceFamily::projection;
+  const bool projection = o.surface && !o.splats && surface_method(o.surface->method).projects;
   if (o.rays && !projection) throw ArgumentError("`rays` needs `surface` levin, alexa or curvature, and no `splats`");
 }
 

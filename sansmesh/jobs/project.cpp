@@ -17,7 +17,7 @@ constexpr double kMostPoints = 2e9;
 const std::vector<std::string_view>& project_methods() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{kSuited, kLop};
-    for (const SurfaceMethodInfo& info : surface_methods()) all.emplace_back(info.name);
+    for (const SurfaceMethod* const known : SurfaceMethod::registry().all()) all.push_back(known->name);
     return all;
   }();
   return names;
@@ -37,20 +37,13 @@ struct ProjectMethodWords {
   }
 };
 
-/// Options that not all surfaces heed: with them, and without a method, it is `curvature`, as they are its.
-std::optional<SurfaceOption> first_set(const SurfaceOptions& surface) {
-  for (std::size_t i = 0; i < kSurfaceOptions; ++i)
-    if (const auto option = static_cast<SurfaceOption>(i); surface.is_set(option)) return option;
-  return std::nullopt;
-}
-
-/// Nothing: what suits the samples.
+/// Nothing: what suits the samples. Options without a method are those of `curvature`.
 std::optional<SurfaceOptions> surface_of(const ProjectOptions& o) {
   SurfaceOptions surface = o.surface;
   if (o.method != kSuited)
-    surface.method = surface_method(o.method);
-  else if (first_set(surface))
-    surface.method = SurfaceMethod::curvature;
+    surface.method = o.method;
+  else if (!options_set(surface).empty())
+    surface.method = "curvature";
   else
     return std::nullopt;
   return surface;
@@ -62,7 +55,7 @@ void check_lop(const ProjectOptions& o, bool onto) {
   };
   const char* const what = "it has no surface, and moves to the input";
   check(!onto, "onto", what);
-  if (const auto option = first_set(o.surface)) check(false, field_name(*option), what);
+  if (const auto set = options_set(o.surface); !set.empty()) check(false, set.front(), what);
   check(!o.cloud.remove_outliers, "remove_outliers", "outliers hardly draw its points");
   if (const auto set = options_set(o.steps); !set.empty()) check(false, set.front(), what);
 }
@@ -74,7 +67,7 @@ PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult&
     const auto surface = surface_of(o);
     const SurfaceModel model = surface ? make_surface_model(std::move(prepared), *surface, progress)
                                        : make_suited_surface(std::move(prepared), progress);
-    result.report.method = surface_method_info(model.report().method).name;
+    result.report.method = model.report().method;
     add_notes(result.notes, "surface", model.warnings(), of);
     SurfaceProjection& moved = result.report.moved;
     return o.points ? resample_surface(model, *o.points, o.steps, progress, &moved)
@@ -101,8 +94,8 @@ PointSet consolidated(const ProjectInput& input, const ProjectOptions& o, Projec
 
 const OptionSchema& ProjectOptions::schema() {
   using O = ProjectOptions;
-  static const std::string methods =
-      "auto (what suits the samples), lop (consolidation of the input) or a surface: " + surface_method_names();
+  static const std::string methods = "auto (what suits the samples), lop (consolidation of the input) or a surface: " +
+                                     SurfaceMethod::registry().names();
   static const OptionRow rows[] = {
       option<&O::method, ProjectMethodWords>({.text = methods, .unit = "name", .choices = project_methods()}),
       option<&O::points>({.text = "Spread about this many new points over the surface instead of moving those given",

@@ -357,7 +357,11 @@ const OptionSchema& CsgMeshOptions::schema() {
       option<&O::simplify>({.text = "Fewer triangles where the surface is flat to within this; 0: nowhere",
                             .unit = "length",
                             .from_data = "as the mesh error asks for",
-                            .range = at_least(0)})};
+                            .range = at_least(0)}),
+      option<&O::components>({.text = "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, "
+                                      "largest or a number",
+                              .unit = "choice",
+                              .from_data = "auto with functions, otherwise all"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -39,7 +39,6 @@ struct CsgMeshOptions {
   /// Parts to keep; automatic: those that have at least 1.5 % of the largest one's area. Default: all.
   std::optional<ComponentChoice> components = {};
 
-  /// All but `components`.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the option.
   void validate() const;

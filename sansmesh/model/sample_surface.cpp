@@ -121,7 +121,7 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
   for (std::size_t i = 0; i < all; i += every) x.push_back(Vec3(cloud.points.positions[i]));
   PreparedCloud again = cloud;
   SurfaceOptions options;
-  options.method = SurfaceMethod::partition;
+  options.method = kPartitionSurface;
   SurfaceModel smooth = make_surface_model(std::move(cloud), options, progress);
   const std::vector<Foot> to_smooth = feet_of(smooth, x, {}, progress);
   std::vector<std::uint8_t> skip = far_off(smooth, x, to_smooth);
@@ -132,7 +132,7 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
     moved += squared_norm(to_smooth[i].position - x[i]), ++known;
   }
   if (known > 0 && moved <= kOnlyNoise * noise * noise * known) return smooth;
-  options.method = SurfaceMethod::curvature;
+  options.method = "curvature";
   SurfaceModel close = make_surface_model(std::move(again), options, progress);
   const std::vector<Foot> to_close = feet_of(close, x, {}, progress);
   double nearer = 0, both = 0;

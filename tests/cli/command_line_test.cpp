@@ -93,11 +93,11 @@ TEST_F(CommandLineTool, ErrorsNameTheOptionAsItWasTyped) {
   expect_line(reconstruct + Words{"--depth", "99"}, "--depth must lie in 2..14, not 99" + more);
   expect_line(reconstruct + Words{"--depth=deep"}, "--depth: 'deep' is not a number" + more);
   expect_line(reconstruct + Words{"--depth", "3.5"}, "--depth: '3.5' is not a whole number" + more);
-  expect_line(reconstruct + Words{"--triangles", "-4"}, "--triangles must be 0 or more, not -4" + more);
-  expect_line(reconstruct + Words{"--mesh-error", "0"}, "--mesh-error must be a positive length, not 0");
+  expect_line(reconstruct + Words{"--triangles", "-4"}, "--triangles must be 4 or more, not -4" + more);
+  expect_line(reconstruct + Words{"--mesh-error", "0"}, "--mesh-error must be above 0, not 0" + more);
   expect_line(reconstruct + Words{"--trim=ball.ply"}, "--trim: 'ball.ply' is not a number" + more);
   expect_line(reconstruct + Words{"--faces", "vertex"},
-              "--faces must be one of auto, ignore, sample, not 'vertex'" + more);
+              "--faces must be one of auto, ignore, sample, vertices, not 'vertex'" + more);
   expect_line(reconstruct + Words{"--depth"}, "--depth needs a value (LEVEL)" + more);
   expect_line(reconstruct + Words{"--depth", "--ascii"}, "--depth needs a value (LEVEL) before --ascii" + more);
   expect_line(reconstruct + Words{"--ascii=yes"}, "--ascii takes no value, not 'yes'" + more);

@@ -66,7 +66,7 @@ TEST(RenderJob, DrawsEachKindInItsWay) {
   EXPECT_TRUE(mesh.result.report.objects.empty());
   const Pictures function = pictures_of({function_object()}, small());
   ASSERT_TRUE(function.result.report.surface);
-  EXPECT_EQ(function.result.report.surface->method, SurfaceMethod::partition);
+  EXPECT_EQ(function.result.report.surface->method, kPartitionSurface);
   ASSERT_TRUE(function.result.report.rays);
   EXPECT_GT(function.result.report.rays->hits, 100u);
   PictureOptions splats = small();

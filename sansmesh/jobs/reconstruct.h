@@ -1,4 +1,4 @@
-// From samples to a mesh in one call: the front door of the library.
+// From samples to a mesh in one call.
 #pragma once
 
 #include <optional>
@@ -16,13 +16,15 @@
 namespace sansmesh {
 
 /// What to do to the samples, how to fit and how to mesh.
-struct ReconstructOptions : CloudUse, FitOptions, MeshOptions {
-  /// Another surface than the adaptive partition of unity: then none of FitOptions may be set. It is cut where it
-  /// leaves its domain of definition: not closed where the samples have borders.
-  std::optional<SurfaceOptions> surface;
+struct ReconstructOptions {
+  CloudUse cloud = {};
+  FitOptions fit = {};
+  MeshOptions mesh = {};
+  /// Another surface than the adaptive partition of unity uses none of `fit` but what it has itself (`error`, `depth`).
+  /// It is cut where it leaves its domain of definition: not closed where the samples have borders.
+  SurfaceOptions surface = {.method = std::string(kPartitionSurface)};
 
-  /// Whether `surface` is there and names another one than the partition.
-  bool other_surface() const { return surface && surface->method != SurfaceMethod::partition; }
+  bool other_surface() const { return surface.method != kPartitionSurface; }
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
@@ -43,10 +45,14 @@ struct ReconstructReport : MeshReport {
   double open_share = 0, behind = 1;
 };
 
+struct ReconstructResult {
+  TriangleMesh mesh;
+  ReconstructReport report;
+};
+
 /// Points (normals are estimated or oriented if need be) → manifold mesh, closed where the surface bounds a solid.
 /// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
 /// ArgumentError for bad options.
-TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
-                         ReconstructReport* report = nullptr);
+ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
 
 }  // namespace sansmesh

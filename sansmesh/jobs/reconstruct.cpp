@@ -1,7 +1,9 @@
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
-#include <string>
+#include <string_view>
 #include <utility>
 
 #include "sansmesh/core/error.h"
@@ -27,13 +29,13 @@ PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, 
   return cloud;
 }
 
-/// The surface asked for, with those options of the fit that it heeds.
+/// The surface asked for, with those options of the fit that it uses.
 SurfaceOptions surface_options(const ReconstructOptions& options) {
-  SurfaceOptions o = *options.surface;
-  const SurfaceMethodInfo& info = surface_method_info(o.method);
-  if (options.error && info.heeds(SurfaceOption::error)) o.error = options.error;
-  if (options.max_depth && info.heeds(SurfaceOption::max_depth)) o.max_depth = options.max_depth;
-  if (!options.sharp && info.heeds(SurfaceOption::smooth)) o.smooth = true;
+  SurfaceOptions o = options.surface;
+  const SurfaceMethod& method = surface_method(o.method);
+  if (options.fit.error && method.uses_option("error")) o.error = options.fit.error;
+  if (options.fit.depth && method.uses_option("depth")) o.depth = options.fit.depth;
+  if (!options.fit.sharp && method.uses_option("smooth")) o.smooth = true;
   return o;
 }
 
@@ -42,17 +44,20 @@ SurfaceOptions surface_options(const ReconstructOptions& options) {
 TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
                                  ReconstructReport& r) {
   const SurfaceOptions choice = surface_options(options);
-  const SurfaceModel model = make_surface_model(prepare(std::move(points), options, progress, r), choice, progress);
+  const MeshOptions& asked = options.mesh;
+  const SurfaceModel model =
+      make_surface_model(prepare(std::move(points), options.cloud, progress, r), choice, progress);
+  const SurfaceTraits traits = model.traits();
   r.warnings = model.warnings();
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
   const Placement& place = model.place();
   const double spacing = place.from_input(r.spacing);
-  const double mesh_error = options.mesh_error
-                                ? place.from_input(*options.mesh_error)
+  const double mesh_error = asked.mesh_error
+                                ? place.from_input(*asked.mesh_error)
                                 : std::max(kErrorOverSpacing * spacing, place.from_input(kErrorOverNoise * r.noise));
   r.mesh_error = place.to_input(mesh_error);
-  PolygonizeOptions meshing = meshing_options(options, mesh_error, model.creases());
+  PolygonizeOptions meshing = meshing_options(asked, mesh_error, traits.creases);
   const ScalarField& field = model.field(progress);
   meshing.placement = model.placement(progress);
   meshing.seeds = model.seeds();
@@ -61,24 +66,24 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   BlockTree blocks = model.blocks_for(feet, mesh_error);
   progress.begin("find borders");
   std::optional<double> fill, trim;
-  if (options.fill_holes) fill = std::min(place.from_input(*options.fill_holes), blocks.edge());
-  if (options.trim)
-    trim = *options.trim > 0 ? place.from_input(*options.trim) : std::max(4 * spacing, 6 * place.from_input(r.noise));
+  if (asked.fill_holes) fill = std::min(place.from_input(*asked.fill_holes), blocks.edge());
+  if (asked.trim)
+    trim = *asked.trim > 0 ? place.from_input(*asked.trim) : std::max(4 * spacing, 6 * place.from_input(r.noise));
   std::optional<bool> solid;
-  if (options.open) solid = !*options.open;
+  if (options.fit.open) solid = !*options.fit.open;
   // Beyond those of the samples they are of what closes holes.
   feet.positions.resize(std::min(feet.size(), model.points().size()));
   feet.normals.resize(feet.size());
-  const SurfaceDomain domain(field, feet, spacing, fill, trim, solid, model.closes_holes());
-  domain.refine(blocks, options.block_depth.value_or(BlockTree::kMaxLevel));
-  if (trim || !domain.solid() || !model.closes_holes()) meshing.domain = &domain;
+  const SurfaceDomain domain(field, feet, spacing, fill, trim, solid, traits.closes_holes);
+  domain.refine(blocks, asked.block_depth.value_or(BlockTree::kMaxLevel));
+  if (trim || !domain.solid() || !traits.closes_holes) meshing.domain = &domain;
   r.open = domain.ends();
   r.block_depth = blocks.depth();
-  TriangleMesh mesh = cut_out(field, blocks, options, meshing, progress, r);
+  TriangleMesh mesh = cut_out(field, blocks, asked, meshing, progress, r);
 
   progress.begin("finish mesh");
-  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, options, r);
-  mark_confidence(mesh, model.points(), spacing, place.from_input(r.noise), place, options, r);
+  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, asked, r);
+  mark_confidence(mesh, model.points(), spacing, place.from_input(r.noise), place, asked, r);
   if (r.most_lost) {
     r.most_lost = place.to_input(*r.most_lost);
     r.warnings.push_back(lost_samples(r) + kKeepAll);
@@ -91,43 +96,39 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
 }  // namespace
 
 void ReconstructOptions::validate() const {
-  if (surface) surface->validate();
+  surface.validate();
   if (other_surface()) {
-    const FitOptions none;
-    const SurfaceMethodInfo& info = surface_method_info(surface->method);
-    const auto unset = [&](bool ok, const char* field, std::optional<SurfaceOption> heeded = {}) {
-      if (!ok && !(heeded && info.heeds(*heeded)))
-        throw ArgumentError("`" + std::string(field) + "` belongs to the partition, not to the surface " + info.name);
+    const SurfaceMethod& method = surface_method(surface.method);
+    const auto refuse = [&](std::string_view option) {
+      throw ArgumentError(fmt::format("`{}` belongs to the partition, not to the surface {}", option, method.name));
     };
-    unset(!is_paper(), "fit = paper");
-    unset(mesher != Mesher::walk, "mesher = walk");
-    unset(!threshold, "threshold");
-    unset(!coverage, "coverage");
-    unset(!max_depth, "max_depth", SurfaceOption::max_depth);
-    unset(!error, "error", SurfaceOption::error);
-    unset(!support, "support");
-    unset(max_degree == none.max_degree, "max_degree");
-    unset(sharp == none.sharp, "sharp = false", SurfaceOption::smooth);
+    if (mesh.mesher == Mesher::walk) refuse("mesher = walk");
+    for (const std::string_view option : options_set(fit)) {
+      if (option == "open" || ((option == "error" || option == "depth") && method.uses_option(option))) continue;
+      if (option == "sharp" && method.uses_option("smooth")) continue;
+      refuse(option == "sharp" ? "sharp = false" : option == "fit" ? "fit = paper" : option);
+    }
   }
-  FitOptions::validate();
-  MeshOptions::validate();
-  const bool walks = mesher == Mesher::walk || (mesher == Mesher::automatic && is_paper());
-  if (walks) validate_walk();
-  if (!walks && enhance && displacement > 0)
+  fit.validate();
+  mesh.validate();
+  const bool walks = mesh.mesher == Mesher::walk || (mesh.mesher == Mesher::automatic && fit.is_paper());
+  if (walks) mesh.validate_walk();
+  if (!walks && mesh.enhance && mesh.displacement > 0)
     throw ArgumentError("`displacement` needs `enhance = false`: clustering undoes it");
 }
 
-TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress,
-                         ReconstructReport* report) {
+ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress) {
   options.validate();
-  ReconstructReport local;
-  ReconstructReport& r = report ? *report : local;
-  r = {};
-  if (options.other_surface()) return reconstruct_surface(std::move(points), options, progress, r);
+  ReconstructResult result;
+  ReconstructReport& r = result.report;
+  if (options.other_surface()) {
+    result.mesh = reconstruct_surface(std::move(points), options, progress, r);
+    return result;
+  }
   const SurfaceFunction function =
-      fit_surface_function(prepare(std::move(points), options, progress, r), options, progress);
+      fit_surface_function(prepare(std::move(points), options.cloud, progress, r), options.fit, progress);
   const PartitionReport& f = function.field.report();
-  TriangleMesh mesh = mesh_function(function, options, progress, &r);
+  result.mesh = mesh_function(function, options.mesh, progress, &r);
   r.spacing = function.place.to_input(f.spacing);
   r.noise = function.place.to_input(f.noise);
   r.fits = f.functions;
@@ -139,7 +140,7 @@ TriangleMesh reconstruct(PointSet points, const ReconstructOptions& options, Pro
   if (r.most_lost && !r.warnings.empty())
     r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where they end" : kKeepAll;
   r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());
-  return mesh;
+  return result;
 }
 
 }  // namespace sansmesh
