@@ -12,7 +12,6 @@
 #include "flags.h"
 #include "option_groups.h"
 #include "sansmesh/advise/traits.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/noise.h"
 
@@ -81,14 +80,9 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   progress.begin("read");
   ReadReport read;
   const PointSet points = input.read(console, read);
-  Advice advice;
-  try {
-    advice = advise(points, progress);
-  } catch (const DataError& error) {
-    throw FileError(input.name(), error.what());
-  }
+  const Advice advice = naming(input.name(), console, [&] { return advise(points, progress); });
   progress.finish();
-  console.warn(input.name(), advice.warnings);
+  console.note(input.name(), advice.notes);
 
   const CloudTraits& t = advice.traits;
   console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", input.name(), counted(t.samples, "sample"),

@@ -10,10 +10,7 @@ struct FlagOfField {
 };
 
 /// Where the flag is not the field's name with dashes. Of several, the first that a command has.
-constexpr FlagOfField kFlags[] = {{"coverage_below", "--coverage"},
-                                  {"error_above", "--error"},
-                                  {"gradient_above", "--gradient"},
-                                  {"range", "--color-range"},
+constexpr FlagOfField kFlags[] = {{"range", "--color-range"},
                                   {"classes", "--class"},
                                   {"time_step", "--step"},
                                   {"fill_values", "--fill-value"},

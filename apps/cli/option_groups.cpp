@@ -77,43 +77,17 @@ void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   add_wireframe_options(c, o.picture.options);
 }
 
-const char* quantity_word(CurvatureQuantity quantity) {
-  return kCurvatureWords[static_cast<std::size_t>(quantity)].data();
-}
-
-namespace {
-
-std::vector<std::pair<std::string, CurvatureQuantity>> quantity_words() {
-  std::vector<std::pair<std::string, CurvatureQuantity>> words;
-  for (const auto q :
-       {CurvatureQuantity::mean, CurvatureQuantity::gaussian, CurvatureQuantity::k1, CurvatureQuantity::k2})
-    words.emplace_back(quantity_word(q), q);
-  return words;
-}
-
-}  // namespace
-
-CurvatureQuantity curvature_quantity(const std::string& word) {
-  for (const auto& [name, quantity] : quantity_words())
-    if (name == word) return quantity;
-  throw ArgumentError("unknown curvature: " + word);
-}
-
-bool is_curvature(const std::string& word) {
-  const auto words = quantity_words();
-  return std::any_of(words.begin(), words.end(), [&](const auto& w) { return w.first == word; });
-}
-
-double curvature_range(double range, CurvatureQuantity quantity, double unit) {
-  return range * (quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
-}
-
 void add_color_range(CommandLine& c, std::optional<double>& range, const std::string& group) {
   c.add_option("--color-range", range,
                "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
       .type_name("VALUE")
       .positive()
       .group(group);
+}
+
+void add_bar_options(CommandLine& c, bool& no_bar, std::string& unit, const std::string& of) {
+  c.add_flag("--no-bar", no_bar, "Without the colour bar").group("Picture");
+  c.add_option("--unit", unit, "Of " + of + ", at the colour bar").type_name("UNIT").group("Picture");
 }
 
 void add_cloud_options(CommandLine& c, CloudUse& o) {

@@ -8,7 +8,6 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/surface_caster.h"
-#include "sansmesh/volume/volume_boundary.h"
 
 namespace sansmesh::cli {
 
@@ -56,20 +55,6 @@ std::vector<PictureSurface> PictureContents::read(const RenderOptions& options, 
       throw FileError(file, error.what());
     }
   return surfaces;
-}
-
-VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary) {
-  VolumeSubject subject;
-  subject.places = samples.positions;
-  subject.image = samples.lattice.has_value();
-  // The box of a lattice whose axes are not those of space does not tell where it ends.
-  bool box = samples.lattice.has_value();
-  for (std::size_t k = 0; k < 3 && box; ++k)
-    for (std::size_t c = 0; c < 3; ++c) box = box && (c == k || samples.lattice->directions[k][c] == 0);
-  if (box) return subject;
-  boundary = volume_boundary(samples);
-  subject.boundary = &boundary;
-  return subject;
 }
 
 }  // namespace sansmesh::cli

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "console.h"
-#include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/volume_picture.h"
 
 namespace sansmesh::cli {
 
@@ -29,8 +27,5 @@ class PictureContents {
   std::vector<std::string> meshes_, clouds_;
   std::vector<std::unique_ptr<SeenSurface>> seen_;
 };
-
-/// What pictures of these samples need besides fields. `boundary` must outlive the picture.
-VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary);
 
 }  // namespace sansmesh::cli

@@ -132,7 +132,8 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   if (!row.range.words().empty()) entry.range = row.range;
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;
-  entry.repeated = row.kind == OptionKind::texts;
+  // Of lists each time adds to it.
+  entry.repeated = row.kind == OptionKind::texts || entry.several;
   if (row.may_stand_alone()) entry.implied = std::string(row.implied);
   entry.next_words.assign(row.usual_words.begin(), row.usual_words.end());
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));

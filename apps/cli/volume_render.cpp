@@ -7,12 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "picture_contents.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/picture_surfaces.h"

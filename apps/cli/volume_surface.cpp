@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"

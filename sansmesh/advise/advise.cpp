@@ -203,7 +203,7 @@ Advice advise(const PointSet& points, Progress& progress) {
   std::vector<std::string> warnings;
   const CloudTraits traits = measure_traits(points, progress, &warnings);
   Advice advice = advise(traits);
-  advice.warnings = std::move(warnings);
+  add_notes(advice.notes, "preparation", warnings);
   return advice;
 }
 

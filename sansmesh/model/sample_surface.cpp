@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
@@ -144,10 +143,18 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
   return nearer > noise * noise * both ? std::move(close) : std::move(smooth);
 }
 
-void ProjectToSurface::validate() const {
-  check_range("steps", steps, 1, 1000);
-  check_range("tolerance", tolerance, 1e-6, 1);
+const OptionSchema& ProjectToSurface::schema() {
+  using O = ProjectToSurface;
+  static constexpr OptionRow rows[] = {
+      option<&O::steps>({.text = "Steps of a point at most", .range = {1, 1000}}),
+      option<&O::tolerance>({.text = "A point stops after a step shorter than this ratio to the spacing",
+                             .unit = "ratio",
+                             .range = {1e-6, 1}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
 }
+
+void ProjectToSurface::validate() const { validate_options(*this); }
 
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
                         Progress& progress, SurfaceProjection* report) {

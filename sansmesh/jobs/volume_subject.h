@@ -1,0 +1,14 @@
+// What pictures of a volume need to know of its samples besides fields.
+#pragma once
+
+#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/render/volume_picture.h"
+
+namespace sansmesh {
+
+/// `boundary` becomes the volume's where its box does not tell where it ends; it and the samples must outlive the
+/// picture.
+VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary);
+
+}  // namespace sansmesh
