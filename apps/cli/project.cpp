@@ -23,7 +23,8 @@ struct ProjectArguments {
 };
 
 void run_project(const ProjectArguments& a, Console& console) {
-  a.options.validate();
+  const ProjectOptions& options = a.options;
+  options.validate();
   check_writable(a.output, "points");
   Progress& progress = console.progress();
   progress.begin("read");
@@ -37,7 +38,7 @@ void run_project(const ProjectArguments& a, Console& console) {
     given.onto = samples_of.read(console, read_onto);
     given.onto_name = samples_of.name();
   }
-  const ProjectResult made = project(std::move(given), a.options, progress);
+  const ProjectResult made = project(std::move(given), options, progress);
   console.note(input.name(), made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});

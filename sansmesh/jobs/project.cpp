@@ -17,7 +17,7 @@ constexpr double kMostPoints = 2e9;
 const std::vector<std::string_view>& project_methods() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{kSuited, kLop};
-    for (const SurfaceMethod* const known : SurfaceMethod::registry().all()) all.push_back(known->name);
+    for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) all.push_back(method->name);
     return all;
   }();
   return names;
@@ -37,7 +37,7 @@ struct ProjectMethodWords {
   }
 };
 
-/// Nothing: what suits the samples. Options without a method are those of `curvature`.
+/// Nothing: what suits the samples. With options that not all surfaces use it is `curvature`, as they are its.
 std::optional<SurfaceOptions> surface_of(const ProjectOptions& o) {
   SurfaceOptions surface = o.surface;
   if (o.method != kSuited)
