@@ -76,7 +76,7 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
   for (const std::vector<double>& axis : samples->lattice->axes) longest = std::max(longest, axis.size());
   if (longest < 256) {
     ResampleOptions options;
-    options.size = 256;
+    options.size = {256};
     GridData grid;
     grid.blocks.push_back(resample_volume(*field, data.default_array().name, options, progress));
     grid.blocks[0].point_arrays.erase("inside");

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/dataset/choose_reconstruction.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/render/volume_picture.h"
@@ -256,12 +255,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto samples = dataset.volume("s", progress);
     if (task == 0) return inform(*samples, dataset);
     ReconstructionOptions options;
-    if (method < methods.size()) {
-      options.method = methods[method].method;
-    } else {
-      const VolumeTraits traits = measure_volume_traits(*samples, volume_values(*samples, "s"), progress);
-      options.method = choose_reconstruction(*samples, traits).method;
-    }
+    if (method < methods.size()) options.method = methods[method].method;
     ReconstructionReport report;
     const auto field = dataset.field({"s", {}, false}, options, progress, &report);
     for (const std::string& note : report.notes) fuzz::check_message(note);

@@ -20,13 +20,13 @@ using VolumeAim = VolumeRecommendation::Aim;
 /// What has to be said of a raw file again.
 std::string raw_words(const VolumeReadOptions& read) {
   std::string words;
-  if (read.raw) {
-    const RawLayout& r = *read.raw;
+  if (read.raw.given()) {
+    const RawLayout& r = read.raw;
     words = fmt::format(" --dims {}x{}x{} --type {}", r.dims[0], r.dims[1], r.dims[2], name_of(r.type));
     if (r.spacing != Vec3{1, 1, 1}) words += fmt::format(" --spacing {},{},{}", r.spacing.x, r.spacing.y, r.spacing.z);
     if (r.big_endian) words += " --big-endian";
   }
-  if (read.time_step > 0) words += fmt::format(" --step {}", read.time_step);
+  if (read.time_step > 0) words += fmt::format(" --time-step {}", read.time_step);
   if (!read.fill.usual) words += " --fill-value none";
   for (const double v : read.fill.values) words += fmt::format(" --fill-value {}", v);
   return words;
@@ -82,7 +82,7 @@ std::string shell_word(const std::string& name) {
 
 void run_volume_advise(const VolumeInput& input, Console& console) {
   VolumeInput any = input;
-  any.may_be_bare = true;
+  any.bare = true;
   OpenVolume volume(any, console);
   const VolumeDataset& dataset = volume.dataset();
   VolumeOffer offer;
@@ -112,12 +112,12 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
       for (std::size_t i = 0; i < samples->size(); ++i) middle += volume.sample_value(i);
       middle /= static_cast<double>(samples->size());
     } else {
-      middle = volume.middle_value();
+      middle = volume.model().middle_value();
     }
     vectors = flow_array(dataset, of.name);
     offer.vectors = vectors != nullptr;
-    offer.traits = volume.traits();
-    offer.suited = volume.suited();
+    offer.traits = volume.model().traits(console.progress());
+    offer.suited = volume.model().suited(console.progress());
   }
   if (vectors) {
     flow = fmt::format(" --array {}{}", shell_word(vectors->name), offer.steps > 1 ? " --unsteady" : "");

@@ -12,7 +12,6 @@ struct FlagOfField {
 /// Where the flag is not the field's name with dashes. Of several, the first that a command has.
 constexpr FlagOfField kFlags[] = {{"range", "--color-range"},
                                   {"classes", "--class"},
-                                  {"time_step", "--step"},
                                   {"fill_values", "--fill-value"},
                                   {"opacity_scale", "--volume-opacity"},
                                   {"opacity_scale", "--opacity"},

@@ -62,8 +62,7 @@ class IsosurfaceSeries {
     if (!files) step->read.time_step = i;
     if (i > 0) {  // array and method are those of the first
       step->array = inputs_[0]->array;
-      step->method = volumes_[0]->report().options;
-      step->chosen = true;
+      step->reconstruction = volumes_[0]->report().options;
     }
     inputs_.push_back(std::move(step));
     volumes_.push_back(std::make_unique<OpenVolume>(*inputs_.back(), console));
@@ -126,7 +125,7 @@ void write_isosurface_frames(const VolumeInput& input, std::optional<double> val
   OpenVolume& first = series.first();
   const DatasetArray& array = first.dataset().array(first.choice().array);
   if (!value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
-  const double v = value ? *value : first.middle_value();
+  const double v = value ? *value : first.model().middle_value();
   const std::size_t count = frames.frames.value_or(series.size());
   check_frame_names(input, output.file, count);
 

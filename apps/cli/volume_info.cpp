@@ -63,7 +63,7 @@ std::vector<std::string> mended(const VolumeFacts& f) {
 /// The reconstruction that a fitted volume holds.
 void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
   const ReconstructionOptions& o = fitted.chosen;
-  const std::string_view method = info_of(o.method).name;
+  const std::string_view method = info_of(o.method.value()).name;
   std::string options;
   const auto add = [&](const char* name, const auto& value) {
     if (value) options += fmt::format("{}{} {}", options.empty() ? "" : ", ", name, *value);
@@ -91,7 +91,7 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
 
 void run_volume_info(const VolumeInput& input, Console& console) {
   VolumeInput any = input;
-  any.may_be_bare = true;
+  any.bare = true;
   OpenVolume volume(any, console);
   const auto samples = volume.samples();
   const VolumeFacts& f = samples->facts;

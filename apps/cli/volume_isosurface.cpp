@@ -75,7 +75,7 @@ void run_isosurface(IsosurfaceArguments& a, Console& console) {
   volume.samples();
   const DatasetArray& array = volume.dataset().array(volume.choice().array);
   if (!a.value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
-  const double value = a.value ? *a.value : volume.middle_value();
+  const double value = a.value ? *a.value : volume.model().middle_value();
   const std::vector<std::string> wanted = carried(a, volume);
   const auto surface = volume.isosurface(value);
   const auto samples = volume.samples();

@@ -96,7 +96,7 @@ VolumeSurfaceOptions chosen_options(const VolumeSurfaceArguments& a, OpenVolume&
   }
   const DatasetArray& array = volume.dataset().array(volume.choice().array);
   if (!a.value && (array.components > 1)) throw ArgumentError("--value is needed for arrays of several components");
-  o.value = a.value ? *a.value : volume.middle_value();
+  o.value = a.value ? *a.value : volume.model().middle_value();
   return o;
 }
 
@@ -205,7 +205,7 @@ void run_volume_surface(VolumeSurfaceArguments& a, Console& console) {
   options.validate();
   if (!a.color_by.empty() && !is_curvature(a.color_by)) scalar_choice(a.color_by, volume, "color_by");
   const auto samples = volume.samples();
-  const VolumeTraits& traits = volume.traits();
+  const VolumeTraits& traits = volume.model().traits(progress);
   const std::vector<double> values = chosen_values(*samples, volume.choice());
   Json json = {{"input", volume.json()}};
   try {

@@ -56,7 +56,7 @@ Json json_if(const std::optional<T>& value) {
 }
 
 Json json_of(const ReconstructionOptions& o) {
-  return {{"method", info_of(o.method).name},
+  return {{"method", info_of(*o.method).name},
           {"degree", json_if(o.degree)},
           {"iterations", json_if(o.iterations)},
           {"shape", json_if(o.shape)},
@@ -272,9 +272,9 @@ const DatasetArray& reconstructed(const FittedVolume& fitted) {
 
 void check_fitted(const FittedVolume& fitted) {
   const DatasetArray& array = reconstructed(fitted);
-  if (has_coefficients(fitted.chosen.method) == fitted.coefficients.empty())
+  if (has_coefficients(*fitted.chosen.method) == fitted.coefficients.empty())
     throw DataError("its coefficients are not those of its reconstruction");
-  if (!fitted.coefficients.empty()) fitted.coefficients.check(*fitted.volume, array.components, fitted.chosen.method);
+  if (!fitted.coefficients.empty()) fitted.coefficients.check(*fitted.volume, array.components, *fitted.chosen.method);
 }
 
 void add_samples(const SampledVolume& volume, std::vector<FileSection>& sections) {

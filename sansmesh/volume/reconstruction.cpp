@@ -11,6 +11,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/field/scaled_volume.h"
+#include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/reconstruction_makers.h"
 
 namespace sansmesh {
@@ -18,70 +19,91 @@ namespace {
 
 struct Entry {
   ReconstructionInfo info;
-  /// Null for names that are kept for methods to come: these are not in the table that others see.
   std::unique_ptr<VolumeField> (*make)(ReconstructionInput) = nullptr;
 };
 
 using Method = ReconstructionMethod;
 
+constexpr std::string_view word_of(Method method) { return kReconstructionWords[static_cast<std::size_t>(method)]; }
+
 /// One entry a method, in the order of the enumerators.
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       // nearest
-      {{Method::nearest, "nearest", "the value of the nearest sample", "all", {}},  //
+      {{Method::nearest, word_of(Method::nearest), "the value of the nearest sample", "all", {}},  //
        make_nearest_field},
 
       // linear
-      {{Method::linear, "linear", "the grid's own: trilinear in hexahedra, barycentric in tetrahedra", "all", {}},  //
+      {{Method::linear,
+        word_of(Method::linear),
+        "the grid's own: trilinear in hexahedra, barycentric in tetrahedra",
+        "all",
+        {}},  //
        make_linear_field},
 
       // shepard
-      {{Method::shepard, "shepard", "inverse squared distances of the samples around", "all", {"radius"}},  //
+      {{Method::shepard,
+        word_of(Method::shepard),
+        "inverse squared distances of the samples around",
+        "all",
+        {"radius"}},  //
        make_shepard_field},
 
       // sibson
-      {{Method::sibson, "sibson", "natural neighbours: volumes taken from Voronoi cells", "all", {}},  //
+      {{Method::sibson, word_of(Method::sibson), "natural neighbours: volumes taken from Voronoi cells", "all", {}},  //
        make_sibson_field},
 
       // mean-value
-      {{Method::mean_value, "mean-value", "mean value coordinates in the cell, convex or not", "all", {}},  //
+      {{Method::mean_value,
+        word_of(Method::mean_value),
+        "mean value coordinates in the cell, convex or not",
+        "all",
+        {}},  //
        make_mean_value_field},
 
       // cubic
       {{Method::cubic,
-        "cubic",
+        word_of(Method::cubic),
         "piecewise cubics of the BC family: Catmull–Rom, B-spline and between",
         "uniform and rectilinear",
         {"b", "c"}},  //
        make_cubic_field},
 
       // sinc
-      {{Method::sinc, "sinc", "windowed sinc, eight samples in each direction", "uniform", {}},  //
+      {{Method::sinc, word_of(Method::sinc), "windowed sinc, eight samples in each direction", "uniform", {}},  //
        make_sinc_field},
 
       // lagrange
       {{Method::lagrange,
-        "lagrange",
+        word_of(Method::lagrange),
         "polynomials through samples in each direction",
         "uniform and rectilinear",
         {"degree"}},  //
        make_lagrange_field},
 
       // rbf
-      {{Method::rbf, "rbf", "radial basis functions of compact support, blended", "all", {"radius"}},  //
+      {{Method::rbf, word_of(Method::rbf), "radial basis functions of compact support, blended", "all", {"radius"}},  //
        make_rbf_field},
 
       // bernstein
-      {{Method::bernstein, "bernstein", "cubic splines in Bernstein–Bézier form on tetrahedra", "all", {}},  //
+      {{Method::bernstein,
+        word_of(Method::bernstein),
+        "cubic splines in Bernstein–Bézier form on tetrahedra",
+        "all",
+        {}},  //
        make_bernstein_field},
 
       // mls
-      {{Method::mls, "mls", "moving least squares about each point, ellipsoidal weights", "all", {"degree", "radius"}},
+      {{Method::mls,
+        word_of(Method::mls),
+        "moving least squares about each point, ellipsoidal weights",
+        "all",
+        {"degree", "radius"}},
        make_mls_field},
 
       // mls-detail
       {{Method::mls_detail,
-        "mls-detail",
+        word_of(Method::mls_detail),
         "robust polynomials about samples, of the degree that predicts best, blended",
         "all",
         {"degree", "robust"}},
@@ -89,7 +111,7 @@ const std::vector<Entry>& entries() {
 
       // amls
       {{Method::amls,
-        "amls",
+        word_of(Method::amls),
         "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
         "all",
         {"iterations", "shape", "order", "spherical"}},
@@ -100,24 +122,14 @@ const std::vector<Entry>& entries() {
 
 /// Options that are set and that the method does not heed.
 void check_heeded(const ReconstructionOptions& options, const ReconstructionInfo& info) {
-  const ReconstructionOptions defaults;
-  const std::pair<std::string_view, bool> set[] = {
-      {"degree", options.degree.has_value()},
-      {"iterations", options.iterations.has_value()},
-      {"shape", options.shape.has_value()},
-      {"order", options.order.has_value()},
-      {"radius", options.radius.has_value()},
-      {"robust", options.robust.has_value()},
-      {"b", options.b != defaults.b},
-      {"c", options.c != defaults.c},
-      {"spherical", options.spherical.has_value()},
-  };
-  for (const auto& [name, is_set] : set)
-    if (is_set && std::find(info.options.begin(), info.options.end(), name) == info.options.end())
-      throw ArgumentError(fmt::format("`{}` means nothing to the reconstruction {}", name, info.name));
+  std::vector<std::string_view> set = options_set(options);
+  std::erase(set, "method");
+  check_used(set, info.options, set, fmt::format("the reconstruction {}", info.name));
   const bool lagrange = info.method == ReconstructionMethod::lagrange;
   if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : 4);
 }
+
+const Entry& entry_of(ReconstructionMethod method) { return entries()[static_cast<std::size_t>(method)]; }
 
 template <class... Arrays>
 std::size_t bytes_in(const Arrays&... arrays) {
@@ -174,16 +186,13 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
 std::span<const ReconstructionInfo> reconstruction_methods() {
   static const std::vector<ReconstructionInfo> there = [] {
     std::vector<ReconstructionInfo> infos;
-    for (const Entry& entry : entries())
-      if (entry.make) infos.push_back(entry.info);
+    for (const Entry& entry : entries()) infos.push_back(entry.info);
     return infos;
   }();
   return there;
 }
 
-const ReconstructionInfo& info_of(ReconstructionMethod method) {
-  return entries()[static_cast<std::size_t>(method)].info;
-}
+const ReconstructionInfo& info_of(ReconstructionMethod method) { return entry_of(method).info; }
 
 ReconstructionMethod reconstruction_of_name(std::string_view name) {
   std::string names;
@@ -199,14 +208,17 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
                                                 ReconstructionReport* report,
                                                 ReconstructionCoefficients* coefficients) {
   options.validate();
-  const Entry& entry = entries()[static_cast<std::size_t>(options.method)];
-  if (!entry.make) throw ArgumentError(fmt::format("there is no reconstruction {} here", entry.info.name));
-  check_heeded(options, entry.info);
+  if (options.method) check_heeded(options, info_of(*options.method));
   ReconstructionReport own;
   ReconstructionReport& told = report ? *report : own;
   told = {};
   told.options = options;
   VolumeValues values = volume_values(*volume, array);
+  if (!options.method) {
+    ReconstructionChoice suited = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
+    told.options.method = suited.method, told.why = std::move(suited.why);
+  }
+  const Entry& entry = entry_of(*told.options.method);
   if (!values.filled.empty())
     told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
                                      values.filled.size(), volume->size()));
@@ -215,11 +227,11 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
   // Coefficients and kernels are in float, squares in double: values far from 1 are brought there, and back.
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
-  if (!factors.empty() && factors[0] < 1 && has_coefficients(options.method))
+  if (!factors.empty() && factors[0] < 1 && has_coefficients(entry.info.method))
     check_not_lost(values, factors[0], entry.info.name);
   values = scaled_values(std::move(values), factors);
   std::unique_ptr<VolumeField> field =
-      entry.make({std::move(volume), std::move(values), options, progress, told, used});
+      entry.make({std::move(volume), std::move(values), told.options, progress, told, used});
   if (!used.empty()) used.scales = factors;
   told.bytes = bytes + bytes_of_coefficients(used);
   if (factors.empty()) return field;

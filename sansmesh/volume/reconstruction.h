@@ -30,8 +30,10 @@ const ReconstructionInfo& info_of(ReconstructionMethod method);
 /// Throws ArgumentError naming all methods.
 ReconstructionMethod reconstruction_of_name(std::string_view name);
 
-/// The field of one array (all its components). `volume` is shared. Throws ArgumentError for options out of range, that
-/// the method does not heed, or a grid that it cannot be used on (naming those that can), DataError as volume_values.
+/// The field of one array (all its components). `volume` is shared. Without a method the one that suits the array is
+/// chosen (choose_reconstruction), and the report says which and why. Throws ArgumentError for options out of range,
+/// that the method does not heed, or a grid that it cannot be used on (naming those that can), DataError as
+/// volume_values.
 ///
 /// `coefficients`: those that are empty receive what the method has fitted, if anything. Others are taken in place of a
 /// fit, and must be those of the same volume and array, with the options that the report told then: the field is the

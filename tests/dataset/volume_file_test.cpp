@@ -219,7 +219,7 @@ TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
   const auto expect_same = [&](const char* array, const ReconstructionOptions& options) {
     EXPECT_TRUE(answers_of(*dataset.field({array, {}, false}, options, progress), *volume) ==
                 answers_of(*opened.field({array, {}, false}, options, progress), *volume))
-        << array << " " << info_of(options.method).name;
+        << array << " " << info_of(*options.method).name;
   };
   expect_same("where", by(Method::mls_detail));
   expect_same("f", by(Method::linear));

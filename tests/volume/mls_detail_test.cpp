@@ -23,7 +23,7 @@ double wave(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) 
 std::unique_ptr<VolumeField> detail_of(std::shared_ptr<const SampledVolume> volume, bool robust) {
   Progress progress;
   ReconstructionOptions options;
-  options.robust = robust;
+  options.method = ReconstructionMethod::mls_detail, options.robust = robust;
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }
 
@@ -300,10 +300,11 @@ TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
   const auto volume = volume_of(tetrahedra_grid({8, 8, 8}, rough));
   Progress progress;
   ReconstructionReport report;
-  reconstruct_volume(volume, "f", {}, progress, &report);
+  reconstruct_volume(volume, "f", {.method = ReconstructionMethod::mls_detail}, progress, &report);
   EXPECT_EQ(report.notes.size(), 1u);
   ReconstructionReport fine;
-  reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {}, progress, &fine);
+  reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {.method = ReconstructionMethod::mls_detail},
+                     progress, &fine);
   EXPECT_TRUE(fine.notes.empty());
   EXPECT_EQ(std::accumulate(fine.by_degree.begin(), fine.by_degree.end(), std::size_t{0}), 512u);
 }
@@ -316,7 +317,7 @@ TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
     Progress progress;
     ReconstructionReport report;
     ReconstructionCoefficients fitted;
-    reconstruct_volume(volume, "f", {}, progress, &report, &fitted);
+    reconstruct_volume(volume, "f", {.method = ReconstructionMethod::mls_detail}, progress, &report, &fitted);
     EXPECT_TRUE(report.notes.empty());
     for (std::size_t i = 0; i < volume->size(); ++i) EXPECT_EQ(fitted.polynomials.trust[i], 1.0f);
   }

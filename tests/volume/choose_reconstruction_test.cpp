@@ -1,4 +1,4 @@
-#include "sansmesh/dataset/choose_reconstruction.h"
+#include "sansmesh/volume/choose_reconstruction.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
 namespace {

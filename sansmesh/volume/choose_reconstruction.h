@@ -3,11 +3,9 @@
 
 #include <string>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_traits.h"
-#include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
 

@@ -1,4 +1,4 @@
-#include "sansmesh/dataset/choose_reconstruction.h"
+#include "sansmesh/volume/choose_reconstruction.h"
 
 #include <fmt/core.h>
 
