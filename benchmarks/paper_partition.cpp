@@ -45,7 +45,7 @@ std::vector<Variant> variants(int depth, std::optional<double> threshold) {
       ours{"partition", {}};
   for (Variant* v : {&thesis, &strict, &without}) {
     v->fit.fit = FitMethod::paper;
-    v->fit.max_depth = depth;
+    v->fit.depth = depth;
     v->fit.threshold = threshold;
   }
   strict.fit.coverage = kPaperCoverage;

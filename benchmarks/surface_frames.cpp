@@ -107,10 +107,9 @@ void run(const std::string& folder, int runs) {
   for (const Row& row : rows()) {
     const Cloud& cloud = kClouds[row.cloud];
     SurfaceOptions options;
-    options.method = surface_method(row.method);
-    options.sharp = row.sharp;
-    if (options.method == SurfaceMethod::amls)
-      options.order = row.order, options.iterations = row.iterations, options.smoothing = 1;
+    options.method = row.method;
+    if (row.sharp) options.sharp = SurfaceOptions::SharpFormula::bilateral;
+    if (options.method == "amls") options.order = row.order, options.iterations = row.iterations, options.smoothing = 1;
     Progress progress;
     const SurfaceModel model = make_surface_model(load(folder, cloud), options, progress);
     SurfaceCastOptions cast;

@@ -90,3 +90,30 @@ function(sansmesh_group_sources target)
     endif()
   endforeach()
 endfunction()
+
+# Defines LIST() of HEADER, the entries of a registry that the library has by itself: those of each FUNCTION(), in the
+# given order. They are named here so that no linker drops a source that nothing else calls.
+function(sansmesh_registry entry header list)
+  set(declared "")
+  set(called "")
+  foreach(source IN LISTS ARGN)
+    string(APPEND declared "std::span<const ${entry}> ${source}();\n")
+    string(APPEND called "\n          ${source}(),")
+    target_sources(sansmesh PRIVATE ${source}.cpp)
+  endforeach()
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${list}.cpp)
+  file(CONFIGURE OUTPUT ${generated} @ONLY CONTENT
+"#include \"${header}\"
+
+namespace sansmesh {
+
+${declared}
+std::vector<std::span<const ${entry}>> ${list}() {
+  return {${called}};
+}
+
+}  // namespace sansmesh
+")
+  target_sources(sansmesh PRIVATE ${generated})
+  set_source_files_properties(${generated} TARGET_DIRECTORY sansmesh PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()

@@ -1,7 +1,7 @@
 // From a scan to a mesh: read, reconstruct, write.
 //
 //   example_reconstruct SCAN MESH
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 
 #include <cstdio>
 
@@ -17,9 +17,8 @@ int main(int argc, char** argv) {
     const sansmesh::PointSet scan = sansmesh::read_points(argv[1]);
 
     sansmesh::ReconstructOptions options;  // every default is derived from the data
-    sansmesh::ReconstructReport report;
     sansmesh::Progress progress;
-    const sansmesh::TriangleMesh mesh = sansmesh::reconstruct(scan, options, progress, &report);
+    const auto [mesh, report] = sansmesh::reconstruct(scan, options, progress);
 
     sansmesh::write_mesh(argv[2], mesh);
     std::printf("%zu points, %g apart -> %zu triangles in %d part(s)\n", scan.size(), report.spacing,

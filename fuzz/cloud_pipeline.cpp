@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/assemble_points.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/cloud_shape.h"
@@ -17,7 +18,6 @@
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/reconstruct.h"
 #include "target.h"
 
 using namespace sansmesh;
@@ -161,7 +161,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const std::string name = "fuzz.file";
   const ThreadScope one(1);
   ByteReader in(data, size);
-  const std::size_t step = in.below(8), method = in.below(surface_methods().size());
+  const std::vector<const SurfaceMethod*> methods = SurfaceMethod::registry().all();
+  const std::size_t step = in.below(8), method = in.below(methods.size());
   const std::uint8_t bits = in.take<std::uint8_t>();
   ReadReport report;
   PointSet points;
@@ -177,16 +178,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     estimate(std::move(points), options);
   } else {
     ReconstructOptions options;
-    options.block_depth = kLeastDepth + bits % 3;
-    if (step == 7) options.surface = SurfaceOptions{.method = surface_methods()[method].method};
-    if (!options.other_surface()) options.max_depth = kLeastDepth + bits / 4 % 3;
-    if (!options.other_surface() && (bits & 16) != 0) options.open = (bits & 32) != 0;
-    options.remove_outliers = (bits & 64) != 0;
-    options.components.kind = (bits & 128) != 0 ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic;
+    options.mesh.block_depth = kLeastDepth + bits % 3;
+    if (step == 7) options.surface = {.method = std::string(methods[method]->name)};
+    if (!options.other_surface()) options.fit.depth = kLeastDepth + bits / 4 % 3;
+    if (!options.other_surface() && (bits & 16) != 0) options.fit.open = (bits & 32) != 0;
+    options.cloud.remove_outliers = (bits & 64) != 0;
+    options.mesh.components.kind = (bits & 128) != 0 ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic;
     fuzz::ends_well([&] {
       Progress progress;
-      ReconstructReport made;
-      const TriangleMesh mesh = reconstruct(std::move(points), options, progress, &made);
+      const auto [mesh, made] = reconstruct(std::move(points), options, progress);
       check_mesh(mesh, !options.other_surface() && !made.open);
       demand(std::isfinite(made.spacing) && std::isfinite(made.noise) && std::isfinite(made.mesh_error) &&
                  std::isfinite(made.behind) && std::isfinite(made.open_share) && std::isfinite(made.lost),

@@ -1,5 +1,6 @@
 // sansmesh advise: which method suits these samples?
 #include "sansmesh/advise/advise.h"
+#include "sansmesh/model/surface_method.h"
 
 #include <fmt/core.h>
 
@@ -11,7 +12,6 @@
 #include "flags.h"
 #include "option_groups.h"
 #include "sansmesh/advise/traits.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/points/noise.h"
 
@@ -44,7 +44,7 @@ Json to_json(const CloudTraits& t) {
 /// The command that does what is recommended.
 std::string command_of(const Recommendation& r, const CloudInput& of) {
   using Aim = Recommendation::Aim;
-  const std::string name = surface_method_info(r.surface).name;
+  const std::string& name = r.surface;
   std::string input;
   for (const std::string& file : of.files) input += (input.empty() ? "" : " ") + shell_word(file);
   if (!of.with.empty()) input += " --class " + shell_word(of.with);
@@ -53,7 +53,7 @@ std::string command_of(const Recommendation& r, const CloudInput& of) {
   switch (r.aim) {
     case Aim::mesh:
       command = "sansmesh reconstruct " + input + " -o surface.ply";
-      if (r.surface != SurfaceMethod::partition) command += " --surface " + name;
+      if (r.surface != kPartitionSurface) command += " --surface " + name;
       break;
     case Aim::picture:
       command = "sansmesh render " + input + " -o picture.png --surface " + name;
@@ -80,14 +80,9 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   progress.begin("read");
   ReadReport read;
   const PointSet points = input.read(console, read);
-  Advice advice;
-  try {
-    advice = advise(points, progress);
-  } catch (const DataError& error) {
-    throw FileError(input.name(), error.what());
-  }
+  const Advice advice = naming(input.name(), console, [&] { return advise(points, progress); });
   progress.finish();
-  console.warn(input.name(), advice.warnings);
+  console.note(input.name(), advice.notes);
 
   const CloudTraits& t = advice.traits;
   console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", input.name(), counted(t.samples, "sample"),
@@ -103,7 +98,7 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   json["recommendations"] = Json::array();
   for (const Recommendation& r : advice.recommendations)
     json["recommendations"].push_back({{"aim", aim_word(r.aim)},
-                                       {"surface", surface_method_info(r.surface).name},
+                                       {"surface", r.surface},
                                        {"commands", std::vector{command_of(r, input)}},
                                        {"why", in_flags(r.why, recommended)}});
   console.say_json(json);

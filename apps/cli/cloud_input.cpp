@@ -6,6 +6,7 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/points/spacing.h"
 
 namespace sansmesh::cli {
@@ -101,8 +102,7 @@ void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what)
   c.add_option("input", input.files, what + "; several (tiles) are read as one")
       .type_name("FILE")
       .required()
-      .endings({".ply", ".obj", ".off", ".stl", ".xyz", ".txt", ".csv", ".asc", ".pts", ".pwn", ".pcd", ".las", ".vtp",
-                ".conf", ".smf"});
+      .endings(endings_read(kPoints | kFunction));
   add_class_options(c, input);
 }
 

@@ -58,6 +58,7 @@ struct CloudScale {
   NoiseEstimate noise;
 
   explicit CloudScale(const PointSet& points);
+  CloudScale(double spacing_of, const NoiseEstimate& noise_of) : spacing(spacing_of), noise(noise_of) {}
   /// "unknown: 0.02 at most, of shape or noise", "0.0039"
   std::string noise_words() const;
   /// Adds `spacing`, `noise`, `noise_known`, `most_noise`.

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <string_view>
 
 #include "command_line.h"
 #include "console.h"
+#include "sansmesh/schema/registry.h"
 
 namespace sansmesh::cli {
 
@@ -13,6 +15,15 @@ struct Command {
   CommandLine* line;  ///< the subcommand, with its own options; those of every command are added by command_table.cpp
   /// Called once after parsing. Its arguments live in what it has captured. Errors are thrown.
   std::function<void(Console&)> run;
+};
+
+/// A command that a program adds to those of the tool: `static const Registered<CommandEntry> mine({"mine",
+/// add_mine});`
+struct CommandEntry {
+  std::string_view name;
+  Command (*add)(CommandLine& app);
+
+  static Registry<CommandEntry>& registry();
 };
 
 }  // namespace sansmesh::cli

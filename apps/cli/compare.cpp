@@ -1,5 +1,6 @@
 // sansmesh compare: the inspection map, how far every place of a part lies from where it should.
 #include "sansmesh/jobs/compare.h"
+#include "sansmesh/jobs/color_bar.h"
 
 #include <fmt/core.h>
 
@@ -12,7 +13,6 @@
 #include <vector>
 
 #include "align_report.h"
-#include "color_bar.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"

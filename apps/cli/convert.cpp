@@ -13,6 +13,7 @@
 #include "convert_steps.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/jobs/split.h"
 #include "schema_options.h"
@@ -222,7 +223,8 @@ Command add_convert(CommandLine& app) {
   ConvertArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output,
-               "Mesh (.ply .obj .stl .off .glb .vtp) or points (.ply .obj .xyz .csv .pcd .vtp .las) to write")
+               "Mesh (" + listed_endings(endings_written(kMesh)) + ") or points (" +
+                   listed_endings(endings_written(kPoints)) + ") to write")
       .type_name("FILE")
       .required();
   add_ascii_flag(c, a.ascii);

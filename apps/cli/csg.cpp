@@ -1,4 +1,6 @@
 // sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
+#include "sansmesh/jobs/csg.h"
+
 #include <fmt/core.h>
 
 #include <memory>
@@ -7,9 +9,7 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/io/io.h"
-#include "sansmesh/meshing/mesh_csg.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "schema_options.h"
 #include "solid_input.h"
 
 namespace sansmesh::cli {
@@ -19,21 +19,19 @@ struct CsgArguments {
   std::string expression;
   MeshOutput output;
   CsgMeshOptions options;
-  std::optional<ComponentChoice> components;
 };
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-void run_csg(CsgArguments& a, Console& console) {
+void run_csg(const CsgArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
   Progress& progress = console.progress();
-  const SolidInput input = open_solid(a.expression, console);
-  a.options.components = a.components.value_or(input.usual_components());
-  CsgMeshReport report;
-  const TriangleMesh mesh = mesh_csg(input.solid, a.options, progress, &report);
-  input.warn_of_open(console);
-  console.warn(a.output.file, report.warnings);
+  const SolidModel solid = open_solid(a.expression, console);
+  const CsgResult made = mesh_of_solid(solid, a.options, progress);
+  const TriangleMesh& mesh = made.mesh;
+  const CsgMeshReport& report = made.report;
+  console.note(a.output.file, made.notes);
   a.output.write(mesh, progress);
   progress.finish();
 
@@ -50,7 +48,7 @@ void run_csg(CsgArguments& a, Console& console) {
                               : ""));
   const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
   const Json json = {{"expression", a.expression},
-                     {"files", input.files},
+                     {"files", solid.files},
                      {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
                      {"cell", report.cell},
                      {"depth", report.depth},
@@ -76,27 +74,7 @@ Command add_csg(CommandLine& app) {
   auto a = std::make_shared<CsgArguments>();
   c.add_option("expression", a->expression, "What to combine, in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
-  c.add_option(
-       "--mesh-error", a->options.mesh_error,
-       "Accepted mean distance between mesh and surface [a 50,000th of the box's diagonal; with functions less]")
-      .type_name("LENGTH");
-  c.add_option("--triangles", a->options.triangles, "At most this many triangles; --mesh-error then follows from it")
-      .type_name("COUNT");
-  c.add_option(
-       "--resolution", a->options.resolution,
-       "Instead: cells along the longest side of the box, 4..4096 [as small as the mesh error and thin parts ask "
-       "for; with functions the box's diagonal has 256, up to 1024]")
-      .type_name("COUNT");
-  c.add_option("--cell", a->options.cell, "Edge of the cells instead").type_name("LENGTH");
-  add_box_option(c, a->options.box, "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids");
-  c.add_option_function(
-       "--components", [a](const std::string& text) { a->components = parse_components(text); },
-       "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, largest or a number [auto with "
-       "functions, otherwise all]")
-      .type_name("CHOICE");
-  c.add_option("--simplify", a->options.simplify,
-               "Fewer triangles where the surface is flat to within this; 0: nowhere [as the mesh error asks for]")
-      .type_name("LENGTH");
+  add_schema(c, a->options);
   c.footer(
       "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, VTP; names with "
       "dashes\n"

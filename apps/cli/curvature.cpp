@@ -1,12 +1,12 @@
 // sansmesh curvature: principal curvatures of a scan as attributes and as a picture.
 #include "sansmesh/jobs/curvature.h"
+#include "sansmesh/jobs/color_bar.h"
 
 #include <fmt/core.h>
 
 #include <utility>
 
 #include "cloud_input.h"
-#include "color_bar.h"
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"

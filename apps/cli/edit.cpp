@@ -1,20 +1,19 @@
 // sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
+#include "sansmesh/jobs/edit.h"
+
 #include <fmt/core.h>
 
 #include <cmath>
 #include <utility>
 
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/read_text.h"
-#include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/mesh_distance.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -28,22 +27,24 @@ Json box_json(const Box3& box) {
   return {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}};
 }
 
-Json boxes_json(const std::vector<Box3>& boxes) {
-  Json json = Json::array();
-  for (const Box3& box : boxes) json.push_back(box_json(box));
-  return json;
+Json step_json(const EditReport& r) {
+  Json boxes = Json::array();
+  for (const Box3& box : r.regions) boxes.push_back(box_json(box));
+  return {{"what", r.what},
+          {"selected", r.chosen},
+          {"supports", r.supports},
+          {"changed", box_json(r.changed)},
+          {"boxes", boxes}};
 }
 
-/// Throws FileError unless it is a mesh of the function, whoever made it.
-void check_mesh(const EditArguments& a, const SurfaceFunction& function, const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) throw FileError(a.mesh, "has no triangles");
-  const MeshMatch match = match_mesh(function, mesh);
-  if (match.belongs()) return;
-  throw FileError(a.mesh,
-                  fmt::format("is not a mesh of {}: {} of its {} vertices looked at {} on that surface, the "
-                              "farthest is about {} off, at ({:.9g}, {:.9g}, {:.9g})",
-                              a.input, grouped(match.on), grouped(match.vertices), match.on == 1 ? "lies" : "lie",
-                              length(match.farthest), match.farthest_at.x, match.farthest_at.y, match.farthest_at.z));
+/// What was done, and where.
+std::string step_words(const EditReport& r) {
+  if (r.changed.empty()) return r.what;
+  const std::size_t apart = separate_sets(r.regions);
+  const Vec3 size = r.changed.size();
+  return fmt::format("{}, {}within {} × {} × {}", r.what,
+                     apart > 1 ? fmt::format("in {} regions ", grouped(apart)) : std::string(), length(size.x),
+                     length(size.y), length(size.z));
 }
 
 /// What of the mesh is new: "162 of them new, 98.8 % kept", or why all of it is.
@@ -56,79 +57,48 @@ std::string new_words(const MeshUpdate& update, std::size_t triangles) {
                      std::floor(1000 * kept) / 10);
 }
 
-void run_edit(const EditArguments& a, Console& console) {
-  if (a.output.empty() && a.mesh_output.empty())
-    throw ArgumentError("nothing to write: give -o FUNCTION, --mesh-output MESH or both");
+void check_files(const EditArguments& a) {
+  require(!a.output.empty() || !a.mesh_output.empty(),
+          "nothing to write: give -o FUNCTION, --mesh-output MESH or both");
   if (!a.output.empty()) check_function_writable(a.output);
-  if (a.output == a.script) throw ArgumentError("the script would be overwritten: -o and --script name the same file");
+  require(a.output != a.script, "the script would be overwritten: -o and --script name the same file");
   if (!a.mesh_output.empty()) check_writable(a.mesh_output, "mesh");
-  if (!a.mesh.empty() && a.mesh_output.empty()) throw ArgumentError("--mesh needs --mesh-output");
-  Progress& progress = console.progress();
-  progress.begin("read");
-  std::vector<Edit> edits;
+  require(a.mesh.empty() || !a.mesh_output.empty(), "--mesh needs --mesh-output");
+}
+
+EditedFunction edited(const EditArguments& a, Console& console) {
+  console.progress().begin("read");
   try {
-    edits = parse_edit_script(read_text(a.script));
+    const std::vector<Edit> edits = parse_edit_script(read_text(a.script));
+    EditInput input{.function = read_function(a.input), .name = a.input, .mesh_name = a.mesh};
+    if (!a.mesh.empty()) {
+      ReadReport read;
+      input.mesh = to_mesh(read_points(a.mesh, &read));
+      console.warn(a.mesh, read.warnings);
+    }
+    return edit(std::move(input), edits, !a.mesh_output.empty(), console.progress());
   } catch (const ArgumentError& error) {
     throw FileError(a.script, error.what());
   }
-  FunctionEditor editor(read_function(a.input));
-  TriangleMesh mesh;
-  if (!a.mesh.empty()) {
-    ReadReport read;
-    mesh = to_mesh(read_points(a.mesh, &read));
-    console.warn(a.mesh, read.warnings);
-    check_mesh(a, editor.function(), mesh);
-  }
+}
 
-  Json steps = Json::array();
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < edits.size(); ++i) {
-    EditReport report;
-    try {
-      report = editor.apply(edits[i], progress);
-    } catch (const ArgumentError& error) {
-      throw FileError(a.script, fmt::format("step {}: {}", i + 1, error.what()));
-    } catch (const DataError& error) {
-      throw FileError(a.input, fmt::format("step {}: {}", i + 1, error.what()));
-    }
-    const std::size_t apart = separate_sets(report.regions);
-    const Vec3 size = report.changed.empty() ? Vec3{} : report.changed.size();
-    lines.push_back(fmt::format(
-        "step {}: {}{}", i + 1, report.what,
-        report.changed.empty() ? std::string()
-                               : fmt::format(", {}within {} × {} × {}",
-                                             apart > 1 ? fmt::format("in {} regions ", grouped(apart)) : std::string(),
-                                             length(size.x), length(size.y), length(size.z))));
-    steps.push_back({{"what", report.what},
-                     {"selected", report.chosen},
-                     {"supports", report.supports},
-                     {"changed", box_json(report.changed)},
-                     {"boxes", boxes_json(report.regions)}});
-  }
-
-  MeshUpdate update;
-  if (!a.mesh_output.empty()) {
-    try {
-      mesh = a.mesh.empty() ? mesh_function(editor.function(), {}, progress)
-                            : update_mesh(editor.function(), std::move(mesh), editor.changed(), {}, progress, &update);
-    } catch (const DataError& error) {
-      throw FileError(a.input, fmt::format("after the edits: {}", error.what()));
-    }
-  }
+void run_edit(const EditArguments& a, Console& console) {
+  check_files(a);
+  const EditedFunction made = edited(a, console);
+  Progress& progress = console.progress();
   progress.begin("write");
-  Json json = {{"input", {{"file", a.input}}}, {"steps", steps}};
+  Json json = {{"input", {{"file", a.input}}}, {"steps", Json::array()}};
+  for (const EditReport& step : made.steps) json["steps"].push_back(step_json(step));
+  const std::size_t fits = made.function.field.report().functions, triangles = made.mesh.triangles.size();
+  const MeshUpdate& update = made.update;
   if (!a.output.empty()) {
-    write_function(a.output, editor.function());
-    const PartitionReport& r = editor.function().field.report();
-    lines.push_back(fmt::format("{}: {}", a.output, counted(r.functions, "local fit")));
-    json["output"] = {{"file", a.output}, {"fits", r.functions}};
+    write_function(a.output, made.function);
+    json["output"] = {{"file", a.output}, {"fits", fits}};
   }
   if (!a.mesh_output.empty()) {
-    write_mesh(a.mesh_output, mesh);
-    lines.push_back(fmt::format("{}: {}{}", a.mesh_output, counted(mesh.triangles.size(), "triangle"),
-                                a.mesh.empty() ? std::string() : new_words(update, mesh.triangles.size())));
+    write_mesh(a.mesh_output, made.mesh);
     json["mesh"] = {{"file", a.mesh_output},
-                    {"triangles", mesh.triangles.size()},
+                    {"triangles", triangles},
                     {"local", update.local},
                     {"removed", update.removed},
                     {"added", update.added},
@@ -136,8 +106,12 @@ void run_edit(const EditArguments& a, Console& console) {
                     {"why", update.why.empty() ? Json() : Json(update.why)}};
   }
   progress.finish();
-  // Not before all has gone well: what fails has no results.
-  for (const std::string& line : lines) console.say(line);
+  for (std::size_t i = 0; i < made.steps.size(); ++i)
+    console.say(fmt::format("step {}: {}", i + 1, step_words(made.steps[i])));
+  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(fits, "local fit")));
+  if (!a.mesh_output.empty())
+    console.say(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),
+                            a.mesh.empty() ? std::string() : new_words(update, triangles)));
   console.say_json(json);
   console.print_timings();
 }

@@ -10,6 +10,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -85,8 +86,7 @@ Command add_fit(CommandLine& app) {
   add_cloud_input(c, a->input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE").required();
   c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
-  c.add_flag("--remove-outliers", a->cloud.remove_outliers, "Leave out samples that belong to no surface");
-  add_cloud_options(c, a->cloud);
+  add_schema(c, a->cloud, {.without = {"class"}});
   add_fit_options(c, a->options);
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"

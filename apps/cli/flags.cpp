@@ -10,20 +10,7 @@ struct FlagOfField {
 };
 
 /// Where the flag is not the field's name with dashes. Of several, the first that a command has.
-constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
-                                  {"block_depth", "--depth"},
-                                  {"max_degree", "--degree"},
-                                  {"open = true", "--open"},
-                                  {"open = false", "--closed"},
-                                  {"sharp = false", "--smooth"},
-                                  {"enhance = false", "--no-enhance"},
-                                  {"confidence = false", "--no-confidence"},
-                                  {"carry_colors = false", "--no-colors"},
-                                  {"separate_sheets", "--no-sheets"},
-                                  {"coverage_below", "--coverage"},
-                                  {"error_above", "--error"},
-                                  {"gradient_above", "--gradient"},
-                                  {"range", "--color-range"},
+constexpr FlagOfField kFlags[] = {{"range", "--color-range"},
                                   {"classes", "--class"},
                                   {"fill_values", "--fill-value"},
                                   {"opacity_scale", "--volume-opacity"},
@@ -42,6 +29,11 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
   };
   for (const auto& option : command.options())
     if (option->field == field) return option->name();
+  // A flag that turns its field on or, where there is no such flag, that which turns it off.
+  for (const auto& option : command.options())
+    if (option->row && option->row->kind == OptionKind::flag &&
+        (option->field + " = true" == field || option->row->name == field))
+      return option->name();
   for (const FlagOfField& f : kFlags)
     if (f.field == field)
       if (std::string flag = known(f.flag); !flag.empty()) return flag;

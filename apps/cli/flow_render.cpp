@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "color_bar.h"
 #include "commands.h"
 #include "flow_surface_input.h"
 #include "option_groups.h"
@@ -19,6 +18,8 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/mesh/arrows.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/picture_surfaces.h"

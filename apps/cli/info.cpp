@@ -1,9 +1,8 @@
 // sansmesh info: what is in a file?
+#include "sansmesh/jobs/info.h"
+
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "cloud_input.h"
@@ -13,135 +12,104 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/sewn_mesh.h"
-#include "sansmesh/points/cloud_shape.h"
-#include "sansmesh/points/duplicates.h"
-#include "sansmesh/points/orientation.h"
 #include "volume_info.h"
 
 namespace sansmesh::cli {
 namespace {
 
-const char* shape_word(CloudShape shape) {
-  switch (shape) {
-    case CloudShape::empty:
-      return "empty";
-    case CloudShape::point:
-      return "a point";
-    case CloudShape::line:
-      return "a line";
-    case CloudShape::plane:
-      return "a plane";
-    case CloudShape::volume:
-      return "a volume";
-  }
-  return "";
+/// A line with a title.
+template <class... T>
+void say_line(Console& console, const char* title, fmt::format_string<T...> text, T&&... values) {
+  console.say(fmt::format("{:<12}{}", title, fmt::format(text, std::forward<T>(values)...)));
 }
 
-/// What a cloud spans; of parts so far apart that it seems to be less than it is, that.
-std::string span_words(const PointSet& points) {
-  if (const auto parts = find_far_parts(points)) return fmt::format("parts {:.3g} apart", parts->apart);
-  return shape_word(classify_shape(points));
+std::string box_words(const Box3& box) {
+  const auto& [lower, upper] = box;
+  return fmt::format("from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", lower.x, lower.y, lower.z,
+                     upper.x, upper.y, upper.z);
 }
+
+Json corner_json(const Vec3& p) { return {p.x, p.y, p.z}; }
 
 void run_function_info(const std::string& file, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
-  const SurfaceFunction function = read_function(file);
+  const FunctionInfo made = info(read_function(file));
   progress.finish();
-  const PartitionReport& r = function.field.report();
-  const PointSet& samples = *function.samples;
-  const Placement& place = function.place;
-  const auto [lower, upper] = place.to_input(function.field.bounds());
   console.say(fmt::format("{}: function, partition of unity", file));
-  console.say(fmt::format("{:<12}{} down to depth {}; of degree 0 to 4: {}", "fits", grouped(r.functions), r.depth,
-                          fmt::join(r.functions_of_degree, ", ")));
-  console.say(fmt::format("{:<12}{}", "creases", counted(r.creased, "fit")));
-  if (r.open_area > 0)
-    console.say(fmt::format("{:<12}{:.3g} % of the surface bounds no solid and ends with its samples", "open",
-                            100 * std::min(1.0, r.open_area / r.area)));
-  console.say(fmt::format("{:<12}{}{}", "samples",
-                          samples.size() == 0 ? std::string("not kept") : grouped(samples.size()),
-                          samples.has_colors() ? ", with colours" : ""));
-  console.say(fmt::format("{:<12}from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "cube", lower.x,
-                          lower.y, lower.z, upper.x, upper.y, upper.z));
-  console.say(fmt::format("{:<12}{}", "spacing", length(place.to_input(r.spacing))));
-  console.say(
-      fmt::format("{:<12}{} (of the samples from it, root mean square)", "deviation", length(place.to_input(r.noise))));
-  console.say(fmt::format("{:<12}{} (expected error of the surface)", "accuracy", length(place.to_input(r.accuracy))));
-  for (const std::string& line : function.history) console.say(fmt::format("{:<12}{}", "edited", line));
-  const Json json = {{"file", file},
-                     {"format", "function"},
-                     {"fits", r.functions},
-                     {"fits_of_degree", r.functions_of_degree},
-                     {"creased", r.creased},
-                     {"open_share", r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0.0},
-                     {"winding_number_behind", r.behind},
-                     {"depth", r.depth},
-                     {"samples", samples.size()},
-                     {"spacing", place.to_input(r.spacing)},
-                     {"deviation", place.to_input(r.noise)},
-                     {"accuracy", place.to_input(r.accuracy)},
-                     {"cube", {{lower.x, lower.y, lower.z}, {upper.x, upper.y, upper.z}}},
-                     {"history", function.history}};
-  console.say_json(json);
+  say_line(console, "fits", "{} down to depth {}; of degree 0 to 4: {}", grouped(made.fits), made.depth,
+           fmt::join(made.fits_of_degree, ", "));
+  say_line(console, "creases", "{}", counted(made.creased, "fit"));
+  if (made.open_share > 0)
+    say_line(console, "open", "{:.3g} % of the surface bounds no solid and ends with its samples",
+             100 * made.open_share);
+  say_line(console, "samples", "{}{}", made.samples == 0 ? std::string("not kept") : grouped(made.samples),
+           made.colors ? ", with colours" : "");
+  say_line(console, "cube", "{}", box_words(made.cube));
+  say_line(console, "spacing", "{}", length(made.spacing));
+  say_line(console, "deviation", "{} (of the samples from it, root mean square)", length(made.deviation));
+  say_line(console, "accuracy", "{} (expected error of the surface)", length(made.accuracy));
+  for (const std::string& line : made.history) say_line(console, "edited", "{}", line);
+  console.say_json({{"file", file},
+                    {"format", "function"},
+                    {"fits", made.fits},
+                    {"fits_of_degree", made.fits_of_degree},
+                    {"creased", made.creased},
+                    {"open_share", made.open_share},
+                    {"winding_number_behind", made.behind},
+                    {"depth", made.depth},
+                    {"samples", made.samples},
+                    {"spacing", made.spacing},
+                    {"deviation", made.deviation},
+                    {"accuracy", made.accuracy},
+                    {"cube", {corner_json(made.cube.lower), corner_json(made.cube.upper)}},
+                    {"history", made.history}});
 }
 
-/// Least and largest finite number of a component; nothing where there is none.
-std::optional<std::pair<double, double>> range_of(const Attribute& a, std::size_t component) {
-  std::optional<std::pair<double, double>> range;
-  for (std::size_t i = component; i < a.size(); i += a.components) {
-    const double v = a.number(i);
-    if (!std::isfinite(v)) continue;
-    if (!range) range = {v, v};
-    range->first = std::min(range->first, v), range->second = std::max(range->second, v);
+/// A line for each array: name, type, components, ranges.
+void say_attribute(const AttributeInfo& a, Console& console) {
+  constexpr std::size_t kMostRanges = 9;
+  const int digits = a.type == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
+  std::string ranges;
+  for (std::size_t c = 0; c < a.ranges.size() && c <= kMostRanges; ++c) {
+    if (c > 0) ranges += ", ";
+    if (const auto& range = a.ranges[c]; c == kMostRanges)
+      ranges += "…";
+    else
+      ranges += range ? fmt::format("{:.{}g} to {:.{}g}", range->first, digits, range->second, digits) : "no numbers";
   }
-  return range;
+  say_line(console, "attribute", "{} ({}{} a {}): {}", printable(a.name, 80), name_of(a.type),
+           a.ranges.size() > 1 ? fmt::format(" × {}", a.ranges.size()) : "", a.of_triangles ? "triangle" : "point",
+           ranges);
 }
 
-/// A line and a JSON object for each array: name, type, components, ranges.
-void describe(const AttributeTable& table, const char* of, Console& console, Json& list) {
-  for (const Attribute& a : table) {
-    std::string ranges;
-    Json lower = Json::array(), upper = Json::array();
-    const int digits = a.type() == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
-    for (std::size_t c = 0; c < a.components; ++c) {
-      const auto range = range_of(a, c);
-      lower.push_back(range ? Json(range->first) : Json());
-      upper.push_back(range ? Json(range->second) : Json());
-      if (c == 9) ranges += ", …";
-      if (c >= 9) continue;
-      ranges +=
-          range ? fmt::format("{}{:.{}g} to {:.{}g}", c > 0 ? ", " : "", range->first, digits, range->second, digits)
-                : fmt::format("{}no numbers", c > 0 ? ", " : "");
-    }
-    const std::string components = a.components > 1 ? fmt::format(" × {}", a.components) : std::string();
-    console.say(fmt::format("{:<12}{} ({}{} a {}): {}", "attribute", printable(a.name, 80), name_of(a.type()),
-                            components, of, ranges));
-    list.push_back({{"name", printable(a.name)},
-                    {"of", of},
-                    {"type", name_of(a.type())},
-                    {"components", a.components},
-                    {"lower", lower},
-                    {"upper", upper}});
+Json attribute_json(const AttributeInfo& a) {
+  Json lower = Json::array(), upper = Json::array();
+  for (const auto& range : a.ranges) {
+    lower.push_back(range ? Json(range->first) : Json());
+    upper.push_back(range ? Json(range->second) : Json());
   }
+  return {{"name", printable(a.name)},
+          {"of", a.of_triangles ? "triangle" : "point"},
+          {"type", name_of(a.type)},
+          {"components", a.ranges.size()},
+          {"lower", lower},
+          {"upper", upper}};
 }
 
 /// How many points there are of each class.
-void describe_classes(const PointSet& points, Console& console, Json& json) {
-  const Attribute* const of = find_point_classes(points);
-  if (!of) return;
-  const auto counts = count_point_classes(*of);
+void say_classes(const CloudInfo& made, Console& console, Json& json) {
+  if (!made.classes) return;
   std::string text;
-  for (unsigned c = 0; c < counts.size(); ++c) {
-    if (counts[c] == 0) continue;
+  for (unsigned c = 0; c < made.classes->size(); ++c) {
+    const std::size_t count = (*made.classes)[c];
+    if (count == 0) continue;
     const std::string_view name = point_class_name(c);
     text += fmt::format("{}{}{}: {}", text.empty() ? "" : ", ", c, name.empty() ? "" : fmt::format(" {}", name),
-                        grouped(counts[c]));
-    json["classes"][std::to_string(c).c_str()] = counts[c];
+                        grouped(count));
+    json["classes"][std::to_string(c).c_str()] = count;
   }
-  if (!text.empty()) console.say(fmt::format("{:<12}{}", "classes", text));
+  if (!text.empty()) say_line(console, "classes", "{}", text);
 }
 
 void run_info(const CloudInput& input, Console& console) {
@@ -149,62 +117,47 @@ void run_info(const CloudInput& input, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  const PointSet points = input.read(console, read);
-
-  progress.begin("measure");
-  const Box3f box = bounds(points);
-  const auto [lower, upper] = Placement{points.origin}.to_input(box);
-  const std::size_t duplicates = points.size() - count_unique(points);
-  const std::string shape = span_words(points);
-  const CloudScale scale(points);
-  const GivenNormals normals = judge_normals(points, scale.noise.deviation);
-  const OrientBy orient_by = first_known_orientation(points, scale.noise.deviation);
-  const Vec3f size = box.size();
+  const CloudInfo made = info(input.read(console, read), progress);
+  progress.finish();
+  const CloudScale scale{made.spacing, made.noise};
 
   console.say(fmt::format("{}: {}", input.name(), read.format));
-  console.say(fmt::format("{:<12}{}{}", "points", grouped(points.size()),
-                          duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(duplicates)) : ""));
-  console.say(fmt::format("{:<12}{} × {} × {}, from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", "box",
-                          length(size[0]), length(size[1]), length(size[2]), lower[0], lower[1], lower[2], upper[0],
-                          upper[1], upper[2]));
-  console.say(fmt::format("{:<12}{}", "spans", shape));
-  console.say(fmt::format("{:<12}{}", "spacing", length(scale.spacing)));
-  console.say(fmt::format("{:<12}{}", "noise", scale.noise_words()));
-  console.say(fmt::format("{:<12}{}{}", "normals", normals.words,
-                          normals.oriented ? "" : fmt::format("; signs {}", orientation_words(orient_by))));
-  std::string attributes;
-  const auto add = [&](bool present, const std::string& name) {
-    if (present) attributes += (attributes.empty() ? "" : ", ") + name;
-  };
-  add(points.has_colors(), "colours");
-  add(!points.scanners.empty(), counted(points.scanners.size(), "scanner position"));
-  if (!attributes.empty()) console.say(fmt::format("{:<12}{}", "also", attributes));
-  Json tables = Json::array();
-  describe(points.attributes, "point", console, tables);
-  describe(points.triangle_attributes, "triangle", console, tables);
-
-  Json json = input.json();
-  describe_classes(points, console, json);
-  json["format"] = read.format;
-  json["points"] = points.size();
-  json["duplicates"] = duplicates;
-  json["lower"] = {lower[0], lower[1], lower[2]};
-  json["upper"] = {upper[0], upper[1], upper[2]};
-  json["spans"] = shape;
-  scale.add_to(json);
-  json["normals"] = normals.words;
-  json["orientation"] = json_of_normals(normals);
-  json["orient_by"] = orient_by_word(orient_by);
-  json["colors"] = points.has_colors();
-  json["attributes"] = std::move(tables);
-  json["scanners"] = points.scanners.size();
-  json["triangles"] = points.triangles.size();
-  if (!points.triangles.empty()) {
-    const MeshTopology t = sewn_topology(to_mesh(points));
-    console.say(fmt::format("{:<12}{}, {}", "faces", counted(t.triangles, "triangle"), topology_words(t)));
-    json["mesh"] = topology_json(t);
+  say_line(console, "points", "{}{}", grouped(made.points),
+           made.duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(made.duplicates)) : "");
+  say_line(console, "box", "{} × {} × {}, {}", length(made.size.x), length(made.size.y), length(made.size.z),
+           box_words(made.box));
+  say_line(console, "spans", "{}", made.spans);
+  say_line(console, "spacing", "{}", length(scale.spacing));
+  say_line(console, "noise", "{}", scale.noise_words());
+  say_line(console, "normals", "{}{}", made.normals.words,
+           made.normals.oriented ? "" : fmt::format("; signs {}", orientation_words(made.orient_by)));
+  if (made.colors || made.scanners > 0)
+    say_line(console, "also", "{}{}{}", made.colors ? "colours" : "", made.colors && made.scanners > 0 ? ", " : "",
+             made.scanners > 0 ? counted(made.scanners, "scanner position") : "");
+  Json json = input.json(), attributes = Json::array();
+  for (const AttributeInfo& a : made.attributes) {
+    say_attribute(a, console);
+    attributes.push_back(attribute_json(a));
   }
-  progress.finish();
+  say_classes(made, console, json);
+  json["format"] = read.format;
+  json["points"] = made.points;
+  json["duplicates"] = made.duplicates;
+  json["lower"] = corner_json(made.box.lower);
+  json["upper"] = corner_json(made.box.upper);
+  json["spans"] = made.spans;
+  scale.add_to(json);
+  json["normals"] = made.normals.words;
+  json["orientation"] = json_of_normals(made.normals);
+  json["orient_by"] = orient_by_word(made.orient_by);
+  json["colors"] = made.colors;
+  json["attributes"] = std::move(attributes);
+  json["scanners"] = made.scanners;
+  json["triangles"] = made.triangles;
+  if (made.mesh) {
+    say_line(console, "faces", "{}, {}", counted(made.mesh->triangles, "triangle"), topology_words(*made.mesh));
+    json["mesh"] = topology_json(*made.mesh);
+  }
   console.say_json(json);
   console.print_timings();
 }

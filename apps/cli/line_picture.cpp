@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "color_bar.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/mesh_picture.h"

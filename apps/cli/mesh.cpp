@@ -9,6 +9,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -66,16 +67,13 @@ Command add_mesh(CommandLine& app) {
   auto a = std::make_shared<MeshArguments>();
   c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
   add_mesh_output(c, a->output);
-  add_box_option(c, a->options.box, "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1");
-  c.add_option("--depth", a->options.block_depth,
-               "Deepest level of the blocks cut, " + depth_range() + ": coarser [from the function]")
-      .type_name("LEVEL")
-      .group("Mesh");
   add_mesh_options(c, a->options);
+  add_schema(c, a->options, {.only = {"box"}});
+  add_schema(c, a->options, {.group = "Mesh", .only = {"block_depth"}});
   c.footer(
       "Examples:\n"
       "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
-      "  sansmesh mesh scan.smf -o quick.stl --depth 6\n"
+      "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
   return {&c, [a](Console& console) { run_mesh(*a, console); }};

@@ -8,6 +8,7 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
 #include "schema_options.h"
 
@@ -66,7 +67,7 @@ Command add_normals(CommandLine& app) {
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp .las")
+  c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
       .type_name("FILE")
       .required();
   add_ascii_flag(c, a.ascii);

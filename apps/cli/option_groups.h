@@ -47,17 +47,10 @@ struct MeshOutput {
 void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);
-using CurvatureQuantity = CurvatureColorOptions::Quantity;
-/// "mean", "gaussian", …
-const char* quantity_word(CurvatureQuantity quantity);
-/// Throws ArgumentError for a word that is none of them.
-CurvatureQuantity curvature_quantity(const std::string& word);
-/// Whether it is the word of one.
-bool is_curvature(const std::string& word);
-/// A range of curvatures of the input (per length or length²) in coordinates of so many lengths of the input.
-double curvature_range(double range, CurvatureQuantity quantity, double unit);
 /// --color-range of curvature
 void add_color_range(CommandLine& command, std::optional<double>& range, const std::string& group);
+/// --no-bar, --unit: what `of` says the unit is of.
+void add_bar_options(CommandLine& command, bool& no_bar, std::string& unit, const std::string& of);
 /// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
 /// the group Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);
@@ -69,10 +62,6 @@ std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented
 Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by);
 /// --box x0,y0,z0,x1,y1,z1
 void add_box_option(CommandLine& command, std::optional<Box3>& box, const std::string& what);
-/// "2..14"
-std::string depth_range();
-/// thesis, paper, none or three numbers. Throws ValueError.
-PaperCoverage parse_coverage(const std::string& text);
 /// What became of the blocks of `--fit paper`, in two lines.
 std::vector<std::string> paper_words(const PaperReport& report, const FitsOfDegree& fits);
 Json paper_json(const PaperReport& report);

@@ -3,31 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "sansmesh/core/error.h"
 #include "suggestions.h"
 
 namespace sansmesh::cli {
-namespace {
-
-/// Whether all of a word is a number, in any notation that C has but hexadecimal ones.
-bool reads_as_number(std::string_view word, double& value) {
-  const char *at = word.data(), *const end = at + word.size();
-  if (at != end && *at == '+') ++at;
-  if (at == end || (at != word.data() && *at == '-')) return false;
-  const auto [next, error] = std::from_chars(at, end, value);
-  if (error == std::errc::result_out_of_range) {  // 1e999, 1e-999: as far as numbers reach
-    value = word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos ? 0.0 : HUGE_VAL;
-    if (word[0] == '-') value = -value;
-    return next == end;
-  }
-  return error == std::errc() && next == end && !std::isnan(value);
-}
-
-}  // namespace
-
 std::string in_quotes(const std::string& word) { return "'" + printable(word, 60) + "'"; }
 
 std::vector<std::string> between_commas(const std::string& text) {
@@ -57,44 +38,6 @@ std::string joined_by_or(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string_view without_blanks(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
-
-std::optional<double> number_in(std::string_view text) {
-  double value = 0;
-  if (!reads_as_number(without_blanks(text), value) || std::isinf(value)) return std::nullopt;
-  return value;
-}
-
-std::optional<std::vector<double>> numbers_in(std::string_view text) {
-  std::vector<double> numbers;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::optional<double> one = number_in(text.substr(at, end - at));
-    if (!one) return std::nullopt;
-    numbers.push_back(*one);
-    at = end + 1;
-  }
-  return numbers;
-}
-
-std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
-  auto numbers = numbers_in(text);
-  if (numbers && numbers->size() != count) numbers.reset();
-  return numbers;
-}
-
-std::optional<long long> whole_in(std::string_view text, long long least, long long most) {
-  try {
-    return parse_whole(std::string(without_blanks(text)), least, most);
-  } catch (const ValueError&) {
-    return std::nullopt;
-  }
-}
-
 ValueError must_be(const std::string& form, const std::string& text) {
   return ValueError(fmt::format("must be {}, not {}", form, in_quotes(text)));
 }
@@ -117,10 +60,7 @@ long long parse_whole(const std::string& word, long long least, long long most) 
                      : below             ? fmt::format("must be at least {}, not {}", least, word)
                                          : fmt::format("{} is too large", word));
   }
-  long long whole = 0;
-  const std::size_t sign = word[0] == '+' ? 1 : 0;
-  const auto [next, error] = std::from_chars(word.data() + sign, word.data() + word.size(), whole);
-  return error == std::errc() && next == word.data() + word.size() ? whole : static_cast<long long>(value);
+  return *whole_in(word, least, most);
 }
 
 bool are_numbers(const std::string& word) {

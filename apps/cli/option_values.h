@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "option_entry.h"
+#include "sansmesh/core/number_text.h"
 
 namespace sansmesh::cli {
 
@@ -20,18 +21,6 @@ std::vector<std::string> listed_words(const std::string& list);
 /// "a, b or c".
 std::string joined_by_or(const std::vector<std::string>& words);
 
-/// A text without the blanks at its ends.
-std::string_view without_blanks(std::string_view text);
-
-// What is more than one number or word is read by these.
-/// The finite number that a text is, with or without blanks around it; nothing if it is none.
-std::optional<double> number_in(std::string_view text);
-/// Such numbers with commas between them.
-std::optional<std::vector<double>> numbers_in(std::string_view text);
-/// So many of them; nothing if there are more or fewer.
-std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count);
-/// The whole number of least..most that a text is.
-std::optional<long long> whole_in(std::string_view text, long long least, long long most);
 /// "must be three numbers with commas between them, not 'a,b'"
 ValueError must_be(const std::string& form, const std::string& text);
 

@@ -311,8 +311,9 @@ void use_option(CommandLine& command, const OptionEntry& option, const std::vect
   } catch (const ValueError& error) {
     std::string cause = error.what();
     if (cause.ends_with(" is not a number")) cause += number_wanted(option, values.back());
-    throw UsageError(command, option.typed + (cause.starts_with("must ") ? " " : ": ") + cause +
-                                  did_you_mean_listed(cause, values.back()));
+    throw UsageError(command,
+                     option.typed + (cause.starts_with("must ") ? " " : ": ") + cause +
+                         (option.kind == OptionEntry::Kind::text ? did_you_mean_listed(cause, values.back()) : ""));
   }
 }
 

@@ -1,33 +1,30 @@
 // Options of all commands that make pictures.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "command_line.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/render/view_options.h"
 
 namespace sansmesh::cli {
 
 /// A picture, by the options that all commands that draw one share.
 struct PictureArguments {
   RenderOptions options;
-  std::string view, crop;
-  std::optional<double> azimuth, elevation;
-  bool z_up = false;
+  ViewOptions place;
 
-  bool has_view() const { return !view.empty() || azimuth || elevation; }
+  bool has_view() const { return place.has_direction(); }
   /// Whether anything was chosen that only means something where there is a picture.
-  bool any() const;
-  /// Throws ArgumentError for a view that is not known, and for a part of the picture that is none.
-  RenderOptions chosen() const;
+  bool any() const { return !options_set(options).empty() || !options_set(place).empty(); }
+  /// Throws ArgumentError for a part of the picture that is none.
+  RenderOptions chosen() const { return place.applied_to(options); }
   /// Throws ArgumentError where frames would differ in size.
-  void check_frames(bool several) const;
+  void check_frames(bool several) const { place.check_frames(several); }
   /// Of a picture that was made with these options the part that was asked for. Throws ArgumentError where that does
   /// not lie in the picture.
-  Image part(const Image& image, const RenderOptions& made_with) const;
+  Image part(const Image& image, const RenderOptions& made_with) const { return place.part_of(image, made_with); }
   /// Writes that part and returns it. Throws FileError as well.
   Image write(const std::string& file, const Image& image, const RenderOptions& made_with) const;
 };

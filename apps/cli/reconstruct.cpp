@@ -8,8 +8,8 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/reconstruct.h"
 #include "surface_options.h"
 
 namespace sansmesh::cli {
@@ -19,7 +19,6 @@ struct ReconstructArguments {
   CloudInput input;
   MeshOutput output;
   ReconstructOptions options;
-  SurfaceArguments surface;
 };
 
 struct InputSize {
@@ -43,7 +42,7 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
                           length(input.extent[0]), length(input.extent[1]), length(input.extent[2]), read.format));
   const bool other = arguments.options.other_surface();
   const std::string made =
-      other ? surface_method_info(arguments.options.surface->method).name
+      other ? arguments.options.surface.method
             : fmt::format("{} down to depth {}", counted(report.fits, "local fit"), report.fit_depth);
   console.say(fmt::format("spacing {}, noise {}, {}, meshed in {} down to depth {}", length(input.scale.spacing),
                           input.scale.noise_words(), made, counted(report.blocks, "block"), report.block_depth));
@@ -52,14 +51,14 @@ void print_report(const ReconstructArguments& arguments, const ReadReport& read,
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
   console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
   if (!report.alignment.empty()) console.say(report.alignment);
-  if (!other && !report.paper) console.say(openness(report, arguments.options.open));
+  if (!other && !report.paper) console.say(openness(report, arguments.options.fit.open));
   // A closed partition is closed by construction.
-  const bool closed = (!other && !arguments.options.trim && !report.open) || measure_topology(mesh).closed();
+  const bool closed = (!other && !arguments.options.mesh.trim && !report.open) || measure_topology(mesh).closed();
   console.say(fmt::format("{}: {}, {} in {}{}", arguments.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()) + " vertices",
                           counted(static_cast<unsigned long long>(report.components), "component"),
                           closed ? ", closed" : ", with borders"));
-  if (arguments.options.measure_quality) say_aspect_ratios(report, console);
+  if (arguments.options.mesh.measure_quality) say_aspect_ratios(report, console);
 }
 
 void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
@@ -72,13 +71,8 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   PointSet points = arguments.input.read(console, read);
   const InputSize size{points.size(), bounds(points).size(), CloudScale(points)};
 
-  ReconstructReport report;
-  TriangleMesh mesh;
-  try {
-    mesh = reconstruct(std::move(points), arguments.options, progress, &report);
-  } catch (const DataError& error) {
-    throw FileError(arguments.input.name(), error.what());
-  }
+  const auto [mesh, report] = naming(arguments.input.name(), console,
+                                     [&] { return reconstruct(std::move(points), arguments.options, progress); });
   console.warn(arguments.input.name(), report.warnings);
 
   arguments.output.write(mesh, progress);
@@ -92,7 +86,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     size.scale.add_to(json);
     json["deviation"] = report.noise;
     json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
-    if (arguments.options.align) json["alignment"] = report.alignment;
+    if (arguments.options.cloud.align) json["alignment"] = report.alignment;
     json["fits"] = report.fits;
     json["fit_depth"] = report.fit_depth;
     if (!arguments.options.other_surface()) json["fits_of_degree"] = report.fits_of_degree;
@@ -106,7 +100,7 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
     json["output"] = {{"file", arguments.output.file},      {"vertices", mesh.vertices.size()},
                       {"triangles", mesh.triangles.size()}, {"components", report.components},
                       {"closed", topology.closed()},        {"mesh_error", report.mesh_error}};
-    if (arguments.options.measure_quality)
+    if (arguments.options.mesh.measure_quality)
       json["aspect_ratio"] = {{"mean_before", report.aspect_mean_before},
                               {"deviation_before", report.aspect_deviation_before},
                               {"mean", report.aspect_mean},
@@ -126,10 +120,10 @@ Command add_reconstruct(CommandLine& app) {
   ReconstructArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   add_mesh_output(c, a.output);
-  add_mesh_options(c, a.options);
-  add_cloud_options(c, a.options);
-  add_fit_options(c, a.options);
-  add_surface(c, a.surface, a.options, "Cut another surface out, as it stands [partition]");
+  add_mesh_options(c, a.options.mesh);
+  add_cloud_options(c, a.options.cloud);
+  add_fit_options(c, a.options.fit);
+  add_surface(c, a.options.surface, a.options.cloud, "Cut another surface out, as it stands");
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
@@ -139,8 +133,7 @@ Command add_reconstruct(CommandLine& app) {
            "  sansmesh reconstruct part.ply -o part.stl --surface apss --sharp\n"
            "  sansmesh reconstruct part.xyz -o part.stl --mesh-error 0.05 --components largest");
   return {&c, [shared](Console& console) {
-            shared->options.surface = shared->surface.chosen();
-            if (shared->surface.options.normal == SurfaceOptions::Normal::iterated)
+            if (shared->options.surface.normal == SurfaceOptions::Normal::iterated)
               throw ArgumentError("--normal iterated is for pictures and points: meshes have no normals but their own");
             run_reconstruct(*shared, console);
           }};

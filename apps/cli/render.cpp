@@ -1,109 +1,145 @@
 // sansmesh render: a picture of a mesh, a cloud or a function.
-#include "render.h"
+#include "sansmesh/jobs/render.h"
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
+#include <filesystem>
 #include <utility>
 
-#include "color_bar.h"
+#include "cloud_input.h"
 #include "commands.h"
-#include "option_values.h"
-#include "picture_curvature.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/index_in.h"
+#include "option_groups.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/points/sample_confidence.h"
 #include "schema_options.h"
+#include "surface_options.h"
 
 namespace sansmesh::cli {
 namespace {
 
-/// The colours of the attribute that reconstruct and mesh write; where it is not known, those of none.
-void color_by_confidence(TriangleMesh& mesh, const std::string& name) {
-  const Attribute* const confidence = mesh.attributes.find(kConfidence);
-  if (!confidence || confidence->components != 1)
-    throw FileError(name, "has no attribute confidence: reconstruct and mesh write it with --confidence");
-  mesh.colors.resize(mesh.vertices.size());
-  for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
-    const double known = confidence->number(v);
-    const Vec3f color = confidence_color(std::isfinite(known) ? static_cast<float>(std::clamp(known, 0.0, 1.0)) : 0.0f);
-    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = index_in<std::uint8_t>(std::round(255 * color[k]), 0, 255);
-  }
-}
+struct RenderArguments {
+  CloudInput input;
+  std::string output;
+  PictureArguments picture;
+  std::string background = "gradient";
+  SurfaceArguments of_samples;
+  PictureOptions options;
+  bool as_one = false;
+};
 
-/// Fewer samples are drawn as they are: their surface may be nowhere.
-constexpr std::size_t kFewestOfSurface = 30;
+struct WrittenPictures {
+  std::vector<std::string> files;
+  int width = 0, height = 0;
+};
 
-/// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
-bool lines_may_need_surface(const RenderArguments& a) {
-  return a.options.lines != RenderOptions::Lines::none && a.objects_drawn() == 1 && !a.of_lines &&
-         !a.objects.translucent() && a.color_by.empty() && !a.options.point_radius &&
-         a.options.wireframe == RenderOptions::Wireframe::none;
-}
-
-/// False for points that make no surface: their discs have silhouettes all the same.
-bool draw_lines_of_surface(const RenderArguments& a, ReadCloud cloud, Console& console) {
-  RenderArguments by_rays = a;
-  by_rays.surface = SurfaceOptions{};
-  try {
-    run_surface_picture(by_rays, console, std::move(cloud));
-    return true;
-  } catch (const FileError&) {
-    return false;
-  }
-}
-
-void run_render(RenderArguments& a, Console& console) {
-  a.complete();
-  const bool of_surface = lines_may_need_surface(a);
-  if (a.separate && !of_surface) return run_object_picture(a, console);
-  if (a.surface || a.splats || a.input.is_function()) return run_surface_picture(a, console);
-  RenderOptions options = a.options;
+PictureOptions complete_options(const RenderArguments& a) {
+  PictureOptions options = a.options;
+  static_cast<RenderOptions&>(options.look) = a.picture.chosen();
+  set_background(options.look, a.background);
+  options.surface = a.of_samples.chosen();
   options.validate();
-  check_writable(a.output, "image");
+  return options;
+}
 
+/// The files of each object.
+std::vector<CloudInput> inputs_of(const RenderArguments& a, const PictureOptions& options) {
+  if (a.as_one || options.surface || options.splats) return {a.input};
+  std::vector<CloudInput> inputs(a.input.files.size(), a.input);
+  for (std::size_t i = 0; i < inputs.size(); ++i) inputs[i].files = {a.input.files[i]};
+  return inputs;
+}
+
+PictureObject open_object(const CloudInput& input, bool with_lines, Console& console, ReadReport& read) {
+  const std::string& file = input.files[0];
+  PictureObject object{.name = input.name(), .title = std::filesystem::path(file).filename().string()};
+  if (input.is_function()) {
+    read.format = "function";
+    object.function = read_function(file);
+    return object;
+  }
+  object.points = input.read(console, read);
+  if (with_lines && input.files.size() == 1 && (file.ends_with(".vtp") || file.ends_with(".vtp.gz")))
+    object.lines = read_lines(file);
+  return object;
+}
+
+void say_surface(const RenderArguments& a, const RenderReport& r, const ReadReport& read, Console& console,
+                 Json& json) {
+  const SurfaceReport& s = *r.surface;
+  const SurfaceMethod& method = surface_method(s.method);
+  console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", a.input.name(), counted(s.samples, "sample"), method.name,
+                          length(s.spacing), length(s.noise)));
+  if (s.smoothing > 0)
+    console.say(fmt::format(
+        "weights {:.2f} spacings wide{}", s.smoothing,
+        method.uses_option("order")
+            ? fmt::format(", order {}, {}", s.order, counted(static_cast<unsigned>(s.iterations), "iteration"))
+            : std::string()));
+  json["input"] = a.input.json();
+  json["input"]["format"] = read.format;
+  json["input"]["samples"] = s.samples;
+  json["surface"] = {{"method", method.name},    {"spacing", s.spacing}, {"noise", s.noise},
+                     {"smoothing", s.smoothing}, {"order", s.order},     {"iterations", s.iterations}};
+  if (r.splats) json["splats"] = *r.splats;
+  if (r.rays)
+    json["rays"] = {{"cast", r.rays->rays},
+                    {"hit", r.rays->hits},
+                    {"evaluations", r.rays->hit_evaluations + r.rays->miss_evaluations}};
+  for (const Progress::Timing& t : console.progress().timings())
+    json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
+}
+
+Json objects_json(const std::vector<DrawnObject>& objects, const std::vector<CloudInput>& inputs) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const DrawnObject& o = objects[i];
+    Json json = inputs[i].json();
+    json["kind"] = object_word(o.kind);
+    json["name"] = o.title;
+    json["color"] = o.color;
+    json["opacity"] = o.opacity;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+void report_pictures(const WrittenPictures& p, const RenderReport& r, Console& console, Json& json) {
+  const std::string size = fmt::format("{} × {} pixels", p.width, p.height);
+  const std::string of = r.objects.empty() ? size : fmt::format("{}, {}", counted(r.objects.size(), "object"), size);
+  console.say(p.files.size() == 1 ? p.files[0] + ": " + of
+                                  : fmt::format("{} … {}: {} each", p.files.front(), p.files.back(), of));
+  json["output"] = {{"files", p.files}, {"width", p.width}, {"height", p.height}};
+  if (p.files.size() == 1) json["output"]["file"] = p.files[0];
+  console.say_json(json);
+  console.print_timings();
+}
+
+void run_render(const RenderArguments& a, Console& console) {
+  const PictureOptions options = complete_options(a);
+  a.picture.check_frames(options.frames.has_value());
+  check_writable(a.output, "image");
   Progress& progress = console.progress();
   progress.begin("read");
   ReadReport read;
-  PointSet points = a.input.read(console, read);
-  if (of_surface && points.triangles.empty() && a.options.smooth && points.size() >= kFewestOfSurface &&
-      draw_lines_of_surface(a, {points, read}, console))
-    return;
-  if (a.separate) return run_object_picture(a, console);
-  a.check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh});
-  if (a.cloud.remove_outliers) leave_out_outliers(points, a.input.name(), console);
-  std::unique_ptr<CurvatureField> curvature;
-  if (wants_curvature(options)) curvature = curvature_of_samples(points, a.cloud, progress);
-  options.curvature = curvature.get();
-  TriangleMesh mesh = to_mesh(std::move(points));
-  Image image;
-  try {
-    std::optional<ColorBar> bar;
-    if (a.color_by == kConfidence) {
-      color_by_confidence(mesh, a.input.name());
-      bar = confidence_bar();
-    } else if (!a.color_by.empty()) {
-      require(!is_curvature(a.color_by) || mesh.attributes.find(a.color_by),
-              "--color-by of curvatures needs --surface NAME, or a file with them as attributes (sansmesh curvature)");
-      bar = color_by_attribute(mesh, a.color_by, a.value_range, a.unit);
-      options.shadows = options.ground = false;  // colours are to be read
-    }
-    if (a.no_bar) bar.reset();
-    leave_room(options, bar);
-    image = beside_bar(render_mesh(mesh, options, progress), bar, options);
-  } catch (const DataError& error) {
-    throw FileError(a.input.name(), error.what());
-  }
-  progress.begin("write");
-  image = a.picture.write(a.output, image, options);
+  const std::vector<CloudInput> inputs = inputs_of(a, options);
+  std::vector<PictureObject> objects;
+  for (const CloudInput& input : inputs)
+    objects.push_back(open_object(input, !options.surface && !options.splats, console, read));
+  WrittenPictures written;
+  const auto write = [&](std::size_t frame, const Image& image, const RenderOptions& look) {
+    written.files.push_back(options.frames ? frame_name(a.output, frame) : a.output);
+    if (written.files.size() > 1) console.keep_frames();
+    progress.begin("write");
+    const Image part = a.picture.write(written.files.back(), image, look);
+    written.width = part.width, written.height = part.height;
+  };
+  const RenderResult made = render(std::move(objects), options, write, progress);
   progress.finish();
-  console.say(fmt::format("{}: {} × {} pixels", a.output, image.width, image.height));
-  const Json json = {{"output", {{"file", a.output}, {"width", image.width}, {"height", image.height}}}};
-  console.say_json(json);
-  console.print_timings();
+  console.note(a.input.name(), made.notes);
+  Json json;
+  if (made.report.surface) say_surface(a, made.report, read, console, json);
+  if (!made.report.objects.empty()) json["objects"] = objects_json(made.report.objects, inputs);
+  report_pictures(written, made.report, console, json);
 }
 
 }  // namespace
@@ -121,48 +157,18 @@ Command add_render(CommandLine& app) {
   add_picture_options(c, a.picture);
   add_background_option(c, a.background);
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "point_radius", "antialiasing", "shadows"}});
-  add_surface(c, a.of_samples, a.cloud, "Cast rays at this surface of the samples, without a mesh");
+  add_surface(c, a.of_samples, a.options.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_wireframe_options(c, a.picture.options);
   add_line_options(c, a.picture);
   add_accessibility_options(c, a.picture);
-  add_object_options(c, a.objects);
-  c.add_option(
-       "--color-by", a.color_by,
-       "An attribute of the vertices or points, as a vector its length; with --surface mean, gaussian, k1 or k2 "
-       "curvature (red convex, blue concave); confidence (red where no samples are)")
-      .type_name("QUANTITY")
-      .group("Colours");
-  c.add_option_function(
-       "--value-range",
-       [&a](const std::vector<double>& v) {
-         a.value_range = {v[0], v[1]};
-       },
-       "Of an attribute: values with the colours at the ends of the bar [from data]")
-      .numbers(2)
-      .type_name("LOW,HIGH")
-      .group("Colours");
-  add_bar_options(c, a.no_bar, a.unit, "the attribute, or of lengths in curvatures");
-  add_color_range(c, a.color_range, "Colours");
-  add_schema(c, a.options, {.group = "Surface", .only = {"reflection", "transmission", "refraction_index"}});
-  c.add_choice<bool>("--rays", a.stored_rays, {{"march", false}, {"stored", true}},
-                     "levin, alexa, curvature: march through the balls around the samples, or start from polynomials "
-                     "stored with them [march]")
-      .type_name("CHOICE")
-      .group("Surface");
-  add_schema(c, a.options, {.group = "Surface", .only = {"exact_shadows", "plain"}});
-  c.add_option_function(
-       "--splats",
-       [&a](const std::string& word) { a.splats = static_cast<std::size_t>(parse_whole(word, 0, 100000000)); },
-       "Points of the surface, evenly spread, as splats that blend, not rays: of --surface, or of what suits the "
-       "samples "
-       "[no value: as many as there are samples]")
-      .type_name("COUNT")
-      .without_value("0")
-      .group("Surface");
-  c.add_option("--frames", a.frames, "So many pictures from all around, as NAME_000.png, NAME_001.png, …")
-      .type_name("COUNT")
-      .within(1, 100000)
-      .group("Surface");
+  add_schema(c, a.options, {.group = "Objects", .only = {"color", "opacity", "name", "legend"}});
+  c.add_flag("--as-one", a.as_one, "Several files (tiles) are one object").group("Objects");
+  add_schema(c, a.options, {.group = "Colours", .only = {"color_by", "value_range", "bar", "unit", "color_range"}});
+  const std::vector<std::string_view> of_light = {"reflection", "transmission", "refraction_index"};
+  add_schema(c, a.options.look, {.group = "Surface", .only = of_light});
+  add_schema(c, a.options, {.group = "Surface", .only = {"rays"}});
+  add_schema(c, a.options.look, {.group = "Surface", .only = {"exact_shadows", "plain"}});
+  add_schema(c, a.options, {.group = "Surface", .only = {"splats", "frames"}});
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh render surface.ply -o surface.png --view front\n"

@@ -1,9 +1,13 @@
 // sansmesh schema: every command with its options, as data for programs.
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "commands.h"
 #include "json.h"
+#include "sansmesh/io/formats.h"
+#include "sansmesh/model/surface_method.h"
 #include "standard_output.h"
 
 namespace sansmesh::cli {
@@ -71,26 +75,72 @@ void add_commands_of(const CommandLine& line, Json& list) {
   }
 }
 
+Json list_of_words(std::string_view words) {
+  Json list = Json::array();
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), words.size());
+    list.push_back(std::string(words.substr(at, end - at)));
+    at = end + 1;
+  }
+  return list;
+}
+
+Json json_of_surfaces() {
+  Json list = Json::array();
+  for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
+    Json uses = Json::array();
+    for (const std::string_view option : method->uses) uses.push_back(std::string(option));
+    list.push_back({{"name", method->name}, {"text", method->summary}, {"page", method->page}, {"uses", uses}});
+  }
+  return list;
+}
+
+Json json_of_formats() {
+  constexpr std::pair<unsigned, const char*> kWords[] = {
+      {kPoints, "points"},         {kMesh, "mesh"},       {kLines, "lines"},      {kVolume, "volume"},
+      {kTetrahedra, "tetrahedra"}, {kPicture, "picture"}, {kFunction, "function"}};
+  const auto words = [&](unsigned content) {
+    Json list = Json::array();
+    for (const auto& [bit, word] : kWords)
+      if ((content & bit) != 0) list.push_back(word);
+    return list;
+  };
+  Json list = Json::array();
+  for (const FormatInfo* const one_of_them : formats()) {
+    const FormatInfo& format = *one_of_them;
+    Json written = Json::array();
+    for (const WrittenAs& as : format.written)
+      if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
+    Json one = {{"name", format.name},
+                {"endings", list_of_words(format.endings)},
+                {"reads", words(format.reads)},
+                {"writes", written}};
+    if (!format.module.empty()) one["module"] = format.module;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
 }  // namespace
 
 Command add_schema_command(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("schema", "Every command and option as JSON, for programs");
+  CommandLine& c = app.add_subcommand("schema", "Every command, option, surface and format as JSON, for programs");
   c.without_common_options();
   c.footer(
       "Each option has `names`, `kind`, `text` and `group`; where they apply `field` (in errors and bindings), "
       "`value`,\n"
       "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
       "`implied`, `excludes`, `required` and `repeated`. Ends of a range that are null are infinite; those of `above`\n"
-      "and `below` are excluded.\n\n"
+      "and `below` are excluded. `surfaces` are the methods of --surface with the fields that they use; `formats` the\n"
+      "files that are read and written, by ending.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {
             Json commands = Json::array();
             add_commands_of(app, commands);
-            const Json json = {{"schema", kSchemaVersion},
-                               {"version", SANSMESH_VERSION},
-                               {"common", json_of_options(app)},
-                               {"commands", commands}};
+            const Json json = {{"schema", kSchemaVersion},       {"version", SANSMESH_VERSION},
+                               {"common", json_of_options(app)}, {"commands", commands},
+                               {"surfaces", json_of_surfaces()}, {"formats", json_of_formats()}};
             print_out(json.text() + "\n");
           }};
 }

@@ -17,6 +17,7 @@ using Kind = OptionEntry::Kind;
 
 /// The name of the value in help: LENGTH in the unit "length".
 std::string value_name_of(const OptionRow& row) {
+  if (row.kind == OptionKind::numbers) return row.count == 3 ? "X,Y,Z" : row.count == 6 ? "BOX" : "NUMBERS";
   if (!row.unit.empty()) {
     std::string name(row.unit);
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
@@ -29,9 +30,7 @@ std::string value_name_of(const OptionRow& row) {
       return "NAME";
     case OptionKind::text:
     case OptionKind::texts:
-      return "TEXT";
-    case OptionKind::numbers:
-      return row.count == 3 ? "X,Y,Z" : row.count == 6 ? "BOX" : "NUMBERS";
+      return row.usual_words.empty() ? "TEXT" : "CHOICE";
     default:
       return "NUMBER";
   }
@@ -77,9 +76,21 @@ std::string usual_words_of(const OptionRow& row, const OptionValue& now) {
   return row.kind == OptionKind::choice && usual == "none" ? "" : usual;
 }
 
+/// A sentence of the row, after the methods that use it.
+std::string sentence_of(const OptionRow& row, std::string_view text, const SchemaOptions& how) {
+  std::string before = how.before ? how.before(row.name) : "", sentence(text);
+  // Not where the sentence begins with an abbreviation.
+  if (!before.empty() && sentence.size() > 1 && !std::isupper(static_cast<unsigned char>(sentence[1])))
+    sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
+  return before + sentence;
+}
+
 /// The sentence, the range, and what holds where the option is not given: "Rounds, 1..10000 [10]".
-std::string what_of(const OptionRow& row, const std::string& usual) {
-  std::string what(row.text);
+std::string what_of(const OptionRow& row, const std::string& usual, const SchemaOptions& how) {
+  std::string what = sentence_of(row, row.text, how);
+  std::vector<std::string> words(row.choices.begin(), row.choices.end());
+  const auto told = [&](const std::string& word) { return word == usual || what.find(word) != std::string::npos; };
+  if (!std::all_of(words.begin(), words.end(), told)) what += ": " + joined_by_or(words);
   const bool number = row.kind == OptionKind::whole || row.kind == OptionKind::real;
   // That lengths are positive goes without saying.
   if (const std::string range = row.range.words(); number && std::isfinite(row.range.most) && !range.empty())
@@ -92,11 +103,13 @@ std::string what_of(const OptionRow& row, const std::string& usual) {
 
 void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
   const std::string negative = row.negative.empty() ? "no_" + std::string(row.name) : std::string(row.negative);
-  // Both flags of a pair have the row's sentence.
-  OptionEntry& entry =
-      c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, std::string(row.text));
+  std::string what = sentence_of(row, value || row.negative_text.empty() ? row.text : row.negative_text, how);
+  if (!row.from_data.empty()) what += " [" + std::string(row.from_data) + "]";
+  OptionEntry& entry = c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, what);
   entry.group = how.group;
   entry.row = &row;
+  // Of a pair, one can be given.
+  if (value && row.optional) entry.excludes = flag_of_name(negative);
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
   entry.use = [&row, owner, value](const std::vector<std::string>&) { set_option(row, owner, value); };
 }
@@ -110,7 +123,7 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
     return;
   }
   const std::string usual = usual_words_of(row, now);
-  OptionEntry& entry = c.add_entry(flag_of_name(row.name), kind_of(row.kind), what_of(row, usual));
+  OptionEntry& entry = c.add_entry(flag_of_name(row.name), kind_of(row.kind), what_of(row, usual, how));
   entry.group = how.group;
   entry.row = &row;
   entry.field = row.name;
@@ -119,7 +132,8 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   if (!row.range.words().empty()) entry.range = row.range;
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;
-  entry.repeated = row.kind == OptionKind::texts;
+  // Of lists each time adds to it.
+  entry.repeated = row.kind == OptionKind::texts || entry.several;
   if (row.may_stand_alone()) entry.implied = std::string(row.implied);
   entry.next_words.assign(row.usual_words.begin(), row.usual_words.end());
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));

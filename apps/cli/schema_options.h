@@ -17,6 +17,8 @@ struct SchemaOptions {
   std::string group = "Options";               ///< heading in the help
   std::vector<std::string_view> only = {};     ///< names of rows; all if there are none
   std::vector<std::string_view> without = {};  ///< names of rows that the command does not have
+  /// Put before the sentence of a row, by its name: which methods use it.
+  std::function<std::string(std::string_view)> before = nullptr;
 };
 
 /// Adds an option for each row, `max_degree` as --max-degree. A flag that is on by itself gets the one that turns it

@@ -36,7 +36,7 @@ SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
     };
     const io::FileContent content(a.forces);
     try {
-      s = parse_scene_script(std::string(content.bytes()), vertices, a.picture.z_up);
+      s = parse_scene_script(std::string(content.bytes()), vertices, a.picture.place.z_up);
     } catch (const ArgumentError& error) {
       throw FileError(a.forces, error.what());
     }
@@ -184,7 +184,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
   TetDataset body = read_tets(a.tets);
   console.warn(a.tets, body.notes);
   SceneScript scene = read_scene(a, body);
-  a.options.z_up = a.picture.z_up;
+  a.options.z_up = a.picture.place.z_up;
   const SimulationPlan plan =
       with_files(a, console, [&] { return plan_simulation(std::move(body.mesh), std::move(scene), a.options); });
   console.note(a.tets, plan.notes);

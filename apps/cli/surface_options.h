@@ -13,16 +13,16 @@ class CommandLine;
 
 struct SurfaceArguments {
   SurfaceOptions options;
-  std::optional<SurfaceMethod> method;  ///< of --surface, if it was given
+  std::optional<std::string> method;  ///< of --surface, if it was given
 
   /// All that was said about it; nothing if it was not named. Throws ArgumentError.
   std::optional<SurfaceOptions> chosen() const;
 };
 
-/// "--no-sheets"
-std::string flag_of(SurfaceOption option);
+/// --surface, and all of its options, of a command that has a surface without it.
+void add_surface(CommandLine& command, SurfaceOptions& surface, CloudUse& cloud, const std::string& what);
 /// --sharp, --smoothing, --bandwidth, …, --remove-outliers
-void add_surface_details(CommandLine& command, SurfaceArguments& arguments, CloudUse& cloud);
+void add_surface_details(CommandLine& command, SurfaceOptions& options, CloudUse& cloud);
 /// --surface, and these. `what` says what is done with it.
 void add_surface(CommandLine& command, SurfaceArguments& arguments, CloudUse& cloud, const std::string& what);
 /// All surfaces with what they are, a line each, as part of a footer.

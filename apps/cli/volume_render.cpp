@@ -11,6 +11,7 @@
 #include "picture_contents.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/volume_pictures.h"
 #include "sansmesh/render/transfer_json.h"
 #include "schema_options.h"

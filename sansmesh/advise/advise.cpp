@@ -118,12 +118,12 @@ Recommendation mesh(const Judgement& j) {
     why += "; it ends where the samples end (`open = false` closes it), gaps narrower than `fill_holes` are filled";
   else if (j.border || j.holes)
     why += "; borders and holes are closed, `open = true` leaves open what is wider than `fill_holes`";
-  return {.aim = Aim::mesh, .surface = SurfaceMethod::partition, .remove_outliers = strays_go, .why = std::move(why)};
+  return {.aim = Aim::mesh, .surface = "partition", .remove_outliers = strays_go, .why = std::move(why)};
 }
 
 Recommendation picture(const Judgement& j) {
   return {.aim = Aim::picture,
-          .surface = SurfaceMethod::apss,
+          .surface = "apss",
           .sharp = j.sharp,
           .remove_outliers = j.stray,
           .why = j.sharp ? "no mesh is needed, and bilateral normals turn sharply at edges"
@@ -132,7 +132,7 @@ Recommendation picture(const Judgement& j) {
 
 Recommendation curvature(const Judgement& j) {
   return {.aim = Aim::curvature,
-          .surface = SurfaceMethod::curvature,
+          .surface = "curvature",
           .why = j.noisy
                      ? "the curvature-driven projection leaves out the nearest samples, whose noise spoils curvatures "
                        "most"
@@ -141,7 +141,7 @@ Recommendation curvature(const Judgement& j) {
 
 Recommendation points(const Judgement& j) {
   return {.aim = Aim::points,
-          .surface = SurfaceMethod::partition,
+          .surface = "partition",
           .remove_outliers = j.stray,
           .why =
               "moves the samples themselves onto the surface that is nearest to the truth: the noise goes, normals and "
@@ -150,7 +150,7 @@ Recommendation points(const Judgement& j) {
 
 Recommendation solid(const Judgement& j) {
   return {.aim = Aim::solid,
-          .surface = SurfaceMethod::partition,
+          .surface = "partition",
           .remove_outliers = j.stray && !j.open,
           .why = j.all_open
                      ? "a function to edit block by block; it bounds no solid, so that sums and cuts with others "
@@ -161,7 +161,7 @@ Recommendation solid(const Judgement& j) {
 
 Recommendation deformation() {
   return {.aim = Aim::deformation,
-          .surface = SurfaceMethod::partition,
+          .surface = "partition",
           .why = "the samples themselves are pulled at handles, by moving least squares: no mesh is needed"};
 }
 
@@ -203,7 +203,7 @@ Advice advise(const PointSet& points, Progress& progress) {
   std::vector<std::string> warnings;
   const CloudTraits traits = measure_traits(points, progress, &warnings);
   Advice advice = advise(traits);
-  advice.warnings = std::move(warnings);
+  add_notes(advice.notes, "preparation", warnings);
   return advice;
 }
 

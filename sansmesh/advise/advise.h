@@ -5,15 +5,15 @@
 #include <vector>
 
 #include "sansmesh/advise/traits.h"
+#include "sansmesh/core/note.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
-#include "sansmesh/model/surface_methods.h"
 
 namespace sansmesh {
 
 struct Recommendation {
   enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
-  SurfaceMethod surface;
+  std::string surface;           ///< by name
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
   std::string why;               ///< one sentence, which names options as errors do (core/error.h)
@@ -26,7 +26,7 @@ struct Advice {
   /// What to do, the first choice first; one entry at least for a mesh, a picture, curvatures, solids (editing, CSG)
   /// and deformation each.
   std::vector<Recommendation> recommendations;
-  std::vector<std::string> warnings;  ///< of cleaning
+  std::vector<Note> notes;  ///< "preparation": what there is to say of the samples
 };
 
 /// What METHODS §8 and docs/methods/which-method.md say of such traits.

@@ -341,14 +341,28 @@ const char* suspicion_name(Suspicion kind) {
 
 std::array<std::uint8_t, 3> suspicion_color(Suspicion kind) { return kColors[static_cast<std::size_t>(kind)]; }
 
-void DiagnoseOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(what);
-  };
-  check_range("coverage_below", coverage_below, 0, 1);
-  check(!error_above || (std::isfinite(*error_above) && *error_above > 0), "`error_above` must be a positive length");
-  check(std::isfinite(gradient_above) && gradient_above > 1, "`gradient_above` must be larger than 1");
+const OptionSchema& DiagnoseOptions::schema() {
+  using O = DiagnoseOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::coverage_below>({.text = "Fits are suspicious if samples cover less than this share of them",
+                                  .unit = "share",
+                                  .range = {0, 1},
+                                  .name = "coverage"}),
+      option<&O::error_above>({.text = "Fits are suspicious if their samples lie farther off than this (rms)",
+                               .unit = "length",
+                               .from_data = "from data",
+                               .range = positive(),
+                               .name = "error"}),
+      option<&O::gradient_above>({.text = "Fits are suspicious if the gradient is longer than this, > 1",
+                                  .unit = "norm",
+                                  .range = {.least = 1, .above = true},
+                                  .name = "gradient"}),
+      option<&O::places>({.text = "Report at most this many places of each kind", .range = at_least(0)})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
 }
+
+void DiagnoseOptions::validate() const { validate_options(*this); }
 
 std::vector<Edit> Diagnosis::edits() const {
   std::vector<Edit> all;

@@ -11,6 +11,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/function/edit_function.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -32,9 +33,11 @@ struct DiagnoseOptions {
   double coverage_below = 0.3;  ///< of supports (METHODS §3.1), 0..1
   /// rms distance of a support's samples (length, input); default: six times the median of all, at least a quarter of
   /// the spacing.
-  std::optional<double> error_above;
+  std::optional<double> error_above = {};
   double gradient_above = kSoundSlope;  ///< norm, > 1
   std::size_t places = 20;              ///< at most this many places of each kind
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

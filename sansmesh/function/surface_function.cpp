@@ -16,10 +16,10 @@ constexpr double kMostError = 10;
 /// With lengths in own coordinates.
 PartitionOptions partition_options(const FitOptions& options, const Placement& place) {
   PartitionOptions fit;
-  fit.max_depth = options.max_depth;
+  fit.max_depth = options.depth;
   if (options.error) fit.error = place.from_input(*options.error);
   fit.support = options.support;
-  fit.max_degree = options.max_degree;
+  fit.max_degree = options.degree;
   fit.sharp = options.sharp;
   fit.open = options.open;
   return fit;
@@ -28,30 +28,14 @@ PartitionOptions partition_options(const FitOptions& options, const Placement& p
 PaperOptions paper_options(const FitOptions& options) {
   PaperOptions fit;
   if (options.threshold) fit.threshold = *options.threshold;
-  if (options.max_depth) fit.max_depth = *options.max_depth;
+  if (options.depth) fit.max_depth = *options.depth;
   if (options.support) fit.support = *options.support;
   if (options.coverage) fit.coverage = *options.coverage;
-  fit.max_degree = options.max_degree;
+  fit.max_degree = options.degree;
   return fit;
 }
 
 }  // namespace
-
-void FitOptions::validate() const {
-  const auto unset = [&](bool ok, const char* field) {
-    if (!ok) throw ArgumentError(fmt::format("`{}` belongs to `fit = {}`", field, is_paper() ? "partition" : "paper"));
-  };
-  if (is_paper()) {
-    unset(!error, "error");
-    unset(sharp, "sharp = false");
-    unset(!open, open.value_or(false) ? "open = true" : "open = false");
-    paper_options(*this).validate();
-    return;
-  }
-  unset(!threshold, "threshold");
-  unset(!coverage, "coverage");
-  partition_options(*this, {}).validate();
-}
 
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();

@@ -1,9 +1,12 @@
 #include "sansmesh/io/formats.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "sansmesh/io/names.h"
+#include "sansmesh/io/output.h"
+#include "sansmesh/io/readers.h"
 #include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh {
@@ -17,17 +20,93 @@ constexpr std::string_view kUnpackOrConvert =
     "this kind of file is not supported; convert or unpack it first (gzip is unpacked on the fly)";
 
 constexpr FormatInfo kFormats[] = {
-    {FormatId::ply, "PLY", "ply", kSamples, {{{"ply", kCloudOrMesh | kLines}}}},
-    {FormatId::obj, "OBJ", "obj", kSamples, {{{"obj", kCloudOrMesh}}}},
-    {FormatId::off, "OFF", "off coff noff cnoff", kSamples, {{{"off", kMesh}}}},
-    {FormatId::stl, "STL", "stl", kSamples, {{{"stl", kMesh}}}},
-    {FormatId::glb, "glTF", "glb gltf", 0, {{{"glb", kMesh}}}, {}, kConvertMesh},
-    {FormatId::vtp, "VTK XML polydata", "vtp", kSamples | kLines, {{{"vtp", kCloudOrMesh | kLines}}}},
-    {FormatId::pcd, "PCD", "pcd", kSamples, {{{"pcd", kPoints}}}},
-    {FormatId::las, "LAS", "las", kSamples, {{{"las", kPoints}}}},
-    {FormatId::csv, "CSV", "csv tsv", kSamples, {{{"csv", kPoints | kLines}}}},
-    {FormatId::table, "XYZ", "xyz txt asc pts pwn xyzn npts xyzrgb dat", kSamples, {{{"xyz", kPoints}}}},
-    {FormatId::conf, "Stanford alignment", "conf", kSamples},
+    {.id = FormatId::ply,
+     .name = "PLY",
+     .endings = "ply",
+     .reads = kSamples,
+     .written = {{{"ply", kCloudOrMesh | kLines}}},
+     .read_points = io::read_ply,
+     .write_mesh = io::mesh_to_ply,
+     .write_points = io::points_to_ply,
+     .write_lines = io::lines_to_ply},
+    {.id = FormatId::obj,
+     .name = "OBJ",
+     .endings = "obj",
+     .reads = kSamples,
+     .written = {{{"obj", kCloudOrMesh}}},
+     .read_points = io::read_obj,
+     .write_mesh = io::mesh_to_obj,
+     .write_points = io::points_to_obj,
+     .mesh_room = FormatRoom::colors,
+     .points_room = FormatRoom::colors},
+    {.id = FormatId::off,
+     .name = "OFF",
+     .endings = "off coff noff cnoff",
+     .reads = kSamples,
+     .written = {{{"off", kMesh}}},
+     .read_points = io::read_off,
+     .write_mesh = io::mesh_to_off,
+     .mesh_room = FormatRoom::colors},
+    {.id = FormatId::stl,
+     .name = "STL",
+     .endings = "stl",
+     .reads = kSamples,
+     .written = {{{"stl", kMesh}}},
+     .read_points = io::read_stl,
+     .write_mesh = io::mesh_to_stl,
+     .mesh_room = FormatRoom::positions},
+    {.id = FormatId::glb,
+     .name = "glTF",
+     .endings = "glb gltf",
+     .written = {{{"glb", kMesh}}},
+     .remedy = kConvertMesh,
+     .write_mesh = io::mesh_to_glb,
+     .mesh_room = FormatRoom::colors_and_few_floats},
+    {.id = FormatId::vtp,
+     .name = "VTK XML polydata",
+     .endings = "vtp",
+     .reads = kSamples | kLines,
+     .written = {{{"vtp", kCloudOrMesh | kLines}}},
+     .read_points = io::read_vtp,
+     .write_mesh = io::mesh_to_vtp,
+     .write_points = io::points_to_vtp,
+     .write_lines = io::lines_to_vtp},
+    {.id = FormatId::pcd,
+     .name = "PCD",
+     .endings = "pcd",
+     .reads = kSamples,
+     .written = {{{"pcd", kPoints}}},
+     .read_points = io::read_pcd,
+     .write_points = io::points_to_pcd},
+    {.id = FormatId::las,
+     .name = "LAS",
+     .endings = "las",
+     .reads = kSamples,
+     .written = {{{"las", kPoints}}},
+     .read_points = io::read_las,
+     .write_points = io::points_to_las,
+     .points_room = FormatRoom::all_but_normals},
+    {.id = FormatId::csv,
+     .name = "CSV",
+     .endings = "csv tsv",
+     .reads = kSamples,
+     .written = {{{"csv", kPoints | kLines}}},
+     .read_points = io::read_table,
+     .write_points = io::points_to_csv,
+     .write_lines = io::lines_to_csv},
+    {.id = FormatId::table,
+     .name = "XYZ",
+     .endings = "xyz txt asc pts pwn xyzn npts xyzrgb dat",
+     .reads = kSamples,
+     .written = {{{"xyz", kPoints}}},
+     .read_points = io::read_table,
+     .write_points = io::points_to_xyz,
+     .points_room = FormatRoom::colors},
+    {.id = FormatId::conf,
+     .name = "Stanford alignment",
+     .endings = "conf",
+     .reads = kSamples,
+     .read_points = io::read_conf},
     {FormatId::metaimage, "MetaImage", "mhd mha", kVolume, {{{"mhd", kVolume}, {"mha", kVolume}}}},
     {FormatId::nrrd, "NRRD", "nrrd nhdr", kVolume, {{{"nrrd", kVolume}}}},
     {FormatId::raw, "raw numbers", "raw", kVolume},
@@ -93,22 +172,8 @@ void add_ending(std::string_view ending, std::vector<std::string>& list) {
   if (std::find(list.begin(), list.end(), with_dot) == list.end()) list.push_back(std::move(with_dot));
 }
 
-}  // namespace
-
-std::span<const FormatInfo> formats() { return kFormats; }
-
-const FormatInfo& format_info(FormatId id) { return kFormats[static_cast<std::size_t>(id)]; }
-
-std::optional<FormatId> format_of_name(const std::string& file, unsigned content) {
-  const std::string ending = io::ending(file);
-  if (ending.empty()) return std::nullopt;
-  for (const FormatInfo& f : kFormats)
-    if (has_ending(f, ending) && (content == 0 || (f.reads & content) != 0)) return f.id;
-  if ((content == 0 || (content & kVolume) != 0) && io::is_nek_field_name(ending)) return FormatId::nek_field;
-  return std::nullopt;
-}
-
-std::optional<FormatId> format_of_content(std::string_view bytes) {
+/// Of the library's own.
+std::optional<FormatId> own_format_of_content(std::string_view bytes) {
   const auto begins = [&](std::string_view s) { return bytes.starts_with(s); };
   if (begins("ply\n") || begins("ply\r")) return FormatId::ply;
   if (begins("LASF")) return FormatId::las;
@@ -129,20 +194,58 @@ std::optional<FormatId> format_of_content(std::string_view bytes) {
   return std::nullopt;
 }
 
+}  // namespace
+
+Registry<FormatInfo>& FormatInfo::registry() {
+  static Registry<FormatInfo> all("format", {kFormats});
+  return all;
+}
+
+std::vector<const FormatInfo*> formats() { return FormatInfo::registry().all(); }
+
+namespace {
+
+const FormatInfo* own_format(FormatId id) { return formats()[static_cast<std::size_t>(id)]; }
+
+}  // namespace
+
+const FormatInfo* format_of_name(const std::string& file, unsigned content) {
+  const std::string ending = io::ending(file);
+  if (ending.empty()) return nullptr;
+  for (const FormatInfo* const f : formats())
+    if (has_ending(*f, ending) && (content == 0 || (f->reads & content) != 0)) return f;
+  if ((content == 0 || (content & kVolume) != 0) && io::is_nek_field_name(ending))
+    return own_format(FormatId::nek_field);
+  return nullptr;
+}
+
+const FormatInfo* format_of_content(std::string_view bytes) {
+  if (const auto own = own_format_of_content(bytes)) return own_format(*own);
+  for (const FormatInfo* const f : formats())
+    if (f->recognizes && f->recognizes(bytes)) return f;
+  return nullptr;
+}
+
 std::vector<std::string> endings_read(unsigned content) {
   std::vector<std::string> list;
-  for (const FormatInfo& f : kFormats)
-    if ((f.reads & content) != 0)
-      for (const std::string_view ending : words_of(f.endings)) add_ending(ending, list);
+  for (const FormatInfo* const f : formats())
+    if ((f->reads & content) != 0)
+      for (const std::string_view ending : words_of(f->endings)) add_ending(ending, list);
   return list;
 }
 
 std::vector<std::string> endings_written(unsigned content) {
   std::vector<std::string> list;
-  for (const FormatInfo& f : kFormats)
-    for (const WrittenAs& as : f.written)
+  for (const FormatInfo* const f : formats())
+    for (const WrittenAs& as : f->written)
       if ((as.content & content) != 0) add_ending(as.ending, list);
   return list;
+}
+
+std::string listed_endings(const std::vector<std::string>& endings) {
+  std::string text;
+  for (const std::string& ending : endings) text += (text.empty() ? "" : " ") + ending;
+  return text;
 }
 
 }  // namespace sansmesh

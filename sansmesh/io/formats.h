@@ -1,16 +1,21 @@
-// Every format of files, in one table: its endings, what is read of it and written to it, and what its content looks
-// like.
+// Formats of files: endings, what is read of them and written to them, what their content looks like, and the functions
+// that read and write points, meshes and lines.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sansmesh/io/io.h"
+#include "sansmesh/schema/registry.h"
+
 namespace sansmesh {
+
+namespace io {
+struct Input;
+}  // namespace io
 
 enum class FormatId : std::uint8_t {
   // Points and meshes.
@@ -54,7 +59,8 @@ enum class FormatId : std::uint8_t {
   laz,
   e57,
   scene,
-  archive
+  archive,
+  added  ///< by a program: known by its name
 };
 
 /// What a file may hold; several of them as a sum.
@@ -74,29 +80,50 @@ struct WrittenAs {
   unsigned content = 0;
 };
 
+/// What a format has room for beside positions and triangles.
+enum class FormatRoom : std::uint8_t { positions, colors, colors_and_few_floats, all_but_normals, all };
+
+/// What goes into a file, in parts.
+using FileParts = std::vector<std::string>;
+
+/// One format. Those that a program adds (`Registered<FormatInfo>`) are read and written by every function and command.
 struct FormatInfo {
-  FormatId id;
+  FormatId id = FormatId::added;
   std::string_view name;     ///< "PLY"
   std::string_view endings;  ///< in lower case, without dots, blanks between them; the usual one first
   unsigned reads = 0;        ///< FormatContent that is read from it
   std::array<WrittenAs, 2> written = {};
   std::string_view module = {};  ///< of its reader: "vtk"
   std::string_view remedy = {};  ///< what to do with a file that is not read
+  /// Points and meshes; null where they are not read.
+  PointSet (*read_points)(const io::Input& in) = nullptr;
+  // Null where the format does not hold them. Arrays have the right lengths, and triangles refer to vertices.
+  FileParts (*write_mesh)(const TriangleMesh& mesh, const WriteOptions& options) = nullptr;
+  FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
+  FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
+  FormatRoom mesh_room = FormatRoom::all, points_room = FormatRoom::all;
+  /// Of added formats: whether the first bytes of a file show it beyond doubt. May be null.
+  bool (*recognizes)(std::string_view bytes) = nullptr;
+
+  /// Those of the library in the order of FormatId, then those that programs add.
+  static Registry<FormatInfo>& registry();
 };
 
-/// In the order of FormatId.
-std::span<const FormatInfo> formats();
-const FormatInfo& format_info(FormatId id);
+/// All of them.
+std::vector<const FormatInfo*> formats();
 
-/// The format that reads `content` of files with such a name; of any content if that is 0. Two formats may share an
-/// ending, for different content.
-std::optional<FormatId> format_of_name(const std::string& file, unsigned content = 0);
+/// The format that reads `content` of files with such a name; of any content if that is 0; null if there is none. Two
+/// formats may share an ending, for different content.
+const FormatInfo* format_of_name(const std::string& file, unsigned content = 0);
 
-/// The format that the first bytes of a file show beyond doubt. Of VTK's XML files it is `vtk_xml`, whatever they hold.
-std::optional<FormatId> format_of_content(std::string_view bytes);
+/// The format that the first bytes of a file show beyond doubt, or null. Of VTK's XML files it is `vtk_xml`, whatever
+/// they hold.
+const FormatInfo* format_of_content(std::string_view bytes);
 
 /// Endings with dots of all files that are read as, or written with, some of that content: {".ply", ".obj", …}.
 std::vector<std::string> endings_read(unsigned content);
 std::vector<std::string> endings_written(unsigned content);
+/// ".ply .obj .off …" of these.
+std::string listed_endings(const std::vector<std::string>& endings);
 
 }  // namespace sansmesh

@@ -17,33 +17,6 @@ namespace {
 
 using io::Input;
 
-/// The reader of points and meshes; null where there is none.
-PointSet (*reader_of(FormatId id))(const Input&) {
-  switch (id) {
-    case FormatId::ply:
-      return io::read_ply;
-    case FormatId::obj:
-      return io::read_obj;
-    case FormatId::off:
-      return io::read_off;
-    case FormatId::stl:
-      return io::read_stl;
-    case FormatId::csv:
-    case FormatId::table:
-      return io::read_table;
-    case FormatId::pcd:
-      return io::read_pcd;
-    case FormatId::las:
-      return io::read_las;
-    case FormatId::vtp:
-      return io::read_vtp;
-    case FormatId::conf:
-      return io::read_conf;
-    default:
-      return nullptr;
-  }
-}
-
 std::string known_endings() {
   std::string known;
   for (const std::string& ending : endings_read(kPoints)) known += ending.substr(1) + " ";
@@ -51,9 +24,9 @@ std::string known_endings() {
 }
 
 /// VTK's polydata hold points and meshes; of its other XML files the reader says so.
-std::optional<FormatId> format_of_points(std::string_view bytes) {
-  const auto found = format_of_content(bytes);
-  return found == FormatId::vtk_xml ? FormatId::vtp : found;
+const FormatInfo* format_of_points(std::string_view bytes) {
+  const FormatInfo* const found = format_of_content(bytes);
+  return found && found->id == FormatId::vtk_xml ? format_of_name("a.vtp") : found;
 }
 
 [[noreturn]] void fail_reading(const Input& in, const FormatInfo& format) {
@@ -66,25 +39,24 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report, origin, smallest_extent};
   const std::string name = io::ending(file);
-  auto by_name = format_of_name(file, kPoints);
+  const FormatInfo* by_name = format_of_name(file, kPoints);
   if (!by_name) by_name = format_of_name(file);
-  const auto by_content = format_of_points(in.bytes);
-  const auto format = by_content ? by_content : by_name;
+  const FormatInfo* const by_content = format_of_points(in.bytes);
+  const FormatInfo* const format = by_content ? by_content : by_name;
   if (!format) {
     in.fail(name.empty() ? "has no ending and is none of PLY, PCD, LAS, OFF, VTP; known endings: " + known_endings()
                          : "unknown ending '." + name.substr(0, 20) + "'; known: " + known_endings());
   }
-  const auto read = reader_of(*format);
-  if (!read) fail_reading(in, format_info(*format));
+  if (!format->read_points) fail_reading(in, *format);
   if (by_content && by_name && by_content != by_name) {
     in.warn(fmt::format("its ending is '.{}', but its content is of another format and was read as that", name));
   }
-  return read(in);
+  return format->read_points(in);
 }
 
 }  // namespace
 
-bool is_read(const std::string& file) { return format_of_name(file, kPoints).has_value(); }
+bool is_read(const std::string& file) { return format_of_name(file, kPoints) != nullptr; }
 
 PointSet read_points(const std::string& file, ReadReport* report) {
   ReadReport own;
@@ -102,7 +74,8 @@ PolylineSet read_lines(const std::string& file) {
   ReadReport report;
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report, {}};
-  return format_of_content(in.bytes) == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
+  const FormatInfo* const format = format_of_content(in.bytes);
+  return format && format->id == FormatId::vtk_xml ? io::read_vtp_lines(in) : PolylineSet{};
 }
 
 PointSet read_merged(const std::vector<std::string>& files, ReadReport* report) {

@@ -27,18 +27,18 @@ using io::Input;
 
 std::string known_volume_endings() {
   std::string known;
-  for (const FormatInfo& f : formats())
-    if ((f.reads & kVolume) != 0 && (f.reads & kPoints) == 0 && !f.endings.empty())
-      known += std::string(f.endings) + " ";
+  for (const FormatInfo* const f : formats())
+    if ((f->reads & kVolume) != 0 && (f->reads & kPoints) == 0 && !f->endings.empty())
+      known += std::string(f->endings) + " ";
   known.pop_back();
   return known + ", and those of points";
 }
 
 /// Files of points are scattered samples: all of their readers are one here.
 std::optional<FormatId> volume_format_of_name(const std::string& file) {
-  const auto of_points = format_of_name(file, kPoints);
-  const auto found = format_of_name(file, kVolume);
-  return found && of_points == found ? FormatId::table : found;
+  const FormatInfo* const found = format_of_name(file, kVolume);
+  if (!found) return std::nullopt;
+  return found == format_of_name(file, kPoints) ? FormatId::table : found->id;
 }
 
 /// The type that the root of an XML file of VTK's names; empty where it is none. Throws FileError for levels in
@@ -63,9 +63,10 @@ std::optional<FormatId> format_of_volume(const Input& in, const std::string& xml
   if (xml_type == "PolyData" || xml_type == "PPolyData") return FormatId::table;
   if (xml_type == "Collection") return FormatId::pvd;
   if (!xml_type.empty()) return FormatId::vtk_xml;
-  switch (const auto by_content = format_of_content(in.bytes); by_content.value_or(FormatId::archive)) {
+  const FormatInfo* const found = format_of_content(in.bytes);
+  switch (const FormatId by_content = found ? found->id : FormatId::archive; by_content) {
     case FormatId::exodus:  // HDF5 and NetCDF hold others, too
-      return by_name == FormatId::cgns ? by_name : by_content;
+      return by_name == FormatId::cgns ? *by_name : by_content;
     case FormatId::vtk_legacy:
     case FormatId::nrrd:
     case FormatId::metaimage:

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_place.h"
@@ -14,52 +15,16 @@
 namespace sansmesh {
 namespace {
 
-using FileParts = std::vector<std::string>;
-
-/// What a format has room for beside positions and triangles.
-enum class Room { positions, colors, colors_and_few_floats, all_but_normals, all };
-
-template <class Data>
-struct Writer {
-  const char* ending;
-  FileParts (*write)(const Data&, const WriteOptions&);
-  Room room = Room::all;
-};
-
-constexpr Writer<TriangleMesh> mesh_writers[] = {
-    {"ply", io::mesh_to_ply},
-    {"obj", io::mesh_to_obj, Room::colors},
-    {"stl", io::mesh_to_stl, Room::positions},
-    {"off", io::mesh_to_off, Room::colors},
-    {"glb", io::mesh_to_glb, Room::colors_and_few_floats},
-    {"vtp", io::mesh_to_vtp},
-};
-constexpr Writer<PointSet> point_writers[] = {
-    {"ply", io::points_to_ply},
-    {"obj", io::points_to_obj, Room::colors},
-    {"xyz", io::points_to_xyz, Room::colors},
-    {"csv", io::points_to_csv},
-    {"pcd", io::points_to_pcd},
-    {"vtp", io::points_to_vtp},
-    {"las", io::points_to_las, Room::all_but_normals},
-};
-
-constexpr Writer<PolylineSet> line_writers[] = {
-    {"vtp", io::lines_to_vtp},
-    {"ply", io::lines_to_ply},
-    {"csv", io::lines_to_csv},
-};
-
 /// What a format of that room leaves out.
-std::vector<std::string> without_room(Room room, const io::OutputContent& content) {
+std::vector<std::string> without_room(FormatRoom room, const io::OutputContent& content) {
   std::vector<std::string> names;
-  if (room == Room::all) return names;
-  if ((room == Room::positions || room == Room::all_but_normals) && !content.normals.empty())
+  if (room == FormatRoom::all) return names;
+  if ((room == FormatRoom::positions || room == FormatRoom::all_but_normals) && !content.normals.empty())
     names.emplace_back("normals");
-  if (room == Room::positions && !content.colors.empty()) names.emplace_back("colours");
-  if (room == Room::all_but_normals) return names;
+  if (room == FormatRoom::positions && !content.colors.empty()) names.emplace_back("colours");
+  if (room == FormatRoom::all_but_normals) return names;
   for (const Attribute& a : content.attributes)
-    if (room != Room::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
+    if (room != FormatRoom::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
       names.push_back(printable(a.name, 80));
   for (const Attribute& a : content.triangle_attributes) names.push_back(printable(a.name, 80) + " of triangles");
   return names;
@@ -72,15 +37,13 @@ std::vector<std::string> without_room(Room room, const io::OutputContent& conten
                                   : fmt::format("no writer for {} with the ending '.{}'; known: {}", kind, e, known));
 }
 
-template <class Data, std::size_t n>
-const Writer<Data>& find_writer(const Writer<Data> (&writers)[n], const std::string& file, const std::string& kind) {
+/// The format with a writer of that kind for such a name. Throws FileError.
+const FormatInfo& find_writer(FormatContent content, const std::string& file, const std::string& kind) {
   const std::string e = io::ending(file);
-  std::string known;
-  for (const Writer<Data>& w : writers) {
-    if (e == w.ending) return w;
-    known += fmt::format("{}.{}", known.empty() ? "" : " ", w.ending);
-  }
-  fail_ending(file, kind, known);
+  for (const FormatInfo* const f : formats())
+    for (const WrittenAs& as : f->written)
+      if ((as.content & content) != 0 && as.ending == e) return *f;
+  fail_ending(file, kind, listed_endings(endings_written(content)));
 }
 
 /// Throws ArgumentError unless an optional per-vertex array is empty or complete.
@@ -120,51 +83,51 @@ void check_triangles(const Triangles& triangles, std::size_t n) {
 }  // namespace
 
 void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options) {
-  const auto& writer = find_writer(mesh_writers, file, "meshes");
+  const auto& writer = find_writer(kMesh, file, "meshes");
   check_length("normals", mesh.normals.size(), mesh.vertices.size());
   check_length("colors", mesh.colors.size(), mesh.vertices.size());
   mesh.attributes.check_rows(mesh.vertices.size(), "vertices");
   mesh.triangle_attributes.check_rows(mesh.triangles.size(), "triangles");
   check_triangles(mesh.triangles, mesh.vertices.size());
   check_reach(file, mesh.vertices, mesh.origin);
-  io::write_whole(file, writer.write(mesh, options));
+  io::write_whole(file, writer.write_mesh(mesh, options));
 }
 
 void write_points(const std::string& file, const PointSet& points, const WriteOptions& options) {
-  const auto& writer = find_writer(point_writers, file, "points");
+  const auto& writer = find_writer(kPoints, file, "points");
   check_length("normals", points.normals.size(), points.size());
   check_length("colors", points.colors.size(), points.size());
   points.attributes.check_rows(points.size(), "points");
   check_triangles(points.triangles, points.size());
   check_reach(file, points.positions, points.origin);
-  io::write_whole(file, writer.write(points, options));
+  io::write_whole(file, writer.write_points(points, options));
 }
 
 bool is_written(const std::string& file, const std::string& kind) {
-  const std::string e = io::ending(file);
-  const auto known = [&](const auto& writers) {
-    return std::any_of(std::begin(writers), std::end(writers), [&](const auto& w) { return e == w.ending; });
+  const std::string ending = "." + io::ending(file);
+  const auto known = [&](FormatContent content) {
+    const std::vector<std::string> endings = endings_written(content);
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
   };
-  return (kind == "mesh" && known(mesh_writers)) || (kind == "points" && known(point_writers)) ||
-         (kind == "lines" && known(line_writers));
+  return (kind == "mesh" && known(kMesh)) || (kind == "points" && known(kPoints)) || (kind == "lines" && known(kLines));
 }
 
 std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh) {
-  return without_room(find_writer(mesh_writers, file, "meshes").room, io::OutputContent(mesh));
+  return without_room(find_writer(kMesh, file, "meshes").mesh_room, io::OutputContent(mesh));
 }
 
 std::vector<std::string> left_out(const std::string& file, const PointSet& points) {
-  return without_room(find_writer(point_writers, file, "points").room, io::OutputContent(points));
+  return without_room(find_writer(kPoints, file, "points").points_room, io::OutputContent(points));
 }
 
 void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options) {
-  const auto& writer = find_writer(line_writers, file, "lines");
+  const auto& writer = find_writer(kLines, file, "lines");
   if (lines.offsets.empty() || lines.offsets.front() != 0 || lines.offsets.back() != lines.positions.size() ||
       !std::is_sorted(lines.offsets.begin(), lines.offsets.end()))
     throw ArgumentError("lines must begin where those before them end");
   lines.attributes.check_rows(lines.positions.size(), "points");
   lines.line_attributes.check_rows(lines.size(), "lines");
-  io::write_whole(file, writer.write(lines, options));
+  io::write_whole(file, writer.write_lines(lines, options));
 }
 
 void write_text(const std::string& file, const std::string& text) { io::write_whole(file, {text}); }
@@ -172,11 +135,11 @@ void write_text(const std::string& file, const std::string& text) { io::write_wh
 void check_writable(const std::string& file, const std::string& kind) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
   if (kind == "mesh") {
-    find_writer(mesh_writers, file, "meshes");
+    find_writer(kMesh, file, "meshes");
   } else if (kind == "points") {
-    find_writer(point_writers, file, "points");
+    find_writer(kPoints, file, "points");
   } else if (kind == "lines") {
-    find_writer(line_writers, file, "lines");
+    find_writer(kLines, file, "lines");
   } else if (kind == "image") {
     if (io::ending(file) != "png") fail_ending(file, "images", ".png");
   } else if (kind != "text") {

@@ -240,7 +240,8 @@ std::string too_thin_for_default(const Box3& box, double cell, double thickness)
 /// What becomes of it after it was cut out.
 void finish(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& r) {
   MeshReport chosen;
-  detail::choose_components(mesh, options.components, {}, 0, chosen);
+  detail::choose_components(mesh, options.components.value_or(ComponentChoice{ComponentChoice::Kind::all, 1}), {}, 0,
+                            chosen);
   r.warnings.insert(r.warnings.begin(), chosen.warnings.begin(), chosen.warnings.end());
   measure(mesh, r);
 }
@@ -334,21 +335,41 @@ TriangleMesh mesh_of(const PiecewiseField& field, const Box3& whole_box, const C
 
 }  // namespace
 
+const OptionSchema& CsgMeshOptions::schema() {
+  using O = CsgMeshOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::mesh_error>({.text = "Accepted mean distance between mesh and surface",
+                              .unit = "length",
+                              .from_data = "a 50,000th of the box's diagonal; with functions less",
+                              .range = positive()}),
+      option<&O::triangles>({.text = "At most this many triangles; `mesh_error` then follows from it",
+                             .unit = "count",
+                             .range = at_least(4)}),
+      option<&O::resolution>(
+          {.text = "Instead: cells along the longest side of the box",
+           .unit = "count",
+           .from_data = "as small as the mesh error and thin parts ask for; with functions the box's diagonal has 256, "
+                        "up to 1024",
+           .range = {4, kMostCells}}),
+      option<&O::cell>(
+          {.text = "Edge of the cells instead", .unit = "length", .range = positive(), .excludes = "resolution"}),
+      option<&O::box>({.text = "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids", .unit = "box"}),
+      option<&O::simplify>({.text = "Fewer triangles where the surface is flat to within this; 0: nowhere",
+                            .unit = "length",
+                            .from_data = "as the mesh error asks for",
+                            .range = at_least(0)}),
+      option<&O::components>({.text = "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, "
+                                      "largest or a number",
+                              .unit = "choice",
+                              .from_data = "auto with functions, otherwise all"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void CsgMeshOptions::validate() const {
-  if (cell && resolution) throw ArgumentError("give `cell` or `resolution`, not both");
-  if (cell && !(*cell > 0 && std::isfinite(*cell)))
-    throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
-  if (resolution && (*resolution < 4 || *resolution > kMostCells))
-    throw ArgumentError(fmt::format("`resolution` must lie in 4..{}, not be {}", kMostCells, *resolution));
-  if (mesh_error && !(*mesh_error > 0 && std::isfinite(*mesh_error)))
-    throw ArgumentError(fmt::format("`mesh_error` must be a positive length, not {}", *mesh_error));
-  if (triangles && *triangles < 4)
-    throw ArgumentError(fmt::format("`triangles` must be at least 4, not {}", *triangles));
+  validate_options(*this);
   if (triangles && simplify && *simplify == 0) throw ArgumentError("`triangles` needs simplification: `simplify` is 0");
-  if (simplify && !(*simplify >= 0 && std::isfinite(*simplify)))
-    throw ArgumentError(fmt::format("`simplify` must be a length, or 0, not {}", *simplify));
   if (!box) return;
-  if (!is_finite(box->lower) || !is_finite(box->upper)) throw ArgumentError("`box`: its corners must be finite");
   for (std::size_t k = 0; k < 3; ++k)
     if (!(box->lower[k] < box->upper[k]))
       throw ArgumentError(fmt::format("`box`: its lower corner must lie below its upper one, but {} >= {} in {}",

@@ -11,6 +11,7 @@
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -35,9 +36,10 @@ struct CsgMeshOptions {
   /// of that.
   std::optional<double> simplify = std::nullopt;
 
-  /// Parts to keep; automatic: those that have at least 1.5 % of the largest one's area.
-  ComponentChoice components = {ComponentChoice::Kind::all, 1};
+  /// Parts to keep; automatic: those that have at least 1.5 % of the largest one's area. Default: all.
+  std::optional<ComponentChoice> components = {};
 
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the option.
   void validate() const;
 };

@@ -2,32 +2,97 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
+#include <limits>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/number_text.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
+namespace {
+
+constexpr std::string_view kMeshers[] = {"auto", "blocks", "walk"};
+constexpr std::string_view kComponents[] = {"auto", "all", "largest"};
+
+constexpr OptionRow kRows[] = {
+    option<&MeshOptions::components>(
+        {.text = "Parts to keep: auto (those that enough samples stand for), all, largest or a number",
+         .usual_words = kComponents}),
+    option<&MeshOptions::fill_holes>({.text = "Where the surface ends with its samples: close holes up to so wide",
+                                      .unit = "length",
+                                      .from_data = "gaps between scan lines",
+                                      .range = at_least(0)}),
+    option<&MeshOptions::trim>({.text = "Cut the surface off where no sample is as near as this; 0: from data",
+                                .unit = "length",
+                                .range = at_least(0),
+                                .implied = "0"}),
+    option<&MeshOptions::confidence>(
+        {.text = "Write how far each vertex is from the nearest sample, and its confidence, 0 to 1",
+         .from_data = "if the surface is open",
+         .negative_text = "Do not write that"}),
+    option<&MeshOptions::measure_quality>(
+        {.text = "Print aspect ratios of the triangles before and after enhancement", .name = "quality"}),
+    option<&MeshOptions::box>(
+        {.text = "Only what lies in this box, cut off straight: x0,y0,z0,x1,y1,z1", .unit = "length"}),
+    option<&MeshOptions::mesher>(
+        {.text = "Whole blocks, enhanced; or the walk of the paper from simplex to simplex, as it is; auto: the walk "
+                 "for a fit as the paper has it, else blocks",
+         .choices = kMeshers}),
+    option<&MeshOptions::mesh_error>({.text = "Mean distance accepted between mesh and surface: larger is coarser",
+                                      .unit = "length",
+                                      .from_data = "from data",
+                                      .range = positive()}),
+    option<&MeshOptions::triangles>(
+        {.text = "Simplify until there are no more triangles than this", .range = at_least(4)}),
+    option<&MeshOptions::block_depth>({.text = "Deepest level of the blocks cut: coarser",
+                                       .unit = "level",
+                                       .from_data = "from the function",
+                                       .range = {kLeastDepth, kMostDepth},
+                                       .old_name = "depth"}),
+    option<&MeshOptions::enhance>({.text = "No clustering, smoothing or simplification of triangles"}),
+    option<&MeshOptions::displacement>(
+        {.text = "With `enhance = false`, or the walk: lattice steps back from the surface",
+         .unit = "ratio",
+         .range = {0, 1, false, true}}),
+    option<&MeshOptions::carry_colors>({.text = "Leave out the samples' colours", .negative = "no_colors"})};
+constexpr OptionSchema kSchema{kRows};
+
+}  // namespace
+
+std::string text_of_option(const ComponentChoice& choice) {
+  using Kind = ComponentChoice::Kind;
+  if (choice.kind != Kind::count) return choice.kind == Kind::all ? "all" : "auto";
+  return choice.count == 1 ? "largest" : std::to_string(choice.count);
+}
+
+void option_of_text(std::string_view word, ComponentChoice& choice) {
+  using Kind = ComponentChoice::Kind;
+  if (word == "auto") return void(choice = {});
+  if (word == "all") return void(choice = {.kind = Kind::all});
+  if (word == "largest") return void(choice = {.kind = Kind::count, .count = 1});
+  const auto count = whole_in(word, 1, std::numeric_limits<int>::max());
+  if (!count)
+    throw ArgumentError(ArgumentFault{.field = {},
+                                      .value = "'" + printable(word, 60) + "'",
+                                      .allowed = "auto, all, largest or a number of at least 1",
+                                      .remedy = {}});
+  choice = {.kind = Kind::count, .count = static_cast<int>(*count)};
+}
+
+const OptionSchema& MeshOptions::schema() { return kSchema; }
 
 void MeshOptions::validate() const {
   const auto check = [](bool ok, const std::string& what) {
     if (!ok) throw ArgumentError(what);
   };
-  check(!mesh_error || (std::isfinite(*mesh_error) && *mesh_error > 0), "`mesh_error` must be a positive length");
-  check(!triangles || (*triangles >= 4 && enhance),
-        "`triangles` must be at least 4, and does not go with `enhance = false`");
-  check(displacement >= 0 && displacement < 1, "`displacement` must lie in [0, 1)");
+  validate_options(*this);
+  check(!triangles || enhance, "`triangles` does not go with `enhance = false`");
   check(displacement == 0 || !enhance || mesher != Mesher::blocks,
         "`displacement` needs `enhance = false`: clustering undoes it");
   if (mesher == Mesher::walk) validate_walk();
-  check(!fill_holes || (std::isfinite(*fill_holes) && *fill_holes >= 0), "`fill_holes` must be a length of at least 0");
-  check(!trim || (std::isfinite(*trim) && *trim >= 0), "`trim` must be a length of at least 0");
   check(components.kind != ComponentChoice::Kind::count || components.count >= 1,
         "the number of `components` must be at least 1");
-  check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
-        "`box` must be finite, and its lower corner below its upper one");
-  check(!block_depth || (*block_depth >= kLeastDepth && *block_depth <= kMostDepth),
-        fmt::format("`block_depth` must lie in {}..{}", kLeastDepth, kMostDepth));
+  check(!box || !box->empty(), "the lower corner of `box` must lie below its upper one");
 }
 
 void MeshOptions::validate_walk() const {

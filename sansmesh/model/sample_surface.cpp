@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
@@ -122,7 +121,7 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
   for (std::size_t i = 0; i < all; i += every) x.push_back(Vec3(cloud.points.positions[i]));
   PreparedCloud again = cloud;
   SurfaceOptions options;
-  options.method = SurfaceMethod::partition;
+  options.method = kPartitionSurface;
   SurfaceModel smooth = make_surface_model(std::move(cloud), options, progress);
   const std::vector<Foot> to_smooth = feet_of(smooth, x, {}, progress);
   std::vector<std::uint8_t> skip = far_off(smooth, x, to_smooth);
@@ -133,7 +132,7 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
     moved += squared_norm(to_smooth[i].position - x[i]), ++known;
   }
   if (known > 0 && moved <= kOnlyNoise * noise * noise * known) return smooth;
-  options.method = SurfaceMethod::curvature;
+  options.method = "curvature";
   SurfaceModel close = make_surface_model(std::move(again), options, progress);
   const std::vector<Foot> to_close = feet_of(close, x, {}, progress);
   double nearer = 0, both = 0;
@@ -144,10 +143,18 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
   return nearer > noise * noise * both ? std::move(close) : std::move(smooth);
 }
 
-void ProjectToSurface::validate() const {
-  check_range("steps", steps, 1, 1000);
-  check_range("tolerance", tolerance, 1e-6, 1);
+const OptionSchema& ProjectToSurface::schema() {
+  using O = ProjectToSurface;
+  static constexpr OptionRow rows[] = {
+      option<&O::steps>({.text = "Steps of a point at most", .range = {1, 1000}}),
+      option<&O::tolerance>({.text = "A point stops after a step shorter than this ratio to the spacing",
+                             .unit = "ratio",
+                             .range = {1e-6, 1}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
 }
+
+void ProjectToSurface::validate() const { validate_options(*this); }
 
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
                         Progress& progress, SurfaceProjection* report) {

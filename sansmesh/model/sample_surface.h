@@ -7,12 +7,15 @@
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
 struct ProjectToSurface {
   int steps = 10;           ///< at most, 1..1000
   double tolerance = 1e-3;  ///< a step shorter than this share of the samples' spacing is the last, 1e-6..1
+
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -17,53 +17,17 @@
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/function/surface_function.h"
-#include "sansmesh/model/surface_methods.h"
+#include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_options.h"
 #include "sansmesh/points/prepare_cloud.h"
-#include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
 
-/// All optional values follow from the data where absent. Lengths are in the unit of the input. Which of them mean
-/// something to a method is in the table of surface_methods.h.
-struct SurfaceOptions {
-  using Normal = ImplicitOptions::Normal;
-  using Plane = ProjectionOptions::Plane;
-  using Polynomial = ProjectionOptions::Polynomial;
-  using Flow = ProjectionOptions::Flow;
-  using Diffusion = ProjectionOptions::Diffusion;
-  using SharpFormula = BilateralOptions::Formula;
-  SurfaceMethod method = SurfaceMethod::apss;
-  std::optional<double> smoothing = {};  ///< width of the weights over the local spacing, 0.5..20
-  std::optional<double> bandwidth = {};  ///< the same as one length for the whole cloud
-  SurfaceWeights weights = SurfaceWeights::compact;
-  std::optional<int> order = {};       ///< of the approximation: 2, 4 or 6
-  std::optional<int> iterations = {};  ///< of the approximation, 0..100: 0 smooths most
-  std::optional<double> epsilon = {};  ///< shape parameter of the approximation, 0.05..20
-  Normal normal = Normal::standard;    ///< of mean planes, or beside the gradient
-  Plane plane = Plane::iterated;       ///< under the polynomials
-  Polynomial polynomial = Polynomial::quadratic;
-  Flow flow = Flow::fit;                  ///< how points get onto the surface
-  Diffusion diffusion = Diffusion::none;  ///< whether samples off the surface count less
-  std::optional<double> threshold = {};   ///< of diffusion: λ over the inverse of the width, > 0; default 1
-  std::optional<int> tau = {};            ///< exponent of the M-like weights, 1..3; default 2
-  bool separate_sheets = true;            ///< samples that look the other way than those nearby do not count
-  bool sharp = false;                     ///< normals turn sharply at edges and corners
-  SharpFormula sharp_formula = SharpFormula::bilateral;
-  std::optional<double> error = {};   ///< accepted distance of samples from the shape of their cell (length)
-  std::optional<int> max_depth = {};  ///< deepest level of the octree, 2..14
-  bool smooth = false;                ///< no edges and corners
-
-  /// Whether an option is other than it is by itself.
-  bool is_set(SurfaceOption option) const;
-  /// Throws ArgumentError naming the field: for values out of range, and for those that mean nothing to the method.
-  void validate() const;
-};
-
 struct SurfaceReport {
-  SurfaceMethod method = SurfaceMethod::partition;
+  std::string method;
   double spacing = 0, noise = 0;  ///< of the samples (length, unit of the input)
-  double smoothing = 0;           ///< median width over the local spacing; 0 for partition
+  double smoothing = 0;           ///< median width over the local spacing; 0 where the method has no weights
   int order = 0, iterations = 0;  ///< amls
   std::size_t samples = 0;
 };
@@ -82,19 +46,15 @@ class SurfaceModel {
   const ScalarField& field(Progress& progress) const;
   /// Better normals than those of the field; null unless sharp or iterated ones were asked for.
   const NormalField* normals() const;
-  /// Whether the field has creases that a mesh should follow.
-  bool creases() const;
-  /// Whether the surface goes on where there are no samples: it is closed there, unless it bounds no solid.
-  bool closes_holes() const;
+  /// What consumers of the field need to know; sharp normals are creases, too.
+  SurfaceTraits traits() const;
   /// For placing the vertices of a mesh, where another field than field() is better; else null. Makes field().
   const ScalarField* placement(Progress& progress) const;
   /// Null unless the surface is defined by a projection.
   const Projection* projection() const;
-  /// Where the surface can be: first a ball for each of the samples, then what closes holes (not of the partition).
+  /// Where the surface can be: first a ball for each of the samples, then what closes holes; of a fitted function, its
+  /// supports.
   const BallUnion& balls() const;
-  /// How far from zero the field may be on either side of a jump that is part of the surface, over the radius of the
-  /// ball there: patches of planes that do not meet (hoppe), or nearly nothing.
-  double jump() const;
   const PointSet& points() const;
   /// The samples' colours, interpolated; null where they have none.
   const ColorField* colors() const;

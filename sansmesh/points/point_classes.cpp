@@ -116,6 +116,19 @@ PointClasses parse_point_classes(std::string_view list) {
   return classes;
 }
 
+std::string point_classes_text(const PointClasses& classes) {
+  std::string text;
+  for (std::size_t first = 0; first < classes.size(); ++first) {
+    if (!classes[first]) continue;
+    std::size_t last = first;
+    while (last + 1 < classes.size() && classes[last + 1]) ++last;
+    text += (text.empty() ? "" : ",") + std::to_string(first);
+    if (last > first) text += "-" + std::to_string(last);
+    first = last;
+  }
+  return text;
+}
+
 std::string_view point_class_name(unsigned number) {
   return number < std::size(kClassNames) ? kClassNames[number] : std::string_view();
 }

@@ -21,6 +21,9 @@ using PointClasses = std::bitset<256>;
 /// the names, for what is none of them.
 PointClasses parse_point_classes(std::string_view list);
 
+/// "2,3-5": what parse_point_classes reads as these classes.
+std::string point_classes_text(const PointClasses& classes);
+
 /// "ground"; empty for classes without a name.
 std::string_view point_class_name(unsigned number);
 

@@ -10,6 +10,7 @@
 #include "sansmesh/points/align_scans.h"
 #include "sansmesh/points/clean_samples.h"
 #include "sansmesh/points/cloud_shape.h"
+#include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
@@ -272,6 +273,12 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
     }
   }
   return result;
+}
+
+void sharpen_estimated_normals(PreparedCloud& cloud, Progress& progress) {
+  if (!cloud.estimated_normals) return;
+  progress.begin("denoise normals");
+  denoise_normals(cloud.points, {.spacing = cloud.spacing, .noise = cloud.noise}, progress);
 }
 
 }  // namespace sansmesh

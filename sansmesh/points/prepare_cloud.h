@@ -8,35 +8,11 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/placement.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/points/cloud_use.h"
 #include "sansmesh/points/face_shape.h"
-#include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/sights.h"
 
 namespace sansmesh {
-
-/// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
-/// the faces where the vertices are too few or far apart to describe the surface; vertices: these, however few or flat,
-/// and only the sides and normals of the faces, for what is asked at the vertices themselves.
-enum class FaceUse { automatic, ignore, sample, vertices };
-/// Given normals are used, and turned where they are not consistent, point inward or away from known scanners;
-/// as_given: not even looked at; estimate: they are replaced.
-enum class NormalUse { automatic, as_given, estimate };
-
-/// What is done to the samples before any method.
-struct CloudUse {
-  FaceUse faces = FaceUse::automatic;
-  NormalUse normals = NormalUse::automatic;
-  /// From what normals that need it get their signs. Other than automatic: given ones get them anew, too, and DataError
-  /// is thrown where nothing of the kind is known.
-  OrientBy orient_by = OrientBy::automatic;
-  /// Move scans that do not quite fit together onto each other (`find_scan_motions`). Where false, a warning tells of
-  /// scans that disagree.
-  bool align = false;
-  /// Leave out samples that belong to no surface (`find_outliers`), with a warning that counts them.
-  bool remove_outliers = false;
-  /// Only points of these classes (`keep_classes`), the others being left out before anything else.
-  std::optional<PointClasses> classes = {};
-};
 
 struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
@@ -61,5 +37,9 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
 /// or away from where the samples were seen. Throws DataError as above, and as keep_classes;
 /// ArgumentError for `orient_by` with normals as given.
 PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
+
+/// For surfaces with edges: estimated normals are made sharp there (`denoise_normals`). Estimates blur edges; normals
+/// that came with the samples may be exact, are only worse for it, and stay.
+void sharpen_estimated_normals(PreparedCloud& cloud, Progress& progress);
 
 }  // namespace sansmesh

@@ -60,6 +60,7 @@ struct OptionFacts {
   std::span<const std::string_view> choices = {};      ///< the words, in the order of the enumerators, from 0 on
   std::string_view name = {};                          ///< where it is not the field's
   std::string_view negative = {};                      ///< of flags: its name turned off; "no_" and its name if empty
+  std::string_view negative_text = {};                 ///< of flags: what it does turned off, where `text` is not that
   std::string_view implied = {};                       ///< its value where it is named without one; "" is one, too
   std::string_view needs = {};                         ///< an option without which this one means nothing
   std::string_view excludes = {};                      ///< an option that cannot be set as well

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
@@ -157,6 +158,12 @@ void ImplicitSurface::State::evaluate(std::span<const Vec3> x, std::span<double>
           if (!gradients.empty()) gradients[i] = Vec3(Vec3f{out.x[k], out.y[k], out.z[k]});
         }
       });
+}
+
+ImplicitMethod implicit_method(std::string_view name) {
+  const auto known = std::find(std::begin(kImplicitMethods), std::end(kImplicitMethods), name);
+  check_argument(known != std::end(kImplicitMethods), "`method` is no surface of weighted means");
+  return static_cast<ImplicitMethod>(known - std::begin(kImplicitMethods));
 }
 
 void ImplicitOptions::validate() const {

@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
@@ -23,6 +25,12 @@ enum class ImplicitMethod {
   apss,      ///< algebraic sphere fitted to the samples and their normals (Guennebaud & Gross 2007)
   amls       ///< iterated approximate moving least squares (tejada2008 §4.3.1)
 };
+
+/// In the order of the enumerators.
+inline constexpr std::string_view kImplicitMethods[] = {"hoppe",    "adamson", "kolluri", "dey",
+                                                        "extremal", "apss",    "amls"};
+/// Throws ArgumentError for a name that is none of them.
+ImplicitMethod implicit_method(std::string_view name);
 
 struct ImplicitOptions {
   ImplicitMethod method = ImplicitMethod::apss;
@@ -89,16 +97,16 @@ class ImplicitSurface : public ScalarField {
   std::unique_ptr<State> state_;
 };
 
-/// The iterated normals of a surface of amls, which must outlive it.
+/// The iterated normals of a surface of amls.
 class IteratedNormals : public NormalField {
  public:
-  explicit IteratedNormals(const ImplicitSurface& surface) : surface_(surface) {}
+  explicit IteratedNormals(std::shared_ptr<const ImplicitSurface> surface) : surface_(std::move(surface)) {}
   void refine(std::span<const Vec3> x, std::span<Vec3> normals) const override {
-    surface_.iterated_normals(x, normals);
+    surface_->iterated_normals(x, normals);
   }
 
  private:
-  const ImplicitSurface& surface_;
+  std::shared_ptr<const ImplicitSurface> surface_;
 };
 
 /// Throws ArgumentError for bad options.

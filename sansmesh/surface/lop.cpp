@@ -413,10 +413,22 @@ void give_normals(PointSet& result, const PointSet& cloud, Progress& progress) {
 
 }  // namespace
 
+const OptionSchema& LopOptions::schema() {
+  using O = LopOptions;
+  static constexpr OptionRow rows[] = {option<&O::radius>({.text = "lop: radius of the neighbourhoods",
+                                                           .unit = "length",
+                                                           .from_data = "from spacing and noise",
+                                                           .range = positive()}),
+                                       option<&O::repulsion>({.text = "lop: how strongly points keep apart",
+                                                              .unit = "share",
+                                                              .range = {.least = 0, .most = 0.5, .below = true}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void LopOptions::validate() const {
+  validate_options(*this);
   if (points && *points == 0) throw ArgumentError("`points` is 0; it must be at least 1");
-  if (radius && !(*radius > 0 && std::isfinite(*radius))) throw ArgumentError("`radius` must be positive");
-  if (!(repulsion >= 0 && repulsion < 0.5)) throw ArgumentError("`repulsion` must lie in [0, 0.5)");
   check_range("iterations", iterations, 1, 1000);
 }
 

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -28,6 +29,9 @@ struct LopOptions {
   bool normals = true;
   /// Where the points start.
   std::uint64_t seed = 1;
+
+  /// Radius and repulsion.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
@@ -39,6 +40,12 @@ struct ProjectionSurface::State {
   detail::Candidates candidates;
   double smoothing = 0;
 };
+
+ProjectionMethod projection_method(std::string_view name) {
+  const auto known = std::find(std::begin(kProjectionMethods), std::end(kProjectionMethods), name);
+  check_argument(known != std::end(kProjectionMethods), "`method` is no projection");
+  return static_cast<ProjectionMethod>(known - std::begin(kProjectionMethods));
+}
 
 void ProjectionOptions::validate() const {
   const auto check = [](bool ok, const char* what) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/field/ball_union.h"
@@ -16,6 +17,11 @@ enum class ProjectionMethod {
   alexa,     ///< the same with weights about the point itself: one step (Alexa et al. 2003)
   curvature  ///< mean plane, then principal curvatures from directional ones (tejada2008 §4.2)
 };
+
+/// In the order of the enumerators.
+inline constexpr std::string_view kProjectionMethods[] = {"levin", "alexa", "curvature"};
+/// Throws ArgumentError for a name that is none of them.
+ProjectionMethod projection_method(std::string_view name);
 
 struct ProjectionOptions {
   ProjectionMethod method = ProjectionMethod::curvature;

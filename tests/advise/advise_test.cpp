@@ -9,6 +9,7 @@
 #include <random>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/model/surface_method.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
@@ -45,7 +46,7 @@ TEST(Advise, SeesTheEdgesOfACube) {
     const auto picture = for_aim(advice, Aim::picture), mesh = for_aim(advice, Aim::mesh);
     ASSERT_TRUE(picture && mesh);
     EXPECT_TRUE(picture->sharp) << n;
-    EXPECT_EQ(mesh->surface, SurfaceMethod::partition) << "has creases itself";
+    EXPECT_EQ(mesh->surface, "partition") << "has creases itself";
     EXPECT_FALSE(mesh->sharp);
     EXPECT_FALSE(mesh->remove_outliers);
   }
@@ -74,8 +75,8 @@ TEST(Advise, SmoothsNoise) {
     EXPECT_TRUE(says(advice, "noisy")) << ratio;
     EXPECT_FALSE(says(advice, "sharp edges:")) << ratio;
     EXPECT_FALSE(says(advice, "borders")) << ratio;
-    EXPECT_EQ(for_aim(advice, Aim::points).value().surface, SurfaceMethod::partition) << ratio;
-    EXPECT_EQ(for_aim(advice, Aim::curvature).value().surface, SurfaceMethod::curvature) << ratio;
+    EXPECT_EQ(for_aim(advice, Aim::points).value().surface, "partition") << ratio;
+    EXPECT_EQ(for_aim(advice, Aim::curvature).value().surface, "curvature") << ratio;
   }
 }
 
@@ -214,7 +215,7 @@ TEST(Advise, SeesUnevenSampling) {
   EXPECT_LT(ask(ball).traits.density_ratio, 1.3);
 }
 
-TEST(Advise, RecommendsWhatTheMethodHeeds) {
+TEST(Advise, RecommendsWhatTheMethodUses) {
   PointSet strays = test::cube(6000);
   for (int i = 0; i < 60; ++i) {
     strays.positions.push_back({3 * std::cos(0.1f * float(i)), 3 * std::sin(0.1f * float(i)), 0.05f * float(i)});
@@ -222,7 +223,7 @@ TEST(Advise, RecommendsWhatTheMethodHeeds) {
   }
   for (const PointSet& cloud : {test::cube(6000), test::sphere(6000, 0.02), strays})
     for (const Recommendation& r : ask(cloud).recommendations) {
-      EXPECT_TRUE(!r.sharp || surface_method_info(r.surface).heeds(SurfaceOption::sharp)) << aim_word(r.aim);
+      EXPECT_TRUE(!r.sharp || surface_method(r.surface).uses_option("sharp")) << aim_word(r.aim);
       EXPECT_GT(r.why.size(), 10u);
     }
 }

@@ -72,7 +72,7 @@ TEST_F(Completion, OfBash) {
       {"sansmesh volume pr", "probe"},
       {"sansmesh --threads 2 volume r", "render resample"},
       {"sansmesh reconstruct --fa", "--faces"},
-      {"sansmesh reconstruct --faces ", "auto ignore sample"},
+      {"sansmesh reconstruct --faces ", "auto ignore sample vertices"},
       {"sansmesh reconstruct --faces = s", "sample"},
       {"sansmesh reconstruct owl.ply --surface a", "adamson alexa amls apss"},
       {"sansmesh reconstruct owl.p", "owl.ply"},
@@ -80,7 +80,7 @@ TEST_F(Completion, OfBash) {
       {"sansmesh mesh ow", "owl.smf owls"},
       {"sansmesh mesh owl.smf -o ow", "owl.PLY.gz owl.ply owls"},
       {"sansmesh mesh owl.smf --output = owl.t", "owl.tar owl.txt"},
-      {"sansmesh mesh owl.smf --depth ", ""},
+      {"sansmesh mesh owl.smf --block-depth ", ""},
       {"sansmesh completion ", "bash fish zsh"},
       {"sansmesh info --js", "--json"}};
   std::string typed;

@@ -80,7 +80,7 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
 
   // A mesh of something else is not trusted.
   write_mesh(path("other.ply"), read_mesh(path("new.ply")));
-  ASSERT_EQ(run({"mesh", "owl.smf", "-o", "other.ply", "--depth", "4"}).code, 0);
+  ASSERT_EQ(run({"mesh", "owl.smf", "-o", "other.ply", "--block-depth", "4"}).code, 0);
   const Json anew =
       json_of({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
   EXPECT_FALSE(anew["mesh"]["local"]);
@@ -161,9 +161,9 @@ TEST_F(EditCommands, ErrorsAreOneLineAndWriteNothing) {
       {{"mesh", "ball.smf", "-o", "x.ply", "--box", "0,0,0,1,1,-1"}, 2, {"box"}},
       {{"mesh", "ball.smf", "-o", "x.ply", "--box", "0,0,0,1,1,nan"}, 2, {"box"}},
       {{"mesh", "ball.smf", "-o", "x.ply", "--box", "7,7,7,8,8,8"}, 1, {"ball.smf", "no surface in the box"}},
-      {{"mesh", "ball.smf", "-o", "x.ply", "--depth", "1"}, 2, {"depth"}},
-      {{"mesh", "ball.smf", "-o", "x.ply", "--depth", "15"}, 2, {"depth", "2..14"}},
-      {{"mesh", "ball.smf", "-o", "x.ply", "--depth", "deep"}, 2, {"--depth"}},
+      {{"mesh", "ball.smf", "-o", "x.ply", "--block-depth", "1"}, 2, {"depth"}},
+      {{"mesh", "ball.smf", "-o", "x.ply", "--block-depth", "15"}, 2, {"depth", "2..14"}},
+      {{"mesh", "ball.smf", "-o", "x.ply", "--block-depth", "deep"}, 2, {"--block-depth"}},
   });
 }
 
@@ -189,7 +189,7 @@ TEST_F(EditCommands, MeshInABox) {
 TEST_F(EditCommands, MeshAtADepth) {
   fit(kOwl, "owl.smf");
   const int full = json_of({"mesh", "owl.smf", "-o", "a.ply"})["output"]["triangles"];
-  const Json coarse = json_of({"mesh", "owl.smf", "-o", "b.ply", "--depth", "4"});
+  const Json coarse = json_of({"mesh", "owl.smf", "-o", "b.ply", "--block-depth", "4"});
   EXPECT_LT(coarse["output"]["triangles"].get<int>(), full / 2);
   EXPECT_TRUE(coarse["output"]["closed"]);
   EXPECT_LE(coarse["depth"].get<int>(), 4);

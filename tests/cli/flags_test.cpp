@@ -4,7 +4,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/model/surface_methods.h"
+#include "sansmesh/model/surface_method.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
@@ -38,7 +38,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
       lop{"project", "ball.ply", "-o", "x.ply", "--method", "lop"}, normals{"normals", "ball.ply", "-o", "x.ply"},
       curvature{"curvature", "ball.ply", "-o", "x.ply"}, diagnose{"diagnose", "ball.smf"},
       csg{"csg", "sphere(1)", "-o", "x.ply"}, section{"section", "ball.smf"},
-      compare{"compare", "ball.ply", "ball.ply"}, evaluate{"evaluate", "ball.ply", "ball.ply"};
+      compare{"compare", "ball.ply", "ball.ply"}, evaluate{"assess", "ball.ply", "ball.ply"};
   std::vector<Mistyped> wrong{{reconstruct, {"--depth", "40"}},
                               {reconstruct, {"--error", "-1"}},
                               {reconstruct, {"--support", "99"}},
@@ -50,7 +50,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
                               {reconstruct, {"--components", "0"}},
                               {fit, {"--depth", "1"}},
                               {fit, {"--error", "1e9"}},
-                              {mesh, {"--depth", "15"}},
+                              {mesh, {"--block-depth", "15"}},
                               {mesh, {"--mesh-error", "nan"}},
                               {mesh, {"--box", "1,1,1,0,0,0"}},
                               {render, {"--width", "0"}},
@@ -146,9 +146,9 @@ TEST_F(Flags, HelpTellsOfEverySurface) {
     std::istringstream words(run({command, "--help"}).out);
     std::string help;
     for (std::string word; words >> word;) help += word + " ";
-    for (const SurfaceMethodInfo& info : surface_methods())
-      EXPECT_NE(help.find(std::string(info.name) + " " + info.summary), std::string::npos)
-          << command << ", " << info.name;
+    for (const SurfaceMethod* const method : SurfaceMethod::registry().all())
+      EXPECT_NE(help.find(std::string(method->name) + " " + std::string(method->summary)), std::string::npos)
+          << command << ", " << method->name;
   }
   // Names are checked against the same table.
   write_points(path("ball.ply"), sphere(300));
@@ -158,7 +158,7 @@ TEST_F(Flags, HelpTellsOfEverySurface) {
         std::vector<std::string>{"project", "ball.ply", "-o", "x.ply", "--method", "marble"}}) {
     const Outcome outcome = run(line);
     EXPECT_EQ(outcome.code, 2);
-    EXPECT_NE(outcome.err.find(surface_method_names()), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(SurfaceMethod::registry().names()), std::string::npos) << outcome.err;
   }
 }
 

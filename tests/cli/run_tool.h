@@ -79,6 +79,8 @@ class ToolTest : public ::testing::Test {
     std::filesystem::remove_all(folder_, ignored);
   }
 
+  /// What is run.
+  virtual const char* program() const { return tool(); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void write(const std::string& name, const std::string& content) const {
     std::ofstream(folder_ / name, std::ios::binary) << content;
@@ -105,10 +107,10 @@ class ToolTest : public ::testing::Test {
       ::dup2(o, 1), ::dup2(e, 2);
       std::signal(SIGINT, SIG_DFL);  // whatever the tests are run by
       prepare();
-      std::vector<char*> argv{const_cast<char*>(tool())};
+      std::vector<char*> argv{const_cast<char*>(program())};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
       argv.push_back(nullptr);
-      ::execv(tool(), argv.data());
+      ::execv(program(), argv.data());
       ::_exit(127);
     }
     return child;

@@ -364,7 +364,7 @@ TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
            {{"render", "ball.ply", "-o", "out.png", "--surface", "apss", "--color-by", "blue"}, "blue"},
            {{"reconstruct", "ball.ply", "-o", "out.ply", "--surface", "marble"}, "marble"},
            {{"reconstruct", "ball.ply", "-o", "out.ply", "--surface", "apss", "--iterations", "3"}, "iterations"},
-           {{"reconstruct", "ball.ply", "-o", "out.ply", "--bandwidth", "3"}, "--surface"}}) {
+           {{"reconstruct", "ball.ply", "-o", "out.ply", "--bandwidth", "3"}, "--bandwidth"}}) {
     std::string line;
     for (const std::string& a : wrong.arguments) line += a + " ";
     const Outcome outcome = run(wrong.arguments);

@@ -6,10 +6,10 @@
 #include "io/io_test_tools.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/same_bytes.h"
 #include "support/section_bytes.h"
@@ -62,7 +62,7 @@ void expect_same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
 TEST(FunctionFile, ReadIsWhatWasWritten) {
   const Folder folder;
   FitOptions smooth;
-  smooth.sharp = false, smooth.max_degree = 2, smooth.support = 1.4, smooth.max_depth = 6, smooth.error = 1e-3;
+  smooth.sharp = false, smooth.degree = 2, smooth.support = 1.4, smooth.depth = 6, smooth.error = 1e-3;
   const std::pair<PointSet, FitOptions> cases[] = {{sphere(1500), {}},
                                                    {colored(cube(6000)), {}},
                                                    {moved_far(colored(torus(2000))), {}},
@@ -172,7 +172,7 @@ TEST(FunctionFile, ReconstructIsFitAndMesh) {
   const Folder folder;
   const PointSet cloud = moved_far(colored(torus(2500)));
   Progress progress;
-  const TriangleMesh whole = reconstruct(cloud, {}, progress);
+  const TriangleMesh whole = reconstruct(cloud, {}, progress).mesh;
   write_function(folder / "f.smf", fitted(cloud));
   expect_same_mesh(whole, meshed(read_function(folder / "f.smf")));
 }

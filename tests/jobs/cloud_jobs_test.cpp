@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/jobs/curvature.h"
+#include "sansmesh/jobs/info.h"
 #include "sansmesh/jobs/normals.h"
+#include "sansmesh/jobs/project.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
@@ -79,6 +83,98 @@ TEST(CurvatureJob, OfAMeshEveryVertexKeepsItsPlace) {
   EXPECT_EQ(made.points.triangles, ball.triangles);
   EXPECT_THROW(curvature(ball, {.color_range = 0}, progress), ArgumentError);
   EXPECT_THROW(curvature(ball, {.estimation = {.tau = 9}}, progress), ArgumentError);
+}
+
+TEST(ProjectJob, ChoosesWhatSuitsTheSamples) {
+  Progress progress;
+  const PointSet noisy = sphere(3000, 0.02);
+  const ProjectResult suited = project({.points = noisy}, {}, progress);
+  EXPECT_EQ(suited.report.method, "partition");
+  EXPECT_GT(suited.report.moved.mean_move, 0);
+  ProjectOptions options;
+  options.surface.smoothing = 3;
+  EXPECT_EQ(project({.points = noisy}, options, progress).report.method, "curvature");
+  options.method = "apss";
+  options.points = 400;
+  const ProjectResult spread = project({.points = noisy}, options, progress);
+  EXPECT_EQ(spread.report.method, "apss");
+  EXPECT_NEAR(static_cast<double>(spread.points.size()), 400, 60);
+  EXPECT_EQ(project({.points = noisy}, {.method = "lop", .points = 500}, progress).points.size(), 500u);
+}
+
+TEST(ProjectJob, NamesWhoseFaultItIs) {
+  Progress progress;
+  PointSet far = sphere(20);
+  for (Vec3f& p : far.positions) p *= 9.0f;
+  const auto error = [&](ProjectInput input, const ProjectOptions& options) -> std::string {
+    try {
+      project(std::move(input), options, progress);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(
+      error({.points = far, .name = "far.ply", .onto = sphere(1000), .onto_name = "ball.ply"}, {.method = "apss"}),
+      "far.ply: no point lies near enough to the surface of ball.ply");
+  EXPECT_EQ(
+      error({.points = far, .name = "far.ply", .onto = sphere(4), .onto_name = "few.ply"}, {}).rfind("few.ply: ", 0),
+      0u);
+  EXPECT_EQ(error({.points = {}, .name = "none.ply"}, {.method = "lop"}).rfind("none.ply: ", 0), 0u);
+}
+
+TEST(ProjectJob, RefusesWhatMeansNothing) {
+  Progress progress;
+  const PointSet ball = sphere(500);
+  const auto refuses = [&](const ProjectOptions& options, std::optional<PointSet> onto = {}) {
+    EXPECT_THROW(project({.points = ball, .onto = std::move(onto)}, options, progress), ArgumentError)
+        << options.method;
+  };
+  refuses({.method = "magic"});
+  refuses({.points = 0});
+  refuses({.steps = {.steps = 0}});
+  refuses({.lop = {.radius = 1}});
+  refuses({.method = "apss", .lop = {.repulsion = 0.2}});
+  refuses({.method = "lop", .lop = {.repulsion = 0.5}});
+  refuses({.method = "lop", .steps = {.steps = 3}});
+  refuses({.method = "lop", .cloud = {.remove_outliers = true}});
+  refuses({.method = "lop"}, sphere(100));
+  ProjectOptions sharp{.method = "lop"};
+  sharp.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
+  refuses(sharp);
+}
+
+TEST(InfoJob, TellsOfACloudAndItsArrays) {
+  Progress progress;
+  PointSet cloud = sphere(1000);
+  cloud.origin = {100, 200, 300};
+  cloud.positions.push_back(cloud.positions[0]);
+  cloud.normals.push_back(cloud.normals[0]);
+  cloud.attributes.set("pair", std::vector<float>(2002, 1.0f), 2);
+  std::vector<std::uint8_t> classes(1001, 2);
+  classes[7] = 6;
+  cloud.attributes.set("classification", classes);
+  const CloudInfo made = info(cloud, progress);
+  EXPECT_EQ(made.points, 1001u);
+  EXPECT_EQ(made.duplicates, 1u);
+  EXPECT_EQ(made.spans, "a volume");
+  EXPECT_NEAR(made.box.lower.y, 199, 0.1);
+  EXPECT_TRUE(made.normals.oriented);
+  ASSERT_EQ(made.attributes.size(), 2u);
+  EXPECT_EQ(made.attributes[0].ranges.size(), 2u);
+  EXPECT_EQ(made.attributes[1].ranges[0], std::pair(2.0, 6.0));
+  ASSERT_TRUE(made.classes);
+  EXPECT_EQ((*made.classes)[2], 1000u);
+  EXPECT_FALSE(made.mesh);
+}
+
+TEST(InfoJob, TellsHowAMeshHangsTogether) {
+  Progress progress;
+  const PointSet ball = ball_mesh(3);
+  const CloudInfo made = info(ball, progress);
+  EXPECT_EQ(made.triangles, ball.triangles.size());
+  ASSERT_TRUE(made.mesh);
+  EXPECT_TRUE(made.mesh->closed());
 }
 
 }  // namespace

@@ -19,7 +19,6 @@
 #include "sansmesh/surface/projection_surface.h"
 #include "support/clouds.h"
 #include "support/simd_targets.h"
-#include "support/surface_names.h"
 #include "volume/volume_checks.h"
 
 namespace sansmesh::test {
@@ -180,10 +179,10 @@ PointSet of_two_densities() {
 TEST(SameBits, ImplicitSurfaces) {
   const PointSet cloud = of_two_densities();
   const std::vector<Vec3> x = places_near(cloud, 0.1, 3);
-  for (const std::string& name : surface_names(SurfaceFamily::implicit))
+  for (const std::string_view name : kImplicitMethods)
     for (const double smoothing : {1.2, 2.5}) {
       SCOPED_TRACE(name);
-      const auto method = std::get<ImplicitMethod>(surface_method_info(surface_method(name)).formula);
+      const auto method = implicit_method(name);
       ImplicitOptions options{.method = method, .smoothing = smoothing};
       if (options.method == ImplicitMethod::amls) options.order = smoothing < 2 ? 4 : 6, options.iterations = 3;
       expect_same_bits([&](Found& found) {
@@ -203,10 +202,10 @@ TEST(SameBits, Projections) {
   const PointSet cloud = sphere(1500, 0.004);
   const std::vector<Vec3> x = places_near(cloud, 0.05, 3);
   using Diffusion = ProjectionOptions::Diffusion;
-  for (const std::string& name : surface_names(SurfaceFamily::projection))
+  for (const std::string_view name : kProjectionMethods)
     for (const Diffusion diffusion : {Diffusion::none, Diffusion::soft, Diffusion::hard}) {
       SCOPED_TRACE(name);
-      const auto method = std::get<ProjectionMethod>(surface_method_info(surface_method(name)).formula);
+      const auto method = projection_method(name);
       const ProjectionOptions options{.method = method, .diffusion = diffusion};
       if (diffusion != Diffusion::none && options.method != ProjectionMethod::curvature) continue;
       expect_same_bits([&](Found& found) {

@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/clouds.h"
 #include "support/edged_shapes.h"
@@ -27,9 +27,12 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 TriangleMesh mesh_of(const PointSet& cloud, bool sharp, ReconstructReport* report = nullptr) {
   ReconstructOptions options;
-  options.surface = SurfaceOptions{.sharp = sharp};
+  options.surface = {};
+  if (sharp) options.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
   Progress progress;
-  return reconstruct(cloud, options, progress, report);
+  ReconstructResult made = reconstruct(cloud, options, progress);
+  if (report) *report = made.report;
+  return std::move(made.mesh);
 }
 
 Vec3 corner(const TriangleMesh& mesh, std::size_t t, std::size_t k) {

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/model/surface_domain.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
@@ -28,9 +28,11 @@ constexpr double kPi = std::numbers::pi;
 
 TriangleMesh surface_mesh(const PointSet& cloud, const char* name, ReconstructOptions options = {},
                           ReconstructReport* report = nullptr) {
-  options.surface = SurfaceOptions{.method = surface_method(name)};
+  options.surface = {.method = name};
   Progress progress;
-  return reconstruct(cloud, options, progress, report);
+  ReconstructResult made = reconstruct(cloud, options, progress);
+  if (report) *report = made.report;
+  return std::move(made.mesh);
 }
 
 PointSet part_of(const PointSet& cloud, const std::function<bool(const Vec3f&)>& keep) {
@@ -91,7 +93,7 @@ TEST_P(SurfaceMesh, IsTrimmedAtItsDistance) {
     const double spacing = std::sqrt(4 * kPi / 6000);
     const double trim = share * spacing, limit = share > 0 ? trim : 4.2 * spacing;
     ReconstructOptions options;
-    options.trim = trim;
+    options.mesh.trim = trim;
     const TriangleMesh mesh = surface_mesh(cloud, GetParam(), options, &report);
     const KdTree samples(cloud.positions);
     for (const Vec3f& v : mesh.vertices)
@@ -182,7 +184,7 @@ TEST(SurfaceMesh, HolesOfSolidsAreClosed) {
   EXPECT_EQ(measure_topology(surface_mesh(half, "apss", {}, &report)).boundary_loops, 2u);
   EXPECT_TRUE(report.open);
   ReconstructOptions fill;
-  fill.fill_holes = 0.4;
+  fill.mesh.fill_holes = 0.4;
   EXPECT_EQ(measure_topology(surface_mesh(half, "apss", fill)).boundary_loops, 1u);
 }
 

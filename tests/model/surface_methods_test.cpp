@@ -1,14 +1,19 @@
-// The table of surfaces: one entry is all that a method takes.
-#include "sansmesh/model/surface_methods.h"
+// Surfaces by name, and their options.
+#include "sansmesh/model/surface_method.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/surface_names.h"
@@ -16,119 +21,96 @@
 namespace sansmesh {
 namespace {
 
-TEST(SurfaceMethods, NamesAreTheMethods) {
-  std::set<std::string> names, summaries;
-  for (const SurfaceMethodInfo& info : surface_methods()) {
-    EXPECT_EQ(surface_method(info.name), info.method);
-    EXPECT_EQ(surface_method_info(info.method).name, info.name);
-    EXPECT_TRUE(names.insert(info.name).second) << info.name;
-    EXPECT_TRUE(summaries.insert(info.summary).second) << info.name << " is described as another one is";
-    EXPECT_NE(surface_method_names().find(info.name), std::string::npos);
+TEST(SurfaceMethods, AreFoundByTheirNames) {
+  std::set<std::string_view> names, summaries;
+  const std::string all = SurfaceMethod::registry().names();
+  EXPECT_TRUE(
+      all.starts_with("partition, hoppe, adamson, kolluri, dey, extremal, apss, amls, levin, alexa, curvature, mpu"))
+      << all;
+  for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
+    EXPECT_EQ(&surface_method(method->name), method);
+    EXPECT_TRUE(names.insert(method->name).second) << method->name;
+    EXPECT_TRUE(summaries.insert(method->summary).second) << method->name << " is described as another one is";
   }
   for (const char* wrong : {"poisson", "", "APSS", "apss "}) {
     try {
       surface_method(wrong);
       ADD_FAILURE() << "'" << wrong << "' is a surface";
     } catch (const ArgumentError& error) {
-      EXPECT_NE(std::string(error.what()).find("known are " + surface_method_names()), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("known are " + all), std::string::npos);
     }
   }
-  EXPECT_THROW(surface_method_info(static_cast<SurfaceMethod>(surface_methods().size())), ArgumentError);
+}
+
+TEST(SurfaceMethods, NamesAreTakenOnce) {
+  EXPECT_THROW(SurfaceMethod::registry().add({.name = "apss", .summary = "", .page = ""}), ArgumentError);
+  EXPECT_THROW(SurfaceMethod::registry().add({.name = "", .summary = "", .page = ""}), ArgumentError);
 }
 
 TEST(SurfaceMethods, HavePagesInTheDocs) {
-  for (const SurfaceMethodInfo& info : surface_methods())
-    EXPECT_TRUE(std::filesystem::is_regular_file(test::source_file(std::string("docs/methods/") + info.page)))
-        << info.name << ": " << info.page;
+  for (const SurfaceMethod* const method : SurfaceMethod::registry().all())
+    EXPECT_TRUE(std::filesystem::is_regular_file(test::source_file("docs/methods/" + std::string(method->page))))
+        << method->name << ": " << method->page;
 }
 
-/// An option other than it is by itself, and in range.
-SurfaceOptions with(SurfaceMethod method, SurfaceOption option) {
-  SurfaceOptions o{.method = method};
-  switch (option) {
-    case SurfaceOption::smoothing:
-      o.smoothing = 2;
-      break;
-    case SurfaceOption::bandwidth:
-      o.bandwidth = 0.15;
-      break;
-    case SurfaceOption::weights:
-      o.weights = SurfaceWeights::gaussian;
-      break;
-    case SurfaceOption::epsilon:
-      o.epsilon = 0.8;
-      break;
-    case SurfaceOption::normal:
-      o.normal = method == SurfaceMethod::amls ? SurfaceOptions::Normal::iterated : SurfaceOptions::Normal::covariance;
-      break;
-    case SurfaceOption::plane:
-      o.plane = SurfaceOptions::Plane::nonlinear;
-      break;
-    case SurfaceOption::polynomial:
-      o.polynomial = SurfaceOptions::Polynomial::cubic;
-      break;
-    case SurfaceOption::flow:
-      o.flow = SurfaceOptions::Flow::normal;
-      break;
-    case SurfaceOption::threshold:
-      o.diffusion = SurfaceOptions::Diffusion::soft;  // which it is the threshold of
-      o.threshold = 2;
-      break;
-    case SurfaceOption::tau:
-      o.tau = 1;
-      break;
-    case SurfaceOption::order:
-      o.order = 2;
-      break;
-    case SurfaceOption::iterations:
-      o.iterations = 1;
-      break;
-    case SurfaceOption::diffusion:
-      o.diffusion = SurfaceOptions::Diffusion::hard;
-      break;
-    case SurfaceOption::separate_sheets:
-      o.separate_sheets = false;
-      break;
-    case SurfaceOption::sharp:
-      o.sharp = true;
-      break;
-    case SurfaceOption::error:
-      o.error = 0.01;
-      break;
-    case SurfaceOption::max_depth:
-      o.max_depth = 5;
-      break;
-    case SurfaceOption::smooth:
-      o.smooth = true;
-      break;
-  }
+/// A method, with an option other than it is by itself, and in range.
+SurfaceOptions with(std::string_view method, std::string_view option) {
+  using S = SurfaceOptions;
+  SurfaceOptions o{.method = std::string(method)};
+  const std::pair<std::string_view, OptionValue> values[] = {{"sharp", std::string("laguerre")},
+                                                             {"smoothing", 2.0},
+                                                             {"bandwidth", 0.15},
+                                                             {"weights", std::string("gaussian")},
+                                                             {"order", std::string("2")},
+                                                             {"iterations", std::int64_t{1}},
+                                                             {"epsilon", 0.8},
+                                                             {"normal", std::string("covariance")},
+                                                             {"plane", std::string("nonlinear")},
+                                                             {"polynomial", std::string("3")},
+                                                             {"flow", std::string("normal")},
+                                                             {"diffusion", std::string("hard")},
+                                                             {"threshold", 2.0},
+                                                             {"tau", std::int64_t{1}},
+                                                             {"separate_sheets", false},
+                                                             {"error", 0.01},
+                                                             {"depth", std::int64_t{5}},
+                                                             {"smooth", true}};
+  for_each_option(S::schema(), &o, [&](const OptionRow& row, void* owner) {
+    if (row.name != option) return;
+    for (const auto& [name, value] : values)
+      if (name == option) return set_option(row, owner, value);
+    ADD_FAILURE() << "no value to try " << option << " with";
+  });
+  if (option == "threshold") o.diffusion = S::Diffusion::soft;  // which it is the threshold of
+  if (option == "normal" && method == "amls") o.normal = S::Normal::iterated;
   return o;
 }
 
-TEST(SurfaceMethods, OptionsAreTakenByThoseThatHeedThemOnly) {
-  for (const SurfaceMethodInfo& info : surface_methods()) {
-    EXPECT_NO_THROW(SurfaceOptions{.method = info.method}.validate()) << info.name;
-    for (std::size_t i = 0; i < kSurfaceOptions; ++i) {
-      const auto option = static_cast<SurfaceOption>(i);
-      const SurfaceOptions o = with(info.method, option);
-      for (std::size_t k = 0; k < kSurfaceOptions; ++k) {
-        const bool goes_with =
-            option == SurfaceOption::threshold && static_cast<SurfaceOption>(k) == SurfaceOption::diffusion;
-        EXPECT_EQ(o.is_set(static_cast<SurfaceOption>(k)), k == i || goes_with) << field_name(option);
-      }
-      if (info.heeds(option)) {
-        EXPECT_NO_THROW(o.validate()) << info.name << ", " << field_name(option);
-        EXPECT_NE(heeded_by(option).find(info.name), std::string::npos);
+TEST(SurfaceMethods, OptionsAreTakenByThoseThatUseThemOnly) {
+  std::vector<std::string_view> options;
+  const SurfaceOptions usual;
+  for_each_option(SurfaceOptions::schema(), &usual, [&](const OptionRow& row, const void*) {
+    if (row.name != "method") options.push_back(row.name);
+  });
+  for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
+    EXPECT_NO_THROW(SurfaceOptions{.method = std::string(method->name)}.validate()) << method->name;
+    for (const std::string_view option : method->uses)
+      EXPECT_NE(std::find(options.begin(), options.end(), option), options.end()) << method->name << ": " << option;
+    for (const std::string_view option : options) {
+      const SurfaceOptions o = with(method->name, option);
+      if (method->uses_option(option)) {
+        EXPECT_NO_THROW(o.validate()) << method->name << ", " << option;
+        EXPECT_NE(surfaces_that_use(option).find(method->name), std::string::npos);
         continue;
       }
       try {
         o.validate();
-        ADD_FAILURE() << info.name << " takes " << field_name(option);
+        ADD_FAILURE() << method->name << " takes " << option;
       } catch (const ArgumentError& error) {
         const std::string said = error.what();
-        const char* const named = option == SurfaceOption::threshold ? "diffusion" : field_name(option);
+        const std::string_view named = option == "threshold" ? "diffusion" : option;
         EXPECT_NE(said.find(named), std::string::npos) << said;
-        EXPECT_NE(said.find(info.name), std::string::npos) << said;
+        EXPECT_NE(said.find(method->name), std::string::npos) << said;
       }
     }
   }
@@ -144,18 +126,19 @@ TEST(SurfaceMethods, ValuesAreRefusedWhereTheyMeanNothing) {
       EXPECT_NE(std::string(error.what()).find("`" + field + "`"), std::string::npos) << error.what();
     }
   };
-  refused({.method = SurfaceMethod::adamson, .normal = S::Normal::iterated}, "normal");
-  refused({.method = SurfaceMethod::amls, .normal = S::Normal::covariance}, "normal");
-  refused({.method = SurfaceMethod::curvature, .threshold = 1}, "threshold");
-  refused({.method = SurfaceMethod::curvature, .tau = 4}, "tau");
-  refused({.method = SurfaceMethod::curvature, .diffusion = S::Diffusion::hard, .threshold = 0}, "threshold");
-  refused({.method = SurfaceMethod::amls, .epsilon = 0}, "epsilon");
-  refused({.sharp_formula = S::SharpFormula::laguerre}, "sharp_formula");
+  refused({.method = "adamson", .normal = S::Normal::iterated}, "normal");
+  refused({.method = "amls", .normal = S::Normal::covariance}, "normal");
+  refused({.method = "curvature", .threshold = 1}, "threshold");
+  refused({.method = "curvature", .tau = 4}, "tau");
+  refused({.method = "curvature", .diffusion = S::Diffusion::hard, .threshold = 0}, "threshold");
+  refused({.method = "amls", .epsilon = 0}, "epsilon");
+  refused({.method = "amls", .order = 3}, "order");
+  refused({.method = "amls", .order = 8}, "order");
 }
 
 /// The model's normals are those that were asked for: iterated ones, sharp ones, or the latter of the former.
 TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
-  SurfaceOptions o{.method = SurfaceMethod::amls, .smoothing = 1.2, .order = 4, .iterations = 3};
+  SurfaceOptions o{.method = "amls", .smoothing = 1.2, .order = 4, .iterations = 3};
   Progress progress;
   const PointSet cloud = test::cube(3000);
   const std::vector<Vec3> x{{1, 0.3, 0.9}, {1, -0.2, 0.1}};
@@ -172,9 +155,9 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
   const std::vector<Vec3> plain = normals_of(o);
   o.normal = SurfaceOptions::Normal::iterated;
   const std::vector<Vec3> iterated = normals_of(o);
-  o.sharp = true;
+  o.sharp = SurfaceOptions::SharpFormula::bilateral;
   const std::vector<Vec3> both = normals_of(o);
-  o.sharp_formula = SurfaceOptions::SharpFormula::laguerre;
+  o.sharp = SurfaceOptions::SharpFormula::laguerre;
   const std::vector<Vec3> laguerre = normals_of(o);
   // Only h/√ε counts, of these weights as of the surface's.
   o.smoothing = 1.5, o.epsilon = 1;
@@ -189,13 +172,13 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
 
 class EveryMethodOfTheTable : public testing::TestWithParam<std::string> {};
 
-/// A sphere of a surface by itself and with each option that it heeds.
+/// A sphere of a surface by itself and with each option that it uses.
 TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
-  const SurfaceMethodInfo& info = surface_method_info(surface_method(GetParam()));
+  const SurfaceMethod& method = surface_method(GetParam());
   const std::size_t n = 2000;
   const PointSet cloud = test::sphere(n);
   const auto check = [&](SurfaceOptions choice, const std::string& what) {
-    if (info.heeds(SurfaceOption::order) && !choice.bandwidth) {  // cross validation takes its time
+    if (method.uses_option("order") && !choice.bandwidth) {  // cross validation takes its time
       if (!choice.order) choice.order = 4;
       if (!choice.iterations) choice.iterations = 3;
       if (!choice.smoothing) choice.smoothing = 1.2;
@@ -203,7 +186,7 @@ TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
     ReconstructOptions options;
     options.surface = choice;
     Progress progress;
-    const TriangleMesh mesh = reconstruct(cloud, options, progress);
+    const TriangleMesh mesh = reconstruct(cloud, options, progress).mesh;
     const MeshTopology topology = measure_topology(mesh);
     EXPECT_EQ(topology.components, 1u) << what;
     EXPECT_TRUE(topology.manifold()) << what;
@@ -212,8 +195,8 @@ TEST_P(EveryMethodOfTheTable, MakesTheSurfaceOfASphere) {
     for (const Vec3f& v : mesh.vertices) sum += std::abs(norm(v) - 1);
     EXPECT_LT(sum / static_cast<double>(mesh.vertices.size()), 0.05) << what;
   };
-  check({.method = info.method}, "by itself");
-  for (const SurfaceOption option : info.options) check(with(info.method, option), field_name(option));
+  check({.method = GetParam()}, "by itself");
+  for (const std::string_view option : method.uses) check(with(GetParam(), option), std::string(option));
 }
 
 INSTANTIATE_TEST_SUITE_P(Names, EveryMethodOfTheTable, testing::ValuesIn(test::surface_names()),
@@ -224,9 +207,9 @@ TEST(ReconstructOptions, OptionsOfTheFitBelongToThePartition) {
     ReconstructOptions o;
     change(o);
     EXPECT_NO_THROW(o.validate()) << field;
-    o.surface = SurfaceOptions{.method = SurfaceMethod::partition};
+    o.surface = {.method = "partition"};
     EXPECT_NO_THROW(o.validate()) << field;
-    o.surface = SurfaceOptions{.method = SurfaceMethod::kolluri};
+    o.surface = {.method = "kolluri"};
     try {
       o.validate();
       ADD_FAILURE() << field << " is taken";
@@ -234,20 +217,20 @@ TEST(ReconstructOptions, OptionsOfTheFitBelongToThePartition) {
       EXPECT_NE(std::string(error.what()).find(field), std::string::npos) << error.what();
     }
   };
-  refused([](ReconstructOptions& o) { o.max_depth = 5; }, "max_depth");
-  refused([](ReconstructOptions& o) { o.error = 0.1; }, "error");
-  refused([](ReconstructOptions& o) { o.support = 1.4; }, "support");
-  refused([](ReconstructOptions& o) { o.max_degree = 2; }, "max_degree");
-  refused([](ReconstructOptions& o) { o.sharp = false; }, "sharp");
+  refused([](ReconstructOptions& o) { o.fit.depth = 5; }, "depth");
+  refused([](ReconstructOptions& o) { o.fit.error = 0.1; }, "error");
+  refused([](ReconstructOptions& o) { o.fit.support = 1.4; }, "support");
+  refused([](ReconstructOptions& o) { o.fit.degree = 2; }, "degree");
+  refused([](ReconstructOptions& o) { o.fit.sharp = false; }, "sharp");
 }
 
 TEST(ReconstructOptions, ThePartitionByNameIsThePartition) {
   const PointSet cloud = test::torus(2000);
   ReconstructOptions plain, named;
-  named.surface = SurfaceOptions{.method = SurfaceMethod::partition};
-  plain.max_depth = named.max_depth = 4;
+  named.surface = {.method = "partition"};
+  plain.fit.depth = named.fit.depth = 4;
   Progress progress;
-  const TriangleMesh a = reconstruct(cloud, plain, progress), b = reconstruct(cloud, named, progress);
+  const TriangleMesh a = reconstruct(cloud, plain, progress).mesh, b = reconstruct(cloud, named, progress).mesh;
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_EQ(a.triangles, b.triangles);
 }

@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
@@ -30,12 +30,14 @@ TriangleMesh mesh_of(const PointSet& cloud, const SurfaceOptions& surface, Recon
   ReconstructOptions options;
   options.surface = surface;
   Progress progress;
-  return reconstruct(cloud, options, progress, report);
+  ReconstructResult made = reconstruct(cloud, options, progress);
+  if (report) *report = made.report;
+  return std::move(made.mesh);
 }
 
 SurfaceOptions named(const std::string& method) {
   SurfaceOptions options;
-  options.method = surface_method(method);
+  options.method = method;
   if (method == "amls") options.order = 4, options.iterations = 3;  // cross validation takes its time
   return options;
 }
@@ -174,10 +176,9 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   for (Vec3f& p : cloud.positions) p = p * 200.0f;
   cloud.origin = {5e5, 4e6, 300};
   const SurfaceModel model = model_of(cloud, named(GetParam()));
-  EXPECT_EQ(model.report().method, surface_method(GetParam()));
+  EXPECT_EQ(model.report().method, GetParam());
   EXPECT_EQ(model.report().samples, cloud.size());
-  EXPECT_EQ(model.projection() != nullptr,
-            surface_method_info(surface_method(GetParam())).family() == SurfaceFamily::projection);
+  EXPECT_EQ(model.projection() != nullptr, surface_method(GetParam()).projects);
   EXPECT_EQ(model.normals(), nullptr);
   Progress progress;
   EXPECT_EQ(model.placement(progress), nullptr);
@@ -232,13 +233,13 @@ TEST(SurfaceModel, MpuClosesWideHolesUnlessItIsTrimmed) {
   }
   ReconstructOptions options;
   options.surface = named("mpu");
-  options.open = false;
+  options.fit.open = false;
   Progress progress;
-  const TriangleMesh closed = reconstruct(cut, options, progress);
+  const TriangleMesh closed = reconstruct(cut, options, progress).mesh;
   EXPECT_TRUE(measure_topology(closed).closed());
   EXPECT_EQ(measure_topology(closed).euler, 2);
-  options.trim = 0.2;
-  const MeshTopology trimmed = measure_topology(reconstruct(cut, options, progress));
+  options.mesh.trim = 0.2;
+  const MeshTopology trimmed = measure_topology(reconstruct(cut, options, progress).mesh);
   EXPECT_EQ(trimmed.boundary_loops, 1u);
   EXPECT_EQ(trimmed.components, 1u);
 }
@@ -275,19 +276,19 @@ TEST(SurfaceModel, MpuHeedsOptionsOfTheFit) {
     options.surface = named("mpu");
     change(options);
     Progress progress;
-    return reconstruct(cloud, options, progress);
+    return reconstruct(cloud, options, progress).mesh;
   };
   const auto same = [](const TriangleMesh& a, const TriangleMesh& b) { return a.vertices == b.vertices; };
   const TriangleMesh plain = mesh_with([](ReconstructOptions&) {});
-  const TriangleMesh coarse = mesh_with([](ReconstructOptions& o) { o.error = 0.05; });
-  const TriangleMesh smooth = mesh_with([](ReconstructOptions& o) { o.sharp = false; });
-  const TriangleMesh shallow = mesh_with([](ReconstructOptions& o) { o.max_depth = 2; });
+  const TriangleMesh coarse = mesh_with([](ReconstructOptions& o) { o.fit.error = 0.05; });
+  const TriangleMesh smooth = mesh_with([](ReconstructOptions& o) { o.fit.sharp = false; });
+  const TriangleMesh shallow = mesh_with([](ReconstructOptions& o) { o.fit.depth = 2; });
   for (const TriangleMesh* m : {&coarse, &smooth, &shallow}) EXPECT_FALSE(same(plain, *m));
-  EXPECT_TRUE(same(coarse, mesh_with([](ReconstructOptions& o) { o.surface->error = 0.05; })));
-  EXPECT_TRUE(same(smooth, mesh_with([](ReconstructOptions& o) { o.surface->smooth = true; })));
-  EXPECT_TRUE(same(shallow, mesh_with([](ReconstructOptions& o) { o.surface->max_depth = 2; })));
-  EXPECT_THROW(mesh_with([](ReconstructOptions& o) { o.max_degree = 2; }), ArgumentError);
-  EXPECT_THROW(mesh_with([](ReconstructOptions& o) { o.surface->error = -1; }), ArgumentError);
+  EXPECT_TRUE(same(coarse, mesh_with([](ReconstructOptions& o) { o.surface.error = 0.05; })));
+  EXPECT_TRUE(same(smooth, mesh_with([](ReconstructOptions& o) { o.surface.smooth = true; })));
+  EXPECT_TRUE(same(shallow, mesh_with([](ReconstructOptions& o) { o.surface.depth = 2; })));
+  EXPECT_THROW(mesh_with([](ReconstructOptions& o) { o.fit.degree = 2; }), ArgumentError);
+  EXPECT_THROW(mesh_with([](ReconstructOptions& o) { o.surface.error = -1; }), ArgumentError);
 }
 
 TEST(SurfaceModel, HasTheColoursOfTheSamples) {
@@ -314,9 +315,9 @@ TEST(SurfaceModel, HasTheColoursOfTheSamples) {
       ASSERT_NEAR(mesh.colors[i][0], 127.5f + 127 * mesh.vertices[i].x, 12) << method;
     ReconstructOptions plain;
     plain.surface = named(method);
-    plain.carry_colors = false;
+    plain.mesh.carry_colors = false;
     Progress progress;
-    EXPECT_TRUE(reconstruct(cloud, plain, progress).colors.empty());
+    EXPECT_TRUE(reconstruct(cloud, plain, progress).mesh.colors.empty());
   }
 }
 
@@ -340,7 +341,7 @@ TEST(SurfaceModel, OptionsMeanWhatTheySay) {
   EXPECT_EQ(a.report().order, 2);
   EXPECT_EQ(a.report().iterations, 5);
   SurfaceOptions sharp = named("curvature");
-  sharp.sharp = true;
+  sharp.sharp = SurfaceOptions::SharpFormula::bilateral;
   const SurfaceModel s = model_of(cloud, sharp);
   EXPECT_NE(s.normals(), nullptr);
   Progress progress;
@@ -351,7 +352,7 @@ TEST(SurfaceModel, IsTheSameForAnyNumberOfThreads) {
   const PointSet cloud = test::torus(1500);
   for (const char* method : {"apss", "curvature"}) {
     SurfaceOptions options = named(method);
-    options.sharp = true;
+    options.sharp = SurfaceOptions::SharpFormula::bilateral;
     test::compare_threads([&] { return mesh_of(cloud, options); },
                           [&](const TriangleMesh& one, const TriangleMesh& many) {
                             EXPECT_EQ(one.vertices, many.vertices) << method;
@@ -397,7 +398,7 @@ TEST(SurfaceModel, KnownNoiseAndSpacingAreWhatWouldBeEstimated) {
   for (const PointSet& cloud : {given, none, mixed})
     for (const char* method : {"apss", "curvature"}) {
       SurfaceOptions options = named(method);
-      options.sharp = true;
+      options.sharp = SurfaceOptions::SharpFormula::bilateral;
       Progress progress;
       const PreparedCloud known = prepare_cloud(cloud, {}, progress);
       PreparedCloud unknown = known;
@@ -421,7 +422,7 @@ TEST(SurfaceModel, KnownNoiseAndSpacingAreWhatWouldBeEstimated) {
 TEST(SurfaceModel, RefusesOptionsOfOtherMethods) {
   const auto refused = [](auto change, const std::string& method, const std::string& part) {
     SurfaceOptions options;
-    options.method = surface_method(method);
+    options.method = method;
     change(options);
     try {
       options.validate();
@@ -434,14 +435,15 @@ TEST(SurfaceModel, RefusesOptionsOfOtherMethods) {
   };
   refused([](SurfaceOptions& o) { o.smoothing = 2; }, "partition", "smoothing");
   refused([](SurfaceOptions& o) { o.bandwidth = 2; }, "partition", "`bandwidth` means nothing");
-  refused([](SurfaceOptions& o) { o.sharp = true; }, "partition", "its supports and its creases follow the data");
+  refused([](SurfaceOptions& o) { o.sharp = SurfaceOptions::SharpFormula::laguerre; }, "partition",
+          "its supports and its creases follow the data");
   refused([](SurfaceOptions& o) { o.separate_sheets = false; }, "hoppe", "`separate_sheets` belongs to adamson, ");
   refused([](SurfaceOptions& o) { o.order = 2; }, "apss", "`order` belongs to amls, not to the surface apss");
   refused([](SurfaceOptions& o) { o.iterations = 2; }, "levin", "`iterations` belongs to amls");
   refused([](SurfaceOptions& o) { o.order = 3; }, "amls", "order");
   refused([](SurfaceOptions& o) { o.iterations = -1; }, "amls", "iterations");
   refused([](SurfaceOptions& o) { o.diffusion = SurfaceOptions::Diffusion::soft; }, "alexa", "diffusion");
-  refused([](SurfaceOptions& o) { o.method = static_cast<SurfaceMethod>(99); }, "apss", "partition, hoppe, ");
+  refused([](SurfaceOptions& o) { o.method = "poisson"; }, "apss", "partition, hoppe, ");
   refused([](SurfaceOptions& o) { o.smoothing = 0.1; }, "apss", "smoothing");
   refused([](SurfaceOptions& o) { o.smoothing = 50; }, "curvature", "smoothing");
   refused([](SurfaceOptions& o) { o.smoothing = std::nan(""); }, "kolluri", "smoothing");

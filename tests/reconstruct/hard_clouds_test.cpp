@@ -9,9 +9,9 @@
 #include <random>
 
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/thin_shapes.h"
@@ -315,8 +315,8 @@ class HardClouds : public ::testing::TestWithParam<HardCloud> {};
 
 TEST_P(HardClouds, GiveManifoldsClosedIfSolid) {
   Progress progress;
-  ReconstructReport report;
-  const MeshTopology topology = measure_topology(reconstruct(GetParam().make(), {}, progress, &report));
+  const auto [mesh, report] = reconstruct(GetParam().make(), {}, progress);
+  const MeshTopology topology = measure_topology(mesh);
   EXPECT_EQ(report.open, GetParam().open);
   EXPECT_EQ(topology.closed(), !GetParam().open);
   EXPECT_TRUE(topology.manifold());
@@ -354,7 +354,7 @@ INSTANTIATE_TEST_SUITE_P(Faces, HardClouds,
 TEST(HardClouds, BundledScan) {
   Progress progress;
   const PointSet scan = read_points(test::source_file("examples/data/owl.vtp"));
-  const MeshTopology topology = measure_topology(reconstruct(scan, {}, progress));
+  const MeshTopology topology = measure_topology(reconstruct(scan, {}, progress).mesh);
   EXPECT_TRUE(topology.closed());
   EXPECT_EQ(topology.components, 1u);
   EXPECT_EQ(topology.genus(), 0);
@@ -364,7 +364,7 @@ TEST(HardClouds, BundledScan) {
 TEST(HardClouds, DesignedPart) {
   Progress progress;
   const PointSet part = read_points(test::source_file("tests/data/plate_holes.STL"));
-  const MeshTopology topology = measure_topology(reconstruct(part, {}, progress));
+  const MeshTopology topology = measure_topology(reconstruct(part, {}, progress).mesh);
   EXPECT_TRUE(topology.closed());
   EXPECT_EQ(topology.components, 1u);
   EXPECT_EQ(topology.genus(), 5);

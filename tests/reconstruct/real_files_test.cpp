@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/reconstruct.h"
 #include "support/places.h"
 
 namespace sansmesh {
@@ -26,8 +26,8 @@ TEST_P(ExtraFiles, GiveManifoldsClosedIfSolid) {
   const std::string file = test::shared_points(GetParam().name);
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
   Progress progress;
-  ReconstructReport report;
-  const MeshTopology topology = measure_topology(reconstruct(read_points(file), {}, progress, &report));
+  const auto [mesh, report] = reconstruct(read_points(file), {}, progress);
+  const MeshTopology topology = measure_topology(mesh);
   EXPECT_EQ(report.open, GetParam().open);
   EXPECT_EQ(topology.closed(), !GetParam().open);
   EXPECT_TRUE(topology.manifold());

@@ -1,4 +1,4 @@
-#include "sansmesh/reconstruct.h"
+#include "sansmesh/jobs/reconstruct.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,9 @@ namespace {
 
 TriangleMesh run(const PointSet& cloud, const ReconstructOptions& options = {}, ReconstructReport* report = nullptr) {
   Progress progress;
-  return reconstruct(cloud, options, progress, report);
+  ReconstructResult made = reconstruct(cloud, options, progress);
+  if (report) *report = made.report;
+  return std::move(made.mesh);
 }
 
 TEST(Reconstruct, FindsTheTopologyWithAndWithoutNormals) {
@@ -48,7 +50,7 @@ TEST(Reconstruct, FacesOutwardWhateverTheNormalsSay) {
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
     ASSERT_GT(dot(mesh.normals[i], normalized(mesh.vertices[i])), 0.95f);
   ReconstructOptions anew;
-  anew.normals = NormalUse::estimate;
+  anew.cloud.normals = NormalUse::estimate;
   EXPECT_TRUE(measure_topology(run(cloud, anew)).closed());
 }
 
@@ -84,10 +86,10 @@ TEST(Reconstruct, MarksWhatWasInvented) {
   cloud.origin = {1e6, 0, 0};
   for (const bool other : {false, true}) {
     ReconstructOptions options;
-    if (other) options.surface = SurfaceOptions{};
-    options.open = false;
+    if (other) options.surface = {};
+    options.fit.open = false;
     EXPECT_EQ(run(other ? whole : cloud, options).attributes.find("confidence"), nullptr) << "closed";
-    options.confidence = true;
+    options.mesh.confidence = true;
     const TriangleMesh mesh = run(cloud, options);
     const auto* const distance = mesh.attributes.find<float>("distance");
     const auto* const confidence = mesh.attributes.find<float>("confidence");
@@ -105,10 +107,10 @@ TEST(Reconstruct, MarksWhatWasInvented) {
       if (x.z < 0.7f * kUnit) ASSERT_EQ((*confidence)[v], 1);
     }
     EXPECT_GT(trusted, mesh.vertices.size() / 2);
-    options.open = true;
-    options.confidence.reset();
+    options.fit.open = true;
+    options.mesh.confidence.reset();
     EXPECT_NE(run(cloud, options).attributes.find("confidence"), nullptr) << "open";
-    options.confidence = false;
+    options.mesh.confidence = false;
     EXPECT_EQ(run(cloud, options).attributes.find("confidence"), nullptr) << "not wanted";
   }
 }
@@ -123,7 +125,7 @@ TEST(Reconstruct, StraySamplesMakeNoSheets) {
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("left out"), std::string::npos);
   ReconstructOptions all;
-  all.components.kind = ComponentChoice::Kind::all;
+  all.mesh.components.kind = ComponentChoice::Kind::all;
   EXPECT_GT(measure_topology(run(cloud, all)).components, 1u);
 }
 
@@ -164,7 +166,7 @@ TEST(Reconstruct, MoreDepthThanSamplesIsNoHarm) {
   const std::size_t triangles = run(cloud).triangles.size();
   ReconstructOptions options;
   for (const int depth : {6, 9, 12}) {
-    options.max_depth = depth;
+    options.fit.depth = depth;
     ReconstructReport report;
     const TriangleMesh mesh = run(cloud, options, &report);
     EXPECT_LT(report.noise, 1e-5) << depth;
@@ -201,23 +203,23 @@ TEST(Reconstruct, CarriesColours) {
     EXPECT_EQ(mesh.colors[i][0], mesh.vertices[i][2] > 0 ? 250 : 0);
   }
   ReconstructOptions plain;
-  plain.carry_colors = false;
+  plain.mesh.carry_colors = false;
   EXPECT_TRUE(run(cloud, plain).colors.empty());
 }
 
 TEST(Reconstruct, FewerTrianglesOnDemand) {
   const PointSet cloud = test::torus(10000);
   ReconstructOptions options;
-  options.triangles = 500;
+  options.mesh.triangles = 500;
   const TriangleMesh counted = run(cloud, options);
   EXPECT_LE(counted.triangles.size(), 500u);
   EXPECT_GE(counted.triangles.size(), 480u);
   EXPECT_EQ(measure_topology(counted).genus(), 1);
-  options.triangles.reset();
+  options.mesh.triangles.reset();
   const TriangleMesh fine = run(cloud);
   std::size_t last = fine.triangles.size();
   for (const double error : {2e-3, 5e-3, 2e-2}) {
-    options.mesh_error = error;
+    options.mesh.mesh_error = error;
     const TriangleMesh coarse = run(cloud, options);
     EXPECT_LT(coarse.triangles.size(), last);
     last = coarse.triangles.size();
@@ -254,16 +256,16 @@ TEST(Reconstruct, RejectsOptionsOutOfRange) {
     change(options);
     EXPECT_THROW(run(cloud, options), ArgumentError);
   };
-  rejects([](ReconstructOptions& o) { o.max_depth = kLeastDepth - 1; });
-  rejects([](ReconstructOptions& o) { o.max_depth = kMostDepth + 1; });
-  rejects([](ReconstructOptions& o) { o.error = 0; });
-  rejects([](ReconstructOptions& o) { o.error = std::nan(""); });
-  rejects([](ReconstructOptions& o) { o.support = 1; });
-  rejects([](ReconstructOptions& o) { o.max_degree = 5; });
-  rejects([](ReconstructOptions& o) { o.mesh_error = -1; });
-  rejects([](ReconstructOptions& o) { o.triangles = 3; });
-  rejects([](ReconstructOptions& o) { o.trim = -1; });
-  rejects([](ReconstructOptions& o) { o.components = {ComponentChoice::Kind::count, 0}; });
+  rejects([](ReconstructOptions& o) { o.fit.depth = kLeastDepth - 1; });
+  rejects([](ReconstructOptions& o) { o.fit.depth = kMostDepth + 1; });
+  rejects([](ReconstructOptions& o) { o.fit.error = 0; });
+  rejects([](ReconstructOptions& o) { o.fit.error = std::nan(""); });
+  rejects([](ReconstructOptions& o) { o.fit.support = 1; });
+  rejects([](ReconstructOptions& o) { o.fit.degree = 5; });
+  rejects([](ReconstructOptions& o) { o.mesh.mesh_error = -1; });
+  rejects([](ReconstructOptions& o) { o.mesh.triangles = 3; });
+  rejects([](ReconstructOptions& o) { o.mesh.trim = -1; });
+  rejects([](ReconstructOptions& o) { o.mesh.components = {ComponentChoice::Kind::count, 0}; });
 }
 
 TEST(Reconstruct, DepthsAreThoseOfThePartition) {
@@ -279,7 +281,7 @@ TEST(Reconstruct, DepthsAreThoseOfThePartition) {
     PartitionOptions partition;
     FitOptions fit;
     MeshOptions mesh;
-    partition.max_depth = fit.max_depth = mesh.block_depth = depth;
+    partition.max_depth = fit.depth = mesh.block_depth = depth;
     EXPECT_EQ(takes(partition), depth >= kLeastDepth && depth <= kMostDepth) << depth;
     EXPECT_EQ(takes(fit), takes(partition)) << depth;
     EXPECT_EQ(takes(mesh), takes(partition)) << depth;
@@ -369,9 +371,8 @@ TEST(MeshFunction, WritesItsReportAnew) {
   EXPECT_EQ(used.blocks, fresh.blocks);
   EXPECT_EQ(used.block_depth, fresh.block_depth);
   // Beside what reconstruct adds.
-  ReconstructReport whole;
   for (int round = 0; round < 2; ++round) {
-    reconstruct(cloud, {}, progress, &whole);
+    const ReconstructReport whole = reconstruct(cloud, {}, progress).report;
     EXPECT_EQ(whole.warnings.size(), 2u);
     EXPECT_EQ(whole.fits, two.field.report().functions);
     EXPECT_EQ(whole.fit_depth, two.field.report().depth);

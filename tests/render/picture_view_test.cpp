@@ -13,6 +13,7 @@
 #include "sansmesh/render/picture_crop.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/view_options.h"
 #include "sansmesh/render/volume_picture.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
@@ -292,6 +293,37 @@ TEST(PictureCrop, ContentIsFoundOnAnyBackground) {
   Image small(4, 4);
   EXPECT_THROW(cropped(small, {0, 0, 5, 1}), ArgumentError);
   EXPECT_EQ(picture_content(Image(4, 3, Rgba{0, 0, 0, 0}), front_view(), 1), (PixelBox{0, 0, 4, 3}));
+}
+
+TEST(ViewOptions, ANamedViewGoesBeforeAngles) {
+  ViewOptions options{.azimuth = 10.0, .z_up = true};
+  RenderOptions look;
+  EXPECT_EQ(options.applied_to(look).view.azimuth, 10);
+  EXPECT_EQ(options.applied_to(look).view.elevation, look.view.elevation);
+  EXPECT_EQ(options.applied_to(look).up, UpAxis::z);
+  options.view = NamedView::back;
+  EXPECT_EQ(options.applied_to(look).view.azimuth, 180);
+  EXPECT_TRUE(options.has_direction());
+  EXPECT_FALSE(ViewOptions{}.has_direction());
+}
+
+TEST(ViewOptions, CropIsABoxOrWhatIsNotBackground) {
+  PictureCrop crop;
+  option_of_text("1, 2,30,40", crop);
+  EXPECT_EQ(crop.box, (PixelBox{1, 2, 30, 40}));
+  EXPECT_EQ(text_of_option(crop), "1,2,30,40");
+  option_of_text("content", crop);
+  EXPECT_FALSE(crop.box);
+  for (const char* text : {"1,2,3", "1,2,3,4,5", "1,2,0,4", "-1,2,3,4", "1,2,3,4x", "all", ""})
+    EXPECT_THROW(option_of_text(text, crop), ArgumentError) << text;
+  RenderOptions look;
+  look.width = 40, look.height = 30;
+  const ViewOptions content{.crop = PictureCrop{}}, box{.crop = PictureCrop{PixelBox{5, 5, 10, 8}}};
+  EXPECT_NO_THROW(content.check_frames(false));
+  EXPECT_THROW(content.check_frames(true), ArgumentError);
+  EXPECT_NO_THROW(box.check_frames(true));
+  EXPECT_EQ(box.part_of(Image(40, 30, {1, 1, 1, 1}), look).width, 10);
+  EXPECT_THROW((ViewOptions{.crop = PictureCrop{PixelBox{35, 5, 10, 8}}}.applied_to(look)), ArgumentError);
 }
 
 }  // namespace

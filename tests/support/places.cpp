@@ -8,4 +8,6 @@ std::string shared_points(const std::string& name) { return SANSMESH_SOURCE_DIR 
 
 const char* tool() { return SANSMESH_CLI; }
 
+const char* extended_tool() { return SANSMESH_EXTENDED_CLI; }
+
 }  // namespace sansmesh::test

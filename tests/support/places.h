@@ -14,5 +14,7 @@ std::string shared_points(const std::string& name);
 
 /// The command line tool of this build; empty if it was not built.
 const char* tool();
+/// The same with what tests/extension/ adds to it.
+const char* extended_tool();
 
 }  // namespace sansmesh::test

@@ -11,7 +11,6 @@
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
-#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -49,7 +48,7 @@ class EveryMethod : public testing::TestWithParam<std::string> {
  protected:
   ImplicitOptions options() const {
     ImplicitOptions o;
-    o.method = std::get<ImplicitMethod>(surface_method_info(surface_method(GetParam())).formula);
+    o.method = implicit_method(GetParam());
     if (GetParam() == "amls") o.order = 4, o.iterations = 3, o.smoothing = 1.2;
     return o;
   }
@@ -205,7 +204,9 @@ TEST_P(EveryMethod, DoesNotDependOnTheThreads) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod, testing::ValuesIn(test::surface_names(SurfaceFamily::implicit)),
+INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod,
+                         testing::ValuesIn(std::vector<std::string>(std::begin(kImplicitMethods),
+                                                                    std::end(kImplicitMethods))),
                          [](const auto& test) { return test.param; });
 
 /// METHODS §2.3 to the letter, slowly: g_i fixed at x, iterated anew for each x.

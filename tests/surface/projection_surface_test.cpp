@@ -8,7 +8,6 @@
 #include "sansmesh/core/error.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
-#include "support/surface_names.h"
 
 namespace sansmesh {
 namespace {
@@ -29,9 +28,7 @@ std::vector<Vec3> near_samples(const PointSet& cloud, double spread, unsigned se
 
 class EveryProjection : public testing::TestWithParam<std::string> {
  protected:
-  ProjectionOptions options() const {
-    return {.method = std::get<ProjectionMethod>(surface_method_info(surface_method(GetParam())).formula)};
-  }
+  ProjectionOptions options() const { return {.method = projection_method(GetParam())}; }
 };
 
 TEST_P(EveryProjection, LandsOnASphereOfTheRightCurvature) {
@@ -121,7 +118,9 @@ TEST_P(EveryProjection, ActsAsAFieldWithItsNormalAsGradient) {
   EXPECT_NEAR(mean, 0.01, 3e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Projection, EveryProjection, testing::ValuesIn(test::surface_names(SurfaceFamily::projection)),
+INSTANTIATE_TEST_SUITE_P(Projection, EveryProjection,
+                         testing::ValuesIn(std::vector<std::string>(std::begin(kProjectionMethods),
+                                                                    std::end(kProjectionMethods))),
                          [](const auto& test) { return test.param; });
 
 TEST(Projection, LevinAgreesWithAlexaOnceItStandsStill) {

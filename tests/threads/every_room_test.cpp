@@ -35,6 +35,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/measure/body_measures.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
@@ -49,7 +50,6 @@
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/reconstruct.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
@@ -159,11 +159,11 @@ TEST(EveryRoom, AdviceIsGiven) {
 TEST(EveryRoom, CloudsAreReconstructed) {
   test::expect_equal_for_any_threads([] {
     ReconstructOptions options;
-    options.trim = 0;
-    options.measure_quality = true;
+    options.mesh.trim = 0;
+    options.mesh.measure_quality = true;
     Progress progress;
-    return Findings() << reconstruct(colored_torus(40000), options, progress)
-                      << reconstruct(test::cube(9000), {}, progress);
+    return Findings() << reconstruct(colored_torus(40000), options, progress).mesh
+                      << reconstruct(test::cube(9000), {}, progress).mesh;
   });
 }
 
@@ -251,9 +251,9 @@ class EverySurface : public testing::TestWithParam<std::string> {};
 TEST_P(EverySurface, IsShownAndSampled) {
   const PointSet cloud = colored_torus(3000);
   SurfaceOptions options;
-  options.method = surface_method(GetParam());
-  options.sharp = options.method == SurfaceMethod::apss || options.method == SurfaceMethod::levin;
-  if (options.method == SurfaceMethod::amls) options.order = 4, options.iterations = 3;
+  options.method = GetParam();
+  if (options.method == "apss" || options.method == "levin") options.sharp = SurfaceOptions::SharpFormula::bilateral;
+  if (options.method == "amls") options.order = 4, options.iterations = 3;
   test::expect_equal_for_any_threads([&] {
     Progress progress;
     const SurfaceModel model = make_surface_model(cloud, options, progress);
@@ -277,11 +277,9 @@ TEST(EveryRoom, SurfacesWithoutAMeshAreMeshed) {
     Progress progress;
     Findings found;
     ReconstructOptions options;
-    for (const SurfaceMethod method : {SurfaceMethod::apss, SurfaceMethod::curvature}) {
-      options.surface = SurfaceOptions{};
-      options.surface->method = method;
-      options.surface->sharp = true;
-      found << reconstruct(test::torus(2500), options, progress);
+    for (const char* const method : {"apss", "curvature"}) {
+      options.surface = {.method = method, .sharp = SurfaceOptions::SharpFormula::bilateral};
+      found << reconstruct(test::torus(2500), options, progress).mesh;
     }
     return found;
   });

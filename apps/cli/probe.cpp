@@ -1,0 +1,109 @@
+// sansmesh probe: value, gradient and curvature of a function at points.
+#include "sansmesh/jobs/probe_function.h"
+
+#include <fmt/core.h>
+
+#include "cloud_input.h"
+#include "commands.h"
+#include "option_groups.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/io/io.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// So many points are printed as well.
+constexpr std::size_t kPrintedPoints = 20;
+
+struct ProbeArguments {
+  std::string input, output;
+  CloudInput points;  ///< without files: none
+  std::vector<double> at;
+  bool ascii = false;
+};
+
+PointSet points_of(const ProbeArguments& a, Console& console) {
+  if (a.points.files.empty() == a.at.empty()) throw ArgumentError("where? Give either --points FILE or --at x,y,z");
+  PointSet points;
+  if (!a.points.files.empty()) {
+    ReadReport read;
+    points = a.points.read(console, read);
+    points.triangles.clear();
+    points.triangle_attributes.clear();
+    return points;
+  }
+  require(!a.points.classes, "--class and --without-class choose among --points");
+  points.origin = {a.at[0], a.at[1], a.at[2]};
+  for (const Vec3& place : places_at(a.at)) points.positions.push_back(Vec3f(place - points.origin));
+  return points;
+}
+
+void run_probe(const ProbeArguments& a, Console& console) {
+  if (!a.output.empty()) check_writable(a.output, "points");
+  Progress& progress = console.progress();
+  progress.begin("read");
+  const SurfaceFunction function = read_function(a.input);
+  PointSet points = points_of(a, console);
+  // Those of --at as they were given, which single precision would change.
+  const std::vector<Vec3> places = a.at.empty() ? places_of(points) : places_at(a.at);
+  const ProbeFunctionResult made = probe_function(function, places, progress);
+  if (!a.output.empty()) {
+    progress.begin("write");
+    made.add_to(points.attributes);
+    write_points(a.output, points, {.ascii = a.ascii});
+  }
+  progress.finish();
+
+  const ProbeFunctionReport& r = made.report;
+  const std::size_t n = places.size();
+  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"), grouped(r.inside)));
+  if (n > kPrintedPoints)
+    console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(r.mean),
+                            length(r.median), length(r.largest), r.largest_gradient));
+  Json json = {{"input", {{"file", a.input}}},
+               {"points", n},
+               {"inside", r.inside},
+               {"absolute_value", {{"mean", r.mean}, {"median", r.median}, {"max", r.largest}}},
+               {"largest_gradient", r.largest_gradient}};
+  for (std::size_t i = 0; i < n && n <= kPrintedPoints; ++i) {
+    const Vec3& p = places[i];
+    const LevelSetPoint& f = made.values[i];
+    const Vec3& g = f.gradient;
+    console.say(
+        fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient ({:.6g}, {:.6g}, {:.6g})  "
+                    "curvatures {:.4g}, {:.4g}",
+                    p.x, p.y, p.z, f.value, g.x, g.y, g.z, f.k1, f.k2));
+    json["values"].push_back(
+        {{"at", {p.x, p.y, p.z}}, {"value", f.value}, {"gradient", {g.x, g.y, g.z}}, {"k1", f.k1}, {"k2", f.k2}});
+  }
+  if (!a.output.empty()) json["output"] = {{"file", a.output}};
+  console.say_json(json);
+  console.print_timings();
+}
+
+}  // namespace
+
+Command add_probe(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
+  c.once_called("eval");
+  auto a = std::make_shared<ProbeArguments>();
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
+      .type_name("FILE")
+      .repeated();
+  add_class_options(c, a->points);
+  c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
+  c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp").type_name("FILE");
+  add_ascii_flag(c, a->ascii);
+  c.footer(
+      "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"
+      "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
+      "Examples:\n"
+      "  sansmesh probe scan.smf --at 0.1,0.2,0.3\n"
+      "  sansmesh probe scan.smf --at 0,0,0 --at 0,0,1 --json\n"
+      "  sansmesh probe scan.smf --points probes.xyz -o values.csv");
+  return {&c, [a](Console& console) { run_probe(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

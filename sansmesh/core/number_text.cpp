@@ -1,0 +1,65 @@
+#include "sansmesh/core/number_text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace sansmesh {
+
+std::string_view without_blanks(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  return text;
+}
+
+bool reads_as_number(std::string_view text, double& value) {
+  const char *at = text.data(), *const end = at + text.size();
+  if (at != end && *at == '+') ++at;
+  if (at == end || (at != text.data() && *at == '-')) return false;
+  const auto [next, error] = std::from_chars(at, end, value);
+  if (error == std::errc::result_out_of_range) {  // 1e999, 1e-999: as far as numbers reach
+    value = text.find("e-") != std::string_view::npos || text.find("E-") != std::string_view::npos ? 0.0 : HUGE_VAL;
+    if (text[0] == '-') value = -value;
+    return next == end;
+  }
+  return error == std::errc() && next == end && !std::isnan(value);
+}
+
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  if (!reads_as_number(without_blanks(text), value) || std::isinf(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<std::vector<double>> numbers_in(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::optional<double> one = number_in(text.substr(at, end - at));
+    if (!one) return std::nullopt;
+    numbers.push_back(*one);
+    at = end + 1;
+  }
+  return numbers;
+}
+
+std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
+  auto numbers = numbers_in(text);
+  if (numbers && numbers->size() != count) numbers.reset();
+  return numbers;
+}
+
+std::optional<long long> whole_in(std::string_view text, long long least, long long most) {
+  text = without_blanks(text);
+  double value = 0;
+  // 2^63 has no whole number of its own here; nothing is counted up to it.
+  if (!reads_as_number(text, value) || std::isinf(value) || std::floor(value) != value ||
+      value < static_cast<double>(least) || value > static_cast<double>(most) || std::abs(value) >= 9e18)
+    return std::nullopt;
+  long long whole = 0;
+  const char* const first = text.data() + (text[0] == '+' ? 1 : 0);
+  const auto [next, error] = std::from_chars(first, text.data() + text.size(), whole);
+  return error == std::errc() && next == text.data() + text.size() ? whole : static_cast<long long>(value);
+}
+
+}  // namespace sansmesh

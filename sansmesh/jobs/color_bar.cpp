@@ -1,0 +1,119 @@
+#include "sansmesh/jobs/color_bar.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sansmesh/core/diverging_color.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/render/transfer_presets.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr int kBarSteps = 16;         // of each half of the bar, in which colours are mixed
+constexpr double kRare = 0.01;        // of the values, at each end of the bar
+constexpr double kWithSign = 0.05;    // of the larger side, on the smaller one
+constexpr int kLeastBesideOne = 100;  // pixels that are left beside the bar
+constexpr Vec3f kUnknown{0.55f, 0.55f, 0.55f};
+
+TransferFunction colors_over(double lower, double upper, Vec3f (*color)(float)) {
+  TransferFunction f;
+  for (int k = 0; k <= 2 * kBarSteps; ++k) {
+    const double t = k / (2.0 * kBarSteps);
+    f.colors.push_back({lower + t * (upper - lower), color(static_cast<float>(t))});
+  }
+  f.opacities = {{lower, 1}, {upper, 1}};
+  return f;
+}
+
+}  // namespace
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " [" + unit + "]";
+}
+
+ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond) {
+  ColorBar bar;
+  if (!(range > 0)) range = 1;  // all is flat
+  bar.colors = colors_over(-range, range, [](float t) { return diverging_color(2 * t - 1); });
+  const bool gaussian = quantity == CurvatureQuantity::gaussian;
+  const std::string word = quantity_word(quantity);
+  bar.title = with_unit(gaussian || quantity == CurvatureQuantity::mean ? word + " curvature" : "curvature " + word,
+                        unit.empty() ? "" : "1/" + unit + (gaussian ? "²" : ""));
+  bar.ends = {beyond, beyond};
+  return bar;
+}
+
+ColorBar confidence_bar() {
+  return {colors_over(0, 1, [](float t) { return confidence_color(t); }), "confidence", {}};
+}
+
+ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
+                            const std::optional<std::pair<double, double>>& range, const std::string& unit) {
+  const Attribute* const found = mesh.attributes.find(name);
+  if (!found) {
+    std::string known;
+    for (const Attribute& a : mesh.attributes) known += (known.empty() ? "" : ", ") + a.name;
+    throw DataError(fmt::format("has no attribute {}: {}", printable(name, 40),
+                                known.empty() ? "there is none" : "there is " + known));
+  }
+  const std::size_t n = mesh.vertices.size(), components = found->components;
+  std::vector<double> values(n), known;
+  for (std::size_t v = 0; v < n; ++v) {
+    double squares = 0;
+    for (std::size_t c = 0; c < components; ++c)
+      squares += found->number(v * components + c) * found->number(v * components + c);
+    values[v] = components == 1 ? found->number(v) : std::sqrt(squares);
+    if (std::isfinite(values[v])) known.push_back(values[v]);
+  }
+  if (known.empty()) throw DataError(fmt::format("{} is nowhere a number", name));
+  std::sort(known.begin(), known.end());
+  ValueHistogram over;
+  bool signs = false;
+  if (range) {
+    over.lower = range->first, over.upper = range->second;
+    signs = over.lower == -over.upper;
+  } else {
+    const auto rare = static_cast<std::size_t>(kRare * static_cast<double>(known.size() - 1));
+    over.lower = known[rare], over.upper = known[known.size() - 1 - rare];
+    const double most = std::max(-over.lower, over.upper);
+    signs = over.lower < 0 && over.upper > 0 && std::min(-over.lower, over.upper) > kWithSign * most;
+    if (signs) over.lower = -most, over.upper = most;
+  }
+  if (!(over.upper > over.lower)) {  // one value
+    const double around = over.lower != 0 ? 1e-3 * std::abs(over.lower) : 1;
+    over.lower -= around, over.upper += around;
+  }
+  ColorBar bar;
+  bar.colors = transfer_function_preset(signs ? "diverging" : "flow", over);
+  bar.title = with_unit(name + (components > 1 ? " (magnitude)" : ""), unit);
+  bar.ends = {known.front() < over.lower, known.back() > over.upper};
+  mesh.colors.resize(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    const Vec3f color = std::isfinite(values[v]) ? bar.colors.color(values[v]) : kUnknown;
+    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = to_byte(color[k]);
+  }
+  return bar;
+}
+
+void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
+  if (!bar) return;
+  const int width = value_bar_width(options.height, bar->colors, bar->title);
+  if (width > 0 && options.width < width + kLeastBesideOne)
+    throw ArgumentError(
+        fmt::format("`width = {}` is too narrow: the colour bar takes {} of it; `bar = false` leaves it out",
+                    options.width, width));
+  options.width -= width;
+}
+
+Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& look) {
+  if (!bar) return image;
+  const Image paper = paper_beside(look);
+  return beside_value_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,15 @@
+#include "sansmesh/jobs/csg.h"
+
+namespace sansmesh {
+
+CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress) {
+  CsgMeshOptions own = options;
+  if (!own.components) own.components = solid.usual_components();
+  CsgResult result;
+  result.mesh = mesh_csg(solid.solid, own, progress, &result.report);
+  result.notes = solid.open_notes();
+  add_notes(result.notes, "mesh", result.report.warnings);
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,142 @@
+#include "sansmesh/jobs/draw_surface.h"
+
+#include <memory>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/picture_curvature.h"
+#include "sansmesh/jobs/splat_points.h"
+#include "sansmesh/model/sample_surface.h"
+#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/surface/curvature_words.h"
+
+namespace sansmesh {
+namespace {
+
+/// `mesh`: that whose faces were sampled, if any.
+std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceModel& model,
+                                        std::optional<CurvedVertices> mesh, std::optional<ColorBar>& bar,
+                                        Progress& progress) {
+  if (o.color_by.empty()) return nullptr;
+  const Placement& place = model.place();
+  if (o.color_by == kConfidence) {
+    if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+    bar = confidence_bar();
+    return std::make_unique<ConfidenceColors>(model.points(), place.from_input(model.report().spacing),
+                                              place.from_input(model.report().noise));
+  }
+  CurvatureColorOptions by;
+  by.quantity = curvature_quantity(o.color_by);
+  if (o.color_range) by.range = curvature_range(*o.color_range, by.quantity, place.unit);
+  by.curvature.noise = place.from_input(model.report().noise);
+  progress.begin("curvature");
+  std::unique_ptr<CurvatureColors> colors;
+  if (mesh) {
+    const auto scale = static_cast<float>(place.unit / mesh->place.unit);
+    for (PrincipalCurvatures& c : mesh->curvatures) c.k1 *= scale, c.k2 *= scale;
+    move_to_input(mesh->points, mesh->place);
+    move_from_input(mesh->points, place);
+    colors = std::make_unique<CurvatureColors>(mesh->points, mesh->curvatures, by);
+  } else {
+    colors = std::make_unique<CurvatureColors>(model.points(), by, progress);
+  }
+  // The range is that of all but a few of the samples, or what was asked for.
+  bar = curvature_bar(by.quantity, curvature_range(colors->range(), by.quantity, 1 / place.unit), o.unit, true);
+  return colors;
+}
+
+/// Draws the surface by rays, or by splats.
+class SurfacePainter {
+ public:
+  SurfacePainter(const PictureOptions& o, const SurfaceModel& model, const ColorField* colors,
+                 const SurfaceRenderOptions& look, Progress& progress)
+      : model_(model), colors_(colors) {
+    if (o.splats) {
+      const SplatPoints points = spread_splats(model, *o.splats, colors, progress);
+      splats_.emplace(points.points, points.stretches, look);
+      return;
+    }
+    SurfaceCastOptions cast;
+    cast.normals = model.normals();
+    cast.jump = model.traits().jump;
+    cast.stored = o.rays == RayStart::stored;
+    if (model.projection())
+      caster_.emplace(*model.projection(), model.balls(), cast);
+    else
+      caster_.emplace(model.field(progress), model.balls(), cast);
+  }
+
+  Image paint(const SurfaceRenderOptions& look, Progress& progress) const {
+    if (splats_) return splats_->render(look, look.steady, progress);
+    const std::vector<Vec3f>& samples = model_.points().positions;
+    return render_surface(*caster_, samples.empty() ? model_.balls().centers : samples, colors_, look, progress);
+  }
+
+  void report(RenderReport& report) const {
+    if (splats_)
+      report.splats = splats_->size();
+    else
+      report.rays = caster_->counts();
+  }
+
+ private:
+  const SurfaceModel& model_;
+  const ColorField* colors_;
+  std::optional<SplatPicture> splats_;
+  std::optional<SurfaceCaster> caster_;
+};
+
+/// The function, or the surface of the samples. `mesh`: with the curvatures that colours are asked for, where the
+/// samples are of its faces.
+SurfaceModel model_of(PictureObject& object, const PictureOptions& o, std::optional<CurvedVertices>& mesh,
+                      Progress& progress) {
+  if (object.function) return make_surface_model(std::move(*object.function));
+  if (is_curvature(o.color_by)) mesh = curved_vertices(object.points, o.cloud, progress);
+  PreparedCloud cloud = prepare_cloud(std::move(object.points), o.cloud, progress);
+  return o.surface ? make_surface_model(std::move(cloud), *o.surface, progress)
+                   : make_suited_surface(std::move(cloud), progress);
+}
+
+void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional<CurvedVertices> mesh,
+               CrestsFrom crests, const UsePicture& use, RenderReport& report, Progress& progress) {
+  SurfaceRenderOptions look = o.look;
+  move_from_input(look, model.place());
+  std::optional<ColorBar> bar;
+  const std::unique_ptr<ColorField> own = make_colors(o, model, std::move(mesh), bar, progress);
+  if (!o.bar) bar.reset();
+  leave_room(look, bar);
+  const ColorField* const colors = own ? own.get() : look.use_colors ? model.colors() : nullptr;
+  std::unique_ptr<CurvatureField> bends;
+  if (wants_curvature(look))
+    bends =
+        crests == CrestsFrom::samples ? curvature_at_samples(model, progress) : curvature_of_surface(model, progress);
+  look.curvature = bends.get();
+  const SurfacePainter painter(o, model, colors, look, progress);
+  look.steady = o.frames.has_value();
+  std::size_t number = 0;
+  for (const ViewDirection& view : turntable(look.view, o.frames.value_or(1))) {
+    look.view = view;
+    const Image image = painter.paint(look, progress);
+    use(number++, beside_bar(image, bar, look), look);
+  }
+  painter.report(report);
+}
+
+}  // namespace
+
+void draw_surface(PictureObject object, const PictureOptions& o, CrestsFrom crests, const UsePicture& use,
+                  RenderResult& result, Progress& progress) {
+  try {
+    std::optional<CurvedVertices> mesh;
+    const SurfaceModel model = model_of(object, o, mesh, progress);
+    add_notes(result.notes, "surface", model.warnings(), object.name);
+    paint_all(o, model, std::move(mesh), crests, use, result.report, progress);
+    result.report.surface = model.report();
+  } catch (const DataError& error) {
+    throw DataError(object.name + ": " + error.what());
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,55 @@
+#include "sansmesh/jobs/edit.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/function/mesh_function.h"
+
+namespace sansmesh {
+namespace {
+
+/// Throws DataError unless it is a mesh of the function, whoever made it.
+void check_mesh(const EditInput& input) {
+  if (input.mesh->triangles.empty()) throw DataError(input.mesh_name + ": has no triangles");
+  const MeshMatch match = match_mesh(input.function, *input.mesh);
+  if (match.belongs()) return;
+  const Vec3& at = match.farthest_at;
+  throw DataError(
+      fmt::format("{}: is not a mesh of {}: {} of its {} vertices looked at {} on that surface, the farthest "
+                  "is about {} off, at ({:.9g}, {:.9g}, {:.9g})",
+                  input.mesh_name, input.name, grouped(match.on), grouped(match.vertices),
+                  match.on == 1 ? "lies" : "lie", length_words(match.farthest), at.x, at.y, at.z));
+}
+
+}  // namespace
+
+EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress) {
+  if (input.mesh) check_mesh(input);
+  std::vector<EditReport> steps;
+  FunctionEditor editor(std::move(input.function));
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    const std::string step = fmt::format("step {}: ", i + 1);
+    try {
+      steps.push_back(editor.apply(edits[i], progress));
+    } catch (const ArgumentError& error) {
+      throw ArgumentError(step + error.what());
+    } catch (const DataError& error) {
+      throw DataError(input.name + ": " + step + error.what());
+    }
+  }
+  EditedFunction result{.function = editor.function(), .steps = std::move(steps)};
+  try {
+    if (make_mesh)
+      result.mesh = input.mesh ? update_mesh(editor.function(), std::move(*input.mesh), editor.changed(), {}, progress,
+                                             &result.update)
+                               : mesh_function(editor.function(), {}, progress);
+  } catch (const DataError& error) {
+    throw DataError(input.name + ": after the edits: " + error.what());
+  }
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,36 @@
+// Edits of a function, and its mesh brought up to date.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/update_mesh.h"
+
+namespace sansmesh {
+
+struct EditInput {
+  SurfaceFunction function;
+  std::string name = "the function";  ///< in messages
+  /// The function's mesh before the edits, by mesh_function without options: only what they change is made anew.
+  std::optional<TriangleMesh> mesh = {};
+  std::string mesh_name = "the mesh";
+};
+
+struct EditedFunction {
+  SurfaceFunction function;
+  std::vector<EditReport> steps;
+  // Where a mesh is asked for.
+  TriangleMesh mesh = {};
+  MeshUpdate update = {};  ///< what of it is new; of one that was made without another nothing is told
+};
+
+/// `make_mesh`: of the function as the edits leave it. Throws ArgumentError that begins with the step, "step 2: ", for
+/// edits with values out of range; DataError that begins with a name where an edit cannot be done, nothing is left to
+/// be meshed, or the mesh is not one of the function; Cancelled.
+EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress);
+
+}  // namespace sansmesh

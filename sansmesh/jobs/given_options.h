@@ -1,0 +1,22 @@
+// Options that mean nothing beside others.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+
+struct GivenOption {
+  const char* field;
+  bool given;
+};
+
+/// Throws ArgumentError naming the first that was given: "`field` is for meshes".
+inline void refuse(std::initializer_list<GivenOption> options, const char* why) {
+  for (const GivenOption& o : options)
+    if (o.given) throw ArgumentError('`' + std::string(o.field) + "` " + why);
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,101 @@
+#include "sansmesh/jobs/picture_checks.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/jobs/given_options.h"
+#include "sansmesh/surface/curvature_words.h"
+
+namespace sansmesh {
+namespace {
+
+void check_counts(const PictureOptions& o, std::size_t objects) {
+  for (const auto& [field, count] :
+       {std::pair{"color", o.colors.size()}, {"opacity", o.opacities.size()}, {"name", o.names.size()}})
+    if (count > objects)
+      throw ArgumentError(fmt::format("`{}` is given {} times, for {}", field, count, counted(objects, "object")));
+  if ((o.surface || o.splats) && objects != 1) throw ArgumentError("`surface` and `splats` are for one object");
+}
+
+void check_meshless(const PictureOptions& o, bool function, bool meshless) {
+  const SurfaceRenderOptions& s = o.look;
+  if (function && o.surface)
+    throw ArgumentError("`surface` is for samples: the surface of a function file is the function");
+  if (function && o.cloud.remove_outliers)
+    throw ArgumentError("`remove_outliers` is for samples: the input is a function");
+  if (meshless)
+    refuse({{"smooth = false", !s.smooth},
+            {"point_radius", s.point_radius.has_value()},
+            {"wireframe", s.wireframe != RenderOptions::Wireframe::none}},
+           "is for meshes and points, not for surfaces without a mesh");
+  else
+    refuse({{"plain", s.plain},
+            {"exact_shadows", s.exact_shadows},
+            {"reflection", s.reflection != 0},
+            {"transmission", s.transmission != 0},
+            {"refraction_index", s.refraction_index != SurfaceRenderOptions().refraction_index}},
+           "is for one surface without a mesh: it needs `surface`");
+}
+
+void check_colors(const PictureOptions& o, std::size_t objects, bool meshless, bool of_objects) {
+  // Of meshes and points it is the name of an attribute as well.
+  const bool by_confidence = o.color_by == kConfidence, by_curvature = meshless && is_curvature(o.color_by);
+  if (o.color_range && !by_curvature) throw ArgumentError("`color_range` is for curvatures");
+  if (o.value_range && by_curvature)
+    throw ArgumentError("`value_range` is for attributes: `color_range` is for curvatures");
+  if (o.color_by.empty()) return;
+  if (objects != 1) throw ArgumentError("`color_by` is for one object: `as_one` makes one of several files");
+  if (of_objects) throw ArgumentError("`color_by` with `frames` needs `surface`");
+  if (meshless && !by_confidence && !by_curvature)
+    throw ArgumentError(
+        fmt::format("`color_by` of a surface without a mesh must be mean, gaussian, k1, k2 or confidence, not {}",
+                    printable(o.color_by, 40)));
+}
+
+}  // namespace
+
+bool is_meshless(const std::vector<PictureObject>& objects, const PictureOptions& o) {
+  return o.surface || o.splats || (objects.size() == 1 && objects[0].function);
+}
+
+bool is_of_lines(const std::vector<PictureObject>& objects, const PictureOptions& o) {
+  return !o.surface && !o.splats && objects.size() == 1 && o.color_by.empty() && objects[0].lines.size() > 0;
+}
+
+bool is_of_objects(const std::vector<PictureObject>& objects, const PictureOptions& o) {
+  if (o.surface || o.splats) return false;
+  return objects.size() > 1 || o.translucent() || (o.frames && !is_meshless(objects, o)) || is_of_lines(objects, o);
+}
+
+void check_objects(const std::vector<PictureObject>& objects, const PictureOptions& o) {
+  const bool meshless = is_meshless(objects, o), of_objects = is_of_objects(objects, o);
+  check_counts(o, objects.size());
+  check_meshless(o, objects.size() == 1 && objects[0].function, meshless);
+  check_colors(o, objects.size(), meshless, of_objects);
+  if (objects.size() == 1)
+    refuse({{"name", !o.names.empty()}}, "is for the list of several objects: there is one");
+  else  // each would have a curvature of its own
+    refuse({{"line_strength", o.look.line_strength != RenderOptions().line_strength},
+            {"bend_light", o.look.bend_light != RenderOptions().bend_light && o.look.bend_light != 0}},
+           "is about curvature, which pictures of several objects do not show: draw one");
+}
+
+void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& o) {
+  const auto none = [&](std::initializer_list<ObjectKind> those) {
+    return std::none_of(kinds.begin(), kinds.end(),
+                        [&](ObjectKind k) { return std::find(those.begin(), those.end(), k) != those.end(); });
+  };
+  if (none({ObjectKind::mesh, ObjectKind::lines}))
+    refuse({{"smooth = false", !o.look.smooth}, {"wireframe", o.look.wireframe != RenderOptions::Wireframe::none}},
+           "is for meshes: there are no triangles");
+  if (none({ObjectKind::points}))
+    refuse({{"point_radius", o.look.point_radius.has_value()}, {"remove_outliers", o.cloud.remove_outliers}},
+           "is for points: there are none but vertices of triangles");
+}
+
+}  // namespace sansmesh

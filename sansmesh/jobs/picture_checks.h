@@ -1,0 +1,22 @@
+// Options of pictures that what is drawn would not heed: none is accepted.
+#pragma once
+
+#include <vector>
+
+#include "sansmesh/jobs/picture_options.h"
+
+namespace sansmesh {
+
+/// The one object is a surface without a mesh.
+bool is_meshless(const std::vector<PictureObject>& objects, const PictureOptions& options);
+/// The one object is lines.
+bool is_of_lines(const std::vector<PictureObject>& objects, const PictureOptions& options);
+/// They are drawn as objects that stand side by side.
+bool is_of_objects(const std::vector<PictureObject>& objects, const PictureOptions& options);
+
+/// Options against the objects. Throws ArgumentError.
+void check_objects(const std::vector<PictureObject>& objects, const PictureOptions& options);
+/// The same for those that no object of these kinds heeds.
+void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& options);
+
+}  // namespace sansmesh

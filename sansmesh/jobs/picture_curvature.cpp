@@ -1,0 +1,87 @@
+#include "sansmesh/jobs/picture_curvature.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/field/projection.h"
+#include "sansmesh/points/face_shape.h"
+#include "sansmesh/surface/sample_curvature.h"
+#include "sansmesh/surface/vertex_curvature.h"
+
+namespace sansmesh {
+namespace {
+
+/// Normals turn over this many spacings of the samples: details that these hold, and not their noise.
+constexpr double kBendStep = 1;
+
+/// How the normals of a field turn, and the field itself where a projection has to be seen as one.
+class ModelCurvature final : public CurvatureField {
+ public:
+  ModelCurvature(const SurfaceModel& model, double step, Progress& progress)
+      : signed_distance_(model.projection() ? std::make_unique<ProjectionField>(*model.projection()) : nullptr),
+        bends_(signed_distance_ ? *signed_distance_ : model.field(progress), step) {}
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override {
+    bends_.evaluate(x, normals, bends);
+  }
+
+ private:
+  std::unique_ptr<ProjectionField> signed_distance_;
+  FieldCurvature bends_;
+};
+
+}  // namespace
+
+bool wants_curvature(const RenderOptions& options) {
+  return options.lines != RenderOptions::Lines::none || (options.accessibility && options.bend_light > 0);
+}
+
+std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress) {
+  const SurfaceReport& report = model.report();
+  double spacing = model.place().from_input(std::max(report.spacing, 2 * report.noise));
+  if (!(spacing > 0)) {  // not kept with the function
+    std::vector<float> radii = model.balls().radii;
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::nth_element(radii.begin(), middle, radii.end());
+    spacing = static_cast<double>(*middle);
+  }
+  return std::make_unique<ModelCurvature>(model, kBendStep * spacing, progress);
+}
+
+std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress) {
+  progress.begin("curvature");
+  CurvatureOptions options;
+  options.noise = model.place().from_input(model.report().noise);
+  return std::make_unique<SampleCurvature>(model.points(), Placement{}, options, progress);
+}
+
+std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudUse& use, Progress& progress) {
+  if (mesh.triangles.empty() || use.faces == FaceUse::ignore) return std::nullopt;
+  if (use.faces == FaceUse::automatic && face_samples_wanted(mesh) == 0) return std::nullopt;
+  CloudUse own = use;
+  own.faces = FaceUse::vertices;
+  PreparedCloud cloud = prepare_cloud(mesh, own, progress);
+  progress.begin("curvature");
+  CurvedVertices made{std::move(cloud.points), cloud.place, {}};
+  made.curvatures = estimate_vertex_curvatures(made.points, {}, progress);
+  return made;
+}
+
+std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress) {
+  if (points.size() < kFewestSamples) return nullptr;
+  try {
+    if (const auto mesh = curved_vertices(points, use, progress))
+      return std::make_unique<SampleCurvature>(mesh->points, mesh->curvatures, mesh->place);
+    const PreparedCloud cloud = prepare_cloud(points, use, progress);
+    progress.begin("curvature");
+    CurvatureOptions options;
+    options.noise = cloud.noise;
+    return std::make_unique<SampleCurvature>(cloud.points, cloud.place, options, progress);
+  } catch (const DataError&) {
+    return nullptr;  // points that make no surface have silhouettes all the same
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,170 @@
+#include "sansmesh/jobs/picture_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/jobs/given_options.h"
+#include "sansmesh/render/color_words.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::string_view kRayStarts[] = {"march", "stored"};
+constexpr double kMostSplatsAsked = 1e8, kMostPictures = 1e5;
+
+/// Two numbers, LOW,HIGH.
+struct ValueRangeWords {
+  static constexpr auto kind = OptionKind::numbers;
+  static constexpr int count = 2;
+  static OptionValue get(const std::pair<double, double>& v) { return std::vector<double>{v.first, v.second}; }
+  static std::pair<double, double> from(const OptionValue& value) {
+    const auto& v = std::get<std::vector<double>>(value);
+    return {v.at(0), v.at(1)};
+  }
+};
+
+void check_color_words(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (word != kAutoColor && word != kOwnColor && !color_of_word(word))
+      throw ArgumentError(ArgumentFault{
+          .field = "color",
+          .value = "'" + printable(word, 40) + "'",
+          .allowed = fmt::format("{}, '#rrggbb', {} (the file's) or {}", color_words(), kOwnColor, kAutoColor),
+          .remedy = {}});
+}
+
+/// Of lines alone nothing has light or colour but the lines.
+void check_lines_alone(const PictureOptions& o) {
+  if (o.look.lines != RenderOptions::Lines::only) return;
+  refuse({{"color", !o.colors.empty()},
+          {"color_by", !o.color_by.empty()},
+          {"name", !o.names.empty()},
+          {"wireframe", o.look.wireframe != RenderOptions::Wireframe::none},
+          {"reflection", o.look.reflection != 0},
+          {"transmission", o.look.transmission != 0},
+          {"exact_shadows", o.look.exact_shadows}},
+         "is for surfaces that are seen, which `lines` alone does not show: `lines = over`");
+}
+
+void check_translucent(const PictureOptions& o) {
+  if (!o.translucent()) return;
+  if (o.surface) throw ArgumentError("`opacity` is for meshes, points and functions: not with `surface`");
+  if (!o.color_by.empty()) throw ArgumentError("`color_by` does not go with `opacity`");
+  refuse({{"lines", o.look.lines != RenderOptions::Lines::none},
+          {"accessibility", o.look.accessibility.has_value()},
+          {"plain", o.look.plain},
+          {"exact_shadows", o.look.exact_shadows}},
+         "is for what is opaque: it does not go with `opacity` below 1");
+}
+
+void check_splats_and_rays(const PictureOptions& o) {
+  const SurfaceRenderOptions& s = o.look;
+  if (s.plain && s.accessibility) throw ArgumentError("`plain` casts no rays around places, as `accessibility` does");
+  if (s.plain)
+    refuse(
+        {{"antialiasing", s.samples != RenderOptions().samples && s.samples != 1}, {"exact_shadows", s.exact_shadows}},
+        "does not go with `plain`, which has one ray per pixel and no shadows");
+  if (o.splats)
+    refuse({{"opacity", o.translucent()},
+            {"reflection", s.reflection != 0},
+            {"transmission", s.transmission != 0},
+            {"exact_shadows", s.exact_shadows}},
+           "means nothing to `splats`");
+  const bool projection = o.surface && !o.splats && surface_method(o.surface->method).projects;
+  if (o.rays && !projection) throw ArgumentError("`rays` needs `surface` levin, alexa or curvature, and no `splats`");
+}
+
+void check_values(const PictureOptions& o) {
+  const bool by_confidence = o.color_by == kConfidence;
+  if (o.value_range && (o.color_by.empty() || by_confidence))
+    throw ArgumentError("`value_range` is for attributes: `color_by` their name");
+  if (o.value_range && !(o.value_range->first < o.value_range->second))
+    throw ArgumentError("`value_range` must be LOW,HIGH");
+  if (!o.unit.empty() && (o.color_by.empty() || by_confidence || !o.bar))
+    throw ArgumentError("`unit` stands at the colour bar of `color_by`");
+  if (!o.color_by.empty() && !o.colors.empty()) throw ArgumentError("`color` and `color_by` exclude each other");
+}
+
+}  // namespace
+
+const char* object_word(ObjectKind kind) {
+  switch (kind) {
+    case ObjectKind::mesh:
+      return "mesh";
+    case ObjectKind::points:
+      return "points";
+    case ObjectKind::lines:
+      return "lines";
+    case ObjectKind::function:
+      return "function";
+  }
+  return "";
+}
+
+bool PictureOptions::translucent() const {
+  return std::any_of(opacities.begin(), opacities.end(), [](double opacity) { return opacity < 1; });
+}
+
+const OptionSchema& PictureOptions::schema() {
+  using O = PictureOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::colors>({.text =
+                              "Of the first file, the second time of the second one, …: '#rrggbb', red, blue, …, own "
+                              "(the file's) or auto",
+                          .unit = "color",
+                          .from_data = "own where there are some",
+                          .name = "color"}),
+      option<&O::opacities>({.text = "The same for opacities, 0..1",
+                             .unit = "share",
+                             .from_data = "1",
+                             .range = {0, 1},
+                             .name = "opacity"}),
+      option<&O::names>(
+          {.text = "The same for names in the legend", .unit = "text", .from_data = "the files'", .name = "name"}),
+      option<&O::legend>({.text = "No list of the objects beside the picture"}),
+      option<&O::color_by>({.text = "An attribute of the vertices or points, as a vector its length; with `surface` "
+                                    "mean, gaussian, k1 or k2 curvature (red convex, blue concave); confidence (red "
+                                    "where no samples are)",
+                            .unit = "quantity"}),
+      option<&O::value_range, ValueRangeWords>(
+          {.text = "Of an attribute: values with the colours at the ends of the bar",
+           .unit = "low,high",
+           .from_data = "from data"}),
+      option<&O::bar>({.text = "Without the colour bar"}),
+      option<&O::unit>({.text = "Of the attribute, or of lengths in curvatures, at the colour bar", .unit = "unit"}),
+      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
+                               .unit = "value",
+                               .from_data = "from data",
+                               .range = positive()}),
+      option<&O::rays>({.text = "levin, alexa, curvature: march through the balls around the samples, or start from "
+                                "polynomials stored with them",
+                        .unit = "choice",
+                        .from_data = "march",
+                        .choices = kRayStarts}),
+      option<&O::splats>({.text =
+                              "Points of the surface, evenly spread, as splats that blend, not rays: of `surface`, or "
+                              "of what suits the samples; 0: as many as there are samples",
+                          .unit = "count",
+                          .range = {0, kMostSplatsAsked},
+                          .implied = "0"}),
+      option<&O::frames>({.text = "So many pictures from all around, as NAME_000.png, NAME_001.png, …",
+                          .unit = "count",
+                          .range = {1, kMostPictures}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void PictureOptions::validate() const {
+  look.validate();
+  validate_options(*this);
+  if (surface) surface->validate();
+  check_color_words(colors);
+  check_translucent(*this);
+  check_splats_and_rays(*this);
+  check_lines_alone(*this);
+  check_values(*this);
+}
+
+}  // namespace sansmesh

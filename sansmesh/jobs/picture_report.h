@@ -1,0 +1,41 @@
+// Pictures as they are handed over, and what is told of them.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/jobs/picture_options.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/render/surface_caster.h"
+
+namespace sansmesh {
+
+struct DrawnObject {
+  ObjectKind kind = ObjectKind::mesh;
+  std::string title;
+  std::string color;  ///< "#rrggbb", or "own"
+  double opacity = 1;
+};
+
+struct RenderReport {
+  std::vector<DrawnObject> objects;      ///< where they stand side by side, or are translucent, lines or turned
+  std::optional<SurfaceReport> surface;  ///< where a surface is drawn without a mesh
+  std::optional<CastCounts> rays;        ///< of that
+  std::optional<std::size_t> splats;     ///< in place of rays
+};
+
+struct RenderResult {
+  RenderReport report;
+  /// "surface": what there is to say of a surface without a mesh; "outliers": samples that were left out.
+  std::vector<Note> notes;
+};
+
+/// Takes a picture as it is made, from frame 0 on; `look` is what it was made with.
+using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& look)>;
+
+}  // namespace sansmesh

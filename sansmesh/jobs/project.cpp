@@ -1,0 +1,134 @@
+#include "sansmesh/jobs/project.h"
+
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::string_view kSuited = "auto", kLop = "lop";
+constexpr double kMostPoints = 2e9;
+
+const std::vector<std::string_view>& project_methods() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> all{kSuited, kLop};
+    for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) all.push_back(method->name);
+    return all;
+  }();
+  return names;
+}
+
+/// The method as one of the words.
+struct ProjectMethodWords {
+  static constexpr auto kind = OptionKind::choice;
+  static OptionValue get(const std::string& name) {
+    const auto& all = project_methods();
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all[i] == name) return static_cast<std::int64_t>(i);
+    return std::int64_t{-1};
+  }
+  static std::string from(const OptionValue& value) {
+    return std::string(project_methods().at(static_cast<std::size_t>(std::get<std::int64_t>(value))));
+  }
+};
+
+/// Nothing: what suits the samples. With options that not all surfaces use it is `curvature`, as they are its.
+std::optional<SurfaceOptions> surface_of(const ProjectOptions& o) {
+  SurfaceOptions surface = o.surface;
+  if (o.method != kSuited)
+    surface.method = o.method;
+  else if (!options_set(surface).empty())
+    surface.method = "curvature";
+  else
+    return std::nullopt;
+  return surface;
+}
+
+void check_lop(const ProjectOptions& o, bool onto) {
+  const auto check = [](bool ok, std::string_view option, const char* why) {
+    if (!ok) throw ArgumentError(fmt::format("`{}` means nothing to `method = lop`: {}", option, why));
+  };
+  const char* const what = "it has no surface, and moves to the input";
+  check(!onto, "onto", what);
+  if (const auto set = options_set(o.surface); !set.empty()) check(false, set.front(), what);
+  check(!o.cloud.remove_outliers, "remove_outliers", "outliers hardly draw its points");
+  if (const auto set = options_set(o.steps); !set.empty()) check(false, set.front(), what);
+}
+
+PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult& result, Progress& progress) {
+  const std::string& of = input.onto ? input.onto_name : input.name;
+  try {
+    PreparedCloud prepared = prepare_cloud(input.onto ? std::move(*input.onto) : input.points, o.cloud, progress);
+    const auto surface = surface_of(o);
+    const SurfaceModel model = surface ? make_surface_model(std::move(prepared), *surface, progress)
+                                       : make_suited_surface(std::move(prepared), progress);
+    result.report.method = model.report().method;
+    add_notes(result.notes, "surface", model.warnings(), of);
+    SurfaceProjection& moved = result.report.moved;
+    return o.points ? resample_surface(model, *o.points, o.steps, progress, &moved)
+                    : project_points(input.points, model, o.steps, progress, &moved);
+  } catch (const DataError& error) {
+    throw DataError(of + ": " + error.what());
+  }
+}
+
+PointSet consolidated(const ProjectInput& input, const ProjectOptions& o, ProjectReport& report, Progress& progress) {
+  LopOptions lop = o.lop;
+  lop.points = o.points;
+  report.method = kLop;
+  try {
+    PointSet points = consolidate(input.points, lop, progress);
+    report.moved.projected = points.size();
+    return points;
+  } catch (const DataError& error) {
+    throw DataError(input.name + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+const OptionSchema& ProjectOptions::schema() {
+  using O = ProjectOptions;
+  static const std::string methods = "auto (what suits the samples), lop (consolidation of the input) or a surface: " +
+                                     SurfaceMethod::registry().names();
+  static const OptionRow rows[] = {
+      option<&O::method, ProjectMethodWords>({.text = methods, .unit = "name", .choices = project_methods()}),
+      option<&O::points>({.text = "Spread about this many new points over the surface instead of moving those given",
+                          .unit = "count",
+                          .range = {1, kMostPoints}}),
+      option_group<&O::steps>(ProjectToSurface::schema().rows), option_group<&O::lop>(LopOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void ProjectOptions::validate() const {
+  validate_options(*this);
+  if (method == kLop) return check_lop(*this, false);
+  if (const auto set = options_set(lop); !set.empty())
+    throw ArgumentError(
+        method == kSuited ? fmt::format("`{}` means nothing here: it belongs to `method = lop`", set.front())
+                          : fmt::format("`{}` means nothing to `method = {}`: it belongs to lop", set.front(), method));
+  if (const auto chosen = surface_of(*this)) chosen->validate();
+}
+
+ProjectResult project(ProjectInput input, const ProjectOptions& options, Progress& progress) {
+  options.validate();
+  ProjectResult result;
+  if (options.method == kLop) {
+    check_lop(options, input.onto.has_value());
+    result.points = consolidated(input, options, result.report, progress);
+    return result;
+  }
+  const std::string onto = input.onto ? input.onto_name : input.name;
+  result.points = on_surface(input, options, result, progress);
+  if (result.points.size() == 0)
+    throw DataError(fmt::format("{}: no point lies near enough to the surface of {}", input.name, onto));
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,146 @@
+#include "sansmesh/jobs/reconstruct.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/meshing/mesh_steps.h"
+#include "sansmesh/model/surface_domain.h"
+
+namespace sansmesh {
+namespace {
+
+using namespace detail;
+
+/// Mesh error of surfaces that do not know their own, over the spacing and the noise.
+constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
+
+constexpr const char* kKeepAll = "; `components = all` keeps every part";
+
+PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, ReconstructReport& r) {
+  PreparedCloud cloud = prepare_cloud(std::move(points), use, progress);
+  r.estimated_normals = cloud.estimated_normals;
+  r.oriented_by = cloud.oriented_by;
+  r.alignment = cloud.alignment;
+  return cloud;
+}
+
+/// The surface asked for, with those options of the fit that it uses.
+SurfaceOptions surface_options(const ReconstructOptions& options) {
+  SurfaceOptions o = options.surface;
+  const SurfaceMethod& method = surface_method(o.method);
+  if (options.fit.error && method.uses_option("error")) o.error = options.fit.error;
+  if (options.fit.depth && method.uses_option("depth")) o.depth = options.fit.depth;
+  if (!options.fit.sharp && method.uses_option("smooth")) o.smooth = true;
+  return o;
+}
+
+/// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples where it bends, and cut off
+/// where these end.
+TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
+                                 ReconstructReport& r) {
+  const SurfaceOptions choice = surface_options(options);
+  const MeshOptions& asked = options.mesh;
+  const SurfaceModel model =
+      make_surface_model(prepare(std::move(points), options.cloud, progress, r), choice, progress);
+  const SurfaceTraits traits = model.traits();
+  r.warnings = model.warnings();
+  r.spacing = model.report().spacing;
+  r.noise = model.report().noise;
+  const Placement& place = model.place();
+  const double spacing = place.from_input(r.spacing);
+  const double mesh_error = asked.mesh_error
+                                ? place.from_input(*asked.mesh_error)
+                                : std::max(kErrorOverSpacing * spacing, place.from_input(kErrorOverNoise * r.noise));
+  r.mesh_error = place.to_input(mesh_error);
+  PolygonizeOptions meshing = meshing_options(asked, mesh_error, traits.creases);
+  const ScalarField& field = model.field(progress);
+  meshing.placement = model.placement(progress);
+  meshing.seeds = model.seeds();
+  PointSet feet = model.feet(progress);
+  progress.begin("choose blocks");
+  BlockTree blocks = model.blocks_for(feet, mesh_error);
+  progress.begin("find borders");
+  std::optional<double> fill, trim;
+  if (asked.fill_holes) fill = std::min(place.from_input(*asked.fill_holes), blocks.edge());
+  if (asked.trim)
+    trim = *asked.trim > 0 ? place.from_input(*asked.trim) : std::max(4 * spacing, 6 * place.from_input(r.noise));
+  std::optional<bool> solid;
+  if (options.fit.open) solid = !*options.fit.open;
+  // Beyond those of the samples they are of what closes holes.
+  feet.positions.resize(std::min(feet.size(), model.points().size()));
+  feet.normals.resize(feet.size());
+  const SurfaceDomain domain(field, feet, spacing, fill, trim, solid, traits.closes_holes);
+  domain.refine(blocks, asked.block_depth.value_or(BlockTree::kMaxLevel));
+  if (trim || !domain.solid() || !traits.closes_holes) meshing.domain = &domain;
+  r.open = domain.ends();
+  r.block_depth = blocks.depth();
+  TriangleMesh mesh = cut_out(field, blocks, asked, meshing, progress, r);
+
+  progress.begin("finish mesh");
+  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, asked, r);
+  mark_confidence(mesh, model.points(), spacing, place.from_input(r.noise), place, asked, r);
+  if (r.most_lost) {
+    r.most_lost = place.to_input(*r.most_lost);
+    r.warnings.push_back(lost_samples(r) + kKeepAll);
+  }
+  move_to_input(mesh, place);
+  progress.finish();
+  return mesh;
+}
+
+}  // namespace
+
+void ReconstructOptions::validate() const {
+  surface.validate();
+  if (other_surface()) {
+    const SurfaceMethod& method = surface_method(surface.method);
+    const auto refuse = [&](std::string_view option) {
+      throw ArgumentError(fmt::format("`{}` belongs to the partition, not to the surface {}", option, method.name));
+    };
+    if (mesh.mesher == Mesher::walk) refuse("mesher = walk");
+    for (const std::string_view option : options_set(fit)) {
+      if (option == "open" || ((option == "error" || option == "depth") && method.uses_option(option))) continue;
+      if (option == "sharp" && method.uses_option("smooth")) continue;
+      refuse(option == "sharp" ? "sharp = false" : option == "fit" ? "fit = paper" : option);
+    }
+  }
+  fit.validate();
+  mesh.validate();
+  const bool walks = mesh.mesher == Mesher::walk || (mesh.mesher == Mesher::automatic && fit.is_paper());
+  if (walks) mesh.validate_walk();
+  if (!walks && mesh.enhance && mesh.displacement > 0)
+    throw ArgumentError("`displacement` needs `enhance = false`: clustering undoes it");
+}
+
+ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress) {
+  options.validate();
+  ReconstructResult result;
+  ReconstructReport& r = result.report;
+  if (options.other_surface()) {
+    result.mesh = reconstruct_surface(std::move(points), options, progress, r);
+    return result;
+  }
+  const SurfaceFunction function =
+      fit_surface_function(prepare(std::move(points), options.cloud, progress, r), options.fit, progress);
+  const PartitionReport& f = function.field.report();
+  result.mesh = mesh_function(function, options.mesh, progress, &r);
+  r.spacing = function.place.to_input(f.spacing);
+  r.noise = function.place.to_input(f.noise);
+  r.fits = f.functions;
+  r.fit_depth = f.depth;
+  r.fits_of_degree = f.functions_of_degree;
+  r.paper = function.paper;
+  r.open_share = f.area > 0 ? f.open_area / f.area : 0;
+  r.behind = f.behind;
+  if (r.most_lost && !r.warnings.empty())
+    r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where they end" : kKeepAll;
+  r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());
+  return result;
+}
+
+}  // namespace sansmesh

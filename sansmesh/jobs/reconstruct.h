@@ -1,0 +1,58 @@
+// From samples to a mesh in one call.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/points/prepare_cloud.h"
+
+namespace sansmesh {
+
+/// What to do to the samples, how to fit and how to mesh.
+struct ReconstructOptions {
+  CloudUse cloud = {};
+  FitOptions fit = {};
+  MeshOptions mesh = {};
+  /// Another surface than the adaptive partition of unity uses none of `fit` but what it has itself (`error`, `depth`).
+  /// It is cut where it leaves its domain of definition: not closed where the samples have borders.
+  SurfaceOptions surface = {.method = std::string(kPartitionSurface)};
+
+  bool other_surface() const { return surface.method != kPartitionSurface; }
+  /// Throws ArgumentError naming the field.
+  void validate() const;
+};
+
+struct ReconstructReport : MeshReport {
+  double spacing = 0;                   ///< √(area / samples): edge of the square that one sample stands for (length)
+  double noise = 0;                     ///< estimated standard deviation of the samples off the surface (length)
+  bool estimated_normals = false;       ///< there were none, or they were not wanted
+  std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
+  std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
+  /// Of the function: local approximations, and the deepest level of their tree. 0 for other surfaces.
+  std::size_t fits = 0;
+  int fit_depth = 0;
+  FitsOfDegree fits_of_degree{};
+  std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be
+  /// Of the function: share of the surface that bounds no solid, and the mean winding number behind the samples from
+  /// which that was decided (PartitionReport). 0 and 1 for other surfaces.
+  double open_share = 0, behind = 1;
+};
+
+struct ReconstructResult {
+  TriangleMesh mesh;
+  ReconstructReport report;
+};
+
+/// Points (normals are estimated or oriented if need be) → manifold mesh, closed where the surface bounds a solid.
+/// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
+/// ArgumentError for bad options.
+ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
+
+}  // namespace sansmesh

@@ -1,0 +1,125 @@
+#include "sansmesh/jobs/render.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/draw_objects.h"
+#include "sansmesh/jobs/draw_surface.h"
+#include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/jobs/picture_curvature.h"
+#include "sansmesh/points/sample_confidence.h"
+#include "sansmesh/render/color_words.h"
+#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/surface/curvature_words.h"
+
+namespace sansmesh {
+namespace {
+
+/// Fewer samples are drawn as they are: their surface may be nowhere.
+constexpr std::size_t kFewestOfSurface = 30;
+
+/// Puts together what follows from several options.
+PictureOptions completed(PictureOptions o, std::size_t objects) {
+  if (o.splats && o.look.plain) {
+    o.look.shadows = o.look.ground = false;
+    o.look.occlusion_rays = 0;
+    o.look.samples = 1;
+  }
+  if (objects == 1 && !o.colors.empty())
+    if (const auto color = color_of_word(o.colors[0])) o.look.surface_color = *color, o.look.use_colors = false;
+  return o;
+}
+
+/// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
+bool lines_may_need_surface(const std::vector<PictureObject>& objects, const PictureOptions& o) {
+  return o.look.lines != RenderOptions::Lines::none && objects.size() == 1 && !is_of_lines(objects, o) &&
+         !o.translucent() && o.color_by.empty() && !o.look.point_radius &&
+         o.look.wireframe == RenderOptions::Wireframe::none && o.look.smooth && !is_meshless(objects, o) &&
+         objects[0].points.triangles.empty() && objects[0].points.size() >= kFewestOfSurface;
+}
+
+/// False for points that make no surface: their discs have silhouettes all the same.
+bool draw_lines_of_surface(const PictureObject& object, const PictureOptions& o, const UsePicture& use,
+                           RenderResult& result, Progress& progress) {
+  PictureOptions by_rays = o;
+  by_rays.surface = SurfaceOptions{};
+  try {
+    draw_surface(object, by_rays, CrestsFrom::samples, use, result, progress);
+    return true;
+  } catch (const DataError&) {
+    return false;
+  }
+}
+
+/// The colours of the attribute that meshes of clouds have; where it is not known, those of none.
+void color_by_confidence(TriangleMesh& mesh) {
+  const Attribute* const confidence = mesh.attributes.find(kConfidence);
+  if (!confidence || confidence->components != 1)
+    throw DataError("has no attribute confidence: meshes of clouds have it that are made with `confidence`");
+  mesh.colors.resize(mesh.vertices.size());
+  for (std::size_t v = 0; v < mesh.colors.size(); ++v) {
+    const double known = confidence->number(v);
+    const Vec3f color = confidence_color(std::isfinite(known) ? static_cast<float>(std::clamp(known, 0.0, 1.0)) : 0.0f);
+    for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = index_in<std::uint8_t>(std::round(255 * color[k]), 0, 255);
+  }
+}
+
+/// By `color_by`, if there is one.
+std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, RenderOptions& look) {
+  if (o.color_by.empty()) return std::nullopt;
+  if (o.color_by == kConfidence) {
+    color_by_confidence(mesh);
+    return confidence_bar();
+  }
+  if (is_curvature(o.color_by) && !mesh.attributes.find(o.color_by))
+    throw ArgumentError("`color_by` of curvatures needs `surface`, or a file that has them as attributes");
+  look.shadows = look.ground = false;  // colours are to be read
+  return color_by_attribute(mesh, o.color_by, o.value_range, o.unit);
+}
+
+void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& use, RenderResult& result,
+               Progress& progress) {
+  PointSet& points = object.points;
+  check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh}, o);
+  try {
+    if (o.cloud.remove_outliers) leave_out_outliers(points, object.name, result.notes, progress);
+    RenderOptions look = o.look;
+    const auto curvature = wants_curvature(look) ? curvature_of_samples(points, o.cloud, progress) : nullptr;
+    look.curvature = curvature.get();
+    TriangleMesh mesh = to_mesh(std::move(points));
+    std::optional<ColorBar> bar = color_mesh(mesh, o, look);
+    if (!o.bar) bar.reset();
+    leave_room(look, bar);
+    const Image image = render_mesh(mesh, look, progress);
+    use(0, beside_bar(image, bar, look), look);
+  } catch (const DataError& error) {
+    throw DataError(object.name + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+RenderResult render(std::vector<PictureObject> objects, const PictureOptions& options, const UsePicture& use,
+                    Progress& progress) {
+  options.validate();
+  if (objects.empty()) throw ArgumentError("there is nothing to draw: no object is given");
+  check_objects(objects, options);
+  const PictureOptions o = completed(options, objects.size());
+  RenderResult result;
+  if (is_meshless(objects, o) && !is_of_objects(objects, o))
+    draw_surface(std::move(objects[0]), o, CrestsFrom::surface, use, result, progress);
+  else if (lines_may_need_surface(objects, o) && draw_lines_of_surface(objects[0], o, use, result, progress))
+    return result;
+  else if (is_of_objects(objects, o))
+    draw_objects(std::move(objects), o, use, result, progress);
+  else
+    draw_mesh(std::move(objects[0]), o, use, result, progress);
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,62 @@
+#include "sansmesh/jobs/splat_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/model/sample_surface.h"
+#include "sansmesh/surface/curvature.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kFewestSplats = 20000, kMostSplats = 300000;
+constexpr float kMostStretch = 1.5f;
+/// Where a surface turns by so many radians from splat to splat, splats are stretched in full.
+constexpr float kFullyBent = 0.3f;
+
+}  // namespace
+
+SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const ColorField* colors, Progress& progress) {
+  const std::size_t given = std::max(model.points().size(), model.balls().centers.size());
+  if (count == 0) count = std::clamp(given, kFewestSplats, kMostSplats);
+  SplatPoints splats;
+  PointSet& points = splats.points;
+  points = resample_surface(model, count, {}, progress);
+  if (points.size() == 0) throw DataError("no point of the surface was found");
+  move_from_input(points, model.place());
+  if (colors) {
+    std::vector<Vec3> x;
+    x.reserve(points.size());
+    for (const Vec3f& p : points.positions) x.push_back(points.origin + Vec3(p));
+    std::vector<Vec3f> found(x.size());
+    colors->evaluate(x, found);
+    points.colors.clear();
+    for (const Vec3f& c : found) points.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
+  } else {
+    points.colors.clear();
+  }
+  progress.begin("curvature");
+  // The points lie on the surface: there is no noise left.
+  const std::vector<PrincipalCurvatures> bends =
+      estimate_curvatures(points, {.neighbours = 20, .noise = 0.0}, progress);
+  const float spacing =
+      static_cast<float>(model.place().from_input(model.report().spacing)) *
+      std::sqrt(static_cast<float>(std::max<std::size_t>(1, given)) / static_cast<float>(points.size()));
+  splats.stretches.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PrincipalCurvatures& c = bends[i];
+    if (!c.defined) continue;
+    const bool first = std::abs(c.k1) > std::abs(c.k2);
+    const float more = std::abs(first ? c.k1 : c.k2), less = std::abs(first ? c.k2 : c.k1);
+    const float most =
+        less * kMostStretch * kMostStretch > more ? std::sqrt(more / std::max(less, 1e-20f)) : kMostStretch;
+    splats.stretches[i] = {first ? c.direction2 : c.direction1,
+                           1 + (most - 1) * std::min(1.0f, more * spacing / kFullyBent)};
+  }
+  progress.finish();
+  return splats;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,123 @@
+#include "sansmesh/model/surface_blocks.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/search/ball_tree.h"
+
+namespace sansmesh {
+namespace {
+
+/// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
+constexpr double kBlockReach = 0.4;
+/// Edge of a block over the spacing of the samples near it, for coarseness 1; over the width of the weights where these
+/// are wider: a surface has no finer features.
+constexpr double kBlockEdge = 1.4, kThinBlockEdge = 1.2;
+constexpr int kDeepest = 13;
+/// Around a block whose flatness is asked for it has to reach so far beyond, in edges.
+constexpr double kFlatMargin = 0.25;
+/// Least cosine of the normals around a flat block to their mean: of one sheet, and no fold.
+constexpr double kAlike = 0.87;
+/// Cosine of normals on the two sides of a wall, below.
+constexpr float kOpposite = -0.85f;
+/// A surface of curvature κ around a block of edge e leaves triangles of that edge a gap of κe²/8 in their middle, and
+/// rises by κR²/2 within R = 1.1 e, block and margin: 4.8 times that. On average it is two thirds of that gap, and half
+/// of this where triangles straddle the surface.
+constexpr double kHeightOverGap = 14;
+/// Flat blocks are no larger than so many times the finest there: what lies between samples should be looked at.
+constexpr double kLargest = 16;
+
+/// Whether large triangles would do.
+struct Flatness {
+  const PointSet& feet;
+  double most;
+
+  /// Whether these are samples of both sides of a wall: whether any look away from the one that looks away most from
+  /// the first, which may lie on the rim.
+  bool two_sided(std::span<const std::uint32_t> samples) const {
+    const auto cosine = [&](std::uint32_t i, std::uint32_t j) { return dot(feet.normals[i], feet.normals[j]); };
+    const std::uint32_t first = samples.front();
+    const std::uint32_t side = *std::min_element(samples.begin(), samples.end(), [&](std::uint32_t i, std::uint32_t j) {
+      return cosine(i, first) < cosine(j, first);
+    });
+    return std::any_of(samples.begin(), samples.end(), [&](std::uint32_t i) { return cosine(i, side) < kOpposite; });
+  }
+
+  /// Whether triangles of a block with this edge length would do for what these samples stand for.
+  bool holds(std::span<const std::uint32_t> samples) const {
+    Vec3 normal, middle;
+    for (const std::uint32_t i : samples) normal += Vec3(feet.normals[i]), middle += Vec3(feet.positions[i]);
+    normal = normalized(normal);
+    middle = middle / static_cast<double>(samples.size());
+    double least = 0, largest = 0;
+    for (const std::uint32_t i : samples) {
+      if (dot(Vec3(feet.normals[i]), normal) < kAlike) return false;
+      const double height = dot(Vec3(feet.positions[i]) - middle, normal);
+      least = std::min(least, height), largest = std::max(largest, height);
+      if (largest - least > kHeightOverGap * most) return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
+BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const std::optional<FlatSurface>& flat) {
+  const BallUnion& balls = surface.balls;
+  const std::span<const float> spacing = surface.spacings;
+  const std::optional<Flatness> flatness = flat ? std::optional(Flatness{flat->feet, flat->error}) : std::nullopt;
+  std::vector<float> radii = balls.radii;
+  for (float& r : radii) r *= static_cast<float>(kBlockReach);
+  // Of the partition, the supports themselves tell how fine it is: about four blocks across.
+  const auto spacing_at = [&](std::uint32_t i) {
+    return static_cast<double>(spacing.empty() ? balls.radii[i] / 4 : spacing[i]);
+  };
+  const BallTree near(balls.centers, radii);
+  const Box3& box = surface.bounds;
+  const Vec3 size = box.size();
+  const double edge = 1.02 * std::max({size.x, size.y, size.z});
+  const Vec3 middle = box.center();
+  BlockTree tree(middle - Vec3{edge, edge, edge} * 0.5, edge);
+  const auto divides = [&](std::size_t block, std::vector<std::uint32_t>& touched) {
+    const double e = tree.block_edge(block);
+    const auto touching = [&](double margin) {
+      const double half = (0.5 + margin) * e;
+      const Vec3 center = tree.block_center(block), h{half, half, half};
+      near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
+    };
+    touching(0);
+    if (touched.empty()) return false;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : touched) least = std::min(least, spacing_at(i));
+    const double finest = kBlockEdge * std::max(1.0, flat ? surface.smoothing : 0) * coarseness * least;
+    if (!flat) return e > finest;
+    if (e > kLargest * finest) return true;
+    touching(kFlatMargin);
+    // Smoothing leaves nothing finer along the surface, but does not make walls thicker. Sharp edges of wedges are
+    // placed better with triangles no finer than what the samples tell.
+    if (e <= finest) return e > kThinBlockEdge * coarseness * least && !surface.sharp && flatness->two_sided(touched);
+    return !flatness->holds(touched);
+  };
+  // Level by level: each block decides by itself.
+  std::vector<std::size_t> level{0}, next;
+  for (int depth = 0; depth < kDeepest && !level.empty(); ++depth) {
+    std::vector<std::uint8_t> divided(level.size());
+    parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
+      std::vector<std::uint32_t> touched;
+      for (std::size_t i = first; i < last; ++i) divided[i] = divides(level[i], touched);
+    });
+    next.clear();
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (!divided[i]) continue;
+      const std::size_t first = tree.subdivide(level[i]);
+      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
+    }
+    level.swap(next);
+  }
+  return tree;
+}
+
+}  // namespace sansmesh

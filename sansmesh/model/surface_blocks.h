@@ -1,0 +1,33 @@
+// Blocks for the polygonisation of a surface of samples.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/field/ball_union.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+/// What is known of a surface of samples without asking its field.
+struct SurfaceSupport {
+  const BallUnion& balls;
+  std::span<const float> spacings;  ///< around the centres (length); none where the balls tell how fine the surface is
+  Box3 bounds;
+  double smoothing = 0;  ///< median width of the weights over the spacing
+  bool sharp = false;    ///< vertices are placed on sharp edges
+};
+
+/// Where large triangles would do.
+struct FlatSurface {
+  const PointSet& feet;  ///< of the balls' centres, with normals
+  double error;          ///< accepted gap between surface and triangles, on average (length)
+};
+
+/// As fine as the samples near them, times `coarseness`; with `flat` larger where the surface is a single sheet and
+/// flat, and no finer than the weights are wide.
+BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const std::optional<FlatSurface>& flat = {});
+
+}  // namespace sansmesh

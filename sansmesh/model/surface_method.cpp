@@ -1,0 +1,25 @@
+#include "sansmesh/model/surface_method.h"
+
+#include <algorithm>
+
+#include "sansmesh/model/methods/own_surface_methods.h"
+
+namespace sansmesh {
+
+bool SurfaceMethod::uses_option(std::string_view option) const {
+  return std::find(uses.begin(), uses.end(), option) != uses.end();
+}
+
+Registry<SurfaceMethod>& SurfaceMethod::registry() {
+  static Registry<SurfaceMethod> methods("surface", own_surface_methods());
+  return methods;
+}
+
+std::string surfaces_that_use(std::string_view option) {
+  std::string text;
+  for (const SurfaceMethod* const method : SurfaceMethod::registry().all())
+    if (method->uses_option(option)) text += (text.empty() ? "" : ", ") + std::string(method->name);
+  return text;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,111 @@
+#include "sansmesh/model/surface_options.h"
+
+#include <fmt/core.h>
+
+#include <string_view>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/model/surface_method.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+namespace {
+
+/// Orders of the approximation as words.
+struct OrderWords {
+  static constexpr auto kind = OptionKind::choice;
+  static OptionValue get(int order) { return static_cast<std::int64_t>(order % 2 == 0 ? order / 2 - 1 : -1); }
+  static int from(const OptionValue& value) { return 2 * (static_cast<int>(std::get<std::int64_t>(value)) + 1); }
+};
+
+/// Polynomials, whose enumerators begin at 1, as words.
+struct PolynomialWords {
+  using Polynomial = SurfaceOptions::Polynomial;
+  static constexpr auto kind = OptionKind::choice;
+  static OptionValue get(Polynomial p) { return static_cast<std::int64_t>(p) - 1; }
+  static Polynomial from(const OptionValue& value) {
+    return static_cast<Polynomial>(std::get<std::int64_t>(value) + 1);
+  }
+};
+
+constexpr std::string_view kSharp[] = {"bilateral", "laguerre"};
+constexpr std::string_view kWeights[] = {"compact", "gaussian"};
+constexpr std::string_view kOrders[] = {"2", "4", "6"};
+constexpr std::string_view kNormals[] = {"standard", "covariance", "iterated"};
+constexpr std::string_view kPlanes[] = {"iterated", "nonlinear"};
+constexpr std::string_view kPolynomials[] = {"1", "2", "3", "4", "incomplete"};
+constexpr std::string_view kFlows[] = {"fit", "normal", "free"};
+constexpr std::string_view kDiffusions[] = {"none", "soft", "hard"};
+
+constexpr OptionRow kRows[] = {
+    option<&SurfaceOptions::method>({.text = "The surface, by name"}),
+    option<&SurfaceOptions::sharp>(
+        {.text = "Edges and corners: normals that turn sharply, with bilateral or laguerre weights",
+         .choices = kSharp,
+         .implied = "bilateral"}),
+    option<&SurfaceOptions::smoothing>({.text = "Width of the weights over the spacing of the samples",
+                                        .unit = "ratio",
+                                        .from_data = "from data",
+                                        .range = {0.5, 20}}),
+    option<&SurfaceOptions::bandwidth>(
+        {.text = "Width of the weights as one length, in place of `smoothing`", .unit = "length", .range = positive()}),
+    option<&SurfaceOptions::weights>(
+        {.text = "compact: as wide as the spacing asks for; gaussian: exp(-d^2/h^2) with one h for the cloud",
+         .choices = kWeights}),
+    option<&SurfaceOptions::order, OrderWords>(
+        {.text = "Order of the approximation", .unit = "order", .from_data = "from data", .choices = kOrders}),
+    option<&SurfaceOptions::iterations>(
+        {.text = "0 smooths most, many interpolate", .from_data = "from data", .range = {0, 100}}),
+    option<&SurfaceOptions::epsilon>(
+        {.text = "Shape parameter beside the width", .from_data = "1", .range = {0.05, 20}}),
+    option<&SurfaceOptions::normal>(
+        {.text = "covariance (adamson): the direction of least weighted covariance; iterated (amls): the normals "
+                 "approximated as the values are",
+         .choices = kNormals}),
+    option<&SurfaceOptions::plane>(
+        {.text = "The plane by weights about its own foot, six times, or by nonlinear minimisation",
+         .choices = kPlanes}),
+    option<&SurfaceOptions::polynomial, PolynomialWords>(
+        {.text = "Degree over the plane, or incomplete: x^2, y^2, xy, 1", .unit = "degree", .choices = kPolynomials}),
+    option<&SurfaceOptions::flow>(
+        {.text = "Onto the surface by the fit, or by diffusion to its fixed point, along the normal or free, which is "
+                 "slow and has no picture",
+         .choices = kFlows}),
+    option<&SurfaceOptions::diffusion>({.text = "How much less samples far off count", .choices = kDiffusions}),
+    option<&SurfaceOptions::threshold>({.text = "Curvature from which `diffusion` acts, over that of the width",
+                                        .from_data = "1",
+                                        .range = positive(),
+                                        .needs = "diffusion"}),
+    option<&SurfaceOptions::tau>(
+        {.text = "Exponent of the M-like weights", .unit = "exponent", .from_data = "2", .range = {1, 3}}),
+    option<&SurfaceOptions::separate_sheets>(
+        {.text = "Samples on the other side of a thin part count too", .negative = "no_sheets"}),
+    option<&SurfaceOptions::error>({.text = "Accepted distance of samples from the shape of their cell",
+                                    .unit = "length",
+                                    .from_data = "from data",
+                                    .range = positive()}),
+    option<&SurfaceOptions::depth>({.text = "Deepest level of the octree",
+                                    .unit = "level",
+                                    .from_data = "14",
+                                    .range = {kLeastDepth, kMostDepth}}),
+    option<&SurfaceOptions::smooth>({.text = "Do not look for edges and corners"})};
+constexpr OptionSchema kSchema{kRows};
+
+}  // namespace
+
+const OptionSchema& SurfaceOptions::schema() { return kSchema; }
+
+void SurfaceOptions::validate() const {
+  const SurfaceMethod& used = surface_method(method);
+  for (const std::string_view option : options_set(*this)) {
+    if (option == "method" || used.uses_option(option)) continue;
+    throw ArgumentError(
+        used.instead.empty()
+            ? fmt::format("`{}` belongs to {}, not to the surface {}", option, surfaces_that_use(option), used.name)
+            : fmt::format("`{}` means nothing to the surface {}: {}", option, used.name, used.instead));
+  }
+  validate_options(*this);
+  if (used.check) used.check(*this);
+}
+
+}  // namespace sansmesh

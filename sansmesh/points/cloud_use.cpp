@@ -1,0 +1,43 @@
+#include "sansmesh/points/cloud_use.h"
+
+#include <string>
+#include <string_view>
+
+#include "sansmesh/points/orient_words.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::string_view kFaces[] = {"auto", "ignore", "sample", "vertices"};
+constexpr std::string_view kNormals[] = {"auto", "given", "estimate"};
+
+/// Names and numbers of classes.
+struct ClassWords {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const PointClasses& classes) { return point_classes_text(classes); }
+  static PointClasses from(const OptionValue& value) { return parse_point_classes(std::get<std::string>(value)); }
+};
+
+constexpr OptionRow kRows[] = {
+    option<&CloudUse::faces>({.text = "Of a mesh: sample its faces, ignore them, take its vertices, however few, or "
+                                      "auto (sample where vertices are sparse)",
+                              .choices = kFaces}),
+    option<&CloudUse::normals>(
+        {.text = "Use given ones as they are, estimate new ones, or auto (turn given ones if need be)",
+         .choices = kNormals}),
+    option<&CloudUse::orient_by>(
+        {.text = "From what normals get their signs; auto: the first that is known", .choices = kOrientByWords}),
+    option<&CloudUse::align>({.text = "Move scans that do not quite fit together onto each other"}),
+    option<&CloudUse::remove_outliers>({.text = "Leave out samples that belong to no surface, such as strays"}),
+    option<&CloudUse::classes, ClassWords>(
+        {.text = "Only points of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)",
+         .unit = "classes",
+         .from_data = "all",
+         .name = "class"})};
+constexpr OptionSchema kSchema{kRows};
+
+}  // namespace
+
+const OptionSchema& CloudUse::schema() { return kSchema; }
+
+}  // namespace sansmesh

@@ -1,0 +1,83 @@
+#include "sansmesh/render/view_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::string_view kContent = "content";
+constexpr std::string_view kNamedViews[] = {"front", "back", "left", "right", "top", "bottom", "iso"};
+
+/// Four whole numbers with commas between them, the size at least 1.
+std::optional<PixelBox> pixel_box_of(std::string_view text) {
+  PixelBox box;
+  const char *at = text.data(), *const end = at + text.size();
+  for (int* const value : {&box.left, &box.top, &box.width, &box.height}) {
+    while (at != end && *at == ' ') ++at;
+    const auto [next, error] = std::from_chars(at, end, *value);
+    if (error != std::errc()) return std::nullopt;
+    at = next;
+    while (at != end && *at == ' ') ++at;
+    const bool last = value == &box.height;
+    if (*value < (value == &box.width || last ? 1 : 0) || (last ? at != end : at == end || *at++ != ','))
+      return std::nullopt;
+  }
+  return box;
+}
+
+}  // namespace
+
+std::string text_of_option(const PictureCrop& crop) {
+  if (!crop.box) return std::string(kContent);
+  return fmt::format("{},{},{},{}", crop.box->left, crop.box->top, crop.box->width, crop.box->height);
+}
+
+void option_of_text(std::string_view text, PictureCrop& crop) {
+  crop.box = pixel_box_of(text);
+  if (!crop.box && text != kContent)
+    throw ArgumentError(ArgumentFault{.field = {},
+                                      .value = "'" + printable(text, 60) + "'",
+                                      .allowed = "LEFT,TOP,WIDTH,HEIGHT in pixels, or " + std::string(kContent),
+                                      .remedy = {}});
+}
+
+const OptionSchema& ViewOptions::schema() {
+  using O = ViewOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::view>({.text = "front, back, left, right, top, bottom or iso", .choices = kNamedViews}),
+      option<&O::azimuth>({.text = "Degrees around the up axis; 0: the front", .unit = "degrees", .from_data = "35"}),
+      option<&O::elevation>({.text = "Degrees above the horizon", .unit = "degrees", .from_data = "20"}),
+      option<&O::z_up>({.text = "The z axis points up, not y"}),
+      option<&O::crop>({.text = "Part of the picture, LEFT,TOP,WIDTH,HEIGHT in pixels, or what is not background",
+                        .unit = "part",
+                        .implied = kContent})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+RenderOptions ViewOptions::applied_to(RenderOptions o) const {
+  validate_options(*this);
+  if (azimuth) o.view.azimuth = *azimuth;
+  if (elevation) o.view.elevation = *elevation;
+  if (view) o.view = named_view(std::string(kNamedViews[static_cast<std::size_t>(*view)]));
+  if (z_up) o.up = UpAxis::z;
+  if (crop && crop->box) check_crop(*crop->box, o.width, o.height);  // before all the work
+  return o;
+}
+
+void ViewOptions::check_frames(bool several) const {
+  if (several && crop && !crop->box)
+    throw ArgumentError("`crop` of several pictures needs LEFT,TOP,WIDTH,HEIGHT, so that all have one size");
+}
+
+Image ViewOptions::part_of(const Image& image, const RenderOptions& made_with) const {
+  if (!crop) return image;
+  return cropped(image, crop->box ? *crop->box : picture_content(image, made_with, std::max(2, image.height / 60)));
+}
+
+}  // namespace sansmesh

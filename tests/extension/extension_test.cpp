@@ -1,0 +1,105 @@
+// What a program adds to the library (a surface, a format, a job with its command) is in help, schema, reports and
+// results as what the library has itself.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cli/run_tool.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "support/clouds.h"
+
+namespace sansmesh::test {
+namespace {
+
+class Extension : public ToolTest {
+ protected:
+  const char* program() const override { return extended_tool(); }
+  nlohmann::json schema() const { return nlohmann::json::parse(run({"schema"}).out); }
+};
+
+const nlohmann::json* named(const nlohmann::json& list, const std::string& name) {
+  const auto found = std::find_if(list.begin(), list.end(), [&](const auto& entry) { return entry["name"] == name; });
+  return found == list.end() ? nullptr : &*found;
+}
+
+const nlohmann::json* option_of(const nlohmann::json& command, const std::string& name) {
+  for (const auto& option : command["options"])
+    for (const auto& spelled : option["names"])
+      if (spelled == name) return &option;
+  return nullptr;
+}
+
+TEST_F(Extension, SurfaceIsKnownEverywhere) {
+  write_points(path("ball.ply"), sphere(3000));
+  for (const char* command : {"reconstruct", "render", "project"}) {
+    const std::string help = run({command, "--help"}).out;
+    EXPECT_NE(help.find("shepard     tangent planes of the nearest samples"), std::string::npos) << command;
+  }
+  const nlohmann::json all = schema();
+  const nlohmann::json* const surface = named(all["surfaces"], "shepard");
+  ASSERT_NE(surface, nullptr);
+  EXPECT_EQ((*surface)["uses"], nlohmann::json::array({"sharp"}));
+  const nlohmann::json* const choice = option_of(*named(all["commands"], "reconstruct"), "--surface");
+  ASSERT_NE(choice, nullptr);
+  EXPECT_EQ((*choice)["choices"].back(), "shepard");
+
+  ASSERT_EQ(run({"reconstruct", "ball.ply", "-o", "mesh.ply", "--surface", "shepard"}).code, 0);
+  const TriangleMesh mesh = read_mesh(path("mesh.ply"));
+  EXPECT_TRUE(measure_topology(mesh).manifold());
+  for (const Vec3f& v : mesh.vertices) EXPECT_NEAR(norm(v), 1, 0.02);
+  EXPECT_EQ(json_of({"render", "ball.ply", "-o", "ball.png", "--surface", "shepard", "--sharp", "--size",
+                     "80"})["surface"]["method"],
+            "shepard");
+  EXPECT_EQ(run({"project", "ball.ply", "-o", "feet.ply", "--method", "shepard"}).code, 0);
+  const Outcome refused = run({"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "shepard", "--order", "2"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("--order belongs to amls, not to the surface shepard"), std::string::npos) << refused.err;
+}
+
+TEST_F(Extension, FormatIsReadAndWritten) {
+  const PointSet ball = sphere(500);
+  write_points(path("ball.ply"), ball);
+  ASSERT_EQ(run({"convert", "ball.ply", "-o", "ball.triples"}).code, 0);
+  EXPECT_EQ(json_of({"info", "ball.triples"})["format"], "triples");
+  ASSERT_EQ(run({"convert", "ball.triples", "-o", "again.xyz"}).code, 0);
+  const PointSet again = read_points(path("again.xyz"));
+  ASSERT_EQ(again.size(), ball.size());
+  for (std::size_t i = 0; i < ball.size(); ++i)
+    EXPECT_NEAR(norm(again.origin + Vec3(again.positions[i]) - Vec3(ball.positions[i])), 0, 1e-5);
+  // By its content, whatever it is called.
+  std::filesystem::rename(path("ball.triples"), path("ball.unheard"));
+  EXPECT_EQ(run({"info", "ball.unheard"}).code, 0);
+  write("torn.triples", "triples\npoint 1 2\n");
+  const Outcome torn = run({"info", "torn.triples"});
+  EXPECT_EQ(torn.code, 1);
+  EXPECT_NE(torn.err.find("torn.triples: a line is not 'point X Y Z'"), std::string::npos) << torn.err;
+
+  const nlohmann::json all = schema();
+  const nlohmann::json* const format = named(all["formats"], "triples");
+  ASSERT_NE(format, nullptr);
+  EXPECT_EQ((*format)["reads"], nlohmann::json::array({"points"}));
+}
+
+TEST_F(Extension, JobHasACommand) {
+  write("two.xyz", "0 0 0\n1 0 0\n");
+  EXPECT_NE(run({"help"}).out.find("\n  shift "), std::string::npos);
+  EXPECT_NE(run({"shift", "--help"}).out.find("--axis NAME"), std::string::npos);
+  const nlohmann::json all = schema();
+  const nlohmann::json* const command = named(all["commands"], "shift");
+  ASSERT_NE(command, nullptr);
+  const nlohmann::json* const axis = option_of(*command, "--axis");
+  ASSERT_NE(axis, nullptr);
+  EXPECT_EQ((*axis)["choices"], nlohmann::json::array({"x", "y", "z"}));
+  EXPECT_EQ((*axis)["usual"], "z");
+
+  EXPECT_EQ(json_of({"shift", "two.xyz", "-o", "moved.xyz", "--distance", "2.5", "--axis", "y"})["output"]["points"],
+            2);
+  const PointSet moved = read_points(path("moved.xyz"));
+  EXPECT_NEAR(moved.origin.y + static_cast<double>(moved.positions[0].y), 2.5, 1e-6);
+  const Outcome far = run({"shift", "two.xyz", "-o", "far.xyz", "--distance", "1e9"});
+  EXPECT_EQ(far.code, 2);
+  EXPECT_NE(far.err.find("--distance must lie in -1000000..1000000, not 1e9"), std::string::npos) << far.err;
+}
+
+}  // namespace
+}  // namespace sansmesh::test

@@ -1,0 +1,71 @@
+// A surface of a family of its own: mean of the tangent planes of the nearest samples (Shepard 1968).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/model/surface_method.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kNeighbours = 10;
+/// Of a sample that falls onto the place.
+constexpr double kLeastSquare = 1e-12;
+
+class ShepardPlanes : public ScalarField {
+ public:
+  explicit ShepardPlanes(std::shared_ptr<const SurfaceSamples> samples) : samples_(std::move(samples)) {}
+
+  Box3 bounds() const override {
+    Box3 box;
+    for (const Vec3f& p : samples_->positions) box.extend(Vec3(p));
+    const double margin = 4 * samples_->median_spacing;
+    return {box.lower - Vec3{margin, margin, margin}, box.upper + Vec3{margin, margin, margin}};
+  }
+
+  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
+    parallel_for(0, x.size(), 256, [&](std::size_t i) {
+      std::array<Neighbour, kNeighbours> near;
+      const std::size_t n = samples_->tree.nearest(Vec3f(x[i]), near);
+      double weights = 0, value = 0;
+      Vec3 normal;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double w = 1 / std::max(static_cast<double>(near[k].squared_distance), kLeastSquare);
+        const Vec3 own(samples_->normals[near[k].index]);
+        weights += w, value += w * dot(own, x[i] - Vec3(samples_->positions[near[k].index])), normal += own * w;
+      }
+      values[i] = value / weights;
+      if (!gradients.empty()) gradients[i] = normal / weights;
+    });
+  }
+
+ private:
+  std::shared_ptr<const SurfaceSamples> samples_;
+};
+
+SurfaceParts make_shepard(PreparedCloud& cloud, const SurfaceOptions&, Progress& progress) {
+  const auto samples = std::make_shared<const SurfaceSamples>(prepare_samples(cloud.points, progress, cloud.noise));
+  SurfaceParts parts;
+  parts.field = std::make_shared<const ShepardPlanes>(samples);
+  parts.samples = samples;
+  parts.spacings = samples->spacing;
+  parts.support.centers = samples->positions;
+  for (const float s : samples->spacing) parts.support.radii.push_back(static_cast<float>(default_reach(*samples)) * s);
+  parts.spacing = samples->median_spacing, parts.noise = samples->noise;
+  return parts;
+}
+
+constexpr std::string_view kUses[] = {"sharp"};
+
+const Registered<SurfaceMethod> shepard({.name = "shepard",
+                                         .summary = "tangent planes of the nearest samples, weighted by their distance",
+                                         .page = "implicit-surfaces.md",
+                                         .make = make_shepard,
+                                         .uses = kUses});
+
+}  // namespace
+}  // namespace sansmesh
