@@ -106,7 +106,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   Json json = {{"input", json_of_volume(input, volume, console.progress())}};
   if (offer.values) {
     const VolumeTraits& t = offer.traits;
-    const std::string name(info_of(offer.suited.method).name);
+    const std::string& name = offer.suited.method;
     console.say(fmt::format("{}: {} of {} ({}{})", volume.name(), counted(t.samples, "sample"), volume.array_name(),
                             samples->facts.grid, offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""));
     say_traits(t, console);

@@ -48,7 +48,7 @@ void describe_array(const DatasetArray& a, Console& console, Json& list) {
 /// The reconstruction that a fitted volume holds.
 void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
   const ReconstructionOptions& o = fitted.chosen;
-  const std::string_view method = info_of(o.method.value()).name;
+  const std::string_view method = o.method.value();
   std::string options;
   const auto add = [&](const char* name, const auto& value) {
     if (value) options += fmt::format("{}{} {}", options.empty() ? "" : ", ", name, *value);

@@ -56,7 +56,7 @@ void add_volume_array(CommandLine& c, VolumeInput& input) {
 
 std::string method_line(const VolumeModel& volume) {
   const ReconstructionReport& r = volume.report();
-  return fmt::format("{}: by {}{}", volume.array_name(), info_of(r.options.method.value()).name,
+  return fmt::format("{}: by {}{}", volume.array_name(), r.options.method.value(),
                      r.why.empty() ? "" : ", since it is " + r.why);
 }
 
@@ -65,7 +65,7 @@ Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& pro
   Json json = input.json();
   json["format"] = volume.dataset().format();
   json["array"] = volume.choice().array;
-  if (r.options.method) json["method"] = info_of(*r.options.method).name;
+  if (r.options.method) json["method"] = *r.options.method;
   if (!r.why.empty()) json["why"] = r.why;
   const auto samples = volume.samples(progress);
   json["samples"] = samples->size();

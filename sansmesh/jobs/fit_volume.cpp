@@ -22,7 +22,7 @@ FitVolumeResult fit_volume(VolumeModel& volume, const FitVolumeOptions& options,
   if (result.fitted.coefficients.empty())
     result.notes.push_back({.code = "no_coefficients",
                             .text = fmt::format("{} has no coefficients to keep: the samples alone are kept",
-                                                info_of(*result.fitted.chosen.method).name),
+                                                *result.fitted.chosen.method),
                             .remedy = {},
                             .severity = Note::Severity::information,
                             .of = volume.name()});

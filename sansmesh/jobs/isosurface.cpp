@@ -41,8 +41,7 @@ void carry_along(const std::vector<std::string>& wanted, VolumeModel& volume, Vo
   for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
   for (const std::string& name : wanted) {
     ReconstructionOptions options;
-    options.method =
-        is_real(volume.dataset().array(name).type) ? ReconstructionMethod::linear : ReconstructionMethod::nearest;
+    options.method = is_real(volume.dataset().array(name).type) ? "linear" : "nearest";
     const auto field = volume.naming([&] { return volume.dataset().field({name, {}, false}, options, progress); });
     std::vector<double> values(x.size() * field->components());
     field->evaluate(x, {values, {}, {}, {}});

@@ -10,7 +10,7 @@
 namespace sansmesh {
 
 struct ReconstructionChoice {
-  ReconstructionMethod method = ReconstructionMethod::mls_detail;
+  std::string method = "mls-detail";
   std::string why;  ///< a sentence without an end
 };
 

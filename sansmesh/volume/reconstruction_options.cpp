@@ -1,17 +1,20 @@
 #include "sansmesh/volume/reconstruction_options.h"
 
+#include <string>
+
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/schema/registry_words.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 
 const OptionSchema& ReconstructionOptions::schema() {
   using O = ReconstructionOptions;
-  static constexpr OptionRow rows[] = {
-      option<&O::method>(
-          {.text = "Reconstruction between samples: nearest, linear, shepard, sibson, mean-value, cubic, sinc, "
-                   "lagrange, rbf, bernstein, mls, mls-detail, amls",
-           .from_data = "from grid, resolution and noise",
-           .choices = kReconstructionWords}),
+  using Words = RegistryWords<VolumeMethod>;
+  static const std::string method = "Reconstruction between samples: " + VolumeMethod::registry().names();
+  static const OptionRow rows[] = {
+      option<&O::method, Words>(
+          {.text = method, .from_data = "from grid, resolution and noise", .choices = Words::names()}),
       option<&O::degree>({.text = "Highest degree of polynomials: up to 4 of mls and mls-detail, from 1 of lagrange",
                           .unit = "degree",
                           .range = {.least = 0, .most = 5},
@@ -35,7 +38,7 @@ const OptionSchema& ReconstructionOptions::schema() {
                      .range = {.least = 0, .most = 1},
                      .needs = "method"}),
   };
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,39 +11,18 @@
 
 namespace sansmesh {
 
-enum class ReconstructionMethod : std::uint8_t {
-  nearest,     ///< the value of the nearest sample
-  linear,      ///< that of the grid itself: trilinear, barycentric, …
-  shepard,     ///< inverse squared distances
-  sibson,      ///< natural neighbours
-  mean_value,  ///< mean value coordinates in the cell
-  cubic,       ///< the BC family; uniform and rectilinear grids
-  sinc,        ///< windowed; uniform grids
-  lagrange,    ///< polynomials through samples in each direction; uniform and rectilinear grids
-  rbf,         ///< radial basis functions of compact support
-  bernstein,   ///< splines in Bernstein–Bézier form on tetrahedra
-  mls,         ///< moving least squares about each point
-  mls_detail,  ///< robust local polynomials of adaptive degree, blended
-  amls         ///< approximate moving least squares: ellipsoidal, normalised, iterated
-};
-
-/// As users write them, in the order of the enumerators.
-inline constexpr std::string_view kReconstructionWords[] = {"nearest", "linear",     "shepard",  "sibson", "mean-value",
-                                                            "cubic",   "sinc",       "lagrange", "rbf",    "bernstein",
-                                                            "mls",     "mls-detail", "amls"};
-
 /// What is absent is chosen from the data. Without a method nothing else may be set.
 struct ReconstructionOptions {
-  std::optional<ReconstructionMethod> method = {};
-  std::optional<int> degree = {};      ///< mls, mls_detail: highest degree of polynomials, 0..4; lagrange: 1..5
-  std::optional<int> iterations = {};  ///< amls: times that residuals are added, 0..100
-  std::optional<double> shape = {};    ///< amls: ε, 0.05..10: small is smooth
-  std::optional<int> order = {};       ///< amls: 2, 4 or 6
-  std::optional<double> radius = {};   ///< mls, rbf, shepard: in spacings, 1..10
+  std::optional<std::string> method = {};  ///< a name of VolumeMethod::registry()
+  std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
+  std::optional<int> iterations = {};      ///< amls: times that residuals are added, 0..100
+  std::optional<double> shape = {};        ///< amls: ε, 0.05..10: small is smooth
+  std::optional<int> order = {};           ///< amls: 2, 4 or 6
+  std::optional<double> radius = {};       ///< mls, rbf, shepard: in spacings, 1..10
   /// amls: balls about the samples, as wide as their farthest neighbour is away, in place of ellipsoids; for
   /// comparison. Not for lattices (uniform and rectilinear grids), whose supports follow their steps.
   std::optional<bool> spherical = {};
-  std::optional<bool> robust = {};  ///< mls_detail: weights that leave steps between materials sharp
+  std::optional<bool> robust = {};  ///< mls-detail: weights that leave steps between materials sharp
   double b = 0, c = 0.5;            ///< cubic: B and C, 0..1 each; Catmull–Rom
 
   static const OptionSchema& schema();

@@ -17,7 +17,7 @@ std::shared_ptr<const VolumeField> linear_field(GridData data) {
   VolumeDataset dataset(std::move(data));
   Progress progress;
   ReconstructionOptions options;
-  options.method = ReconstructionMethod::linear;
+  options.method = "linear";
   return dataset.field({"f", {}, false}, options, progress);
 }
 

@@ -27,7 +27,7 @@ const double kBall = 4.0 / 3 * std::numbers::pi * std::pow(0.3, 3);
 
 VolumeModelOptions linear() {
   VolumeModelOptions options;
-  options.reconstruction.method = ReconstructionMethod::linear;
+  options.reconstruction.method = "linear";
   return options;
 }
 
