@@ -15,12 +15,12 @@ namespace {
 
 using Method = std::string;  // its name
 
-constexpr Method kOnAllGrids[] = {"shepard", "sibson", "mean-value", "rbf", "bernstein"};
-constexpr Method kOnLattices[] = {"cubic", "lagrange"};
+const Method kOnAllGrids[] = {"shepard", "sibson", "mean-value", "rbf", "bernstein"};
+const Method kOnLattices[] = {"cubic", "lagrange"};
 
 double smooth(const Vec3& x) { return std::sin(2 * x.x + 0.3) * std::cos(1.7 * x.y) + std::exp(-x.z) * x.x; }
 
-bool suits(Method method, const SampledVolume& volume) {
+bool suits(const Method& method, const SampledVolume& volume) {
   if (method == "sinc") return volume.lattice && volume.lattice->uniform;
   if (method == "cubic" || method == "lagrange") return volume.lattice.has_value();
   return true;
@@ -31,7 +31,7 @@ template <class Visit>
 void for_each_field(const VolumeFunction& f, std::span<const Method> methods, const Visit& visit) {
   for (const NamedGrid& grid : all_grids(f)) {
     const auto volume = volume_of(grid.data, grid.association);
-    for (const Method method : methods)
+    for (const Method& method : methods)
       if (suits(method, *volume)) {
         const std::string name = method + ", " + grid.name;
         SCOPED_TRACE(name);
@@ -64,7 +64,7 @@ TEST(ClassicFields, ReproduceConstants) {
 }
 
 TEST(ClassicFields, ReproduceStraightFunctions) {
-  for_each_field(linear_function, std::vector{"mean-value", "rbf", "bernstein", "cubic", "lagrange"},
+  for_each_field(linear_function, std::vector<Method>{"mean-value", "rbf", "bernstein", "cubic", "lagrange"},
                  [](const SampledVolume& volume, const VolumeField& field, Method) {
                    const auto x = places_within(volume, 100);
                    std::vector<double> values(x.size());
@@ -160,7 +160,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
         x.push_back(at + across);
       }
     }
-    for (const Method method : kOnAllGrids) {
+    for (const Method& method : kOnAllGrids) {
       SCOPED_TRACE(method);
       std::vector<double> values(x.size());
       std::vector<std::uint8_t> inside(x.size());
@@ -214,7 +214,7 @@ TEST(ClassicFields, AnswersDoNotDependOnWhatIsAskedFor) {
         const Vec3 u{kAlong[i % 5], kAlong[i / 5 % 5], kAlong[i / 25]};
         x.push_back(box.lower + Vec3{u.x * box.size().x, u.y * box.size().y, u.z * box.size().z});
       }
-      for (const Method method : all) {
+      for (const Method& method : all) {
         if (!suits(method, *volume)) continue;
         SCOPED_TRACE(method);
         const auto field = field_of(volume, method);
@@ -235,7 +235,7 @@ TEST(ClassicFields, AnswersDoNotDependOnWhatIsAskedFor) {
 }
 
 TEST(ClassicFields, AnswersDependOnThePointAlone) {
-  for (const Method method : all_of_them()) {
+  for (const Method& method : all_of_them()) {
     SCOPED_TRACE(method);
     const auto volume =
         volume_of(suits(method, *volume_of(o_grid({9, 4, 4}, smooth))) ? o_grid({17, 5, 6}, smooth)
@@ -272,7 +272,7 @@ TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
     block.point_arrays.set("v", std::move(vectors), 3);
     const auto volume = volume_of(data);
     const auto x = places_within(*volume, 50);
-    for (const Method method : all_of_them()) {
+    for (const Method& method : all_of_them()) {
       if (!suits(method, *volume)) continue;
       SCOPED_TRACE(method);
       Progress progress;
@@ -309,7 +309,7 @@ TEST(ClassicFields, SamplesInCellsReachTheSurface) {
       return most;
     };
     const double linear = worst("linear");
-    for (const Method method : {"sibson", "mean-value", "bernstein", "rbf"})
+    for (const Method& method : {"sibson", "mean-value", "bernstein", "rbf"})
       EXPECT_LT(worst(method), 2 * linear) << method;
   }
 }
@@ -342,7 +342,7 @@ TEST(ClassicFields, ErrorsFallAtTheirOrder) {
 
 // Weights are relative to the steps: what is stretched along an axis is reconstructed alike.
 TEST(ClassicFields, LocalMethodsFollowStretchedCells) {
-  for (const Method method : {"shepard", "rbf", "mean-value", "bernstein"}) {
+  for (const Method& method : {"shepard", "rbf", "mean-value", "bernstein"}) {
     SCOPED_TRACE(method);
     const auto stretch = [](const Vec3& p) { return Vec3{p.x, p.y, p.z * 1e-3}; };
     const auto at = [](const Vec3& p) { return smooth({p.x, p.y, p.z * 1e3}); };
@@ -363,7 +363,7 @@ TEST(ClassicFields, NameTheGridsAndRangesThatTheyNeed) {
   Progress progress;
   const auto bent = volume_of(bent_grid({4, 4, 4}, smooth)), lattice = volume_of(lattice_grid({4, 4, 4}, smooth)),
              stretched = volume_of(stretched_grid({4, 4, 4}, smooth));
-  for (const Method method : {"cubic", "sinc", "lagrange"}) EXPECT_THROW(field_of(bent, method), ArgumentError);
+  for (const Method& method : {"cubic", "sinc", "lagrange"}) EXPECT_THROW(field_of(bent, method), ArgumentError);
   EXPECT_THROW(field_of(stretched, "sinc"), ArgumentError);
   ReconstructionOptions options;
   options.method = "lagrange";
