@@ -138,7 +138,7 @@ TEST(InfoJob, TellsOfAFunction) {
 
 SolidModel solid_of(const std::string& expression) {
   Progress progress;
-  return read_solid(expression, {}, progress);
+  return read_solid(expression, progress);
 }
 
 TEST(CsgJob, KeepsAllPartsOfSolidsWithoutFunctions) {

@@ -22,7 +22,7 @@ PictureObject ball(const std::string& name = "ball.ply") {
   return {.name = name, .title = name, .points = ball_mesh(4)};
 }
 
-PictureObject cloud() { return {.name = "cloud.ply", .title = "cloud", .points = sphere(800)}; }
+PictureObject cloud_object() { return {.name = "cloud.ply", .title = "cloud", .points = sphere(800)}; }
 
 PictureObject function_object() {
   Progress progress;
@@ -71,7 +71,7 @@ TEST(RenderJob, DrawsEachKindInItsWay) {
   EXPECT_GT(function.result.report.rays->hits, 100u);
   PictureOptions splats = small();
   splats.splats = 3000;
-  EXPECT_NEAR(static_cast<double>(*pictures_of({cloud()}, splats).result.report.splats), 3000, 500);
+  EXPECT_NEAR(static_cast<double>(*pictures_of({cloud_object()}, splats).result.report.splats), 3000, 500);
   PictureOptions turning = small();
   turning.frames = 3;
   const Pictures turned = pictures_of({ball()}, turning);
@@ -103,7 +103,7 @@ TEST(RenderJob, ObjectsHaveColorsOfTheirOwnAndAList) {
 TEST(RenderJob, LinesOfACloudAreThoseOfItsSurface) {
   PictureOptions options = small();
   options.look.lines = RenderOptions::Lines::only;
-  EXPECT_TRUE(pictures_of({cloud()}, options).result.report.surface);
+  EXPECT_TRUE(pictures_of({cloud_object()}, options).result.report.surface);
   EXPECT_FALSE(pictures_of({ball()}, options).result.report.surface);
   // Points of a plane make none.
   PictureObject plane{.name = "plane.xyz"};
@@ -115,7 +115,7 @@ TEST(RenderJob, LinesOfACloudAreThoseOfItsSurface) {
 TEST(RenderJob, NotesWhatIsLeftOut) {
   PictureOptions options = small();
   options.cloud.remove_outliers = true;
-  PictureObject stray = cloud();
+  PictureObject stray = cloud_object();
   stray.points = joined(sphere(2000), sphere(10), 0.05f, {4, 0, 0});
   const RenderResult made = pictures_of({stray}, options).result;
   ASSERT_TRUE(has_note(made.notes, "outliers"));
@@ -150,7 +150,7 @@ TEST(RenderJob, RefusesWhatWouldNotBeHeeded) {
   names("plain", {ball()}, o);
   o = small(), o.look.smooth = false;
   names("smooth = false", {function_object()}, o);
-  names("smooth = false", {cloud()}, o);
+  names("smooth = false", {cloud_object()}, o);
   o = small(), o.look.point_radius = 0.1;
   names("point_radius", {ball()}, o);
   o = small(), o.names = {"one"};
@@ -163,16 +163,16 @@ TEST(RenderJob, RefusesWhatWouldNotBeHeeded) {
   names("opacity", {ball()}, o);
   o = small(), o.color_by = "mean";
   names("color_by", {ball()}, o);
-  names("color_by", {ball(), cloud()}, o);
+  names("color_by", {ball(), cloud_object()}, o);
   o = small(), o.unit = "mm";
   names("unit", {ball()}, o);
   o = small(), o.value_range = {1, 0}, o.color_by = "height";
   names("value_range", {ball()}, o);
   o = small(), o.rays = RayStart::march;
-  names("rays", {cloud()}, o);
+  names("rays", {cloud_object()}, o);
   o = small(), o.surface = SurfaceOptions{};
   names("surface", {function_object()}, o);
-  names("surface", {cloud(), cloud()}, o);
+  names("surface", {cloud_object(), cloud_object()}, o);
   o = small(), o.frames = 0;
   names("frames", {ball()}, o);
   o = small(), o.opacities = {0.5}, o.look.lines = RenderOptions::Lines::over;
