@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -314,6 +315,10 @@ Command add_deform(CommandLine& app) {
   const char* const volumes = "Volumes";
   c.add_flag("--all-arrays", a.all_arrays, "All arrays of the same samples (.vti)").group(volumes);
   add_schema(c, a.options, {.group = volumes, .only = {"size", "outside", "map_nodes"}});
+  c.add_flag_callback(
+       "--nan", [&a] { a.options.lattice.outside = std::numeric_limits<double>::quiet_NaN(); },
+       "Values outside of the volume are NaN: --outside nan")
+      .group(volumes);
   a.colors.add_options(c, volumes);
   c.add_option("--clip", a.clips, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")
