@@ -36,8 +36,8 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   const FlowModel flow = a.input.open(console);
   check_colors(flow, a.options);
   std::vector<std::string> files;
-  const auto write = [&](int frame, const Image& image, const RenderOptions& made_with) {
-    files.push_back(a.options.frames ? frame_name(a.output, static_cast<std::size_t>(frame)) : a.output);
+  const auto write = [&](std::size_t frame, const Image& image, const RenderOptions& made_with) {
+    files.push_back(a.options.frames ? frame_name(a.output, frame) : a.output);
     if (files.size() > 1) console.keep_frames();
     a.picture.write(files.back(), image, made_with);
   };

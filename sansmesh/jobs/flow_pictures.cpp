@@ -338,7 +338,7 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
         throw flow.error(error);
       }
     }();
-    use(k, image, pictures.look());
+    use(static_cast<std::size_t>(k), image, pictures.look());
   }
   return pictures.result();
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "sansmesh/data/image.h"
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/flow_surface.h"
+#include "sansmesh/jobs/use_picture.h"
 #include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/render_options.h"
@@ -60,8 +60,6 @@ struct FlowPicturesResult {
 /// Throws ArgumentError for what the flow has not, before long work.
 void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
 
-/// Called for each picture, in their order, with the options that it was made with beside its bars.
-using UsePicture = std::function<void(int frame, const Image& image, const RenderOptions& made_with)>;
 /// `beside`: what stands in the same picture. Throws ArgumentError for bad options, DataError that begins with the
 /// flow's source; Cancelled.
 FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,

@@ -1,8 +1,7 @@
-// Pictures as they are handed over, and what is told of them.
+// Report on pictures of surfaces, points and meshes.
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "sansmesh/core/note.h"
 #include "sansmesh/data/image.h"
 #include "sansmesh/jobs/picture_options.h"
+#include "sansmesh/jobs/use_picture.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/surface_caster.h"
 
@@ -34,8 +34,5 @@ struct RenderResult {
   /// "surface": what there is to say of a surface without a mesh; "outliers": samples that were left out.
   std::vector<Note> notes;
 };
-
-/// Takes a picture as it is made, from frame 0 on; `look` is what it was made with.
-using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& look)>;
 
 }  // namespace sansmesh

@@ -1,0 +1,15 @@
+// Pictures as they are handed over.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "sansmesh/data/image.h"
+#include "sansmesh/render/render_options.h"
+
+namespace sansmesh {
+
+/// Takes a picture as it is made, from frame 0 on; `look` is what it was made with.
+using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& look)>;
+
+}  // namespace sansmesh
